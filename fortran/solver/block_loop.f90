@@ -1,29 +1,29 @@
-!> The contact loop in blocks: many pairs enter at once, pairs with tensile forces leave at once.
+!> Block active-set method: many pairs enter at once, pairs with tensile forces leave at once.
 !>
-!> It is fast if the contact grows by whole regions, as on flanks. Its energy need not decrease, so
-!> it is monitored: if the number of pairs with tensile forces or penetration has not decreased
-!> within a few steps, it gives up, and the caller continues with single pairs from there.
+!> The stored energy need not decrease. The loop ends without a state if the number of pairs with
+!> tensile forces or penetration does not decrease within `stall_limit` steps; the caller continues
+!> with single pairs from there.
 module flankload_block_loop
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
     use flankload_contact_problem, only: contact_problem, contact_gaps, least_row_sizes, &
         & row_tolerance
-    use flankload_bordered_system, only: append_block, append_pair
-    use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm, shed_pulling
-    use flankload_final_refinement, only: finish
+    use flankload_bordered_system, only: append_pairs
+    use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm, drop_tensile
+    use flankload_final_refinement, only: refine_final
     use flankload_coarse_problem, only: make_coarse, refine_pairs, cell
     implicit none
     private
 
-    public :: block_loop, settle_blocks
+    public :: block_loop, iterate_blocks
 
     !> Pairs that may enter at once, as a fraction of the pairs in contact. A larger fraction would
     !> admit too many, and a pair that leaves early takes the tail of the factor with it.
-    real(wp), parameter :: joining_part = 0.5_wp
+    real(wp), parameter :: entering_part = 0.5_wp
     !> Number of pairs that may always enter at once.
-    integer, parameter :: joining_at_least = 16
+    integer, parameter :: entering_at_least = 16
     !> Steps within which the number of wrong pairs must fall
-    integer, parameter :: patience = 5
+    integer, parameter :: stall_limit = 5
     !> Minimum number of pairs of a coarser problem; a larger one is started from a still coarser
     !> one.
     integer, parameter :: least_coarse = 8
@@ -32,8 +32,8 @@ module flankload_block_loop
 contains
 
     !> Run the loop.
-    pure recursive subroutine block_loop(problem, compliance, warm_pairs, cascade, state, settled, &
-        & error)
+    pure recursive subroutine block_loop(problem, compliance, warm_pairs, cascade, state, &
+        & converged, error)
         !> The problem; its motions are measured from the start that is chosen here
         type(contact_problem), intent(inout) :: problem
         !> K, shape (n, n)
@@ -45,55 +45,55 @@ contains
         !> The state; if the loop gave up, its pairs are the start for the next loop
         type(loop_state), intent(out) :: state
         !> False where the loop gave up
-        logical, intent(out) :: settled
+        logical, intent(out) :: converged
         !> The loads cannot be held, or a motion is unconstrained
         type(error_type), allocatable, intent(out) :: error
 
-        integer, allocatable :: first(:), begin(:)
+        integer, allocatable :: first(:), start_pairs(:)
         real(wp), allocatable :: first_forces(:)
         logical :: ready
 
-        settled = .false.
+        converged = .false.
         call start_loop(problem, first, first_forces, state, error)
         if (allocated(error)) return
         ready = .false.
-        begin = warm_pairs
-        if (cascade .and. size(begin) == 0 .and. problem%n >= cell*least_coarse) then
-            begin = coarse_guess(problem, compliance)
+        start_pairs = warm_pairs
+        if (cascade .and. size(start_pairs) == 0 .and. problem%n >= cell*least_coarse) then
+            start_pairs = coarse_guess(problem, compliance)
         end if
-        if (size(begin) > 0) call start_warm(problem, compliance, begin, state, ready)
+        if (size(start_pairs) > 0) call start_warm(problem, compliance, start_pairs, state, ready)
         if (.not. ready) call start_cold(problem, compliance, first, first_forces, state, ready)
-        if (ready) call settle_blocks(problem, compliance, state, settled)
+        if (ready) call iterate_blocks(problem, compliance, state, converged)
     end subroutine block_loop
 
     !> Iterate from any pairs that hold the loads to the state of contact.
-    pure subroutine settle_blocks(problem, compliance, state, settled)
+    pure subroutine iterate_blocks(problem, compliance, state, converged)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
         !> False where the loop gave up
-        logical, intent(out) :: settled
+        logical, intent(out) :: converged
 
-        integer, allocatable :: joining(:)
+        integer, allocatable :: entering(:)
         logical :: ready, done
         integer :: wrong, fewest, since, one
 
-        settled = .false.
+        converged = .false.
         ready = .true.
         fewest = huge(1)
         since = 0
         do while (ready)
-            call shed_pulling(problem, compliance, state, wrong, ready)
+            call drop_tensile(problem, compliance, state, wrong, ready)
             if (.not. ready) return
-            call open_pairs(problem, compliance, state, joining)
-            wrong = wrong + size(joining)
-            if (size(joining) == 0) then
-                call finish(problem, compliance, state, one, done)
-                settled = done .and. one == 0
-                if (settled) return
-                if (one > 0) joining = [one]
+            call penetrating_pairs(problem, compliance, state, entering)
+            wrong = wrong + size(entering)
+            if (size(entering) == 0) then
+                call refine_final(problem, compliance, state, one, done)
+                converged = done .and. one == 0
+                if (converged) return
+                if (one > 0) entering = [one]
                 wrong = 1
             end if
             since = since + 1
@@ -101,10 +101,10 @@ contains
                 fewest = wrong
                 since = 0
             end if
-            if (since >= patience) return
-            call let_join(problem, compliance, joining, state, ready)
+            if (since >= stall_limit) return
+            call add_entering(problem, compliance, entering, state, ready)
         end do
-    end subroutine settle_blocks
+    end subroutine iterate_blocks
 
     !> Pairs in contact in a coarser problem; none if it does not converge.
     pure recursive function coarse_guess(problem, compliance) result(pairs)
@@ -117,25 +117,25 @@ contains
         type(loop_state) :: state
         type(error_type), allocatable :: error
         real(wp), allocatable :: coarse_compliance(:, :)
-        logical :: settled
+        logical :: converged
 
         allocate (pairs(0))
         call make_coarse(problem, compliance, coarse, coarse_compliance)
-        call block_loop(coarse, coarse_compliance, pairs, coarse%n >= many_coarse, state, settled, &
-            & error)
-        if (allocated(error) .or. .not. settled) return
+        call block_loop(coarse, coarse_compliance, pairs, coarse%n >= many_coarse, state, &
+            & converged, error)
+        if (allocated(error) .or. .not. converged) return
         pairs = refine_pairs(problem%n, state%system%pairs, state%forces(state%system%pairs))
     end function coarse_guess
 
     !> The penetrating pairs; their gaps are computed here.
-    pure subroutine open_pairs(problem, compliance, state, joining)
+    pure subroutine penetrating_pairs(problem, compliance, state, entering)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
         !> The pairs that penetrate beyond rounding
-        integer, allocatable, intent(out) :: joining(:)
+        integer, allocatable, intent(out) :: entering(:)
 
         integer :: i
         logical, allocatable :: active(:)
@@ -146,12 +146,12 @@ contains
         call least_row_sizes(problem, state%gaps, state%motion, sizes)
         active = .false.
         active(state%system%pairs) = .true.
-        joining = pack([(i, i=1, problem%n)], &
+        entering = pack([(i, i=1, problem%n)], &
             & .not. active .and. state%gaps < -row_tolerance*sizes)
-    end subroutine open_pairs
+    end subroutine penetrating_pairs
 
     !> Add the most penetrating pairs, as many as a step allows.
-    pure subroutine let_join(problem, compliance, open, state, ready)
+    pure subroutine add_entering(problem, compliance, open, state, ready)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -163,25 +163,25 @@ contains
         logical, intent(out) :: ready
 
         integer :: k, most
-        integer, allocatable :: joining(:)
+        integer, allocatable :: entering(:)
         logical :: accepted
 
-        most = max(joining_at_least, int(joining_part*size(state%system%pairs)))
-        joining = open
-        if (size(open) > most) joining = pack(open, &
+        most = max(entering_at_least, int(entering_part*size(state%system%pairs)))
+        entering = open
+        if (size(open) > most) entering = pack(open, &
             & state%gaps(open) <= nth_least(state%gaps(open), most))
-        call append_block(state%system, problem, compliance, joining, ready)
+        call append_pairs(state%system, problem, compliance, entering, ready)
         if (ready) then
-            state%pivots = state%pivots + size(joining)
+            state%pivots = state%pivots + size(entering)
             return
         end if
         ! Some depend on others: add the independent ones one by one.
-        do k = 1, size(joining)
-            call append_pair(state%system, problem, compliance, joining(k), accepted)
+        do k = 1, size(entering)
+            call append_pairs(state%system, problem, compliance, [entering(k)], accepted)
             if (accepted) state%pivots = state%pivots + 1
             ready = ready .or. accepted
         end do
-    end subroutine let_join
+    end subroutine add_entering
 
     !> The n-th number in ascending order (Hoare's choice).
     pure function nth_least(numbers, n) result(number)

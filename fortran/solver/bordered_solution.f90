@@ -6,18 +6,18 @@
 module flankload_bordered_solution
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_kept_factor, only: solve_factored, estimate_condition
+    use flankload_updatable_factor, only: solve_factored, estimate_condition
     use flankload_bordered_system, only: bordered_system
-    use flankload_load_springs, only: leave_springs, spring_norm, at_far_ends
+    use flankload_regularized_loads, only: restore_motion, regularized_norm, regularized_flexibility
     use flankload_lapack, only: solve_lower, continue_lower
-    use flankload_spanned_columns, only: spanned, span_columns, solve_triangular
+    use flankload_spanned_columns, only: spanned, factor_columns, solve_triangular
     implicit none
     private
 
-    public :: solve_bordered, bordered_condition, invert_small
+    public :: solve_bordered, bordered_condition, invert
 
     !> Relative pivot below which no active pair constrains a motion.
-    real(wp), parameter :: loose_motion = 64.0_wp*epsilon(1.0_wp)
+    real(wp), parameter :: singular_motion = 64.0_wp*epsilon(1.0_wp)
     !> With smaller pivots half of the digits are lost; motions separated before lose none.
     real(wp), parameter :: small_pivot = 1.0e-8_wp
 
@@ -58,27 +58,29 @@ contains
         if (problem%symmetric) then
             call solve_halfway(system, problem, r, s, solution)
         else
-            call solve_at_once(system, problem, r, s, solution)
+            call solve_at_once(system, problem, r, s, .false., solution)
         end if
         if (problem%n_motions > 1 .and. solution%least_pivot < small_pivot) then
-            call solve_spanned(system, problem, r, s, solution)
+            call solve_at_once(system, problem, r, s, .true., solution)
         end if
-        solved = solution%least_pivot > loose_motion
+        solved = solution%least_pivot > singular_motion
         if (.not. solved) then
             motion = 0.0_wp*s
             forces = 0.0_wp*r
             return
         end if
         if (problem%spring > 0.0_wp) then
-            call leave_springs(problem, s, solution%motion, solution%inverse)
+            call restore_motion(problem, s, solution%motion, solution%inverse)
         end if
         call move_alloc(solution%forces, forces)
         call move_alloc(solution%motion, motion)
         if (present(tangent)) call move_alloc(solution%inverse, tangent)
     end subroutine solve_bordered
 
-    !> The same for a K that is not symmetric, by the equations above.
-    pure subroutine solve_at_once(system, problem, r, s, solution)
+    !> The same by the equations above, for any K. If motions are nearly dependent, they are
+    !> separated: with B_a = P S and R_a = T U, where the columns of P and of T are independent,
+    !> (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
+    pure subroutine solve_at_once(system, problem, r, s, separated, solution)
         !> The system
         type(bordered_system), intent(in) :: system
         !> The problem
@@ -86,54 +88,37 @@ contains
         !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
         real(wp), intent(in) :: r(:)
         real(wp), intent(in) :: s(:)
+        !> Separate the motions
+        logical, intent(in) :: separated
         !> The solution
         type(solution_type), intent(out) :: solution
 
-        integer :: q
-        real(wp), allocatable :: columns(:, :), rows(:, :)
+        integer :: c, q
+        type(spanned) :: of_motions, of_loads
+        real(wp), allocatable :: columns(:, :), rows(:, :), loads(:, :)
 
         q = problem%n_motions
         allocate (columns(size(system%pairs), q + 1))
         columns(:, :q) = problem%motions(system%pairs, :)
         columns(:, q + 1) = r
         rows = problem%load_rows(system%pairs, :)
+        if (separated) then
+            of_motions = factor_columns(columns(:, :q))
+            of_loads = factor_columns(rows)
+            if (.not. (of_motions%independent .and. of_loads%independent)) return
+            columns(:, :q) = of_motions%columns
+            rows = of_loads%columns
+        end if
         call solve_factored(system%factor, columns)
         solution%inverse = matmul(transpose(rows), columns(:, :q))
-        call invert(solution%inverse, loose_motion, solution%least_pivot)
+        call invert(solution%inverse, solution%least_pivot, .false.)
         if (solution%least_pivot <= 0.0_wp) return
-        ! Eq. (19) with the forces of Eq. (18), whose rows in contact have no gap
-        solution%motion = matmul(solution%inverse, s - matmul(columns(:, q + 1), rows))
-        solution%forces = matmul(columns(:, :q), solution%motion) + columns(:, q + 1)
-    end subroutine solve_at_once
-
-    !> The same if motions are nearly dependent: with B_a = P S and R_a = T U, where the columns of
-    !> P and of T are independent, (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
-    pure subroutine solve_spanned(system, problem, r, s, solution)
-        !> The system
-        type(bordered_system), intent(in) :: system
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
-        real(wp), intent(in) :: r(:)
-        real(wp), intent(in) :: s(:)
-        !> The solution
-        type(solution_type), intent(out) :: solution
-
-        integer :: c, q
-        type(spanned) :: of_motions, of_loads
-        real(wp), allocatable :: columns(:, :), loads(:, :)
-
-        q = problem%n_motions
-        of_motions = span_columns(problem%motions(system%pairs, :))
-        of_loads = span_columns(problem%load_rows(system%pairs, :))
-        if (.not. (of_motions%independent .and. of_loads%independent)) return
-        allocate (columns(size(system%pairs), q + 1))
-        columns(:, :q) = of_motions%columns
-        columns(:, q + 1) = r
-        call solve_factored(system%factor, columns)
-        solution%inverse = matmul(transpose(of_loads%columns), columns(:, :q))
-        call invert(solution%inverse, loose_motion, solution%least_pivot)
-        if (solution%least_pivot <= loose_motion) return
+        if (.not. separated) then
+            ! Eq. (19) with the forces of Eq. (18), whose rows in contact have no gap
+            solution%motion = matmul(solution%inverse, s - matmul(columns(:, q + 1), rows))
+            solution%forces = matmul(columns(:, :q), solution%motion) + columns(:, q + 1)
+            return
+        end if
         ! U⁻ᵀ [s 1]
         allocate (loads(q, q + 1), source=0.0_wp)
         loads(:, 1) = s
@@ -141,13 +126,13 @@ contains
             loads(c, c + 1) = 1.0_wp
         end do
         call solve_triangular(of_loads, .true., loads)
-        loads(:, 1) = loads(:, 1) - matmul(columns(:, q + 1), of_loads%columns)
+        loads(:, 1) = loads(:, 1) - matmul(columns(:, q + 1), rows)
         loads = matmul(solution%inverse, loads)
         solution%forces = matmul(columns(:, :q), loads(:, 1)) + columns(:, q + 1)
         call solve_triangular(of_motions, .false., loads)
         solution%motion = loads(:, 1)
         solution%inverse = loads(:, 2:)
-    end subroutine solve_spanned
+    end subroutine solve_at_once
 
     !> The same if K is symmetric: with Y = L⁻¹ [B_a R_a r] the motions need no back substitution,
     !> (Y_Rᵀ Y_B) q = s - Y_Rᵀ Y_r,  F = L⁻ᵀ (Y_B q + Y_r), and Y_B, Y_R gain rows as L does.
@@ -178,7 +163,7 @@ contains
                     inverse(d, c) = dot_product(forward(:k, first_row + d), forward(:k, c))
                 end do
             end do
-            call invert(inverse, loose_motion, solution%least_pivot)
+            call invert(inverse, solution%least_pivot, .false.)
             if (solution%least_pivot <= 0.0_wp) return
             solution%motion = matmul(inverse, &
                 & [(s(c) - dot_product(forward(:k, first_row + c), forces), c=1, q)])
@@ -218,38 +203,19 @@ contains
         system%n_forward = k
     end subroutine extend_forward
 
-    !> Invert a small matrix unless it is singular to rounding.
-    pure subroutine invert_small(matrix, solved, graded)
-        !> The matrix, then its inverse, shape (q, q)
-        real(wp), intent(inout) :: matrix(:, :)
-        !> False if it is singular to rounding
-        logical, intent(out) :: solved
-        !> The matrix is known to be regular, however small its pivots are
-        logical, intent(in), optional :: graded
-
-        real(wp) :: least_pivot, negligible
-
-        negligible = loose_motion
-        if (present(graded)) then
-            if (graded) negligible = 0.0_wp
-        end if
-        call invert(matrix, negligible, least_pivot)
-        solved = least_pivot > 0.0_wp
-    end subroutine invert_small
-
     !> Invert a small matrix by elimination with complete pivoting (Gauss-Jordan).
-    pure subroutine invert(matrix, negligible, least_pivot)
+    pure subroutine invert(matrix, least_pivot, graded)
         !> The matrix, then its inverse, shape (q, q)
         real(wp), intent(inout) :: matrix(:, :)
-        !> Pivots no larger than this fraction of the largest entry count as zero
-        real(wp), intent(in) :: negligible
-        !> Smallest pivot relative to the largest entry; unscaled if that is 0
+        !> Smallest pivot relative to the largest entry, 0 if the matrix is singular to rounding
         real(wp), intent(out) :: least_pivot
+        !> The matrix is regular, however small its pivots are
+        logical, intent(in) :: graded
 
         integer :: q, step, at(2), row
         integer, allocatable :: pivot_row(:), pivot_column(:)
         logical, allocatable :: free(:, :)
-        real(wp) :: pivot, largest
+        real(wp) :: pivot, largest, negligible
         real(wp), allocatable :: inverse(:, :)
 
         q = size(matrix, 1)
@@ -262,11 +228,12 @@ contains
         allocate (pivot_row(q), pivot_column(q), free(q, q))
         free = .true.
         largest = maxval(abs(matrix))
+        negligible = merge(0.0_wp, singular_motion*largest, graded)
         least_pivot = 1.0_wp
         do step = 1, q
             at = maxloc(abs(matrix), mask=free)
             pivot = matrix(at(1), at(2))
-            if (abs(pivot) > negligible*largest) then
+            if (abs(pivot) > negligible) then
                 least_pivot = min(least_pivot, abs(pivot)/largest)
             else
                 least_pivot = 0.0_wp
@@ -306,9 +273,8 @@ contains
         real(wp) :: condition
 
         real(wp), allocatable :: stiffness(:, :), flexibility(:, :), scales(:)
-        real(wp) :: norm
+        real(wp) :: norm, least_pivot
         integer :: j
-        logical :: solved
 
         norm = 0.0_wp
         scales = problem%row_scale(system%pairs)
@@ -318,17 +284,17 @@ contains
         end do
         flexibility = tangent
         if (problem%spring > 0.0_wp) then
-            norm = norm + spring_norm(problem, system%pairs)
-            flexibility = at_far_ends(problem, tangent)
+            norm = norm + regularized_norm(problem, system%pairs)
+            flexibility = regularized_flexibility(problem, tangent)
         end if
         condition = estimate_condition(system%factor, norm)
         stiffness = flexibility
-        call invert_small(stiffness, solved)
-        if (solved) then
+        call invert(stiffness, least_pivot, .false.)
+        if (least_pivot > 0.0_wp) then
             condition = max(condition, maxval(sum(abs(stiffness), dim=1)) &
                 & *maxval(sum(abs(flexibility), dim=1)))
         else if (problem%n_motions > 1) then
-            condition = max(condition, 1.0_wp/loose_motion)
+            condition = max(condition, 1.0_wp/singular_motion)
         end if
     end function bordered_condition
 

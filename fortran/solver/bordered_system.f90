@@ -5,19 +5,20 @@
 module flankload_bordered_system
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, shrink, factor_anew
-    use flankload_load_springs, only: spring_column, spring_row
-    use flankload_factor_block, only: extend_block, cut
+    use flankload_updatable_factor, only: updatable_factor, new_updatable_factor, shrink, &
+        & factor_anew
+    use flankload_regularized_loads, only: regularized_column
+    use flankload_factor_extension, only: extend
     implicit none
     private
 
     public :: bordered_system
-    public :: new_bordered_system, append_pair, append_block, drop_pair, drop_pairs
+    public :: new_bordered_system, append_pairs, drop_pair, drop_pairs
     public :: factor_pairs_anew
 
     !> The pairs in contact and the factor of their compliance.
     type :: bordered_system
-        type(kept_factor) :: factor
+        type(updatable_factor) :: factor
         !> The pairs, in the order in which they entered
         integer, allocatable :: pairs(:)
         !> Rows are exchanged at every change
@@ -48,65 +49,13 @@ contains
         logical, intent(in) :: pivoted
         type(bordered_system) :: system
 
-        system%factor = new_kept_factor(symmetric)
+        system%factor = new_updatable_factor(symmetric)
         system%pivoted = pivoted
         allocate (system%pairs(0))
     end function new_bordered_system
 
-    !> Add a pair.
-    pure subroutine append_pair(system, problem, compliance, pair, accepted)
-        !> The system
-        type(bordered_system), intent(inout) :: system
-        !> The problem and its K, shape (n, n)
-        type(contact_problem), intent(in) :: problem
-        real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Number of the pair
-        integer, intent(in) :: pair
-        !> False if its row depends on those of the others; the system is then as before
-        logical, intent(out) :: accepted
-
-        real(wp) :: own, diagonal
-        real(wp), allocatable :: scales(:), column(:), row(:)
-
-        if (system%pivoted) then
-            call append_block(system, problem, compliance, [pair], accepted)
-            return
-        end if
-        own = problem%row_scale(pair)
-        scales = own*problem%row_scale(system%pairs)
-        column = compliance(system%pairs, pair)*scales
-        if (problem%symmetric) then
-            row = column
-        else
-            row = compliance(pair, system%pairs)*scales
-        end if
-        diagonal = own**2*compliance(pair, pair)
-        if (problem%spring > 0.0_wp) then
-            column = column + spring_column(problem, system%pairs, pair)
-            row = row + spring_row(problem, pair, system%pairs)
-            diagonal = diagonal + sum(spring_column(problem, [pair], pair))
-        end if
-        call extend(system%factor, column, row, diagonal, accepted)
-        if (accepted) then
-            system%pairs = [system%pairs, pair]
-            call watch_growth(system, problem, compliance, accepted)
-            if (accepted) return
-            system%pairs = system%pairs(:size(system%pairs) - 1)
-            call factor_pairs_anew(system, problem, compliance, accepted)
-            accepted = .false.
-        else if (.not. problem%symmetric) then
-            ! A pivot of zero may only require another order of the rows.
-            system%pairs = [system%pairs, pair]
-            call factor_pairs_anew(system, problem, compliance, accepted)
-            if (accepted) return
-            system%pairs = system%pairs(:size(system%pairs) - 1)
-            call factor_pairs_anew(system, problem, compliance, accepted)
-            accepted = .false.
-        end if
-    end subroutine append_pair
-
-    !> Add several pairs at once.
-    pure subroutine append_block(system, problem, compliance, pairs, accepted)
+    !> Add one or more pairs.
+    pure subroutine append_pairs(system, problem, compliance, pairs, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
         !> The problem and its K, shape (n, n)
@@ -138,20 +87,22 @@ contains
         do j = 1, b
             columns(:, j) = compliance(system%pairs, pairs(j))*scales*scales(k + j)
         end do
-        do j = 1, size(rows, 2)
-            rows(:, j) = compliance(pairs, before(j))*scales(k + 1:)*scales(j)
-        end do
-        if (problem%spring > 0.0_wp) then
+        if (.not. problem%symmetric) then
             do j = 1, b
-                columns(:, j) = columns(:, j) + spring_column(problem, system%pairs, pairs(j))
-            end do
-            do j = 1, size(rows, 2)
-                rows(:, j) = rows(:, j) + spring_column(problem, pairs, before(j))
+                rows(j, :) = compliance(pairs(j), before)*scales(k + j)*scales(:k)
             end do
         end if
-        call extend_block(system%factor, columns, rows, accepted)
+        if (problem%spring > 0.0_wp) then
+            do j = 1, b
+                columns(:, j) = columns(:, j) + regularized_column(problem, system%pairs, pairs(j))
+            end do
+            do j = 1, size(rows, 2)
+                rows(:, j) = rows(:, j) + regularized_column(problem, pairs, before(j))
+            end do
+        end if
+        call extend(system%factor, columns, rows, accepted)
         if (accepted) then
-            call watch_growth(system, problem, compliance, accepted)
+            call check_growth(system, problem, compliance, accepted)
             if (accepted) return
         else if (.not. problem%symmetric) then
             ! A pivot of zero may only require another order of the rows.
@@ -163,7 +114,7 @@ contains
             call factor_pairs_anew(system, problem, compliance, accepted)
             accepted = .false.
         end if
-    end subroutine append_block
+    end subroutine append_pairs
 
     !> Remove several pairs at once.
     pure subroutine drop_pairs(system, problem, compliance, leaving, accepted)
@@ -194,8 +145,8 @@ contains
         else if (work_block < work_single) then
             later = pack(system%pairs(first:), .not. leaving(first:))
             system%pairs = system%pairs(:first - 1)
-            call cut(system%factor, first - 1)
-            if (size(later) > 0) call append_block(system, problem, compliance, later, accepted)
+            system%factor%order = first - 1
+            if (size(later) > 0) call append_pairs(system, problem, compliance, later, accepted)
         else
             do index = k, first, -1
                 if (.not. leaving(index)) cycle
@@ -226,12 +177,12 @@ contains
             call factor_pairs_anew(system, problem, compliance, accepted)
         else
             call shrink(system%factor, index)
-            call watch_growth(system, problem, compliance, accepted)
+            call check_growth(system, problem, compliance, accepted)
         end if
     end subroutine drop_pair
 
     !> Factor with row exchanges if elimination without them has lost too many digits.
-    pure subroutine watch_growth(system, problem, compliance, accepted)
+    pure subroutine check_growth(system, problem, compliance, accepted)
         !> The system
         type(bordered_system), intent(inout) :: system
         !> The problem and its K
@@ -245,7 +196,7 @@ contains
         if (system%factor%growth > growth_limit) then
             call factor_pairs_anew(system, problem, compliance, accepted)
         end if
-    end subroutine watch_growth
+    end subroutine check_growth
 
     !> Factor the complete system.
     pure subroutine factor_pairs_anew(system, problem, compliance, accepted)
@@ -282,7 +233,7 @@ contains
         end do
         if (.not. problem%spring > 0.0_wp) return
         do j = 1, k
-            matrix(:, j) = matrix(:, j) + spring_column(problem, system%pairs, system%pairs(j))
+            matrix(:, j) = matrix(:, j) + regularized_column(problem, system%pairs, system%pairs(j))
         end do
     end function gather
 

@@ -4,6 +4,7 @@
 !> compliance of that cell, is the same contact at a lower resolution. Its state is only a guess.
 module flankload_coarse_problem
     use flankload_kinds, only: wp
+    use flankload_ordering, only: ascending_order
     use flankload_contact_problem, only: contact_problem
     implicit none
     private
@@ -75,27 +76,12 @@ contains
         real(wp), intent(in) :: forces(:)
         integer, allocatable :: pairs(:)
 
-        integer :: i, j, k, m
+        integer :: i, j
         integer, allocatable :: order(:)
 
-        order = [(i, i=1, size(forces))]
-        do i = 2, size(order)
-            k = order(i)
-            do j = i - 1, 1, -1
-                if (forces(order(j)) >= forces(k)) exit
-                order(j + 1) = order(j)
-            end do
-            order(j + 1) = k
-        end do
-        allocate (pairs(cell*size(order)))
-        m = 0
-        do i = 1, size(order)
-            do j = cell*(coarse_pairs(order(i)) - 1) + 1, min(cell*coarse_pairs(order(i)), n)
-                m = m + 1
-                pairs(m) = j
-            end do
-        end do
-        pairs = pairs(:m)
+        order = ascending_order(-forces)
+        pairs = [((cell*(coarse_pairs(order(i)) - 1) + j, j=1, cell), i=1, size(order))]
+        pairs = pack(pairs, pairs <= n)
     end function refine_pairs
 
 end module flankload_coarse_problem

@@ -7,6 +7,7 @@
 !> any language can compute the columns; with a `column_source` the core runs the loop.
 module flankload_column_demand
     use flankload_kinds, only: wp
+    use flankload_ordering, only: ascending_order
     use flankload_status, only: invalid_input, no_contact_state, singular_contact, &
         & status_solved, status_degenerate, status_not_unique
     use flankload_error, only: error_type, fatal_error
@@ -122,7 +123,7 @@ contains
         integer :: i, most
         logical, allocatable :: absent(:)
         integer, allocatable :: place(:)
-        real(wp), allocatable :: block(:, :), gaps(:), sizes(:), recession(:)
+        real(wp), allocatable :: block(:, :), gaps(:), sizes(:), displacement(:)
 
         allocate (wanted(0))
         call blank(result, size(diagonal), size(loads))
@@ -132,7 +133,7 @@ contains
         absent(known) = .false.
         most = max(first_columns, int(growing_part*size(known)))
         if (size(known) == 0) then
-            wanted = least(ways(diagonal, normal_gaps, motions, loads), absent, most)
+            wanted = least(closing_motions(diagonal, normal_gaps, motions, loads), absent, most)
             return
         end if
         allocate (place(size(diagonal)), source=0)
@@ -142,13 +143,13 @@ contains
             & load_rows(known, :), loads, structure, method, place(warm_pairs), part, error)
         if (allocated(error)) then
             if (.not. any(absent)) then
-                call take_over(known, part, size(diagonal), result)
+                call scatter_result(known, part, size(diagonal), result)
             else
-                call ask_for_holders(part, load_rows, loads, absent, most, wanted, result, error)
+                call request_columns(part, load_rows, loads, absent, most, wanted, result, error)
             end if
             return
         end if
-        call take_over(known, part, size(diagonal), result)
+        call scatter_result(known, part, size(diagonal), result)
         call other_gaps(columns, part%forces, normal_gaps, motions, result%motion, gaps, sizes)
         wanted = least(gaps, absent .and. gaps < -row_tolerance*sizes, most)
         if (size(wanted) > 0) return
@@ -157,9 +158,9 @@ contains
         call certify_others(pack(gaps/sizes, absent), &
             & structure == definite_matrix .or. structure == definite_part, result)
         if (structure /= definite_matrix) return
-        recession = matmul(columns, part%forces)
-        if (any(absent .and. recession**2 &
-            & > energy_slack*dot_product(part%forces, recession(known))*diagonal)) then
+        displacement = matmul(columns, part%forces)
+        if (any(absent .and. displacement**2 &
+            & > energy_slack*dot_product(part%forces, displacement(known))*diagonal)) then
             result%unique = .false.
             result%status = status_not_unique
         end if
@@ -167,7 +168,7 @@ contains
 
     !> If the known pairs have no state: other pairs that may help, or the failure of the known
     !> ones.
-    pure subroutine ask_for_holders(part, load_rows, loads, absent, most, wanted, result, error)
+    pure subroutine request_columns(part, load_rows, loads, absent, most, wanted, result, error)
         !> Result of the known pairs
         type(contact_result), intent(in) :: part
         !> R and Q
@@ -184,13 +185,13 @@ contains
         !> Why the known pairs have no state; deallocated if others may help
         type(error_type), allocatable, intent(inout) :: error
 
-        wanted = to_hold_loads(error%code, part%motion, load_rows, loads, absent, most)
+        wanted = columns_for_loads(error%code, part%motion, load_rows, loads, absent, most)
         result%none_proven = size(wanted) == 0 .and. part%none_proven &
-            & .and. none_help(part%motion, load_rows, absent)
+            & .and. none_can_help(part%motion, load_rows, absent)
         if (size(wanted) > 0) deallocate (error)
         result%motion = part%motion
         result%largest_part = part%largest_part
-    end subroutine ask_for_holders
+    end subroutine request_columns
 
     !> Check numbers and shapes.
     pure subroutine check_columns(known, columns, diagonal, normal_gaps, motions, load_rows, &
@@ -225,7 +226,7 @@ contains
 
     !> Pairs that come near contact first. One motion: the motion that closes each pair. Several:
     !> the gap, with pairs from all regions included, so that the first ones constrain all motions.
-    pure function ways(diagonal, normal_gaps, motions, loads) result(way)
+    pure function closing_motions(diagonal, normal_gaps, motions, loads) result(way)
         !> Diagonal of K, g0, B and Q
         real(wp), intent(in) :: diagonal(:)
         real(wp), intent(in) :: normal_gaps(:)
@@ -247,11 +248,11 @@ contains
                 way(i) = -huge(1.0_wp)
             end do
         end if
-    end function ways
+    end function closing_motions
 
     !> If the known pairs do not hold the loads: the pairs that resist the motion that shows this,
     !> else the next ones in number.
-    pure function to_hold_loads(code, motion, load_rows, loads, absent, most) result(wanted)
+    pure function columns_for_loads(code, motion, load_rows, loads, absent, most) result(wanted)
         !> Why the known pairs have no state
         integer, intent(in) :: code
         !> The motion that shows it, if the code is no_contact_state
@@ -283,10 +284,10 @@ contains
             ! No pair at all resists: no column would change that.
             wanted = [integer ::]
         end if
-    end function to_hold_loads
+    end function columns_for_loads
 
     !> Whether no pair without a column does work on a motion, beyond rounding.
-    pure function none_help(motion, load_rows, absent) result(certain)
+    pure function none_can_help(motion, load_rows, absent) result(certain)
         !> The motion
         real(wp), intent(in) :: motion(:)
         !> R
@@ -299,7 +300,7 @@ contains
 
         hidden = (size(motion) - 1)*epsilon(1.0_wp)*matmul(abs(load_rows), abs(motion))
         certain = .not. any(absent .and. matmul(load_rows, motion) + hidden > 0.0_wp)
-    end function none_help
+    end function none_can_help
 
     !> Numbers of the pairs with the smallest values.
     pure function least(values, candidate, most) result(pairs)
@@ -311,20 +312,15 @@ contains
         integer, intent(in) :: most
         integer, allocatable :: pairs(:)
 
-        logical, allocatable :: left(:)
-        integer :: k, i
+        integer :: i
 
-        left = candidate
-        allocate (pairs(min(most, count(candidate))))
-        do k = 1, size(pairs)
-            i = minloc(values, dim=1, mask=left)
-            pairs(k) = i
-            left(i) = .false.
-        end do
+        pairs = pack([(i, i=1, size(values))], candidate)
+        pairs = pairs(ascending_order(values(pairs)))
+        pairs = pairs(:min(most, size(pairs)))
     end function least
 
     !> The state of the known pairs in the numbering of all.
-    pure subroutine take_over(known, part, n, result)
+    pure subroutine scatter_result(known, part, n, result)
         !> Known pairs
         integer, intent(in) :: known(:)
         !> Their state
@@ -345,7 +341,7 @@ contains
         active = .false.
         active(known(part%active_pairs)) = .true.
         result%active_pairs = pack([(i, i=1, n)], active)
-    end subroutine take_over
+    end subroutine scatter_result
 
     !> Gaps of all pairs under the forces of the known ones, and the sizes of their rows.
     pure subroutine other_gaps(columns, forces, normal_gaps, motions, motion, gaps, sizes)

@@ -45,20 +45,20 @@ contains
 
         integer :: i, c
         integer, allocatable :: pairs(:)
-        real(wp), allocatable :: rows(:), recession(:), sizes(:), whole_motion(:)
-        real(wp), allocatable :: lacking(:), load_sizes(:)
+        real(wp), allocatable :: rows(:), displacement(:), sizes(:), whole_motion(:)
+        real(wp), allocatable :: residual(:), load_sizes(:)
         real(wp) :: largest
         logical, allocatable :: active(:)
         logical :: degenerate
 
         whole_motion = problem%start_motion + motion
         ! The same products K F, but with the caller's gaps and the motion from zero.
-        recession = gaps - problem%gaps
+        displacement = gaps - problem%gaps
         do c = 1, problem%n_motions
-            recession = recession + problem%motions(:, c)*motion(c)
+            displacement = displacement + problem%motions(:, c)*motion(c)
         end do
-        rows = recession + problem%normal_gaps
-        sizes = abs(recession) + abs(problem%normal_gaps)
+        rows = displacement + problem%normal_gaps
+        sizes = abs(displacement) + abs(problem%normal_gaps)
         do c = 1, problem%n_motions
             rows = rows - problem%motions(:, c)*whole_motion(c)
             sizes = sizes + abs(problem%motions(:, c)*whole_motion(c))
@@ -66,19 +66,19 @@ contains
         active = abs(forces) > 0.0_wp
         pairs = pack([(i, i=1, problem%n)], active)
         largest = max(maxval(abs(forces)), tiny(1.0_wp))
-        lacking = problem%loads - matmul(forces, problem%load_rows)
+        residual = problem%loads - matmul(forces, problem%load_rows)
         load_sizes = max(matmul(abs(forces), abs(problem%load_rows)) + abs(problem%loads), &
             & tiny(1.0_wp))
-        result%backward_error = max(maxval(abs(lacking)/load_sizes), &
+        result%backward_error = max(maxval(abs(residual)/load_sizes), &
             & maxval(max(-forces, 0.0_wp))/largest)
         result%margin = minval(forces/largest, mask=active)
-        call look_at_rows(problem, compliance, forces, whole_motion, pairs, rows, sizes, result)
+        call check_rows(problem, compliance, forces, whole_motion, pairs, rows, sizes, result)
         degenerate = any(active .and. abs(forces) <= row_tolerance*largest)
         if (size(pairs) > 0) then
             degenerate = degenerate .or. any(.not. active .and. rows <= row_tolerance*sizes)
         end if
         if (problem%definite) then
-            result%unique = energy_bounds_rows(problem, compliance, forces, recession)
+            result%unique = satisfies_energy_bound(problem, compliance, forces, displacement)
             if (result%unique) result%unique = is_unique(problem, compliance, pairs)
         else
             result%unique = is_unique(problem, compliance, possible_pairs(problem, compliance, &
@@ -88,7 +88,7 @@ contains
     end subroutine certify
 
     !> How well rows are satisfied, and how far open ones are from contact.
-    pure subroutine look_at_rows(problem, compliance, forces, motion, pairs, rows, sizes, result)
+    pure subroutine check_rows(problem, compliance, forces, motion, pairs, rows, sizes, result)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -129,7 +129,7 @@ contains
             if (.not. active) result%margin = min(result%margin, rows(i)/sizes(i))
         end do
         result%margin = max(0.0_wp, result%margin)
-    end subroutine look_at_rows
+    end subroutine check_rows
 
     !> The status, for all methods: only status "ill-conditioned" permits rows not satisfied to
     !> rounding.
@@ -195,12 +195,13 @@ contains
         ! Only the active pairs: the Cholesky factor of the loop has shown it already.
         if (equal .and. problem%symmetric .and. problem%definite) return
         weights = weights(pairs)
-        unique = has_factor(problem, compliance, pairs, weights, 0.0_wp)
-        if (.not. unique) unique = has_factor(problem, compliance, pairs, weights, hold_loads)
+        unique = is_positive_definite(problem, compliance, pairs, weights, 0.0_wp)
+        if (unique) return
+        unique = is_positive_definite(problem, compliance, pairs, weights, hold_loads)
     end function is_unique
 
     !> Whether W K + ρ R Rᵀ has a symmetric part with a Cholesky factor, i.e. is positive definite.
-    pure function has_factor(problem, compliance, pairs, weights, spring) result(definite)
+    pure function is_positive_definite(problem, compliance, pairs, weights, spring) result(definite)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -250,7 +251,7 @@ contains
         call potrf(k, matrix, info)
         ! LAPACK accepts a NaN on its diagonal as a positive number.
         definite = info == 0 .and. all([(is_finite(matrix(j, j)), j=1, k)])
-    end function has_factor
+    end function is_positive_definite
 
     !> Pairs that may carry load in any state: the others do not matter for the proof.
     !>
@@ -267,14 +268,14 @@ contains
         real(wp), parameter :: slack = 1.0e-9_wp
         integer :: i, k
         real(wp) :: furthest, reach
-        real(wp), allocatable :: most(:), ways(:), negative(:)
+        real(wp), allocatable :: most(:), closing(:), negative(:)
 
         pairs = [(i, i=1, problem%n)]
         if (problem%n_motions /= 1 .or. any(problem%loads < 0.0_wp)) return
         if (.not. (all(problem%motions > 0.0_wp) .and. all(problem%load_rows > 0.0_wp))) return
-        ways = problem%normal_gaps/problem%motions(:, 1)
+        closing = problem%normal_gaps/problem%motions(:, 1)
         ! no bound lies below the motion found
-        if (all(ways <= motion(1))) return
+        if (all(closing <= motion(1))) return
         allocate (most(problem%n), negative(problem%n), source=0.0_wp)
         do k = 1, problem%n
             reach = problem%row_scale(k)/problem%load_rows(k, 1)
@@ -285,19 +286,19 @@ contains
         end do
         if (.not. all(negative <= 0.0_wp)) return   ! also with NaN
         most = problem%row_scale*most*problem%loads(1)/problem%motions(:, 1)
-        furthest = minval(ways + most) + slack*(maxval(abs(ways)) + maxval(most))
-        pairs = pack(pairs, ways <= furthest)
+        furthest = minval(closing + most) + slack*(maxval(abs(closing)) + maxval(most))
+        pairs = pack(pairs, closing <= furthest)
     end function possible_pairs
 
     !> Whether (K F)_i² <= K_ii FᵀKF in every row, as Cauchy and Schwarz require of a positive
     !> definite K: the entries of K read by the loop are checked against the caller's declaration.
-    pure function energy_bounds_rows(problem, compliance, forces, recession) result(passed)
+    pure function satisfies_energy_bound(problem, compliance, forces, displacement) result(passed)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled F and K F, shape (n)
         real(wp), intent(in) :: forces(:)
-        real(wp), intent(in) :: recession(:)
+        real(wp), intent(in) :: displacement(:)
         logical :: passed
 
         integer :: i
@@ -305,13 +306,12 @@ contains
 
         passed = .true.
         if (.not. problem%energy_bound) return
-        energy = dot_product(forces, recession)
+        energy = dot_product(forces, displacement)
         do i = 1, problem%n
-            if (recession(i)**2 > energy_slack*energy*compliance(i, i)*problem%row_scale(i)**2) then
-                passed = .false.
-                return
-            end if
+            passed = .not. displacement(i)**2 &
+                & > energy_slack*energy*compliance(i, i)*problem%row_scale(i)**2
+            if (.not. passed) return
         end do
-    end function energy_bounds_rows
+    end function satisfies_energy_bound
 
 end module flankload_contact_certificate

@@ -4,11 +4,12 @@
 !> path few pairs enter or leave between neighbours, and nothing is factored again.
 module flankload_contact_loads
     use flankload_kinds, only: wp
+    use flankload_ordering, only: ascending_order
     use flankload_error, only: error_type
     use flankload_contact_result, only: contact_result
     use flankload_contact_problem, only: contact_problem, row_tolerance
     use flankload_loop_start, only: loop_state
-    use flankload_block_loop, only: settle_blocks
+    use flankload_block_loop, only: iterate_blocks
     use flankload_contact_report, only: report_state, is_in_range
     use flankload_contact_loop, only: solve_and_keep, method_auto, method_block, &
         & method_cascade
@@ -47,52 +48,33 @@ contains
         type(contact_problem) :: problem
         type(loop_state) :: state
         type(error_type), allocatable :: error
-        integer, allocatable :: begin(:), order(:)
+        integer, allocatable :: start_pairs(:), order(:)
         logical :: kept, done
         integer :: step, l
 
-        begin = warm_pairs
-        order = ascending(loads)
+        start_pairs = warm_pairs
+        order = ascending_order(maxval(abs(loads), dim=1))
         kept = .false.
         do step = 1, size(order)
             l = order(step)
             codes(l) = 0
             done = .false.
-            if (kept) call go_on(problem, compliance, loads(:, l), state, results(l), done)
+            if (kept) call continue_from(problem, compliance, loads(:, l), state, results(l), done)
             if (.not. done) then
                 call solve_and_keep(compliance, normal_gaps, motions, load_rows, loads(:, l), &
-                    & structure, method, begin, problem, state, results(l), error)
+                    & structure, method, start_pairs, problem, state, results(l), error)
                 if (allocated(error)) codes(l) = error%code
             end if
             kept = codes(l) == 0 .and. .not. state%pivoted &
                 & .and. any(method == [method_auto, method_block, method_cascade])
             if (codes(l) == 0 .and. size(results(l)%active_pairs) > 0) then
-                begin = results(l)%active_pairs
+                start_pairs = results(l)%active_pairs
             end if
         end do
     end subroutine solve_contact_loads
 
-    !> Numbers of the loads, from the smallest to the largest.
-    pure function ascending(loads) result(order)
-        !> Q, shape (n_motions, n_loads)
-        real(wp), intent(in) :: loads(:, :)
-        integer, allocatable :: order(:)
-
-        integer :: i, j
-        real(wp), allocatable :: sizes(:)
-
-        sizes = maxval(abs(loads), dim=1)
-        order = [(i, i=1, size(sizes))]
-        do i = 2, size(order)
-            do j = i, 2, -1
-                if (sizes(order(j - 1)) <= sizes(order(j))) exit
-                order(j - 1:j) = order([j, j - 1])
-            end do
-        end do
-    end function ascending
-
     !> Continue to another load with the current pairs and factor.
-    pure subroutine go_on(problem, compliance, loads, state, result, done)
+    pure subroutine continue_from(problem, compliance, loads, state, result, done)
         !> The problem, then with these loads
         type(contact_problem), intent(inout) :: problem
         !> K
@@ -115,13 +97,13 @@ contains
         state%pivots = 0
         state%system%refactorisations = 0
         state%system%growth = state%system%factor%growth
-        call settle_blocks(problem, compliance, state, done)
+        call iterate_blocks(problem, compliance, state, done)
         if (.not. done) return
         result%rung = method_block
         call report_state(problem, compliance, state, result)
         ! A new factor recovers the accuracy that the updated factor has lost.
         done = result%backward_error <= row_tolerance
-        if (done) done = is_in_range(problem, state%forces, state%motion, result)
-    end subroutine go_on
+        if (done) done = is_in_range(problem, state, result)
+    end subroutine continue_from
 
 end module flankload_contact_loads

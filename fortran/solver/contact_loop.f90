@@ -12,13 +12,11 @@ module flankload_contact_loop
         & definite_part
     use flankload_row_scaling, only: is_finite_matrix
     use flankload_loop_start, only: loop_state
-    use flankload_contact_ladder, only: climb, ladder_end, method_auto => rung_auto, &
-        & method_single => rung_single, method_paper => rung_paper, method_block => rung_block, &
-        & method_load_path => rung_load_path, method_pivoted => rung_pivoted, &
-        & method_cascade => rung_cascade, method_primal => rung_primal
-    use flankload_paper_loop, only: paper_state, paper_loop
-    use flankload_contact_certificate, only: certify
-    use flankload_contact_report, only: report_state, unscale, is_in_range, same_loads
+    use flankload_contact_cascade, only: run_cascade, cascade_end, method_auto, method_single, &
+        & method_paper, method_block, method_load_path, method_pivoted, method_cascade, &
+        & method_primal
+    use flankload_paper_loop, only: paper_loop
+    use flankload_contact_report, only: report_state, is_in_range, same_loads
     implicit none
     private
 
@@ -30,7 +28,7 @@ module flankload_contact_loop
 
     !> No rounding leaves a residual this large in a row: a state with such a residual is rejected,
     !> whatever method found it.
-    real(wp), parameter :: unmet = 1.0e-8_wp
+    real(wp), parameter :: max_residual = 1.0e-8_wp
 
 contains
 
@@ -102,7 +100,7 @@ contains
         if (method == method_paper) then
             call run_paper(problem, compliance, result, error)
         else
-            call run_ladder(problem, compliance, method, warm_pairs, state, result, error)
+            call solve_by_cascade(problem, compliance, method, warm_pairs, state, result, error)
         end if
         if (.not. allocated(error)) then
             if (all(abs(result%gaps) <= huge(1.0_wp))) return
@@ -151,8 +149,8 @@ contains
     end subroutine check_choice
 
     !> The cascade from the given level on. If the state of a level does not satisfy its equations
-    !> to rounding, more careful levels begin afresh; the best of their states is the result.
-    pure subroutine run_ladder(problem, compliance, method, warm_pairs, state, result, error)
+    !> to rounding, more careful levels begin levels; the best of their states is the result.
+    pure subroutine solve_by_cascade(problem, compliance, method, warm_pairs, state, result, error)
         !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -167,20 +165,20 @@ contains
         !> Why there is none
         type(error_type), allocatable, intent(out) :: error
 
-        type(ladder_end) :: ending
+        type(cascade_end) :: ending
         logical :: symmetric
 
         symmetric = problem%symmetric
-        call climb(problem, compliance, method, warm_pairs, state, ending, error)
-        result%rung = ending%rung
+        call run_cascade(problem, compliance, method, warm_pairs, state, ending, error)
+        result%rung = ending%level
         result%none_proven = ending%none_proven
         if (.not. allocated(error)) then
             call report_state(problem, compliance, state, result)
             if (.not. result%backward_error <= row_tolerance) then
-                call begin_afresh(problem, compliance, method, symmetric, state, result, error)
+                call retry(problem, compliance, method, symmetric, state, result, error)
             end if
             if (.not. allocated(error)) then
-                call check_range(problem, state%forces, state%motion, result, error)
+                call check_range(problem, state, result, error)
             end if
             return
         end if
@@ -190,10 +188,10 @@ contains
             result%motion = problem%load_row_scale*state%motion
         end if
         if (error%code == no_contact_state) result%largest_part = ending%largest_part
-    end subroutine run_ladder
+    end subroutine solve_by_cascade
 
     !> Other levels, if the state found does not satisfy its equations.
-    pure subroutine begin_afresh(problem, compliance, method, symmetric, state, result, error)
+    pure subroutine retry(problem, compliance, method, symmetric, state, result, error)
         !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -212,21 +210,21 @@ contains
         type(loop_state) :: its_state
         type(contact_result) :: its_result
         integer :: k, pivots
-        integer, allocatable :: afresh(:)
-        type(ladder_end) :: ending
+        integer, allocatable :: levels(:)
+        type(cascade_end) :: ending
 
         pivots = state%pivots
-        afresh = rungs_afresh(method)
+        levels = retry_levels(method)
         ! No level can repair numbers that are not finite.
-        if (.not. result%backward_error <= huge(1.0_wp)) afresh = [integer ::]
-        do k = 1, size(afresh)
+        if (.not. result%backward_error <= huge(1.0_wp)) levels = [integer ::]
+        do k = 1, size(levels)
             other = problem
             other%symmetric = symmetric
             other%spring = 0.0_wp
             call measure_from_zero(other)
             call blank(its_result, problem%n, problem%n_motions)
-            call climb(other, compliance, afresh(k), [integer ::], its_state, ending, error)
-            its_result%rung = ending%rung
+            call run_cascade(other, compliance, levels(k), [integer ::], its_state, ending, error)
+            its_result%rung = ending%level
             pivots = pivots + its_state%pivots
             if (allocated(error)) cycle
             call report_state(other, compliance, its_state, its_result)
@@ -239,31 +237,30 @@ contains
         end do
         if (allocated(error)) deallocate (error)
         result%pivots = pivots
-        if (result%backward_error <= unmet) return
+        if (result%backward_error <= max_residual) return
         call blank(result, problem%n, problem%n_motions)
         result%pivots = pivots
         call fatal_error(error, pivot_limit, 'what was found does not meet its equations')
-    end subroutine begin_afresh
+    end subroutine retry
 
     !> A state that the caller's units cannot represent is an error.
-    pure subroutine check_range(problem, forces, motion, result, error)
+    pure subroutine check_range(problem, state, result, error)
         !> The problem
         type(contact_problem), intent(in) :: problem
-        !> Scaled forces (n) and motion from the start (n_motions)
-        real(wp), intent(in) :: forces(:)
-        real(wp), intent(in) :: motion(:)
+        !> Final state of the loop
+        type(loop_state), intent(in) :: state
         !> The state in the caller's units, blank if it cannot be represented
         type(contact_result), intent(inout) :: result
         !> The state cannot be represented
         type(error_type), allocatable, intent(out) :: error
 
-        if (is_in_range(problem, forces, motion, result)) return
+        if (is_in_range(problem, state, result)) return
         call blank(result, problem%n, problem%n_motions)
         call fatal_error(error, out_of_range, 'other units: the state is out of the range of these')
     end subroutine check_range
 
-    !> The levels that begin afresh, in order, if the state found does not satisfy its equations.
-    pure function rungs_afresh(method) result(rungs)
+    !> The levels that begin levels, in order, if the state found does not satisfy its equations.
+    pure function retry_levels(method) result(rungs)
         !> The requested method
         integer, intent(in) :: method
         integer, allocatable :: rungs(:)
@@ -278,7 +275,7 @@ contains
         case default
             rungs = [method_single, method_pivoted, method_load_path]
         end select
-    end function rungs_afresh
+    end function retry_levels
 
     !> Method paper; a negative force in its final state is an error that carries the state.
     pure subroutine run_paper(problem, compliance, result, error)
@@ -290,20 +287,14 @@ contains
         !> Why there is none, or that a force in it is negative
         type(error_type), allocatable, intent(out) :: error
 
-        type(paper_state) :: state
+        type(loop_state) :: state
 
         call paper_loop(problem, compliance, state, error)
         if (allocated(error)) result%none_proven = error%code == no_contact_state
         if (allocated(error)) return
         result%rung = method_paper
-        result%pivots = size(state%pairs)
-        result%refactorisations = state%refactorisations
-        result%growth = state%factor%growth
-        result%condition = state%condition
-        call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
-        call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, state%pairs, &
-            & result)
-        call check_range(problem, state%forces, state%motion, result, error)
+        call report_state(problem, compliance, state, result)
+        call check_range(problem, state, result, error)
         if (allocated(error)) return
         if (any(state%forces < -row_tolerance*maxval(abs(state%forces)))) then
             call fatal_error(error, negative_force, 'the paper''s final state needs tension')

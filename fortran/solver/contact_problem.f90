@@ -14,7 +14,7 @@ module flankload_contact_problem
     private
 
     public :: contact_problem
-    public :: new_contact_problem, shift_gaps, measure_from_zero, contact_gaps, find_recession
+    public :: new_contact_problem, shift_gaps, measure_from_zero, contact_gaps, normal_displacement
     public :: row_size, least_row_sizes
     public :: is_finite
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
@@ -39,7 +39,7 @@ module flankload_contact_problem
         !> B = R
         logical :: same_rows = .true.
         !> Compliance of the springs through which loads act when equations are solved, 0: none (see
-        !> `flankload_load_springs`); the problem is the same
+        !> `flankload_regularized_loads`); the problem is the same
         real(wp) :: spring = 0.0_wp
         !> Scales of the rows (near 1/sqrt(K_ii)), motions, load rows and loads
         real(wp), allocatable :: row_scale(:)
@@ -235,7 +235,7 @@ contains
 
         integer :: c
 
-        call find_recession(problem, compliance, forces, gaps)
+        call normal_displacement(problem, compliance, forces, gaps)
         gaps = gaps + problem%gaps
         do c = 1, problem%n_motions
             gaps = gaps - problem%motions(:, c)*motion(c)   ! Eq. (18), row i times b_i
@@ -244,7 +244,7 @@ contains
 
     !> Scaled normal displacement K F. One product per run of active columns, since active pairs are
     !> mostly neighbours.
-    pure subroutine find_recession(problem, compliance, forces, recession)
+    pure subroutine normal_displacement(problem, compliance, forces, displacement)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> K as the caller has it
@@ -252,13 +252,13 @@ contains
         !> Scaled forces, zero for pairs that are not active, shape (n)
         real(wp), intent(in) :: forces(:)
         !> Scaled normal displacement, shape (n)
-        real(wp), contiguous, intent(out) :: recession(:)
+        real(wp), contiguous, intent(out) :: displacement(:)
 
         integer :: first, last
         real(wp), allocatable :: columns(:)
 
         columns = problem%row_scale*forces
-        recession = 0.0_wp
+        displacement = 0.0_wp
         last = 0
         do
             first = last + 1
@@ -272,10 +272,10 @@ contains
                 if (.not. abs(forces(last + 1)) > 0.0_wp) exit
                 last = last + 1
             end do
-            call add_product(compliance, first, last, columns, recession)
+            call add_product(compliance, first, last, columns, displacement)
         end do
-        recession = problem%row_scale*recession
-    end subroutine find_recession
+        displacement = problem%row_scale*displacement
+    end subroutine normal_displacement
 
     !> Size of one row: Σ|K_ij| F_j + |g0_i| + Σ|B_ic q_c|, with motions measured from the start or
     !> from zero, whichever is smaller: small loads at large gaps are resolved, and a distant start

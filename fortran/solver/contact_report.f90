@@ -8,7 +8,7 @@ module flankload_contact_report
     implicit none
     private
 
-    public :: report_state, unscale, is_in_range, same_loads
+    public :: report_state, is_in_range, same_loads
 
 contains
 
@@ -19,49 +19,29 @@ contains
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Final state of the loop
         type(loop_state), intent(in) :: state
-        !> The state in the caller's units; its level is known already
+        !> The state in the caller's units; its method is known already
         type(contact_result), intent(inout) :: result
+
+        integer :: i, q
 
         result%pivots = state%pivots
         result%refactorisations = state%system%refactorisations
         result%growth = state%system%growth
         result%condition = state%condition
         call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
-        call unscale(problem, state%forces, state%gaps, state%motion, state%tangent, &
-            & state%system%pairs, result)
-    end subroutine report_state
-
-    !> The state in the caller's units.
-    pure subroutine unscale(problem, forces, gaps, motion, tangent, pairs, result)
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> Scaled forces, shape (n)
-        real(wp), intent(in) :: forces(:)
-        !> Scaled gaps, shape (n)
-        real(wp), intent(in) :: gaps(:)
-        !> Scaled motion from the start, shape (n_motions)
-        real(wp), intent(in) :: motion(:)
-        !> Scaled d motion / d load, shape (n_motions, n_motions)
-        real(wp), intent(in) :: tangent(:, :)
-        !> Pairs whose gap is closed
-        integer, intent(in) :: pairs(:)
-        !> The state
-        type(contact_result), intent(inout) :: result
-
-        integer :: i, q
-
         q = problem%n_motions
-        result%forces = problem%load_scale*problem%row_scale*forces
+        result%forces = problem%load_scale*problem%row_scale*state%forces
         ! The remainder of a closed gap is rounding, already in the backward error.
-        result%gaps = problem%load_scale*gaps/problem%row_scale
-        result%gaps(pairs) = 0.0_wp
+        result%gaps = problem%load_scale*state%gaps/problem%row_scale
+        result%gaps(state%system%pairs) = 0.0_wp
         ! A NaN must not count as a closed gap.
         where (abs(result%gaps) <= huge(1.0_wp)) result%gaps = max(result%gaps, 0.0_wp)
-        result%motion = problem%load_scale*problem%motion_scale*(problem%start_motion + motion)
-        result%tangent = tangent*spread(problem%motion_scale, 2, q) &
+        result%motion = problem%load_scale*problem%motion_scale &
+            & *(problem%start_motion + state%motion)
+        result%tangent = state%tangent*spread(problem%motion_scale, 2, q) &
             & *spread(problem%load_row_scale, 1, q)
-        result%active_pairs = pack([(i, i=1, problem%n)], abs(forces) > 0.0_wp)
-    end subroutine unscale
+        result%active_pairs = pack([(i, i=1, problem%n)], abs(state%forces) > 0.0_wp)
+    end subroutine report_state
 
     !> Whether scaling has preserved the problem: no number overflows, no load is lost.
     pure function same_loads(problem, loads) result(same)
@@ -79,14 +59,11 @@ contains
 
     !> Whether the caller's units can represent a state: no number overflows, and no significant
     !> number underflows.
-    pure function is_in_range(problem, forces, motion, result) result(in_range)
+    pure function is_in_range(problem, state, result) result(in_range)
         !> The problem
         type(contact_problem), intent(in) :: problem
-        !> Scaled forces, shape (n)
-        real(wp), intent(in) :: forces(:)
-        !> Scaled motion from the start, shape (n_motions)
-        real(wp), intent(in) :: motion(:)
-        !> The state in the caller's units
+        !> Final state of the loop, and the same in the caller's units
+        type(loop_state), intent(in) :: state
         type(contact_result), intent(in) :: result
         logical :: in_range
 
@@ -96,10 +73,10 @@ contains
             & .and. all(abs(result%motion) <= huge(1.0_wp)) &
             & .and. all(abs(result%tangent) <= huge(1.0_wp))
         if (.not. in_range) return
-        least_force = epsilon(1.0_wp)*maxval(forces)
+        least_force = epsilon(1.0_wp)*maxval(state%forces)
         least_motion = max(least_force, epsilon(1.0_wp)*maxval(abs(problem%normal_gaps)))
-        in_range = .not. (any(forces > least_force .and. result%forces < tiny(1.0_wp)) &
-            & .or. any(abs(problem%start_motion + motion) > least_motion &
+        in_range = .not. (any(state%forces > least_force .and. result%forces < tiny(1.0_wp)) &
+            & .or. any(abs(problem%start_motion + state%motion) > least_motion &
             & .and. abs(result%motion) < tiny(1.0_wp)))
     end function is_in_range
 

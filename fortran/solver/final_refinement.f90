@@ -3,17 +3,15 @@ module flankload_final_refinement
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
         & least_row_sizes, row_tolerance
-    use flankload_zero_force, only: pulls
+    use flankload_roundoff, only: is_tensile, clear_unloaded, clear_roundoff
     use flankload_bordered_system, only: drop_pair, factor_pairs_anew
     use flankload_bordered_solution, only: solve_bordered, bordered_condition
     use flankload_loop_start, only: loop_state
-    use flankload_held_loads, only: holds_loads
-    use flankload_force_remains, only: clear_remains, clear_rounding
-    use flankload_extended_residual, only: extended_lack
+    use flankload_equation_residual, only: find_residual, holds_loads
     implicit none
     private
 
-    public :: first_to_vanish, most_open_pair, is_open, finish
+    public :: first_leaving, most_penetrating, penetrates, refine_final
 
     !> A start further from the end than this factor times the end is too far to measure from.
     real(wp), parameter :: far_start = 1.5_wp
@@ -25,14 +23,14 @@ module flankload_final_refinement
     integer, parameter :: max_extended = 20
     !> Accepted residual of rows and loads: half of that in the certificate, whose sums have
     !> rounding errors themselves
-    real(wp), parameter :: met_tolerance = 0.5_wp*row_tolerance
+    real(wp), parameter :: residual_tolerance = 0.5_wp*row_tolerance
     !> Forces below this fraction of the largest are not refined for their own sake.
     real(wp), parameter :: least_part = epsilon(1.0_wp)**2
 
 contains
 
     !> The force that first becomes zero on the way to the target.
-    pure subroutine first_to_vanish(problem, pairs, forces, target, pinned, leaving, way)
+    pure subroutine first_leaving(problem, pairs, forces, target, pinned, leaving, fraction)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> The pairs in contact
@@ -45,36 +43,36 @@ contains
         !> Index of that force, 0 if none is negative at the end
         integer, intent(out) :: leaving
         !> Fraction of the way
-        real(wp), intent(out) :: way
+        real(wp), intent(out) :: fraction
 
         integer :: k
         real(wp) :: part
         logical, allocatable :: negative(:)
 
-        negative = pulls(problem, pairs, target)
+        negative = is_tensile(problem, pairs, target)
         leaving = 0
-        way = 1.0_wp
+        fraction = 1.0_wp
         do k = 1, size(forces)
             if (.not. negative(k) .or. pinned(k)) cycle
             part = forces(k)/(forces(k) - target(k))
             if (leaving > 0) then
-                if (part > way) cycle
-                if (part >= way .and. target(k) > target(leaving)) cycle
+                if (part > fraction) cycle
+                if (part >= fraction .and. target(k) > target(leaving)) cycle
             end if
             leaving = k
-            way = part
+            fraction = part
         end do
-    end subroutine first_to_vanish
+    end subroutine first_leaving
 
     !> The most penetrating pair, (31); 0 if none penetrates beyond the rounding of its row.
-    pure subroutine most_open_pair(problem, compliance, state, joining)
+    pure subroutine most_penetrating(problem, compliance, state, entering)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state; its gaps are computed here
         type(loop_state), intent(inout) :: state
         !> Number of the pair
-        integer, intent(out) :: joining
+        integer, intent(out) :: entering
 
         integer :: i
         logical, allocatable :: candidate(:)
@@ -85,20 +83,20 @@ contains
         call least_row_sizes(problem, state%gaps, state%motion, sizes)
         candidate = state%gaps < -row_tolerance*sizes .and. .not. state%waiting
         candidate(state%system%pairs) = .false.
-        joining = 0
+        entering = 0
         do
             i = minloc(state%gaps, dim=1, mask=candidate)
             if (i == 0) exit
-            if (is_open(problem, compliance, state, i, row_tolerance)) then
-                joining = i
+            if (penetrates(problem, compliance, state, i, row_tolerance)) then
+                entering = i
                 return
             end if
             candidate(i) = .false.
         end do
-    end subroutine most_open_pair
+    end subroutine most_penetrating
 
     !> Whether a gap is negative beyond rounding.
-    pure function is_open(problem, compliance, state, i, tolerance) result(open)
+    pure function penetrates(problem, compliance, state, i, tolerance) result(open)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -112,7 +110,7 @@ contains
 
         open = state%gaps(i) < -tolerance*row_size(problem, compliance, state%forces, &
             & state%motion, state%system%pairs, i)
-    end function is_open
+    end function penetrates
 
     !> Measure motions from the current one if the start was so far away that its size, rather than
     !> that of the caller's rows, would determine the rounding.
@@ -134,23 +132,23 @@ contains
     end subroutine measure_from_here
 
     !> Refine the final equations by the residuals of the gaps of active pairs and of the loads.
-    pure subroutine finish(problem, compliance, state, joining, done)
+    pure subroutine refine_final(problem, compliance, state, entering, done)
         !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(loop_state), intent(inout) :: state
         !> A pair that turns out to penetrate, else 0
-        integer, intent(out) :: joining
+        integer, intent(out) :: entering
         !> False if a pair has to enter or leave
         logical, intent(out) :: done
 
         integer :: step, k, leaving
-        real(wp) :: way
+        real(wp) :: fraction
         real(wp), allocatable :: forces(:), motion(:), sizes(:)
         logical :: solved, met
 
-        joining = 0
+        entering = 0
         call measure_from_here(problem, compliance, state)
         allocate (sizes(problem%n))
         do step = 1, max_refinements
@@ -162,21 +160,22 @@ contains
                     & problem%loads - matmul(state%forces(pairs), problem%load_rows(pairs, :)), &
                     & forces, motion, solved)
                 forces = state%forces(pairs) + forces
-                call first_to_vanish(problem, pairs, state%forces(pairs), forces, &
-                    & state%pinned(pairs), leaving, way)
+                call first_leaving(problem, pairs, state%forces(pairs), forces, &
+                    & state%pinned(pairs), leaving, fraction)
                 done = leaving == 0
                 if (.not. done) exit
                 state%forces(pairs) = max(forces, 0.0_wp)
                 state%motion = state%motion + motion
-                call most_open_pair(problem, compliance, state, joining)
-                done = joining == 0
+                call most_penetrating(problem, compliance, state, entering)
+                done = entering == 0
                 if (.not. done) return
                 call least_row_sizes(problem, state%gaps, state%motion, sizes)
-                met = holds_loads(problem, pairs, state%forces(pairs), met_tolerance)
+                met = holds_loads(problem, pairs, state%forces(pairs), residual_tolerance)
                 do k = 1, size(pairs)
-                    if (abs(state%gaps(pairs(k))) <= met_tolerance*sizes(pairs(k))) cycle
-                    met = met .and. abs(state%gaps(pairs(k))) <= met_tolerance*row_size(problem, &
-                        & compliance, state%forces, state%motion, pairs, pairs(k))
+                    if (abs(state%gaps(pairs(k))) <= residual_tolerance*sizes(pairs(k))) cycle
+                    met = met .and. abs(state%gaps(pairs(k))) <= residual_tolerance &
+                        & *row_size(problem, compliance, state%forces, state%motion, pairs, &
+                        & pairs(k))
                 end do
             end associate
             if (met) exit
@@ -186,8 +185,9 @@ contains
             if (state%condition > ill_conditioned .or. .not. met) then
                 call refine_extended(problem, compliance, state)
             end if
-            call clear_remains(problem, state)
-            call clear_rounding(problem, compliance, state)
+            call clear_unloaded(problem, state%system%pairs, state%condition, state%forces)
+            call clear_roundoff(problem, compliance, state%system%pairs, state%motion, &
+                & state%forces, state%gaps)
             return
         end if
         ! A force that was positive before the refinement is negative after it.
@@ -195,7 +195,7 @@ contains
         state%forces(state%left_last) = 0.0_wp
         call drop_pair(state%system, problem, compliance, leaving, solved)
         state%pivots = state%pivots + 1
-    end subroutine finish
+    end subroutine refine_final
 
     !> Continue the refinement in twice the working precision: forces that the equations cannot
     !> distinguish within rounding become accurate for exactly the given numbers. The result is kept
@@ -207,7 +207,7 @@ contains
         !> The state
         type(loop_state), intent(inout) :: state
 
-        integer :: step, joining
+        integer :: step, entering
         real(wp) :: change, before
         real(wp), allocatable :: r(:), s(:), forces(:), motion(:), old_forces(:), old_motion(:)
         logical :: solved
@@ -218,7 +218,7 @@ contains
         allocate (r(size(state%system%pairs)), s(problem%n_motions))
         associate (pairs => state%system%pairs)
             do step = 1, max_extended
-                call extended_lack(problem, compliance, pairs, state%forces(pairs), &
+                call find_residual(problem, compliance, pairs, state%forces(pairs), &
                     & state%motion, r, s)
                 call solve_bordered(state%system, problem, r, s, forces, motion, solved)
                 ! Small forces, too: rows and loads without large forces depend on their digits.
@@ -231,15 +231,15 @@ contains
                 state%motion = state%motion + motion
                 if (change <= epsilon(1.0_wp)) exit
             end do
-            joining = 0
+            entering = 0
             if (minval(state%forces(pairs)) > 0.0_wp) then
-                call most_open_pair(problem, compliance, state, joining)
-                if (joining == 0) return
+                call most_penetrating(problem, compliance, state, entering)
+                if (entering == 0) return
             end if
         end associate
         state%forces = old_forces
         state%motion = old_motion
-        call most_open_pair(problem, compliance, state, joining)
+        call most_penetrating(problem, compliance, state, entering)
     end subroutine refine_extended
 
 end module flankload_final_refinement

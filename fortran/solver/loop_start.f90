@@ -4,18 +4,18 @@ module flankload_loop_start
     use flankload_status, only: no_contact_state, singular_contact
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_problem, only: contact_problem, shift_gaps, row_tolerance
-    use flankload_zero_force, only: pulls
-    use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
-        & append_block, drop_pairs
+    use flankload_roundoff, only: is_tensile
+    use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pairs, &
+        & drop_pairs
     use flankload_bordered_solution, only: solve_bordered
-    use flankload_held_loads, only: hold_loads_again
-    use flankload_sure_proof, only: loads_are_too_much
-    use flankload_load_vertex, only: load_vertex, vertex_found, vertex_infeasible
+    use flankload_equation_residual, only: restore_loads
+    use flankload_infeasibility_proof, only: loads_infeasible
+    use flankload_feasible_start, only: feasible_start, start_found, start_infeasible
     implicit none
     private
 
     public :: loop_state
-    public :: start_loop, start_cold, start_warm, shed_pulling
+    public :: start_loop, start_cold, start_warm, drop_tensile
 
     !> State of the loop; all scaled.
     type :: loop_state
@@ -57,25 +57,25 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: outcome
-        real(wp), allocatable :: motion(:), missed(:), sizes(:)
+        real(wp), allocatable :: motion(:), distance_left(:), sizes(:)
 
-        call load_vertex(problem, first, first_forces, motion, outcome)
+        call feasible_start(problem, first, first_forces, motion, outcome)
         allocate (state%forces(problem%n), state%gaps(problem%n), source=0.0_wp)
         allocate (state%waiting(problem%n), state%pinned(problem%n), source=.false.)
         allocate (state%motion(problem%n_motions), source=0.0_wp)
-        if (outcome == vertex_infeasible) then
+        if (outcome == start_infeasible) then
             state%motion = motion
-            state%none_proven = loads_are_too_much(problem, first, motion)
+            state%none_proven = loads_infeasible(problem, first, motion)
             call fatal_error(error, no_contact_state, 'no forces >= 0 hold the loads')
-        else if (outcome /= vertex_found) then
+        else if (outcome /= start_found) then
             state%motion = motion
             call fatal_error(error, singular_contact, 'a motion is held by no pair')
         else
             ! If one of these pairs has no lever that closes it, the motion does not bring it into
             ! contact.
-            missed = problem%gaps(first) - matmul(problem%motions(first, :), motion)
+            distance_left = problem%gaps(first) - matmul(problem%motions(first, :), motion)
             sizes = abs(problem%gaps(first)) + matmul(abs(problem%motions(first, :)), abs(motion))
-            call shift_gaps(problem, motion, pack(first, abs(missed) <= row_tolerance*sizes))
+            call shift_gaps(problem, motion, pack(first, abs(distance_left) <= row_tolerance*sizes))
         end if
     end subroutine start_loop
 
@@ -98,7 +98,7 @@ contains
         state%forces = 0.0_wp
         ready = .true.
         do k = 1, size(first)
-            if (ready) call append_pair(state%system, problem, compliance, first(k), ready)
+            if (ready) call append_pairs(state%system, problem, compliance, [first(k)], ready)
             state%forces(first(k)) = first_forces(k)
         end do
         state%pivots = state%pivots + size(first)
@@ -119,12 +119,12 @@ contains
         integer :: n_left
 
         state%system = new_bordered_system(problem%symmetric, state%pivoted)
-        call append_block(state%system, problem, compliance, warm_pairs, ready)
-        if (ready) call shed_pulling(problem, compliance, state, n_left, ready)
+        call append_pairs(state%system, problem, compliance, warm_pairs, ready)
+        if (ready) call drop_tensile(problem, compliance, state, n_left, ready)
     end subroutine start_warm
 
     !> Solve for the pairs of the system and remove those with tensile forces, until none is left.
-    pure subroutine shed_pulling(problem, compliance, state, n_left, ready)
+    pure subroutine drop_tensile(problem, compliance, state, n_left, ready)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -146,8 +146,8 @@ contains
             call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
                 & problem%loads, forces, motion, ready, state%tangent)
             if (.not. ready) return
-            call hold_loads_again(problem, compliance, state%system, forces, motion)
-            negative = pulls(problem, state%system%pairs, forces)
+            call restore_loads(problem, compliance, state%system, forces, motion)
+            negative = is_tensile(problem, state%system%pairs, forces)
             if (.not. any(negative)) exit
             call drop_pairs(state%system, problem, compliance, negative, ready)
             if (.not. ready) return
@@ -156,6 +156,6 @@ contains
         state%pivots = state%pivots + n_left
         state%forces(state%system%pairs) = max(forces, 0.0_wp)
         state%motion = motion
-    end subroutine shed_pulling
+    end subroutine drop_tensile
 
 end module flankload_loop_start

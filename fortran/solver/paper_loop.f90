@@ -9,30 +9,14 @@ module flankload_paper_loop
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
         & row_tolerance
-    use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, factor_anew, &
-        & solve_factored, estimate_condition
+    use flankload_updatable_factor, only: factor_anew, solve_factored, estimate_condition
+    use flankload_factor_extension, only: extend
+    use flankload_bordered_system, only: new_bordered_system
+    use flankload_loop_start, only: loop_state
     implicit none
     private
 
-    public :: paper_state
     public :: paper_loop
-
-    !> State of the loop; all scaled.
-    type :: paper_state
-        !> Factor of the matrix of (32)
-        type(kept_factor) :: factor
-        !> Pairs in contact s_1, s_2, … in the order in which they entered
-        integer, allocatable :: pairs(:)
-        !> Forces (n), gaps (n), motion from the start (1)
-        real(wp), allocatable :: forces(:)
-        real(wp), allocatable :: gaps(:)
-        real(wp), allocatable :: motion(:)
-        !> dφ/dM, shape (1, 1)
-        real(wp), allocatable :: tangent(:, :)
-        !> Condition number of (32), with scaled rows
-        real(wp) :: condition = 1.0_wp
-        integer :: refactorisations = 0
-    end type paper_state
 
     !> The same limit as for the bordered system.
     real(wp), parameter :: growth_limit = 1.0e3_wp
@@ -46,11 +30,11 @@ contains
         !> K, shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state, perhaps with negative forces
-        type(paper_state), intent(out) :: state
+        type(loop_state), intent(out) :: state
         !> More than one motion, row levers that are not positive, or singular equations
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: first, joining
+        integer :: first, entering
 
         if (problem%n_motions /= 1) then
             call fatal_error(error, invalid_input, 'method paper: expected one motion')
@@ -61,19 +45,19 @@ contains
         end if
         allocate (state%forces(problem%n), state%gaps(problem%n), state%motion(1), source=0.0_wp)
         allocate (state%tangent(1, 1), source=0.0_wp)
-        state%factor = new_kept_factor(symmetric=.false.)
+        state%system = new_bordered_system(symmetric=.false., pivoted=.false.)
         ! The least gap angle, so that (25) holds for the first pair.
         first = minloc(problem%gaps/problem%motions(:, 1), dim=1)
         call shift_gaps(problem, [problem%gaps(first)/problem%motions(first, 1)], [first])
-        state%pairs = [first]
-        joining = 0
+        state%system%pairs = [first]
+        entering = 0
         do
             call extend_equations(problem, compliance, state, error)
             if (allocated(error)) return
             call solve_equations(problem, compliance, state)
-            joining = least_gap_angle(problem, compliance, state)  ! Eq. (30), (31)
-            if (joining == 0) exit
-            state%pairs = [state%pairs, joining]
+            entering = least_gap_angle(problem, compliance, state)  ! Eq. (30), (31)
+            if (entering == 0) exit
+            state%system%pairs = [state%system%pairs, entering]
         end do
         call refine(problem, compliance, state)
     end subroutine paper_loop
@@ -84,7 +68,7 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
-        type(paper_state), intent(in) :: state
+        type(loop_state), intent(in) :: state
         !> Number of the pair of the row
         integer, intent(in) :: i
         !> Numbers of the pairs of the columns
@@ -93,7 +77,7 @@ contains
 
         integer :: first
 
-        first = state%pairs(1)
+        first = state%system%pairs(1)
         if (i == first) then
             row = problem%load_rows(columns, 1)  ! Eq. (17)
         else
@@ -104,32 +88,51 @@ contains
         end if
     end function reduced_row
 
+    !> The matrix of (32).
+    pure function reduced_matrix(problem, compliance, state) result(matrix)
+        !> The problem and its K
+        type(contact_problem), intent(in) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
+        type(loop_state), intent(in) :: state
+        real(wp), allocatable :: matrix(:, :)
+
+        integer :: r
+
+        associate (pairs => state%system%pairs)
+            allocate (matrix(size(pairs), size(pairs)))
+            do r = 1, size(pairs)
+                matrix(r, :) = reduced_row(problem, compliance, state, pairs(r), pairs)
+            end do
+        end associate
+    end function reduced_matrix
+
     !> Extend (32) by the row and column of the last pair.
     pure subroutine extend_equations(problem, compliance, state, error)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
-        type(paper_state), intent(inout) :: state
+        type(loop_state), intent(inout) :: state
         !> Singular equations
         type(error_type), allocatable, intent(out) :: error
 
         integer :: k, r, last
         logical :: accepted
-        real(wp), allocatable :: column(:), row(:), matrix(:, :)
+        real(wp), allocatable :: columns(:, :), rows(:, :)
 
-        k = size(state%pairs)
-        last = state%pairs(k)
-        row = reduced_row(problem, compliance, state, last, state%pairs)
-        column = [(reduced_row(problem, compliance, state, state%pairs(r), [last]), r=1, k - 1)]
-        call extend(state%factor, column, row(:k - 1), row(k), accepted)
-        if (.not. accepted .or. state%factor%growth > growth_limit) then
-            allocate (matrix(k, k))
-            do r = 1, k
-                matrix(r, :) = reduced_row(problem, compliance, state, state%pairs(r), state%pairs)
-            end do
-            call factor_anew(state%factor, matrix, accepted)
-            state%refactorisations = state%refactorisations + 1
+        k = size(state%system%pairs)
+        last = state%system%pairs(k)
+        allocate (columns(k, 1), rows(1, k - 1))
+        do r = 1, k
+            columns(r, :) = reduced_row(problem, compliance, state, state%system%pairs(r), [last])
+        end do
+        rows(1, :) = reduced_row(problem, compliance, state, last, state%system%pairs(:k - 1))
+        call extend(state%system%factor, columns, rows, accepted)
+        if (.not. accepted .or. state%system%factor%growth > growth_limit) then
+            call factor_anew(state%system%factor, reduced_matrix(problem, compliance, state), &
+                & accepted)
+            state%system%refactorisations = state%system%refactorisations + 1
         end if
         if (.not. accepted) then
             call fatal_error(error, singular_contact, 'the equations (32) are singular')
@@ -142,15 +145,15 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
-        type(paper_state), intent(inout) :: state
+        type(loop_state), intent(inout) :: state
 
         real(wp), allocatable :: x(:, :)
 
-        allocate (x(size(state%pairs), 1))
-        x(:, 1) = -problem%gaps(state%pairs)
+        allocate (x(size(state%system%pairs), 1))
+        x(:, 1) = -problem%gaps(state%system%pairs)
         x(1, 1) = problem%loads(1)
-        call solve_factored(state%factor, x)  ! Eq. (26), (32)
-        state%forces(state%pairs) = x(:, 1)
+        call solve_factored(state%system%factor, x)  ! Eq. (26), (32)
+        state%forces(state%system%pairs) = x(:, 1)
         state%motion = rotation(problem, compliance, state, x(:, 1))   ! Eq. (27), (33)
         ! Eq. (34) with the sum omitted in print
         call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
@@ -162,38 +165,38 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
-        type(paper_state), intent(in) :: state
+        type(loop_state), intent(in) :: state
         !> Scaled forces of its pairs
         real(wp), intent(in) :: forces(:)
         real(wp) :: motion
 
         integer :: first
 
-        first = state%pairs(1)
-        motion = dot_product(compliance(first, state%pairs), &
-            & problem%row_scale(state%pairs)*forces)*problem%row_scale(first) &
+        first = state%system%pairs(1)
+        motion = dot_product(compliance(first, state%system%pairs), &
+            & problem%row_scale(state%system%pairs)*forces)*problem%row_scale(first) &
             & /problem%motions(first, 1)
     end function rotation
 
     !> The pair with the smallest final gap angle, 0 if none is negative beyond rounding.
-    pure function least_gap_angle(problem, compliance, state) result(joining)
+    pure function least_gap_angle(problem, compliance, state) result(entering)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
-        type(paper_state), intent(in) :: state
-        integer :: joining
+        type(loop_state), intent(in) :: state
+        integer :: entering
 
         logical, allocatable :: candidate(:)
 
         candidate = state%gaps < 0.0_wp
-        candidate(state%pairs) = .false.
+        candidate(state%system%pairs) = .false.
         do
-            joining = minloc(state%gaps/problem%motions(:, 1), dim=1, mask=candidate)
-            if (joining == 0) return
-            if (state%gaps(joining) < -row_tolerance*row_size(problem, compliance, state%forces, &
-                & state%motion, state%pairs, joining)) return
-            candidate(joining) = .false.
+            entering = minloc(state%gaps/problem%motions(:, 1), dim=1, mask=candidate)
+            if (entering == 0) return
+            if (state%gaps(entering) < -row_tolerance*row_size(problem, compliance, state%forces, &
+                & state%motion, state%system%pairs, entering)) return
+            candidate(entering) = .false.
         end do
     end function least_gap_angle
 
@@ -203,27 +206,27 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
-        type(paper_state), intent(inout) :: state
+        type(loop_state), intent(inout) :: state
 
-        integer :: k, r
-        real(wp), allocatable :: x(:, :), matrix(:, :)
+        integer :: k
+        real(wp), allocatable :: x(:, :)
 
-        k = size(state%pairs)
+        k = size(state%system%pairs)
         allocate (x(k, 2), source=0.0_wp)
-        x(:, 1) = -state%gaps(state%pairs)
+        x(:, 1) = -state%gaps(state%system%pairs)
         x(1, 1) = problem%loads(1) &
-            & - dot_product(problem%load_rows(state%pairs, 1), state%forces(state%pairs))
+            & - dot_product(problem%load_rows(state%system%pairs, 1), &
+            & state%forces(state%system%pairs))
         x(1, 2) = 1.0_wp
-        call solve_factored(state%factor, x)
-        state%forces(state%pairs) = state%forces(state%pairs) + x(:, 1)
-        state%motion = rotation(problem, compliance, state, state%forces(state%pairs))
+        call solve_factored(state%system%factor, x)
+        state%forces(state%system%pairs) = state%forces(state%system%pairs) + x(:, 1)
+        state%motion = rotation(problem, compliance, state, state%forces(state%system%pairs))
         state%tangent = rotation(problem, compliance, state, x(:, 2))
         call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
-        allocate (matrix(k, k))
-        do r = 1, k
-            matrix(r, :) = reduced_row(problem, compliance, state, state%pairs(r), state%pairs)
-        end do
-        state%condition = estimate_condition(state%factor, maxval(sum(abs(matrix), dim=1)))
+        state%condition = estimate_condition(state%system%factor, &
+            & maxval(sum(abs(reduced_matrix(problem, compliance, state)), dim=1)))
+        state%system%growth = state%system%factor%growth
+        state%pivots = k
     end subroutine refine
 
 end module flankload_paper_loop

@@ -25,10 +25,6 @@ module flankload_row_scaling
     !> a block of tiles, which fits in the next level of cache.
     integer, parameter :: tile = 40
     integer, parameter :: block = 4*tile
-    !> Larger matrices come from main memory: their blocks are fetched before they are read.
-    integer, parameter :: near_rows = 4*block
-    !> Numbers per cache line
-    integer, parameter :: line = 8
     !> Columns that are compared at once: the same number of neighbours in a row of the mirror
     !> image.
     integer, parameter :: width = 4
@@ -76,67 +72,24 @@ contains
         real(wp), contiguous, intent(in) :: matrix(:, :)
         type(matrix_form) :: form
 
-        integer :: i, j, n
-        real(wp) :: seen
+        integer :: i, j, n, first_row, first_column
         real(wp), allocatable :: root(:)
 
         n = size(matrix, 1)
         root = [(sqrt(max(matrix(i, i), 0.0_wp)), i=1, n)]
-        seen = 0.0_wp
-        do j = 1, n, block
-            do i = j, n, block
-                if (.not. form%symmetric) exit
-                if (n > near_rows) seen = seen + fetched(matrix, i, j) + fetched(matrix, j, i)
-                call compare_blocks(matrix, root, i, j, form)
+        do first_column = 1, n, block
+            do first_row = first_column, n, block
+                do j = first_column, min(first_column + block - 1, n), tile
+                    do i = max(first_row, j), min(first_row + block - 1, n), tile
+                        if (form%symmetric) call compare_tiles(matrix, root, i, j, form)
+                    end do
+                end do
             end do
         end do
         form%mirrored = form%mirrored .and. form%symmetric
         form%elastic = form%elastic .and. form%symmetric
-        if (form%symmetric .and. abs(seen) <= huge(1.0_wp)) return
-        form%finite = is_finite_matrix(matrix)
+        if (.not. form%symmetric) form%finite = is_finite_matrix(matrix)
     end function form_of
-
-    !> Fetch a block: one number of each cache line, all in parallel. Returns their sum.
-    pure function fetched(matrix, first_row, first_column) result(seen)
-        !> The matrix
-        real(wp), contiguous, intent(in) :: matrix(:, :)
-        !> First row and column of the block
-        integer, intent(in) :: first_row
-        integer, intent(in) :: first_column
-        real(wp) :: seen
-
-        integer :: r, c
-        real(wp) :: sums(width)
-
-        sums = 0.0_wp
-        do c = first_column, min(first_column + block, size(matrix, 2) + 1) - 1
-            do r = first_row, min(first_row + block, size(matrix, 1) + 1) - width*line, width*line
-                sums = sums + matrix(r:r + width*line - 1:line, c)
-            end do
-        end do
-        seen = sum(sums)
-    end function fetched
-
-    !> A block and its mirror image, tile by tile.
-    pure subroutine compare_blocks(matrix, root, first_row, first_column, form)
-        !> The matrix
-        real(wp), contiguous, intent(in) :: matrix(:, :)
-        !> Roots of its diagonal
-        real(wp), intent(in) :: root(:)
-        !> First row and column of the block below the diagonal
-        integer, intent(in) :: first_row
-        integer, intent(in) :: first_column
-        !> Properties found so far
-        type(matrix_form), intent(inout) :: form
-
-        integer :: i, j
-
-        do j = first_column, min(first_column + block - 1, size(root)), tile
-            do i = max(first_row, j), min(first_row + block - 1, size(root)), tile
-                if (form%symmetric) call compare_tiles(matrix, root, i, j, form)
-            end do
-        end do
-    end subroutine compare_blocks
 
     !> A tile and its mirror image: first the tile as a whole is compared with the smallest bound of
     !> its entries, then entry by entry only if that is not decisive.

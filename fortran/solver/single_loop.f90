@@ -1,21 +1,21 @@
-!> The contact loop with single pairs, in which any pair may leave; (20), (30), (31).
+!> Primal active-set method with single pairs, (20), (30), (31).
 !>
-!> The forces hold the loads and are not negative at every step. Each step moves towards the state
-!> in which just the active pairs touch; it stops where a force becomes zero and removes that pair,
-!> or else adds the most penetrating pair. With a symmetric positive definite K the stored energy
-!> decreases at every step, so that no set of pairs occurs twice. With another K the loop may cycle:
-!> it gives up if neither energy nor the number of penetrating pairs has decreased for some steps.
-!> The paper's loop (Fig. 6) is the case in which no pair ever leaves.
+!> At every step the forces hold the loads and are not negative. A step moves towards the state in
+!> which just the active pairs touch. It stops where a force becomes zero and removes that pair, or
+!> else adds the most penetrating pair. If K is symmetric and positive definite, the stored energy
+!> decreases at every step, so that no set of pairs occurs twice. Otherwise the loop may cycle; it
+!> ends if neither energy nor the number of penetrating pairs decreases within `stall_limit` steps.
+!> The paper's loop (Fig. 6) is the case in which no pair leaves.
 module flankload_single_loop
     use flankload_kinds, only: wp
     use flankload_status, only: pivot_limit, singular_contact
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_problem, only: contact_problem, row_tolerance
-    use flankload_bordered_system, only: append_pair, drop_pair
+    use flankload_bordered_system, only: append_pairs, drop_pair
     use flankload_bordered_solution, only: solve_bordered
-    use flankload_held_loads, only: hold_loads_again
+    use flankload_equation_residual, only: restore_loads
     use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm
-    use flankload_final_refinement, only: first_to_vanish, most_open_pair, is_open, finish
+    use flankload_final_refinement, only: first_leaving, most_penetrating, penetrates, refine_final
     implicit none
     private
 
@@ -38,7 +38,7 @@ module flankload_single_loop
     end type loop_progress
 
     !> Steps within which there must be progress; 20000 problems of gears need 3.
-    integer, parameter :: patience = 10
+    integer, parameter :: stall_limit = 10
 
 contains
 
@@ -61,7 +61,7 @@ contains
         real(wp), allocatable :: first_forces(:)
         type(loop_progress) :: progress
         logical :: ready, done
-        integer :: joining
+        integer :: entering
 
         call start_loop(problem, first, first_forces, state, error)
         if (allocated(error)) return
@@ -78,25 +78,25 @@ contains
         do
             call settle(problem, compliance, state, error)
             if (allocated(error)) return
-            call most_open_pair(problem, compliance, state, joining)   ! Eq. (30), (31)
-            if (joining == 0) then
-                call finish(problem, compliance, state, joining, done)
+            call most_penetrating(problem, compliance, state, entering)   ! Eq. (30), (31)
+            if (entering == 0) then
+                call refine_final(problem, compliance, state, entering, done)
                 if (done) exit
             end if
-            call watch_progress(problem, state, progress)
-            if (progress%steps_without > patience) then
+            call update_progress(problem, state, progress)
+            if (progress%steps_without > stall_limit) then
                 call fatal_error(error, pivot_limit, 'the loop gets no nearer to a state')
                 return
             end if
-            if (joining > 0) call let_join(problem, compliance, joining, state, error)
+            if (entering > 0) call add_entering(problem, compliance, entering, state, error)
             if (allocated(error)) return
         end do
-        if (any(state%waiting)) call judge_waiting(problem, compliance, state, error)
+        if (any(state%waiting)) call check_waiting(problem, compliance, state, error)
     end subroutine single_loop
 
     !> Record whether the number of penetrating pairs or, with a symmetric K, the energy is at a
     !> minimum.
-    pure subroutine watch_progress(problem, state, progress)
+    pure subroutine update_progress(problem, state, progress)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> The state, with just the active pairs touching
@@ -121,7 +121,7 @@ contains
             progress%least_energy = energy
             progress%steps_without = 0
         end if
-    end subroutine watch_progress
+    end subroutine update_progress
 
     !> Move towards the state in which just the active pairs touch; pairs whose force becomes zero
     !> on the way leave.
@@ -135,26 +135,26 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         real(wp), allocatable :: target(:), forces(:), motion(:)
-        real(wp) :: way
+        real(wp) :: fraction
         integer :: leaving, pair
-        logical :: solved, bounced
+        logical :: solved, rejected
 
-        bounced = .false.
+        rejected = .false.
         do
             call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
                 & problem%loads, target, motion, solved, state%tangent)
             if (.not. solved .and. state%left_last > 0) then
-                call take_back(problem, compliance, state, solved)
+                call readmit(problem, compliance, state, solved)
                 if (solved) cycle
             end if
             if (.not. solved) exit
-            call hold_loads_again(problem, compliance, state%system, target, motion)
+            call restore_loads(problem, compliance, state%system, target, motion)
             forces = state%forces(state%system%pairs)
-            call first_to_vanish(problem, state%system%pairs, forces, target, &
-                & state%pinned(state%system%pairs), leaving, way)
+            call first_leaving(problem, state%system%pairs, forces, target, &
+                & state%pinned(state%system%pairs), leaving, fraction)
             if (leaving == 0) then
                 state%left_last = 0
-                if (.not. bounced) state%waiting = .false.
+                if (.not. rejected) state%waiting = .false.
                 state%forces(state%system%pairs) = max(target, 0.0_wp)
                 state%motion = motion
                 return
@@ -164,14 +164,14 @@ contains
                 return
             end if
             pair = state%system%pairs(leaving)
-            state%forces(state%system%pairs) = max(forces + way*(target - forces), 0.0_wp)
+            state%forces(state%system%pairs) = max(forces + fraction*(target - forces), 0.0_wp)
             state%forces(pair) = 0.0_wp
-            if (way > 0.0_wp) then
+            if (fraction > 0.0_wp) then
                 state%waiting = .false.
             else if (leaving == size(forces)) then
                 ! The pair that just entered has a tensile force: without a change it would enter
                 ! again.
-                bounced = .true.
+                rejected = .true.
                 state%waiting(pair) = .true.
             end if
             call drop_pair(state%system, problem, compliance, leaving, solved)
@@ -184,7 +184,7 @@ contains
 
     !> The pair that left last constrained a motion that no other one does: its force follows from
     !> the loads, and only rounding has made it negative.
-    pure subroutine take_back(problem, compliance, state, taken)
+    pure subroutine readmit(problem, compliance, state, taken)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -193,20 +193,20 @@ contains
         !> False if the equations are singular with it, too
         logical, intent(out) :: taken
 
-        call append_pair(state%system, problem, compliance, state%left_last, taken)
+        call append_pairs(state%system, problem, compliance, [state%left_last], taken)
         state%pinned(state%left_last) = taken
         state%waiting(state%left_last) = .false.
         state%left_last = 0
         state%pivots = state%pivots + 1
-    end subroutine take_back
+    end subroutine readmit
 
     !> Add a pair; if its row depends on those in contact, it replaces another pair.
-    pure subroutine let_join(problem, compliance, joining, state, error)
+    pure subroutine add_entering(problem, compliance, entering, state, error)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Number of the pair
-        integer, intent(in) :: joining
+        integer, intent(in) :: entering
         !> The state
         type(loop_state), intent(inout) :: state
         !> Singular equations
@@ -214,7 +214,7 @@ contains
 
         real(wp), allocatable :: column(:), change(:), motion(:), forces(:)
         integer :: leaving
-        real(wp) :: way
+        real(wp) :: fraction
         logical :: accepted
 
         if (state%pivots >= pivots_per_pair*problem%n + pivots_at_least) then
@@ -222,36 +222,36 @@ contains
             return
         end if
         do
-            call append_pair(state%system, problem, compliance, joining, accepted)
+            call append_pairs(state%system, problem, compliance, [entering], accepted)
             state%pivots = state%pivots + 1
             state%left_last = 0
             state%pinned = .false.
             if (accepted) return
             ! The force of the entering pair grows without resistance until another has become zero.
             associate (pairs => state%system%pairs)
-                column = problem%row_scale(pairs)*problem%row_scale(joining) &
-                    & *compliance(pairs, joining)
+                column = problem%row_scale(pairs)*problem%row_scale(entering) &
+                    & *compliance(pairs, entering)
                 call solve_bordered(state%system, problem, -column, &
-                    & -problem%load_rows(joining, :), change, motion, accepted)
+                    & -problem%load_rows(entering, :), change, motion, accepted)
                 forces = state%forces(pairs)
                 leaving = minloc(forces/max(-change, tiny(1.0_wp)), dim=1, &
                     & mask=change < -row_tolerance*maxval(abs(change)))
                 if (.not. accepted .or. leaving == 0) exit
-                way = forces(leaving)/(-change(leaving))
-                state%forces(pairs) = max(forces + way*change, 0.0_wp)
+                fraction = forces(leaving)/(-change(leaving))
+                state%forces(pairs) = max(forces + fraction*change, 0.0_wp)
                 state%forces(pairs(leaving)) = 0.0_wp
-                state%forces(joining) = state%forces(joining) + way
+                state%forces(entering) = state%forces(entering) + fraction
             end associate
-            if (way > 0.0_wp) state%waiting = .false.
+            if (fraction > 0.0_wp) state%waiting = .false.
             call drop_pair(state%system, problem, compliance, leaving, accepted)
             state%pivots = state%pivots + 1
             if (.not. accepted) exit
         end do
         call fatal_error(error, singular_contact, 'a pair depends on the pairs in contact')
-    end subroutine let_join
+    end subroutine add_entering
 
     !> Waiting pairs may penetrate only by rounding; otherwise the loop cycles.
-    pure subroutine judge_waiting(problem, compliance, state, error)
+    pure subroutine check_waiting(problem, compliance, state, error)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -264,11 +264,11 @@ contains
 
         do i = 1, problem%n
             if (.not. state%waiting(i)) cycle
-            if (is_open(problem, compliance, state, i, waiting_tolerance)) then
+            if (penetrates(problem, compliance, state, i, waiting_tolerance)) then
                 call fatal_error(error, pivot_limit, 'the loop goes in circles: a pair would pull')
                 return
             end if
         end do
-    end subroutine judge_waiting
+    end subroutine check_waiting
 
 end module flankload_single_loop

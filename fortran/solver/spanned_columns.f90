@@ -4,7 +4,7 @@ module flankload_spanned_columns
     implicit none
     private
 
-    public :: spanned, span_columns, solve_triangular
+    public :: spanned, factor_columns, solve_triangular
 
     !> Columns = columns' M, where M is a triangle except for the order of its columns.
     type :: spanned
@@ -25,13 +25,13 @@ module flankload_spanned_columns
 contains
 
     !> Elimination by the largest remaining entry.
-    pure function span_columns(columns) result(span)
+    pure function factor_columns(columns) result(span)
         !> The columns, shape (k, q)
         real(wp), intent(in) :: columns(:, :)
         type(spanned) :: span
 
-        integer :: q, c, at(2)
-        real(wp), allocatable :: left(:, :), terms(:, :)
+        integer :: q, c, j, at(2)
+        real(wp), allocatable :: left(:, :), terms(:, :), change(:)
 
         q = size(columns, 2)
         if (size(columns, 1) < q) return
@@ -44,28 +44,17 @@ contains
             span%order(c) = at(2)
             span%triangle(c, :) = left(at(1), :)
             span%columns(:, c) = left(:, at(2))/left(at(1), at(2))
-            terms = terms + abs(outer(span%columns(:, c), span%triangle(c, :)))
-            left = left - outer(span%columns(:, c), span%triangle(c, :))
+            do j = 1, q
+                change = span%columns(:, c)*span%triangle(c, j)
+                terms(:, j) = terms(:, j) + abs(change)
+                left(:, j) = left(:, j) - change
+            end do
             left(:, at(2)) = 0.0_wp
             left(at(1), :) = 0.0_wp
             where (abs(left) <= nothing*terms) left = 0.0_wp
         end do
         span%independent = .true.
-    end function span_columns
-
-    !> a bᵀ
-    pure function outer(a, b) result(product)
-        !> The vectors
-        real(wp), intent(in) :: a(:)
-        real(wp), intent(in) :: b(:)
-        real(wp) :: product(size(a), size(b))
-
-        integer :: j
-
-        do j = 1, size(b)
-            product(:, j) = a*b(j)
-        end do
-    end function outer
+    end function factor_columns
 
     !> Solve M x = b or Mᵀ x = b for each column of b.
     pure subroutine solve_triangular(span, transposed, x)

@@ -8,9 +8,9 @@ program bench_contact
     use flankload, only: wp, solve_contact_problem, contact_result, error_type, method_auto, &
         & method_single, general_matrix, symmetric_matrix, definite_matrix, definite_part
     use flankload_contact_problem, only: contact_problem, new_contact_problem
-    use flankload_contact_ladder, only: climb, ladder_end
+    use flankload_contact_cascade, only: run_cascade, cascade_end
     use flankload_loop_start, only: loop_state
-    use flankload_paper_loop, only: paper_state, paper_loop
+    use flankload_paper_loop, only: paper_loop
     use bench_limit, only: limit_gaps
     use bench_paper, only: paper_dgesv
     implicit none
@@ -198,20 +198,18 @@ contains
 
         type(contact_problem) :: problem
         type(loop_state) :: state
-        type(paper_state) :: paper
         type(error_type), allocatable :: error
-        type(ladder_end) :: ending
+        type(cascade_end) :: ending
 
         call new_contact_problem(case%compliance, case%gaps, case%levers, case%row, &
             & [case%torque], case%known, problem, error)
         if (way == way_bordered) then
-            call paper_loop(problem, case%compliance, paper, error)
-            if (.not. allocated(error)) call move_alloc(paper%forces, found)
+            call paper_loop(problem, case%compliance, state, error)
         else
-            call climb(problem, case%compliance, method_auto, [integer ::], state, ending, error)
-            if (.not. allocated(error)) call move_alloc(state%forces, found)
+            call run_cascade(problem, case%compliance, method_auto, [integer ::], state, ending, &
+                & error)
         end if
-        if (allocated(found)) found = problem%load_scale*problem%row_scale*found
+        if (.not. allocated(error)) found = problem%load_scale*problem%row_scale*state%forces
     end subroutine go_bare
 
     !> Wall time [s].

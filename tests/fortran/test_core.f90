@@ -3,15 +3,15 @@ program test_core
     use, intrinsic :: iso_fortran_env, only: real128
     use flankload, only: wp, version_number, solve_contact_problem, contact_result, error_type, &
         & method_single, symmetric_matrix, general_matrix
-    use flankload_kept_factor, only: kept_factor, new_kept_factor, extend, shrink, factor_anew, &
-        & solve_factored
-    use flankload_factor_block, only: extend_block, cut
+    use flankload_updatable_factor, only: updatable_factor, new_updatable_factor, shrink, &
+        & factor_anew, solve_factored
+    use flankload_factor_extension, only: extend
     use flankload_contact_problem, only: contact_problem, new_contact_problem
     use flankload_contact_certificate, only: certify
     use flankload_twice_precision, only: two_part, add_product, rounded
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve, curve_point
-    use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pair, &
+    use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pairs, &
         & drop_pair
     use flankload_compliance_field, only: compliance_type, mode_values, strip_kernel, &
         & mean_strip_kernel, closed_strip_kernel, strip_jump
@@ -23,7 +23,7 @@ program test_core
     use flankload_friction, only: friction_lever, mean_sign
     use flankload_finite_influence, only: departures
     use flankload_tabled_influence, only: add_table, add_tangential_table
-    use flankload_bordered_solution, only: solve_bordered, invert_small
+    use flankload_bordered_solution, only: solve_bordered, invert
     implicit none
 
     !> Identities hold to rounding.
@@ -520,14 +520,14 @@ contains
         real(wp), intent(in) :: matrix(:, :)
         !> Which kind
         logical, intent(in) :: symmetric
-        type(kept_factor) :: factor
+        type(updatable_factor) :: factor
 
         integer :: k
         logical :: accepted
 
-        factor = new_kept_factor(symmetric)
+        factor = new_updatable_factor(symmetric)
         do k = 1, size(matrix, 1)
-            call extend(factor, matrix(:k - 1, k), matrix(k, :k - 1), matrix(k, k), accepted)
+            call extend(factor, matrix(:k, k:k), matrix(k:k, :k - 1), accepted)
             call expect(accepted, 'an independent row is accepted')
         end do
     end function grown_factor
@@ -535,16 +535,16 @@ contains
     !> Largest relative difference to a fresh factorisation of the same rows, random right sides.
     function distance_to_fresh(factor, matrix) result(distance)
         !> The factor that grew or shrank
-        type(kept_factor), intent(in) :: factor
+        type(updatable_factor), intent(in) :: factor
         !> What it should be the factor of
         real(wp), intent(in) :: matrix(:, :)
         real(wp) :: distance
 
-        type(kept_factor) :: fresh
+        type(updatable_factor) :: fresh
         logical :: accepted
         real(wp), allocatable :: kept(:, :), anew(:, :)
 
-        fresh = new_kept_factor(factor%symmetric)
+        fresh = new_updatable_factor(factor%symmetric)
         call factor_anew(fresh, matrix, accepted)
         call expect(accepted, 'the matrix can be factored')
         allocate (kept(size(matrix, 1), 2))
@@ -576,7 +576,7 @@ contains
         integer, parameter :: leaving(5) = [1, n - 1, 7, 1, 12]
         integer, allocatable :: left(:)
         real(wp) :: matrix(n, n)
-        type(kept_factor) :: factor
+        type(updatable_factor) :: factor
 
         matrix = random_matrix(symmetric)
         factor = grown_factor(matrix, symmetric)
@@ -599,38 +599,39 @@ contains
         integer, parameter :: ends(4) = [0, 5, 6, n]
         integer :: b, first, last
         real(wp) :: matrix(n, n)
-        type(kept_factor) :: factor
+        type(updatable_factor) :: factor
         logical :: accepted
 
         matrix = random_matrix(symmetric)
-        factor = new_kept_factor(symmetric)
+        factor = new_updatable_factor(symmetric)
         do b = 2, size(ends)
             first = ends(b - 1) + 1
             last = ends(b)
-            call extend_block(factor, matrix(:last, first:last), &
+            call extend(factor, matrix(:last, first:last), &
                 & matrix(first:last, :first - 1), accepted)
             call expect(accepted, 'a block joins')
         end do
         call expect(distance_to_fresh(factor, matrix) < round_off, &
             & 'factor by blocks = fresh factor')
-        call cut(factor, 9)
+        factor%order = 9
         call expect(distance_to_fresh(factor, matrix(:9, :9)) < round_off, 'cut = fresh factor')
-        call extend_block(factor, matrix([(b, b=1, 9), 4], [4]), matrix([4], :9), accepted)
+        call extend(factor, matrix([(b, b=1, 9), 4], [4]), matrix([4], :9), accepted)
         call expect(.not. accepted, 'a block with a repeated row is refused')
         call expect(distance_to_fresh(factor, matrix(:9, :9)) < round_off, 'and changes nothing')
-        call extend_block(factor, matrix(:, 10:), matrix(10:, :9), accepted)
+        call extend(factor, matrix(:, 10:), matrix(10:, :9), accepted)
         call expect(distance_to_fresh(factor, matrix) < round_off, 'grown again = fresh factor')
     end subroutine test_block
 
     !> A row that repeats another is refused and leaves the factor as it was.
     subroutine test_dependent_row
         real(wp) :: matrix(n, n)
-        type(kept_factor) :: factor
+        type(updatable_factor) :: factor
         logical :: accepted
+        integer :: i
 
         matrix = random_matrix(symmetric=.true.)
         factor = grown_factor(matrix, symmetric=.true.)
-        call extend(factor, matrix(:, 3), matrix(3, :), matrix(3, 3), accepted)
+        call extend(factor, matrix([(i, i=1, n), 3], [3]), matrix([3], :), accepted)
         call expect(.not. accepted, 'a repeated row is refused')
         call expect(distance_to_fresh(factor, matrix) < round_off, 'a refusal changes nothing')
     end subroutine test_dependent_row
@@ -660,7 +661,7 @@ contains
         call expect(.not. allocated(error), 'the skew problem is legal')
         system = new_bordered_system(symmetric=.false., pivoted=.false.)
         do j = 1, 4
-            call append_pair(system, problem, compliance, j, accepted)
+            call append_pairs(system, problem, compliance, [j], accepted)
             call expect(accepted, 'a pair of the skew problem joins')
         end do
         call expect(system%refactorisations > 0, 'growth is answered by exchange of rows')
@@ -678,23 +679,22 @@ contains
 
     !> The inverse of a small matrix whose best pivots stand off the diagonal.
     subroutine test_small_inverse
-        real(wp) :: matrix(3, 3), inverse(3, 3), one(3, 3)
-        logical :: solved
+        real(wp) :: matrix(3, 3), inverse(3, 3), one(3, 3), least_pivot
         integer :: i
 
         matrix = reshape([0.0_wp, 3.0_wp, 1.0_wp, 2.0_wp, 0.0_wp, 0.5_wp, &
             & 1.0_wp, 4.0_wp, 0.0_wp], [3, 3])
         inverse = matrix
-        call invert_small(inverse, solved)
-        call expect(solved, 'a regular matrix has an inverse')
+        call invert(inverse, least_pivot, .false.)
+        call expect(least_pivot > 0.0_wp, 'a regular matrix has an inverse')
         one = matmul(matrix, inverse)
         do i = 1, 3
             one(i, i) = one(i, i) - 1.0_wp
         end do
         call expect(maxval(abs(one)) < round_off, 'matrix times inverse = 1')
         inverse = spread([1.0_wp, 2.0_wp, 3.0_wp], 2, 3)
-        call invert_small(inverse, solved)
-        call expect(.not. solved, 'a singular matrix has no inverse')
+        call invert(inverse, least_pivot, .false.)
+        call expect(least_pivot <= 0.0_wp, 'a singular matrix has no inverse')
     end subroutine test_small_inverse
 
     !> The smallest problem in which a pair must leave: F = (5, 0, 5), φ = 91, gaps (0, 3, 0).

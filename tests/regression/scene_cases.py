@@ -105,6 +105,19 @@ OTHERS: dict[str, tuple[str, dict[str, dict[str, Any]]]] = {
         {"effects": {"large_displacement": True}, "positions": {"count": 2}},
     ),
     "belt_land_friction": ("scene_belt", {"effects": {"land_friction": 0.1}}),
+    "web_and_hub": (
+        "scene_helical_gear",
+        {
+            "body_2": {
+                "web_width_mm": 7.5,
+                "rim_thickness_mm": 9.0,
+                "web_offset_mm": 3.0,
+                "hub_diameter_mm": 90.0,
+                "hub_width_mm": 40.0,
+            },
+            "positions": {"count": 2},
+        },
+    ),
 }
 
 #: What some variants have beside the quantities of every scene.

@@ -11,7 +11,17 @@ from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
-    from flankload.scene import BodySpec, Cam, ComplianceBody, Follower, MeshBody
+    from flankload.scene import (
+        BodySpec,
+        Cam,
+        ComplianceBody,
+        Follower,
+        Gear,
+        MeshBody,
+        Ring,
+        SplineHub,
+        SplineShaft,
+    )
 
 __all__ = ["Body", "Material", "SectorMesh", "WholeMesh", "build_body"]
 
@@ -66,7 +76,6 @@ def build_body(
         Chain,
         ComplianceBody,
         Follower,
-        Gear,
         MeshBody,
         Pulley,
         Sprocket,
@@ -87,14 +96,32 @@ def build_body(
     if flank_element_mm is None:
         flank_element_mm = flank_element_parts * spec.module_mm
         flank_element_mm *= SPLINE_PART if spec.conforms else 1.0
-    from flankload.bodies.involute.involute_body import build_involute_body
+    return _build_involute(spec, key, (flank_element_mm, flank_nodes_mm), pair_width_mm)
 
-    body = build_involute_body(
-        spec, key, flank_element_mm=flank_element_mm, flank_nodes_mm=flank_nodes_mm
-    )
-    if pair_width_mm is None or body.involute is None or not isinstance(spec, Gear):
-        return body
+
+def _build_involute(
+    spec: Gear | Ring | SplineShaft | SplineHub,
+    key: str,
+    lengths_mm: tuple[float, float | None],
+    pair_width_mm: float | None,
+) -> Body:
+    """A body with involute teeth; a gear of a three-dimensional scene with its axial shape."""
+    from flankload.bodies.involute.involute_body import build_involute_body
+    from flankload.scene import Gear
+    from flankload.scene.axial import axial_range
+
+    element, nodes = lengths_mm
+    if pair_width_mm is None or not isinstance(spec, Gear):
+        return build_involute_body(spec, key, flank_element_mm=element, flank_nodes_mm=nodes)
     ends = axial_range(spec, pair_width_mm, key)
+    body = build_involute_body(
+        spec,
+        key,
+        flank_element_mm=element,
+        flank_nodes_mm=nodes,
+        regions=tuple(name for name, _ in spec.regions_of(ends)),
+    )
+    assert body.involute is not None
     return replace(body, axial=axial_shape(spec, ends, body.involute.reference_radius_mm))
 
 

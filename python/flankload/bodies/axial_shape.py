@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import tan
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rounding import TIE
 from flankload.bodies.shaft import Shaft, build_shaft
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from flankload.scene.axial import AxialKeys
@@ -78,12 +81,15 @@ class AxialShape:
     lead : LeadModifications
     shaft : Shaft or None
         Shaft and bearings; None: the bore does not move.
+    regions : tuple of (str, (float, float))
+        Names and ends of regions of other width: web, hub, sets of a mesh.
     """
 
     range_mm: tuple[float, float]
     twist_rad_per_mm: float = 0.0
     lead: LeadModifications = LeadModifications()
     shaft: Shaft | None = None
+    regions: tuple[tuple[str, tuple[float, float]], ...] = ()
 
     @property
     def width_mm(self) -> float:
@@ -92,11 +98,24 @@ class AxialShape:
 
     def without_lead(self) -> AxialShape:
         """The section along the axis alone: no lead modifications and no shaft."""
-        return AxialShape(self.range_mm, self.twist_rad_per_mm)
+        return replace(self, lead=LeadModifications(), shaft=None)
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether a straight body has a plane of symmetry across the axis."""
+        extents = [self.range_mm, *(extent for _, extent in self.regions)]
+        return not self.twist_rad_per_mm and share_middle(extents)
 
     def gap_mm(self, z_mm: Floats) -> Floats:
         """Metal removed by the lead modifications at axial positions (n,), mm."""
         return self.lead.at((z_mm - self.range_mm[0]) / self.width_mm, self.width_mm)
+
+
+def share_middle(extents_mm: Sequence[tuple[float, float]]) -> bool:
+    """Whether extents along the axis have one middle, up to rounding."""
+    middles = [low + high for low, high in extents_mm]
+    widest = max(high - low for low, high in extents_mm)
+    return max(middles) - min(middles) <= TIE * widest
 
 
 def axial_shape(
@@ -130,4 +149,5 @@ def axial_shape(
         keys.hand_sign * tan(keys.helix_rad) / reference_radius_mm,
         lead,
         None if keys.shaft is None else build_shaft(keys.shaft, 0.5 * (range_mm[0] + range_mm[1])),
+        keys.regions_of(range_mm),
     )

@@ -60,6 +60,9 @@ class SectorMesh:
     tip_edges, tip_arc_length : (k, 3) arrays
         Edges of a tip rounding or chamfer as those of the flank, behind these, and the arc lengths
         of their nodes, mm. Empty without.
+    regions : tuple of str
+        Name of the region of each entry of `cells`, "" if it is as wide as the teeth; empty if all
+        are.
     """
 
     nodes: NDArray[np.float64]
@@ -72,6 +75,7 @@ class SectorMesh:
     teeth: int
     tip_edges: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
     tip_arc_length: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 3)))
+    regions: tuple[str, ...] = ()
 
     @property
     def flank_elements(self) -> int:

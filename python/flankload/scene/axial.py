@@ -45,6 +45,8 @@ PLANE_EFFECTS = {
 }
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
 LEAD_KEYS = ("lead_crowning_um", "helix_slope_um", "end_relief_um")
+#: Keys that give regions of a body widths of their own and hence require three dimensions.
+REGION_KEYS = ("web_width_mm", "hub_width_mm", "region_sets")
 BothEnds = Annotated[tuple[Relief, ...], Meta(min_length=2, max_length=2)]
 BothLengths = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=2)]
 
@@ -157,6 +159,15 @@ class AxialKeys:
         """How far the helix angle may be from that of the other body."""
         return HELIX_TOLERANCE
 
+    def regions_of(
+        self, range_mm: tuple[float, float]
+    ) -> tuple[tuple[str, tuple[float, float]], ...]:
+        """Names and ends along the axis of regions of other width than the teeth."""
+        return ()
+
+    def check_extents(self, range_mm: tuple[float, float], key: str) -> None:
+        """Check the regions against the ends of the teeth."""
+
     def check_solid(self, key: str, why: str) -> None:
         """Refuse what this version has in plane scenes only."""
 
@@ -194,7 +205,7 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
     Raises
     ------
     SceneError
-        If an end relief is longer than the body.
+        If an end relief is longer than the body, or a region of other width does not fit.
     """
     width = body.face_width_mm or pair_width_mm
     for k, length in enumerate(body.end_relief_length_mm or ()):
@@ -204,7 +215,9 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
                 f"at most the face width of the body, {width:g}",
                 length,
             )
-    return body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
+    ends = body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
+    body.check_extents(ends, key)
+    return ends
 
 
 def degrees_of(accuracy: "Accuracy") -> tuple[int, int]:
@@ -238,8 +251,8 @@ def three_dimensional_key(
     for number, body in enumerate(bodies, start=1):
         if not isinstance(body, AxialKeys):
             continue
-        for name in ("helix_angle_deg", *LEAD_KEYS, "axial_offset_mm", "shaft"):
-            value = getattr(body, name)
+        for name in ("helix_angle_deg", *LEAD_KEYS, "axial_offset_mm", "shaft", *REGION_KEYS):
+            value = getattr(body, name, None)
             if any(value) if isinstance(value, tuple) else value:
                 return f"body_{number}.{name}"
         widths.append((number, body.face_width_mm))

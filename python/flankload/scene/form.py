@@ -33,6 +33,8 @@ NOT_YET = {
         "profile_twist_": "profile twist, which varies with height and width of the flank",
         "topography_": "measured topographies",
         "shaft": "shafts of these bodies",
+        **dict.fromkeys(("web_", "rim_thickness_", "hub_"), "webs and hubs of these bodies"),
+        "region_": "regions of other width in these bodies",
     },
 }
 

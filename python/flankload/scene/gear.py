@@ -21,6 +21,16 @@ from flankload.scene.axial import (
     OwnWidth,
 )
 from flankload.scene.refusal import refuse
+from flankload.scene.regions import (
+    HubDiameter,
+    HubOffset,
+    HubWidth,
+    RegionKeys,
+    RimThickness,
+    WebOffset,
+    WebOuterDiameter,
+    WebWidth,
+)
 from flankload.scene.table import (
     USUAL_ERRORS,
     USUAL_MODIFICATION,
@@ -122,7 +132,7 @@ class Geometry(InvoluteKeys, frozen=True, kw_only=True):
     ] = 0.38
 
 
-class Gear(AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
+class Gear(RegionKeys, AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
     """An external spur or helical gear with a generated root fillet, fixed at its bore."""
 
     teeth: Annotated[Teeth, about("-", "number of teeth")]
@@ -143,6 +153,13 @@ class Gear(AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"
     end_relief_length_mm: EndReliefLength = None
     end_relief_shape: EndReliefShape = "linear"
     shaft: OnShaft = None
+    web_width_mm: WebWidth = None
+    web_outer_diameter_mm: WebOuterDiameter = None
+    rim_thickness_mm: RimThickness = None
+    web_offset_mm: WebOffset = 0.0
+    hub_diameter_mm: HubDiameter = None
+    hub_width_mm: HubWidth = None
+    hub_offset_mm: HubOffset = 0.0
 
     @property
     def number_of_teeth(self) -> int:
@@ -163,6 +180,7 @@ class Gear(AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
         check_tip(self, given, key)
         self.check_axial(given, key)
+        self.check_regions(key)
         _check_bore(self, key)
 
 

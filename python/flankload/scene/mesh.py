@@ -22,6 +22,7 @@ from flankload.scene.axial import (
 )
 from flankload.scene.gear import Geometry, check_pitch_errors, check_tip
 from flankload.scene.refusal import refuse, shown
+from flankload.scene.regions import MeshRegionKeys, RegionSets, RegionWidths
 from flankload.scene.table import (
     USUAL_SIZE,
     BodyTable,
@@ -47,7 +48,7 @@ class Profile(Geometry, frozen=True, kw_only=True):
     ] = None
 
 
-class MeshBody(AxialKeys, BodyTable, frozen=True, kw_only=True, tag="mesh"):
+class MeshBody(MeshRegionKeys, AxialKeys, BodyTable, frozen=True, kw_only=True, tag="mesh"):
     """A body from a mesh file: one sector with cut faces, or the whole body with many flanks."""
 
     from_file: ClassVar[bool] = True
@@ -104,6 +105,8 @@ class MeshBody(AxialKeys, BodyTable, frozen=True, kw_only=True, tag="mesh"):
     end_relief_length_mm: EndReliefLength = None
     end_relief_shape: EndReliefShape = "linear"
     shaft: OnShaft = None
+    region_sets: RegionSets = None
+    region_widths_mm: RegionWidths = None
 
     @property
     def number_of_teeth(self) -> int:
@@ -151,6 +154,7 @@ class MeshBody(AxialKeys, BodyTable, frozen=True, kw_only=True, tag="mesh"):
         """Check the named sets, the pitch errors and the profile."""
         _check_sets(self, given, key)
         self.check_axial(given, key)
+        self.check_regions(key)
         teeth, profile = self.number_of_teeth, self.profile
         reference = 2 * pi * (self.reference_radius_mm or 0.0) / teeth
         base_pitch = reference if profile is None else profile.base_pitch_mm

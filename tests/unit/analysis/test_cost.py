@@ -227,6 +227,13 @@ def differences(cost: dict[str, Any]) -> dict[tuple[str, str], tuple[int, int]]:
         {"effects__body": "tooth", **ALL},
         {"effects__body": "segment", "effects__segment_teeth": 3, **ALL},
         {"effects__temperature_rise_K": -30, "effects__speed_rpm": 3000, **FEW},
+        {"body_1__web_width_mm": 4, "body_1__rim_thickness_mm": 5, **FEW},
+        {
+            "body_1__web_width_mm": 4,
+            "body_1__rim_thickness_mm": 5,
+            "body_1__web_offset_mm": 2,
+            **FEW,
+        },
         {
             "effects__temperature_rise_K": [0, -30],
             "effects__support_expansion_per_K": 0,

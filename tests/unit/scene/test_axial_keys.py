@@ -17,6 +17,8 @@ HELICAL = {
     "body_2__helix_angle_deg": 15,
     "body_2__hand": "left",
 }
+WEB = {"web_width_mm": 4, "rim_thickness_mm": 5}
+HUB = {"hub_width_mm": 20, "hub_diameter_mm": 38}
 
 
 @pytest.mark.parametrize(
@@ -32,6 +34,8 @@ HELICAL = {
         ),
         ({"body_1__face_width_mm": 15}, "body_1.face_width_mm"),
         ({"body_1__axial_offset_mm": 1}, "body_1.axial_offset_mm"),
+        ({f"body_1__{key}": value for key, value in WEB.items()}, "body_1.web_width_mm"),
+        ({f"body_2__{key}": value for key, value in HUB.items()}, "body_2.hub_width_mm"),
         ({"pair__inclination_um_per_mm": 0.1}, "pair.inclination_um_per_mm"),
         ({"pair__deviation_um_per_mm": -0.1}, "pair.deviation_um_per_mm"),
     ],
@@ -201,3 +205,124 @@ def test_contradictions_get_one_line(
     changes: dict[str, Any], key: str, expected: str, found: str
 ) -> None:
     one_line(changes, key, expected, found)
+
+
+WEBBED = {f"body_1__{key}": value for key, value in WEB.items()}
+WITH_HUB = WEBBED | {f"body_1__{key}": value for key, value in HUB.items()}
+REGIONS = {"region_sets": ["WEB", "HUB"], "region_widths_mm": [4, 20]}
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "expected", "found"),
+    [
+        (
+            {**WEBBED, "body_1__web_outer_diameter_mm": 50},
+            "body_1.rim_thickness_mm",
+            "nothing beside body_1.web_outer_diameter_mm",
+            "5.0",
+        ),
+        (
+            {"body_1__web_width_mm": 4},
+            "body_1.web_outer_diameter_mm",
+            "a number > 0, since there is a body_1.web_width_mm",
+            "nothing",
+        ),
+        (
+            {"body_1__rim_thickness_mm": 4},
+            "body_1.web_width_mm",
+            "a number > 0, since there is a body_1.rim_thickness_mm",
+            "nothing",
+        ),
+        (
+            {"body_1__web_offset_mm": 1},
+            "body_1.web_width_mm",
+            "a number > 0, since there is a body_1.web_offset_mm",
+            "nothing",
+        ),
+        (
+            {"body_1__hub_width_mm": 4},
+            "body_1.hub_diameter_mm",
+            "a number > 0, since there is a body_1.hub_width_mm",
+            "nothing",
+        ),
+        (
+            {"body_1__hub_diameter_mm": 40},
+            "body_1.hub_width_mm",
+            "a number > 0, since there is a body_1.hub_diameter_mm",
+            "nothing",
+        ),
+        (
+            {**WEBBED, "body_1__web_width_mm": 0},
+            "body_1.web_width_mm",
+            "a number from 0.001 to 100000",
+            "0",
+        ),
+        (
+            {**WEBBED, "body_1__web_width_mm": 15},
+            "body_1.web_width_mm",
+            "a web within the face width (from -7 to 7 mm)",
+            "15 (from -7.5 to 7.5 mm)",
+        ),
+        (
+            {**WEBBED, "body_1__web_offset_mm": -5.5, "body_1__axial_offset_mm": 1},
+            "body_1.web_width_mm",
+            "a web within the face width (from -6 to 8 mm)",
+            "4 (from -6.5 to -2.5 mm)",
+        ),
+        (
+            {**WITH_HUB, "body_1__hub_offset_mm": 9},
+            "body_1.hub_width_mm",
+            "a hub that contains or is within the web (from -2 to 2 mm)",
+            "20 (from -1 to 19 mm)",
+        ),
+        (
+            {**WEBBED, "effects__dimension": 2},
+            "effects.dimension",
+            "3 or nothing, since there is a body_1.web_width_mm",
+            "2",
+        ),
+        (
+            {"body_2": RING | {"web_width_mm": 3}, "pair__center_distance_mm": 99},
+            "body_2.web_width_mm",
+            "no such key, since this version does not simulate webs and hubs of these bodies",
+            "3",
+        ),
+        (
+            {"body_1": SECTOR | REGIONS | {"region_widths_mm": [4]}},
+            "body_1.region_widths_mm",
+            "a list of 2 numbers, one for each of body_1.region_sets",
+            "[4.0]",
+        ),
+        (
+            {"body_1": SECTOR | {"region_widths_mm": [4]}},
+            "body_1.region_sets",
+            "a list of names, since there is a body_1.region_widths_mm",
+            "nothing",
+        ),
+        (
+            {"body_1": SECTOR | REGIONS | {"region_sets": ["WEB", "WEB"]}},
+            "body_1.region_sets[1]",
+            "each set once",
+            "'WEB'",
+        ),
+    ],
+)
+def test_webs_and_hubs_that_cannot_be_get_one_line(
+    changes: dict[str, Any], key: str, expected: str, found: str
+) -> None:
+    one_line(changes, key, expected, found)
+
+
+def test_webs_and_hubs_have_places_along_the_axis() -> None:
+    scene = fl.Scene.from_dict(
+        changed(**WITH_HUB, body_1__web_offset_mm=5, body_1__hub_offset_mm=-1)
+    )
+    gear = scene.body_1
+    assert gear.regions_of((-7.0, 7.0)) == (("web", (3.0, 7.0)), ("hub", (-11.0, 9.0)))
+    assert gear.regions_of((3.0, 17.0)) == (("web", (13.0, 17.0)), ("hub", (-1.0, 19.0)))
+    # from outside, regions as wide as the teeth belong to the rim; inside they do not
+    wide = fl.Scene.from_dict(changed(**(WITH_HUB | {"body_1__web_width_mm": 14}))).body_1
+    assert wide.regions_of((-7.0, 7.0)) == (("hub", (-10.0, 10.0)),)
+    assert wide.regions_of((0.1, 14.1)) == (("hub", (7.1 - 10.0, 7.1 + 10.0)),)
+    between = fl.Scene.from_dict(changed(**(WITH_HUB | {"body_1__hub_width_mm": 14}))).body_1
+    assert between.regions_of((-7.0, 7.0)) == (("web", (-2.0, 2.0)), ("hub", (-7.0, 7.0)))

@@ -22,7 +22,8 @@ def write_body(path: str | Path, mesh: SectorMesh | WholeMesh, *, turn_rad: floa
     """Write the mesh of a body with named sets.
 
     A sector has the sets FLANK, BORE, CUT_LEFT and CUT_RIGHT; a whole body has BORE and FLANK_0,
-    FLANK_1, … by tooth number.
+    FLANK_1, … by tooth number. Elements of regions of other width are in sets of their own:
+    web, hub.
 
     Parameters
     ----------
@@ -40,7 +41,8 @@ def write_body(path: str | Path, mesh: SectorMesh | WholeMesh, *, turn_rad: floa
     """
     cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
     turned = mesh.nodes @ np.array([[cosine, sine], [-sine, cosine]])
-    write_mesh(path, turned, mesh.cells, _named_edges(mesh))
+    regions = () if isinstance(mesh, WholeMesh) else mesh.regions
+    write_mesh(path, turned, mesh.cells, _named_edges(mesh), regions)
 
 
 def _named_edges(mesh: SectorMesh | WholeMesh) -> dict[str, Numbers]:

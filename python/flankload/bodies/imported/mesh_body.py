@@ -16,6 +16,7 @@ import numpy as np
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
 from flankload.bodies.imported.mesh_curve import fit_flank
 from flankload.bodies.imported.mesh_flank import faces_clockwise, flank_edges, in_order
+from flankload.bodies.imported.mesh_regions import with_named_regions
 from flankload.bodies.imported.mesh_sector import sector_of
 from flankload.bodies.imported.mesh_source import MeshSource, check_axis, read_source
 from flankload.bodies.imported.mesh_whole import whole_of
@@ -70,7 +71,8 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
     if bare:
         outline = sketched_tooth(nodes[in_order(fit.edges)], spec.number_of_teeth)
     elif spec.flank_sets is None:
-        mesh, outline = sector_of(source, spec, nodes, cells, flanks[0], fixed, fit)
+        sector, outline = sector_of(source, spec, nodes, cells, flanks[0], fixed, fit)
+        mesh = with_named_regions(source, spec, sector)
     else:
         mesh, outline, turns, more = whole_of(source, spec, nodes, cells, flanks, fixed, fit)
         notes = (*notes, *more)

@@ -93,7 +93,8 @@ def read_source(spec: MeshBody, key: str, *, folder: Path) -> MeshSource:
         If the file is missing, unreadable, has a defect, or is not in millimetres.
     """
     raw = read_mesh(folder / spec.file, f"{key}.file")
-    body = sound_body(raw, f"{key}.file", one_material=spec.one_material)
+    one_material = spec.one_material or spec.region_sets is not None
+    body = sound_body(raw, f"{key}.file", one_material=one_material)
     source = MeshSource(raw, body, key)
     _check_size(source, spec)
     return source

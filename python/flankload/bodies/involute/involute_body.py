@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from msgspec import structs
 
 from flankload.bodies.body import Body, Material, checked_pitch_errors
+from flankload.bodies.involute.region_mesh import with_regions
 from flankload.bodies.involute.ring_mesh import ring_mesh
 from flankload.bodies.involute.sector_mesh import sector_mesh
 from flankload.bodies.profile.gear_profile import gear_profile
@@ -30,6 +31,7 @@ def build_involute_body(
     *,
     flank_element_mm: float,
     flank_nodes_mm: float | None = None,
+    regions: tuple[str, ...] = (),
 ) -> Body:
     """Build a body with involute teeth.
 
@@ -44,6 +46,8 @@ def build_involute_body(
     flank_nodes_mm : float, optional
         Largest distance of the flank's nodes, if nodal forces need finer elements there than
         elsewhere.
+    regions : tuple of str, optional
+        Regions of a gear's mesh below its rim, from outside: "web", "hub".
 
     Returns
     -------
@@ -62,7 +66,7 @@ def build_involute_body(
     if isinstance(spec, Ring | SplineHub):
         profile, rim_radius, mesh = _inward(spec, key, lengths)
     else:
-        profile, rim_radius, mesh = _outward(spec, key, lengths)
+        profile, rim_radius, mesh = _outward(spec, key, lengths, regions)
     involute = profile.involute
     return Body(
         kind=spec.kind,
@@ -84,10 +88,13 @@ def build_involute_body(
 
 
 def _outward(
-    spec: Gear | SplineShaft, key: str, lengths: tuple[float, float | None]
+    spec: Gear | SplineShaft,
+    key: str,
+    lengths: tuple[float, float | None],
+    regions: tuple[str, ...],
 ) -> tuple[GearProfile, float, SectorMesh | None]:
     """Profile, bore radius and mesh of a body with external teeth."""
-    from flankload.scene.gear import SplineShaft
+    from flankload.scene.gear import Gear, SplineShaft
 
     if isinstance(spec, SplineShaft):
         _check_root(spec, key)
@@ -98,8 +105,18 @@ def _outward(
             expected=f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}",
             found=f"{spec.bore_diameter_mm:g}",
         )
-    mesh = None if spec.rigid else sector_mesh(profile, bore_radius, lengths, key)
-    return profile, bore_radius, mesh
+    if not isinstance(spec, Gear):
+        mesh = None if spec.rigid else sector_mesh(profile, bore_radius, lengths, key)
+        return profile, bore_radius, mesh
+    radii = spec.region_radii(profile.involute.root_radius_mm, key)
+    if spec.rigid:
+        return profile, bore_radius, None
+    if not regions:
+        return profile, bore_radius, sector_mesh(profile, bore_radius, lengths, key)
+    below = [(name, radii[name]) for name in regions]
+    inner_key = spec.region_diameter_key(regions[0])
+    rim = sector_mesh(profile, radii[regions[0]], lengths, key, inner_key=inner_key)
+    return profile, bore_radius, with_regions(rim, bore_radius, below, lengths[0])
 
 
 def _inward(

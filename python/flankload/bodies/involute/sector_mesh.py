@@ -35,7 +35,11 @@ SAG_PART = 0.35
 
 
 def sector_mesh(
-    profile: GearProfile, bore_radius_mm: float, lengths_mm: tuple[float, float | None], key: str
+    profile: GearProfile,
+    bore_radius_mm: float,
+    lengths_mm: tuple[float, float | None],
+    key: str,
+    inner_key: str = "bore_diameter_mm",
 ) -> SectorMesh:
     """Mesh one tooth and its share of the rim.
 
@@ -49,6 +53,8 @@ def sector_mesh(
         As in `tooth_mesh`.
     key : str
         Key of the body in the scene, for messages.
+    inner_key : str
+        Key of the inner circle, for messages.
 
     Returns
     -------
@@ -64,9 +70,9 @@ def sector_mesh(
     if found:
         in_rim = place < profile.involute.root_radius_mm
         raise SceneError(
-            key=f"{key}.{'bore' if in_rim else 'tip'}_diameter_mm",
+            key=f"{key}.{inner_key if in_rim else 'tip_diameter_mm'}",
             expected="a tooth and rim that can be meshed in blocks",
-            found=f"{found} (bore {2 * bore_radius_mm:g} mm)",
+            found=f"{found} ({inner_key.split('_')[0]} {2 * bore_radius_mm:g} mm)",
         )
     return mesh
 

@@ -4,6 +4,10 @@
 
 With these M = 1, a load over P_b(xi) meets phi_b alone, and to keep the degrees up to q on a cut is
 to keep its first q + 1 coefficients.
+
+Where webs, rims and hubs have widths of their own (`AxialRegions`), a node has the functions of the
+widest region it belongs to: polynomials of the whole width restricted to a thin web are nearly
+dependent. Elements of a region integrate over its width, with the functions of their nodes.
 """
 
 from __future__ import annotations
@@ -12,10 +16,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import legvander
+from numpy.polynomial.legendre import leggauss, legvander
+
+from flankload.bodies.axial_shape import share_middle
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from flankload.elasticity.prism.section_stiffness import SectionStiffness
 
     Floats = NDArray[np.float64]
 
@@ -75,6 +83,92 @@ class AxialBasis:
         low, high = self.range_mm
         legendre = legvander((2.0 * np.asarray(z) - low - high) / (high - low), self.degree)
         return np.asarray(legendre * np.sqrt((2.0 * np.arange(self.count) + 1.0) / self.width_mm))
+
+    def derivatives(self, z: Floats) -> Floats:
+        """phi_k' at places z (n,), mm: (n, p + 1), 1/mm^(3/2)."""
+        return self.values(z) @ self.mixed  # phi_b' is the sum of D1[a, b] phi_a
+
+    def products(self, section: SectionStiffness) -> tuple[NDArray[np.int64], Floats]:
+        """Axial matrices of each pair of nodes of a section.
+
+        Returns
+        -------
+        number : (n,) array
+            Of the matrices of a pair; pairs of equal number are different pairs of nodes.
+        terms : (k, 4, p + 1, p + 1) array
+            `terms` of this basis.
+        """
+        return np.zeros(section.rows.size, dtype=np.int64), self.terms[None]
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether each function is even or odd about one plane."""
+        return True
+
+
+@dataclass(frozen=True, eq=False)
+class AxialRegions:
+    """Functions of z of a body whose regions have different widths.
+
+    Attributes
+    ----------
+    bases : tuple of AxialBasis
+        Of different widths and one degree, the widest first.
+    of_node : (N,) array
+        Number of each node's basis.
+    """
+
+    bases: tuple[AxialBasis, ...]
+    of_node: NDArray[np.int64]
+
+    @property
+    def count(self) -> int:
+        """Number of functions of a node, p + 1."""
+        return self.bases[0].count
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether each function is even or odd about one plane."""
+        return share_middle([basis.range_mm for basis in self.bases])
+
+    def products(self, section: SectionStiffness) -> tuple[NDArray[np.int64], Floats]:
+        """As of `AxialBasis`, over the width of each pair's region; `of_node` numbers these too."""
+        region, row, column = (
+            section.regions,
+            self.of_node[section.rows],
+            self.of_node[section.columns],
+        )
+        k = len(self.bases)
+        used, number = np.unique((region * k + row) * k + column, return_inverse=True)
+        terms = [
+            cross_terms(self.bases[code // k % k], self.bases[code % k], self.bases[code // k**2])
+            for code in used.tolist()
+        ]
+        return number, np.stack(terms)
+
+
+def cross_terms(one: AxialBasis, two: AxialBasis, over: AxialBasis) -> Floats:
+    """Integrals of a b, a b', a' b and a' b' over a width: a of one basis, b of another.
+
+    Parameters
+    ----------
+    one, two : AxialBasis
+        Of rows and of columns.
+    over : AxialBasis
+        Over whose width is integrated.
+
+    Returns
+    -------
+    (4, p + 1, p + 1) array
+    """
+    if one.range_mm == two.range_mm == over.range_mm:
+        return one.terms
+    points, weights = leggauss(max(one.count, two.count))  # exact to degree 2 p + 1
+    low, high = over.range_mm
+    z, weights = 0.5 * (low + high + (high - low) * points), 0.5 * (high - low) * weights
+    (a, slope_a), (b, slope_b) = ((part.values(z), part.derivatives(z)) for part in (one, two))
+    pairs = ((a, b), (a, slope_b), (slope_a, b), (slope_a, slope_b))
+    return np.stack([row.T * weights @ column for row, column in pairs])
 
 
 def mode_norms_z(width_mm: float, degree: int) -> Floats:

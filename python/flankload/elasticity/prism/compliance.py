@@ -23,6 +23,7 @@ from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.end_faces import edge_angles, end_strength
 from flankload.elasticity.prism.flank_potential import FlankSurface, projected_potential
+from flankload.elasticity.prism.regions import functions_of
 from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import close_ring
 from flankload.errors import SceneError
@@ -63,6 +64,8 @@ class Prism:
         Of the displacements of the cuts between sectors in z, at most p.
     screening : bool
         Loads may go to p - 2: the highest mode is some percent too stiff.
+    regions : tuple of (str, (float, float))
+        Extents along the axis of regions of the mesh that differ from `range_mm`, by name.
     """
 
     range_mm: tuple[float, float]
@@ -71,6 +74,7 @@ class Prism:
     load_degree: int = 4
     cut_degree: int = 4
     screening: bool = False
+    regions: tuple[tuple[str, tuple[float, float]], ...] = ()
 
     def check(self) -> None:
         """Refuse degrees that do not resolve each other.
@@ -95,7 +99,7 @@ class Prism:
 def prism_compliance(
     body: Body, prism: Prism, *, n_modes: int, account: Account | None = None
 ) -> BodyCompliance:
-    """Compliance of a body's flanks in three dimensions, its fixed nodes held over all its width.
+    """Compliance of a body's flanks in three dimensions, its fixed nodes held over all their width.
 
     A unit force out of the material at (s', z') of a flank moves the flank at (s, z), along its
     normal, by
@@ -145,7 +149,8 @@ def prism_compliance(
     account = Account() if account is None else account
     laps = Laps()
     axial = AxialBasis(prism.range_mm, prism.degree)
-    section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist)
+    numbers, functions = functions_of(mesh, axial, dict(prism.regions))
+    section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
     n_modes += TIP_MODES * (body.tip is not None)
     in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, tip=body.tip, twist=prism.twist)
     laps("assembly")
@@ -153,7 +158,7 @@ def prism_compliance(
     with threadpool_limits(limits=1, user_api="blas"):
         sector = condense_prism(
             section,
-            axial,
+            functions,
             mesh,
             _prism_loads(in_plane, axial.load_vectors(prism.load_degree)),
             cut_degree=min(prism.cut_degree, prism.degree),

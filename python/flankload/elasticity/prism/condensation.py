@@ -10,7 +10,8 @@ is [[S, G], [G', -C_loc]], all that the ring closure needs. The eliminated part 
 definite: no pivots are exchanged.
 
 Without twist, displacements in the section of even axial degree meet only axial ones of odd degree
-and the other way round: two problems of half the size.
+and the other way round: two problems of half the size. So it is where regions of different widths
+have one middle plane.
 """
 
 from __future__ import annotations
@@ -27,10 +28,12 @@ from flankload.elasticity.prism.dissection import Front, dissect
 from flankload.elasticity.sector_closure import CondensedSector
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from flankload.bodies.body import SectorMesh
-    from flankload.elasticity.prism.axial_basis import AxialBasis
+    from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
 
     Floats = NDArray[np.float64]
@@ -41,7 +44,7 @@ COMPONENTS = 3
 
 def condense_prism(
     section: SectionStiffness,
-    axial: AxialBasis,
+    axial: AxialBasis | AxialRegions,
     mesh: SectorMesh,
     loads: Floats,
     *,
@@ -49,12 +52,12 @@ def condense_prism(
     twisted: bool,
     account: Account | None = None,
 ) -> CondensedSector:
-    """Condense a sector to its loads and cuts; the fixed nodes are held over the whole width.
+    """Condense a sector to its loads and cuts; the fixed nodes are held over their whole width.
 
     Parameters
     ----------
     section : SectionStiffness
-    axial : AxialBasis
+    axial : AxialBasis or AxialRegions
         Of degree p.
     mesh : SectorMesh
     loads : (N, 3 (p + 1), r) array
@@ -62,7 +65,7 @@ def condense_prism(
     cut_degree : int
         q <= p: the displacements of the cuts are polynomials of this degree in z.
     twisted : bool
-        False allows the two problems of half the size.
+        False allows the two problems of half the size if the functions of z are even or odd.
     account : Account, optional
 
     Returns
@@ -85,10 +88,11 @@ def condense_prism(
     count = loads.shape[2]
     size = cut.size * per_cut
     whole = np.zeros((size + count, size + count))
-    for unknowns in _independent(axial.count, twisted=twisted):
+    products = axial.products(section)
+    for unknowns in _independent(axial.count, coupled=twisted or not axial.symmetric):
         of_cut = unknowns[unknowns < per_cut]
         columns = np.flatnonzero(loads[:, unknowns].any(axis=(0, 1)))
-        pencil = _Pencil(section, axial.terms, unknowns, of_cut, position)
+        pencil = _Pencil(section, products, unknowns, of_cut, position)
         at = (np.arange(cut.size)[:, None] * per_cut + of_cut).ravel()
         at = np.append(at, size + columns)
         own = loads[:, unknowns][:, :, columns]
@@ -102,10 +106,10 @@ def condense_prism(
     )
 
 
-def _independent(functions: int, *, twisted: bool) -> list[NDArray[np.int64]]:
+def _independent(functions: int, *, coupled: bool) -> list[NDArray[np.int64]]:
     """Unknowns of a node in sets that do not meet each other."""
     unknowns = np.arange(COMPONENTS * functions)
-    if twisted:
+    if coupled:
         return [unknowns]
     function, component = np.divmod(unknowns, COMPONENTS)
     odd = (function + (component == COMPONENTS - 1)) % 2
@@ -118,13 +122,13 @@ class _Pencil:
     def __init__(
         self,
         section: SectionStiffness,
-        terms: Floats,
+        products: tuple[NDArray[np.int64], Floats],
         unknowns: NDArray[np.int64],
         of_cut: NDArray[np.int64],
         position: NDArray[np.int64],
     ) -> None:
         self.unknowns, self.of_cut, self.position = unknowns, of_cut, position
-        self._section, self._terms = section, terms
+        self._section, (self._number, self._terms) = section, products
         row, column = position[section.rows], position[section.columns]
         lower = np.flatnonzero((column >= 0) & (row >= column))
         self._pairs = lower[np.argsort(column[lower], kind="stable")]
@@ -134,6 +138,12 @@ class _Pencil:
         """Pairs of nodes, row not before column, whose columns have these positions."""
         return self._pairs[self._first[first] : self._first[last]]
 
+    def alike(self, pairs: NDArray[np.int64]) -> Iterator[NDArray[np.bool_]]:
+        """Pairs with one set of axial matrices, in turn: different pairs of nodes each time."""
+        number = self._number[pairs]
+        for one in np.unique(number):
+            yield number == one
+
     def ends(self, pairs: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Rows and columns of pairs."""
         return self._section.rows[pairs], self._section.columns[pairs]
@@ -141,10 +151,10 @@ class _Pencil:
     def blocks(
         self, pairs: NDArray[np.int64], rows: NDArray[np.int64], columns: NDArray[np.int64]
     ) -> Floats:
-        """Stiffness (n, rows, columns) between these unknowns of pairs of nodes."""
+        """Stiffness (n, rows, columns) between these unknowns of pairs that are alike."""
         (a, c), (b, d) = (np.divmod(part, COMPONENTS) for part in (rows, columns))
         of_section = self._section.blocks[pairs]
-        weights = self._terms[:, a[:, None], b]
+        weights = self._terms[self._number[pairs[0]]][:, a[:, None], b]
         total = np.zeros((pairs.size, rows.size, columns.size))
         for term in range(4):
             total += of_section[:, term, c[:, None], d] * weights[term]
@@ -189,7 +199,9 @@ def _eliminated(
     pairs = pencil.pairs(first, first + cuts)
     row, column = (pencil.position[part] - first for part in pencil.ends(pairs))
     between = matrix[: cuts * n, : cuts * n].reshape(cuts, n, cuts, n)
-    between[row, :, column] += pencil.blocks(pairs, pencil.of_cut, pencil.of_cut)
+    for some in pencil.alike(pairs):
+        blocks = pencil.blocks(pairs[some], pencil.of_cut, pencil.of_cut)
+        between[row[some], :, column[some]] += blocks
     return np.tril(matrix) + np.tril(matrix, -1).T
 
 
@@ -235,14 +247,17 @@ def _assemble(front: Front, pencil: _Pencil, pivot: Floats, below: Floats) -> No
     later = below[: inner * n].reshape((n, inner, n, count), order="F")
     cuts = front.rest.size - inner
     kept = below[inner * n : inner * n + cuts * m].reshape((m, cuts, n, count), order="F")
+    alike = list(pencil.alike(pairs))
     for target, goal, chosen, unknowns in (
         (own, row, row < count, pencil.unknowns),
         (later, at, (row >= count) & (at < inner), pencil.unknowns),
         (kept, at - inner, (row >= count) & (at >= inner), pencil.of_cut),
     ):
-        if chosen.any():
-            blocks = pencil.blocks(pairs[chosen], unknowns, pencil.unknowns)
-            target[:, goal[chosen], :, column[chosen]] = blocks
+        for some in alike:
+            both = some & chosen
+            if both.any():
+                blocks = pencil.blocks(pairs[both], unknowns, pencil.unknowns)
+                target[:, goal[both], :, column[both]] += blocks
 
 
 def _extend(

@@ -19,6 +19,8 @@ import numpy as np
 from flankload.elasticity.finite_elements import block_basis, lame_parameters
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Material
@@ -37,17 +39,20 @@ class SectionStiffness:
     Attributes
     ----------
     rows, columns : (n,) arrays
-        Nodes i and j, each pair once, by ascending i, then j.
+        Nodes i and j, each pair once in a region, by ascending region, i, j.
     blocks : (n, 4, 3, 3) array
         Of K_PP, K_PQ, K_QP = K_PQ' and K_QQ; N/mm per mm, N/mm, N/mm, N.
     nodes : int
         Number of nodes.
+    regions : (n,) array
+        Number of the region whose elements the blocks come from.
     """
 
     rows: NDArray[np.int64]
     columns: NDArray[np.int64]
     blocks: Floats
     nodes: int
+    regions: NDArray[np.int64]
 
 
 def section_stiffness(
@@ -55,6 +60,7 @@ def section_stiffness(
     cells: tuple[tuple[str, NDArray[np.int64]], ...],
     material: Material,
     twist: float,
+    regions: Sequence[int] = (),
 ) -> SectionStiffness:
     """Section matrices of a plane mesh.
 
@@ -67,25 +73,28 @@ def section_stiffness(
     material : Material
     twist : float
         kappa, rad/mm, counter-clockwise with growing z.
+    regions : sequence of int, optional
+        Number of the region of each entry of `cells`; one region by default.
 
     Returns
     -------
     SectionStiffness
     """
-    places, parts = [], []
-    for kind, connectivity in cells:
+    places, parts, count = [], [], len(nodes)
+    for number, (kind, connectivity) in zip(regions or [0] * len(cells), cells, strict=True):
         parts.append(_element_blocks(nodes, kind, connectivity, material, twist))
         k = connectivity.shape[1]
         row = np.repeat(connectivity, k, axis=1).ravel()
         column = np.tile(connectivity, k).ravel()
-        places.append(row * len(nodes) + column)
+        places.append((number * count + row) * count + column)
     place, part = np.concatenate(places), np.concatenate(parts)
     order = np.argsort(place, kind="stable")
     place = place[order]
     first = np.flatnonzero(np.append(True, place[1:] != place[:-1]))
     total = np.add.reduceat(part[order], first, axis=0)
-    rows, columns = np.divmod(place[first], len(nodes))
-    return SectionStiffness(rows, columns, total, len(nodes))
+    region_and_row, columns = np.divmod(place[first], count)
+    region, rows = np.divmod(region_and_row, count)
+    return SectionStiffness(rows, columns, total, count, region)
 
 
 def _element_blocks(

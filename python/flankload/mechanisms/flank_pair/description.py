@@ -146,6 +146,8 @@ def _rows_of_mesh(body: Body) -> list[tuple[str, str]]:
         ("flank", f"{mesh.flank_elements} elements"
          + ("" if body.curve.closed else f", radii {low:.4f} to {high:.4f} mm")),
     ]  # fmt: skip
+    if body.axial is not None:
+        rows += [(name, f"z from {one:g} to {two:g} mm") for name, (one, two) in body.axial.regions]
     if isinstance(mesh, WholeMesh) and len(mesh.flanks) > 1:
         rows.append(("flanks", f"{len(mesh.flanks)}"))
     if body.flank_nodes is not None:

@@ -129,10 +129,12 @@ def unseen_notes(
     tuple of str
     """
     if pair.slices is not None:
+        axials = (pair.body_1.axial, pair.body_2.axial)
+        slower = ", slower where widths jump" * any(axial and axial.regions for axial in axials)
         note = (
             "the error estimate does not contain the error of the plane elements, of the degree of "
-            "the displacements along the axis (accuracy.axial_degree), and of forces that turn at "
-            "tip corners"
+            f"the displacements along the axis (accuracy.axial_degree{slower}), and of forces that "
+            "turn at tip corners"
         )
         return (note,)
     bodies = (pair.body_1, pair.body_2)

@@ -129,9 +129,9 @@ def _sector(
 
 
 def _prism(body: Body, modes: int) -> dict[str, int]:
-    """Work of a three-dimensional sector; without a helix it has two parts of half the size."""
+    """Work of a three-dimensional sector; with a plane of symmetry two parts of half the size."""
     assert body.axial is not None
-    factorisations = 1 if body.axial.twist_rad_per_mm else 2
+    factorisations = 2 if body.axial.symmetric else 1
     return _solved(factorisations, modes, 0, growth=0)
 
 

@@ -287,7 +287,13 @@ def _prism_call(
     axial = body.axial
     assert axial is not None
     degree, load_degree = degrees_of(scene.accuracy)
-    prism = Prism(axial.range_mm, axial.twist_rad_per_mm, degree=degree, load_degree=load_degree)
+    prism = Prism(
+        axial.range_mm,
+        axial.twist_rad_per_mm,
+        degree=degree,
+        load_degree=load_degree,
+        regions=axial.regions,
+    )
     return partial(prism_compliance, body, prism, n_modes=modes_of(body, scene, discretization))
 
 

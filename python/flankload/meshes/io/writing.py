@@ -12,7 +12,7 @@ from flankload.base.files import write_atomically
 from flankload.errors import MeshError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     import meshio
     from numpy.typing import NDArray
@@ -31,8 +31,9 @@ def write_mesh(
     nodes: Floats,
     cells: tuple[tuple[str, Numbers], ...],
     edge_sets: Mapping[str, Numbers],
+    regions: Sequence[str] = (),
 ) -> None:
-    """Write a plane mesh of quadratic elements with named sets of edges.
+    """Write a plane mesh of quadratic elements with named sets of edges and of elements.
 
     Parameters
     ----------
@@ -45,6 +46,9 @@ def write_mesh(
     cells : ((kind, (E, k) array), ...)
     edge_sets : mapping of str to (m, 3) array
         First, last and middle node of each edge.
+    regions : sequence of str, optional
+        Name of the set of each entry of `cells`, "" for none but BODY: .msh physical groups, .vtu
+        0/1 cell data, .inp element sets.
 
     Raises
     ------
@@ -58,9 +62,9 @@ def write_mesh(
         )
     points = np.column_stack([nodes, np.zeros(len(nodes))])
     if path.suffix == ".inp":
-        content = _abaqus_text(points, cells, edge_sets).encode("ascii")
+        content = _abaqus_text(points, cells, edge_sets, regions).encode("ascii")
     else:
-        content = _by_meshio(path.suffix, points, cells, edge_sets)
+        content = _by_meshio(path.suffix, points, cells, edge_sets, regions)
     write_atomically(path, content)
 
 
@@ -69,6 +73,7 @@ def _by_meshio(
     points: Floats,
     cells: tuple[tuple[str, Numbers], ...],
     edges: Mapping[str, Numbers],
+    regions: Sequence[str],
 ) -> bytes:
     """Content of a .vtu or .msh file; meshio can only write to files."""
     import meshio
@@ -79,9 +84,14 @@ def _by_meshio(
             marks = np.zeros(len(points), dtype=np.int32)
             marks[members] = 1
             out.point_data[name] = marks
+        for name in dict.fromkeys(filter(None, regions)):
+            out.cell_data[name] = [
+                np.full(len(data), own == name, dtype=np.int32)
+                for (_, data), own in zip(cells, regions, strict=True)
+            ]
         options: dict[str, Any] = {"file_format": "vtu"}
     else:
-        out = _gmsh_mesh(points, cells, edges)
+        out = _gmsh_mesh(points, cells, edges, regions)
         options = {"file_format": "gmsh22", "binary": False}
     with TemporaryDirectory(prefix="flankload_") as folder:
         file = Path(folder) / f"mesh{suffix}"
@@ -90,15 +100,20 @@ def _by_meshio(
 
 
 def _gmsh_mesh(
-    points: Floats, cells: tuple[tuple[str, Numbers], ...], edges: Mapping[str, Numbers]
+    points: Floats,
+    cells: tuple[tuple[str, Numbers], ...],
+    edges: Mapping[str, Numbers],
+    regions: Sequence[str],
 ) -> meshio.Mesh:
     import meshio
 
     blocks = [*cells, *(("line3", members) for members in edges.values())]
-    tags = [1] * len(cells) + list(range(2, 2 + len(edges)))
-    marks = [np.full(len(data), tag) for (_, data), tag in zip(blocks, tags, strict=True)]
+    tags = {"": 1} | {name: 2 + k for k, name in enumerate([*edges, *filter(None, regions)])}
+    own = [tags[name] for name in (*(regions or [""] * len(cells)), *edges)]
+    marks = [np.full(len(data), tag) for (_, data), tag in zip(blocks, own, strict=True)]
     names = {"BODY": np.array([1, 2])}
-    names |= {name: np.array([tag, 1]) for tag, name in enumerate(edges, start=2)}
+    names |= {name: np.array([tags[name], 1]) for name in edges}
+    names |= {name: np.array([tags[name], 2]) for name in filter(None, regions)}
     return meshio.Mesh(
         points,
         blocks,
@@ -108,7 +123,10 @@ def _gmsh_mesh(
 
 
 def _abaqus_text(
-    points: Floats, cells: tuple[tuple[str, Numbers], ...], edges: Mapping[str, Numbers]
+    points: Floats,
+    cells: tuple[tuple[str, Numbers], ...],
+    edges: Mapping[str, Numbers],
+    regions: Sequence[str],
 ) -> str:
     """Content of an .inp file: numbers from 1, all elements in the set BODY."""
     kept = [(*ABAQUS_TYPES[kind], data) for kind, data in cells]
@@ -116,8 +134,8 @@ def _abaqus_text(
     lines = ["** coordinates in mm", "*NODE"]
     lines += [f"{k + 1}, {float(points[k, 0])!r}, {float(points[k, 1])!r}" for k in used.tolist()]
     number = 0
-    for name, size, data in kept:
-        lines.append(f"*ELEMENT, TYPE={name}, ELSET=BODY")
+    for (name, size, data), region in zip(kept, regions or [""] * len(cells), strict=True):
+        lines.append(f"*ELEMENT, TYPE={name}, ELSET={region or 'BODY'}")
         for row in (data[:, :size] + 1).tolist():
             number += 1
             lines.append(", ".join(map(str, [number, *row])))

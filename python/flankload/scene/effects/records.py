@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
-from flankload.scene.axial import LEAD_KEYS
+from flankload.scene.axial import LEAD_KEYS, REGION_KEYS
 from flankload.scene.effects.record import Effect, Switch, Work
 from flankload.scene.effects.switches import (
     MODIFICATIONS,
@@ -70,7 +70,8 @@ class Effects:
         keys=(
             "effects.dimension",
             "body_*.helix_angle_deg",
-            *(f"body_*.{key}" for key in (*LEAD_KEYS, "face_width_mm", "axial_offset_mm", "shaft")),
+            *(f"body_*.{key}" for key in (*LEAD_KEYS, "face_width_mm", "axial_offset_mm")),
+            *(f"body_*.{key}" for key in (*REGION_KEYS, "shaft")),
             "pair.inclination_um_per_mm",
             "pair.deviation_um_per_mm",
         ),

@@ -1,4 +1,4 @@
-!> Proof that the equations of a case of contact have no solution >= 0, beyond rounding.
+!> Farkas' lemma in twice the precision: the equations of a case have no solution >= 0.
 !>
 !> A sum of the equations 0 = g0 + K F - B q - g with factors y and 0 = Q - Rᵀ F with factors z is
 !>
@@ -8,7 +8,7 @@
 !> satisfies it. A tableau or a basis gives y and z in double precision, where sums that are zero
 !> have rounding errors of either sign. Here the factors are refined until these sums vanish in
 !> twice the precision, and the signs are those of sums in twice the precision.
-module flankload_sure_proof
+module flankload_infeasibility_proof
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
     use flankload_lapack, only: getrf, permute_rows, solve_triangle
@@ -16,11 +16,11 @@ module flankload_sure_proof
     implicit none
     private
 
-    public :: equation_sum
-    public :: is_sure, loads_are_too_much
+    public :: farkas_multipliers
+    public :: is_proven, loads_infeasible
 
     !> A sum of equations.
-    type :: equation_sum
+    type :: farkas_multipliers
         !> Factors of rows and loads, shapes (n) and (n_motions)
         real(wp), allocatable :: y(:)
         real(wp), allocatable :: z(:)
@@ -35,31 +35,31 @@ module flankload_sure_proof
         !> Forces and gaps that are zero in this case: their sums and factors may have any sign
         logical, allocatable :: no_force(:)
         logical, allocatable :: no_gap(:)
-    end type equation_sum
+    end type farkas_multipliers
 
     !> Factors below this fraction of the largest are zero: the accuracy that the condition number
     !> leaves of twice the precision. Any factors give a proof if their sums do.
     real(wp), parameter :: no_factor = 1.0e-26_wp
     !> Accepted deviation of zero sums, relative to their terms. Only forces larger than those
     !> required by v by the inverse of this factor could make a difference.
-    real(wp), parameter :: nothing_left = 1.0e-24_wp
+    real(wp), parameter :: zero_tolerance = 1.0e-24_wp
     !> v must be less than zero by this amount, relative to its terms.
-    real(wp), parameter :: least_lack = 1.0e-16_wp
+    real(wp), parameter :: least_violation = 1.0e-16_wp
     !> Smaller terms may have lost parts that a double cannot represent.
     real(wp), parameter :: least_terms = 1.0e-240_wp
     !> Refinements, each of which gains the digits that the condition number leaves of sixteen
-    integer, parameter :: most_refinements = 8
+    integer, parameter :: max_refinements = 8
 
 contains
 
     !> Whether a sum of equations proves that there is no state.
-    pure function is_sure(problem, compliance, given) result(sure)
+    pure function is_proven(problem, compliance, given) result(sure)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> K, shape (n, n); not read if no row has a factor
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The sum, to working precision
-        type(equation_sum), intent(in) :: given
+        type(farkas_multipliers), intent(in) :: given
         logical :: sure
 
         integer :: i, j, c
@@ -83,22 +83,22 @@ contains
         do c = 1, problem%n_motions
             call add_term(total, terms, problem%loads(c), z(c))
         end do
-        if (.not. (rounded(total) < -least_lack*terms .and. terms > least_terms)) return
+        if (.not. (rounded(total) < -least_violation*terms .and. terms > least_terms)) return
         do c = 1, problem%n_motions
             call sum_of_motion(problem, y, c, total, terms)
-            if (.not. is_nothing(abs(rounded(total)), terms)) return
+            if (.not. is_not_positive(abs(rounded(total)), terms)) return
         end do
         do j = 1, problem%n
             if (given%no_force(j)) cycle
             call sum_of_force(problem, compliance, y, z, j, total, terms)
-            if (.not. is_nothing(rounded(total), terms)) return
+            if (.not. is_not_positive(rounded(total), terms)) return
         end do
         sure = .true.
-    end function is_sure
+    end function is_proven
 
     !> Whether it is proven that no forces >= 0 hold the loads, from the equations of the loads
     !> only.
-    pure function loads_are_too_much(problem, basis, motion) result(sure)
+    pure function loads_infeasible(problem, basis, motion) result(sure)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> Pairs (> 0) whose forces do no work on the motion, and -c of loads where it is exact
@@ -107,7 +107,7 @@ contains
         real(wp), intent(in) :: motion(:)
         logical :: sure
 
-        type(equation_sum) :: equations
+        type(farkas_multipliers) :: equations
         real(wp) :: no_matrix(0, 0)
         integer :: c
 
@@ -121,19 +121,19 @@ contains
             & [(all(basis /= -c), c=1, problem%n_motions)])
         equations%forces = pack(basis, basis > 0)
         equations%known = 0.0_wp*equations%forces
-        sure = is_sure(problem, no_matrix, equations)
-    end function loads_are_too_much
+        sure = is_proven(problem, no_matrix, equations)
+    end function loads_infeasible
 
     !> Whether a sum is not above zero.
-    pure function is_nothing(total, terms) result(nothing)
+    pure function is_not_positive(total, terms) result(nothing)
         !> The sum
         real(wp), intent(in) :: total
         !> Sum of the magnitudes of its terms
         real(wp), intent(in) :: terms
         logical :: nothing
 
-        nothing = total <= nothing_left*terms .and. (terms > least_terms .or. terms <= 0.0_wp)
-    end function is_nothing
+        nothing = total <= zero_tolerance*terms .and. (terms > least_terms .or. terms <= 0.0_wp)
+    end function is_not_positive
 
     !> Refine the factors that follow from the known sums.
     pure subroutine refine(problem, compliance, given, y, z)
@@ -141,14 +141,14 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The sum
-        type(equation_sum), intent(in) :: given
+        type(farkas_multipliers), intent(in) :: given
         !> Factors
         type(two_part), intent(inout) :: y(:)
         type(two_part), intent(inout) :: z(:)
 
         integer :: m, n_rows, n_forces, k, step, info
         integer, allocatable :: swaps(:)
-        real(wp), allocatable :: matrix(:, :), lacking(:, :), units(:)
+        real(wp), allocatable :: matrix(:, :), residual(:, :), units(:)
         real(wp) :: terms
         type(two_part) :: total
         logical :: met
@@ -157,7 +157,7 @@ contains
         n_forces = size(given%forces)
         m = n_rows + size(given%loads)
         if (m == 0) return
-        allocate (matrix(m, m), lacking(m, 1), swaps(m))
+        allocate (matrix(m, m), residual(m, 1), swaps(m))
         do k = 1, n_forces
             associate (j => given%forces(k))
                 if (n_rows > 0) matrix(k, :n_rows) = problem%row_scale(j) &
@@ -172,7 +172,7 @@ contains
         matrix = matrix/spread(units, 2, m)
         call getrf(m, matrix, swaps, info)
         if (info /= 0) return
-        do step = 1, most_refinements
+        do step = 1, max_refinements
             met = .true.
             do k = 1, m
                 if (k <= n_forces) then
@@ -181,18 +181,18 @@ contains
                 else
                     call sum_of_motion(problem, y, given%motions(k - n_forces), total, terms)
                 end if
-                lacking(k, 1) = -rounded(total)/units(k)
+                residual(k, 1) = -rounded(total)/units(k)
                 met = met .and. abs(rounded(total)) <= epsilon(1.0_wp)**2*terms
             end do
             if (met) return
-            call permute_rows(lacking, swaps)
-            call solve_triangle(m, matrix, 'L', 'N', 'U', lacking)
-            call solve_triangle(m, matrix, 'U', 'N', 'N', lacking)
+            call permute_rows(residual, swaps)
+            call solve_triangle(m, matrix, 'L', 'N', 'U', residual)
+            call solve_triangle(m, matrix, 'U', 'N', 'N', residual)
             do k = 1, m
                 if (k <= n_rows) then
-                    call add_product(y(given%rows(k)), lacking(k, 1), 1.0_wp)
+                    call add_product(y(given%rows(k)), residual(k, 1), 1.0_wp)
                 else
-                    call add_product(z(given%loads(k - n_rows)), lacking(k, 1), 1.0_wp)
+                    call add_product(z(given%loads(k - n_rows)), residual(k, 1), 1.0_wp)
                 end if
             end do
         end do
@@ -259,4 +259,4 @@ contains
         terms = terms + abs(a*b%high)
     end subroutine add_term
 
-end module flankload_sure_proof
+end module flankload_infeasibility_proof

@@ -7,32 +7,32 @@
 !> The factor, with row exchanges, is that of an earlier set. It is bordered by the changes since: a
 !> pair that entered adds its force and the condition gap = 0, one that left adds its gap and the
 !> condition force = 0, and the present driving variable replaces the stored one.
-module flankload_path_factor
+module flankload_lemke_factor
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
     use flankload_lapack, only: getrf, permute_rows, solve_triangle
     implicit none
     private
 
-    public :: path_problem, path_factor, path_unknowns
-    public :: change_sides, factor_line, border_line
+    public :: lemke_problem, lemke_factor, lemke_unknowns
+    public :: exchange_pair, factor_line, border_line
 
     !> Number of pairs that may change sides before the present set is factored.
-    integer, parameter :: most_changes = 16
+    integer, parameter :: max_changes = 16
     !> Fewer equations than this are factored faster than bordered.
     integer, parameter :: few_equations = 16
     !> Problem along the path: gaps g0 + c, their change c, loads Q0 and Q1, all scaled.
-    type :: path_problem
+    type :: lemke_problem
         real(wp), allocatable :: gaps(:)
         real(wp), allocatable :: cover(:)
         real(wp), allocatable :: base_loads(:)
         real(wp), allocatable :: loads(:)
-    end type path_problem
+    end type lemke_problem
 
     !> The factored equations of an earlier set, and the changes since.
-    type :: path_factor
+    type :: lemke_factor
         !> Problem along the path
-        type(path_problem) :: way
+        type(lemke_problem) :: path
         !> The driving variable, zero at the start of a line and one at a unit from it: 0 for λ,
         !> else force (pair active) or gap of that pair
         integer :: driver = 0
@@ -47,31 +47,31 @@ module flankload_path_factor
         !> Pairs that have changed sides since, -1 of them: too many. For each: the effect of a unit
         !> of its new unknown on the stored unknowns, and the row of its condition.
         integer :: n_changed = -1
-        integer :: changed(most_changes) = 0
+        integer :: changed(max_changes) = 0
         real(wp), allocatable :: columns(:, :)
         real(wp), allocatable :: rows(:, :)
-    end type path_factor
+    end type lemke_factor
 
     !> Unknowns at the start of a line and their change along it.
-    type :: path_unknowns
+    type :: lemke_unknowns
         !> Scaled forces, shape (n, 2), and motion, shape (n_motions, 2)
         real(wp), allocatable :: forces(:, :)
         real(wp), allocatable :: motion(:, :)
         !> λ, shape (2)
-        real(wp), allocatable :: part(:)
-    end type path_unknowns
+        real(wp), allocatable :: lambda(:)
+    end type lemke_unknowns
 
 contains
 
     !> Add a pair to the active ones, or remove it.
-    pure subroutine change_sides(problem, compliance, pair, factor)
+    pure subroutine exchange_pair(problem, compliance, pair, factor)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pair
         integer, intent(in) :: pair
         !> The factor
-        type(path_factor), intent(inout) :: factor
+        type(lemke_factor), intent(inout) :: factor
 
         integer :: j, k, m, place
         real(wp), allocatable :: column(:, :)
@@ -86,7 +86,7 @@ contains
             factor%rows(:, j) = factor%rows(:, factor%n_changed)
             factor%n_changed = factor%n_changed - 1
             return
-        else if (factor%n_changed == most_changes) then
+        else if (factor%n_changed == max_changes) then
             factor%n_changed = -1
             return
         end if
@@ -100,16 +100,16 @@ contains
             column(:k, 1) = problem%row_scale(factor%pairs)*problem%row_scale(pair) &
                 & *compliance(factor%pairs, pair)
             column(k + 1:m - 1, 1) = problem%load_rows(pair, :)
-            factor%rows(:, j) = gap_row(problem, compliance, factor%way, pair, factor%pairs)
+            factor%rows(:, j) = gap_row(problem, compliance, factor%path, pair, factor%pairs)
         else
             place = findloc(factor%pairs, pair, dim=1)
             column(place, 1) = -1.0_wp
             factor%rows(:, j) = 0.0_wp
             factor%rows(place, j) = 1.0_wp
         end if
-        call solve_kept(factor, column)
+        call solve_stored(factor, column)
         factor%columns(:, j) = column(:, 1)
-    end subroutine change_sides
+    end subroutine exchange_pair
 
     !> Factor the equations of the present set and driving variable.
     pure subroutine factor_line(problem, compliance, factor, solved)
@@ -117,7 +117,7 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
-        type(path_factor), intent(inout) :: factor
+        type(lemke_factor), intent(inout) :: factor
         !> False if the equations are singular
         logical, intent(out) :: solved
 
@@ -130,7 +130,7 @@ contains
         m = k + q + 1
         if (allocated(factor%matrix)) deallocate (factor%matrix, factor%swaps)
         allocate (factor%matrix(m, m), factor%swaps(m), right(m, 2))
-        associate (matrix => factor%matrix, pairs => factor%pairs, way => factor%way, &
+        associate (matrix => factor%matrix, pairs => factor%pairs, path => factor%path, &
             & driver => factor%driver)
             matrix = 0.0_wp
             right = 0.0_wp
@@ -139,39 +139,39 @@ contains
                 matrix(:k, j) = compliance(pairs, pairs(j))*scales*scales(j)
             end do
             matrix(:k, k + 1:k + q) = -problem%motions(pairs, :)
-            matrix(:k, m) = -way%cover(pairs)
-            right(:k, 1) = -way%gaps(pairs)
+            matrix(:k, m) = -path%cover(pairs)
+            right(:k, 1) = -path%gaps(pairs)
             matrix(k + 1:k + q, :k) = transpose(problem%load_rows(pairs, :))
-            matrix(k + 1:k + q, m) = -way%loads
-            right(k + 1:k + q, 1) = way%base_loads
+            matrix(k + 1:k + q, m) = -path%loads
+            right(k + 1:k + q, 1) = path%base_loads
             if (driver == 0) then
                 matrix(m, m) = 1.0_wp
             else if (factor%active(driver)) then
                 matrix(m, findloc(pairs, driver, dim=1)) = 1.0_wp
             else
-                matrix(m, :) = gap_row(problem, compliance, way, driver, pairs)
-                right(m, 1) = -way%gaps(driver)
+                matrix(m, :) = gap_row(problem, compliance, path, driver, pairs)
+                right(m, 1) = -path%gaps(driver)
             end if
             right(m, 2) = 1.0_wp
             call getrf(m, matrix, factor%swaps, info)
             solved = info == 0
             if (.not. solved) return
-            call solve_kept(factor, right)
+            call solve_stored(factor, right)
         end associate
         solved = all(abs(right) <= huge(1.0_wp))
         factor%solution = right
         factor%n_changed = merge(0, -1, m > few_equations)
         if (allocated(factor%columns)) deallocate (factor%columns, factor%rows)
-        allocate (factor%columns(m, most_changes), factor%rows(m, most_changes))
+        allocate (factor%columns(m, max_changes), factor%rows(m, max_changes))
     end subroutine factor_line
 
     !> The gap of a pair as a row on forces of given pairs, motions and λ.
-    pure function gap_row(problem, compliance, way, pair, pairs) result(row)
+    pure function gap_row(problem, compliance, path, pair, pairs) result(row)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Problem along the path
-        type(path_problem), intent(in) :: way
+        type(lemke_problem), intent(in) :: path
         !> The pair
         integer, intent(in) :: pair
         !> The pairs with forces
@@ -179,13 +179,13 @@ contains
         real(wp), allocatable :: row(:)
 
         row = [problem%row_scale(pair)*compliance(pair, pairs)*problem%row_scale(pairs), &
-            & -problem%motions(pair, :), -way%cover(pair)]
+            & -problem%motions(pair, :), -path%cover(pair)]
     end function gap_row
 
     !> Solve with the stored factor.
-    pure subroutine solve_kept(factor, x)
+    pure subroutine solve_stored(factor, x)
         !> The factor
-        type(path_factor), intent(in) :: factor
+        type(lemke_factor), intent(in) :: factor
         !> Right-hand sides, then solutions
         real(wp), contiguous, intent(inout) :: x(:, :)
 
@@ -195,7 +195,7 @@ contains
         call permute_rows(x, factor%swaps)
         call solve_triangle(m, factor%matrix, 'L', 'N', 'U', x)
         call solve_triangle(m, factor%matrix, 'U', 'N', 'N', x)
-    end subroutine solve_kept
+    end subroutine solve_stored
 
     !> The line from the stored factor: z = z0 - C y for the stored unknowns z, where y holds the
     !> stored driving variable, now free, and for each change the force of the pair that entered or
@@ -206,9 +206,9 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
-        type(path_factor), intent(in) :: factor
+        type(lemke_factor), intent(in) :: factor
         !> The line
-        type(path_unknowns), intent(out) :: unknowns
+        type(lemke_unknowns), intent(out) :: unknowns
         !> False if the equations are singular
         logical, intent(out) :: solved
 
@@ -243,7 +243,7 @@ contains
             end if
         end do
         unknowns%motion = kept(k + 1:m - 1, :)
-        unknowns%part = kept(m, :)
+        unknowns%lambda = kept(m, :)
     end subroutine border_line
 
     !> D, E and s: the conditions of the changes and of the driving variable.
@@ -252,7 +252,7 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
-        type(path_factor), intent(in) :: factor
+        type(lemke_factor), intent(in) :: factor
         !> D on the stored unknowns, E on those of the changes, s
         real(wp), allocatable, intent(out) :: rows(:, :)
         real(wp), allocatable, intent(out) :: matrix(:, :)
@@ -268,8 +268,8 @@ contains
         do j = 1, s
             associate (pair => factor%changed(j))
                 if (.not. factor%active(pair)) cycle
-                right(j, 1) = -factor%way%gaps(pair)
-                call add_joined(problem, compliance, factor, pair, matrix(j, :s))
+                right(j, 1) = -factor%path%gaps(pair)
+                call add_entered(problem, compliance, factor, pair, matrix(j, :s))
             end associate
         end do
         place = 0
@@ -282,21 +282,21 @@ contains
             else if (factor%active(driver)) then
                 rows(findloc(factor%pairs, driver, dim=1), s + 1) = 1.0_wp
             else
-                rows(:, s + 1) = gap_row(problem, compliance, factor%way, driver, factor%pairs)
-                right(s + 1, 1) = -factor%way%gaps(driver)
-                call add_joined(problem, compliance, factor, driver, matrix(s + 1, :s))
+                rows(:, s + 1) = gap_row(problem, compliance, factor%path, driver, factor%pairs)
+                right(s + 1, 1) = -factor%path%gaps(driver)
+                call add_entered(problem, compliance, factor, driver, matrix(s + 1, :s))
             end if
         end associate
         rows = transpose(rows)
     end subroutine border_rows
 
     !> Contribution of the forces of entered pairs to the gap of a pair.
-    pure subroutine add_joined(problem, compliance, factor, pair, row)
+    pure subroutine add_entered(problem, compliance, factor, pair, row)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
-        type(path_factor), intent(in) :: factor
+        type(lemke_factor), intent(in) :: factor
         !> The pair
         integer, intent(in) :: pair
         !> Its row on the unknowns of the changes
@@ -311,6 +311,6 @@ contains
                     & *problem%row_scale(joined)
             end associate
         end do
-    end subroutine add_joined
+    end subroutine add_entered
 
-end module flankload_path_factor
+end module flankload_lemke_factor

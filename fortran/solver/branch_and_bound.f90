@@ -1,4 +1,4 @@
-!> Search through all cases of contact: it finds a state or proves that there is none.
+!> Branch and bound over all cases of contact: it finds a state or proves that there is none.
 !>
 !> Without g F = 0 the problem is a linear program: if no F >= 0 and g >= 0 satisfy its equations,
 !> no state exists for any K. If such F and g exist and a pair has both force and gap, two cases
@@ -7,49 +7,49 @@
 !> variables. A case is ended by a sum of equations that no forces and gaps >= 0 satisfy. This sum
 !> is recomputed from the input numbers, and a case for which this gives no confirmation stays
 !> undecided.
-module flankload_case_search
+module flankload_branch_and_bound
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_case_table, only: simplex_table, new_table, rebuilt_table, exchange, &
+    use flankload_tableau, only: simplex_tableau, new_tableau, rebuilt_tableau, exchange, &
         & safety, negligible
-    use flankload_case_proof, only: is_proof
+    use flankload_infeasibility_proof, only: farkas_multipliers, is_proven
     implicit none
     private
 
-    public :: search_cases
-    public :: cases_found, cases_none, cases_open
+    public :: branch_and_bound
+    public :: search_found, search_infeasible, search_undecided
 
     !> A state was found.
-    integer, parameter :: cases_found = 0
+    integer, parameter :: search_found = 0
     !> No state exists.
-    integer, parameter :: cases_none = 1
+    integer, parameter :: search_infeasible = 1
     !> Undecided: work limit exceeded, or a case that rounding does not decide.
-    integer, parameter :: cases_open = 2
+    integer, parameter :: search_undecided = 2
 
     !> Work and findings so far.
-    type :: case_list
+    type :: search_state
         !> Entries of tableaus that may still be computed
         real(wp) :: work = 0.0_wp
         integer :: pivots = 0
         integer, allocatable :: pairs(:)
         !> The tableau without any pair decided
-        type(simplex_table) :: start
-    end type case_list
+        type(simplex_tableau) :: start
+    end type search_state
 
     !> Limit of tableau entries, about 20 ms; tableaus whose cube exceeds a part of it are not
     !> started.
-    real(wp), parameter :: most_work = 2.0e7_wp
+    real(wp), parameter :: max_work = 2.0e7_wp
     real(wp), parameter :: part_to_begin = 0.25_wp
     !> A tableau with a larger entry has lost too many digits.
     real(wp), parameter :: too_large = 1.0e8_wp
     !> Pivots of one case, in rows, before the lowest-number rule is used, which cannot cycle
-    integer, parameter :: patience = 3
-    integer, parameter :: most_pivots = 50
+    integer, parameter :: stall_limit = 3
+    integer, parameter :: max_pivots = 50
 
 contains
 
     !> Run the search.
-    pure subroutine search_cases(problem, compliance, outcome, pairs, pivots)
+    pure subroutine branch_and_bound(problem, compliance, outcome, pairs, pivots)
         !> The problem, motions measured from the first contact of pairs
         type(contact_problem), intent(in) :: problem
         !> K, shape (n, n)
@@ -61,48 +61,48 @@ contains
         !> Exchanges of variables
         integer, intent(out) :: pivots
 
-        type(simplex_table) :: table
-        type(case_list) :: cases
+        type(simplex_tableau) :: table
+        type(search_state) :: cases
         logical :: consistent
 
-        outcome = cases_open
+        outcome = search_undecided
         pivots = 0
         allocate (pairs(0))
-        if (real(problem%n, wp)**3 > part_to_begin*most_work) return
-        cases%work = most_work
-        call new_table(problem, compliance, table, consistent)
+        if (real(problem%n, wp)**3 > part_to_begin*max_work) return
+        cases%work = max_work
+        call new_tableau(problem, compliance, table, consistent)
         cases%start = table
         ! The pairs with which the loop starts hold the loads: a statement of this tableau about
         ! levers over many decades is rounding, not a proof.
         if (.not. consistent) return
-        call search_case(problem, compliance, table, cases, outcome)
+        call solve_node(problem, compliance, table, cases, outcome)
         pivots = cases%pivots
-        if (outcome == cases_found) pairs = cases%pairs
-    end subroutine search_cases
+        if (outcome == search_found) pairs = cases%pairs
+    end subroutine branch_and_bound
 
     !> One case and all its subcases: it has no state if none of them has one, and is undecided if
     !> one of them is, or was not examined.
-    pure recursive subroutine search_case(problem, compliance, table, cases, outcome)
+    pure recursive subroutine solve_node(problem, compliance, table, cases, outcome)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Its tableau
-        type(simplex_table), intent(inout) :: table
+        type(simplex_tableau), intent(inout) :: table
         !> Work and findings
-        type(case_list), intent(inout) :: cases
+        type(search_state), intent(inout) :: cases
         !> Found, none, or undecided
         integer, intent(out) :: outcome
 
-        type(simplex_table) :: child
-        integer :: n, side, pair, of_side
+        type(simplex_tableau) :: child
+        integer :: n, side, pair, child_outcome
         integer, allocatable :: order(:)
         real(wp), allocatable :: variable(:), rounding(:)
 
         n = problem%n
-        outcome = cases_open
+        outcome = search_undecided
         if (cases%work < 0.0_wp) return
-        call make_feasible(problem, compliance, table, cases, outcome)
-        if (outcome /= cases_found) return
+        call dual_simplex(problem, compliance, table, cases, outcome)
+        if (outcome /= search_found) return
         allocate (variable(2*n), rounding(2*n), source=0.0_wp)
         variable(table%basic) = max(table%value, 0.0_wp)
         rounding(table%basic) = safety*table%rounding
@@ -115,15 +115,15 @@ contains
         ! The smaller one is set to zero first: a state is usually there.
         order = [pair, n + pair]
         if (variable(pair) > variable(n + pair)) order = [n + pair, pair]
-        outcome = cases_none
+        outcome = search_infeasible
         do side = 1, 2
             child = table
             child%fixed(order(side)) = .true.
-            call search_case(problem, compliance, child, cases, of_side)
-            if (of_side /= cases_none) outcome = of_side
-            if (outcome == cases_found) return
+            call solve_node(problem, compliance, child, cases, child_outcome)
+            if (child_outcome /= search_infeasible) outcome = child_outcome
+            if (outcome == search_found) return
         end do
-    end subroutine search_case
+    end subroutine solve_node
 
     !> Pairs in contact: those with a force, and those whose gap is not basic.
     pure function touching(n, variable, nonbasic) result(pairs)
@@ -145,14 +145,14 @@ contains
 
     !> Dual simplex method: exchange variables until no basic variable is negative, and no fixed one
     !> differs from zero.
-    pure subroutine make_feasible(problem, compliance, table, cases, outcome)
+    pure subroutine dual_simplex(problem, compliance, table, cases, outcome)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The tableau
-        type(simplex_table), intent(inout) :: table
+        type(simplex_tableau), intent(inout) :: table
         !> Remaining work
-        type(case_list), intent(inout) :: cases
+        type(search_state), intent(inout) :: cases
         !> Found, none, or undecided
         integer, intent(out) :: outcome
 
@@ -161,19 +161,20 @@ contains
         logical :: lowest
 
         m = size(table%basic)
-        outcome = cases_open
+        outcome = search_undecided
         rebuilt_at = -m
-        do pivot = 0, most_pivots*m
-            lowest = pivot > patience*m
-            call wrong_row(table, lowest, row, sense)
+        do pivot = 0, max_pivots*m
+            lowest = pivot > stall_limit*m
+            call leaving_row(table, lowest, row, sense)
             if (row == 0) then
-                outcome = cases_found
+                outcome = search_found
                 return
             end if
-            call helpful_column(table, row, sense, lowest, column)
+            call entering_column(table, row, sense, lowest, column)
             if (column == 0) then
-                if (is_proof(problem, compliance, table, row, sense)) outcome = cases_none
-                if (outcome == cases_none .or. rebuilt_at == cases%pivots) return
+                if (is_proven(problem, compliance, multipliers_of_row(table, problem%n, &
+                    & problem%n_motions, row, sense))) outcome = search_infeasible
+                if (outcome == search_infeasible .or. rebuilt_at == cases%pivots) return
             else
                 call exchange(table, row, column)
                 cases%pivots = cases%pivots + 1
@@ -182,16 +183,16 @@ contains
                 if (table%largest <= too_large) cycle
                 if (cases%pivots - rebuilt_at < m) return
             end if
-            table = rebuilt_table(cases%start, table)
+            table = rebuilt_tableau(cases%start, table)
             rebuilt_at = cases%pivots
             cases%work = cases%work - real(m, wp)**3
         end do
-    end subroutine make_feasible
+    end subroutine dual_simplex
 
     !> The basic variable that violates its bounds most.
-    pure subroutine wrong_row(table, lowest, row, sense)
+    pure subroutine leaving_row(table, lowest, row, sense)
         !> The tableau
-        type(simplex_table), intent(in) :: table
+        type(simplex_tableau), intent(in) :: table
         !> Use the lowest number instead
         logical, intent(in) :: lowest
         !> Its row, 0 if there is none
@@ -218,12 +219,12 @@ contains
         end do
         sense = 1.0_wp
         if (row > 0) sense = sign(1.0_wp, -table%value(row))
-    end subroutine wrong_row
+    end subroutine leaving_row
 
     !> The nonbasic variable whose increase corrects a row most.
-    pure subroutine helpful_column(table, row, sense, lowest, column)
+    pure subroutine entering_column(table, row, sense, lowest, column)
         !> The tableau
-        type(simplex_table), intent(in) :: table
+        type(simplex_tableau), intent(in) :: table
         !> The row
         integer, intent(in) :: row
         !> 1 if it has to increase, -1 if it has to decrease
@@ -250,6 +251,40 @@ contains
                 most = help
             end if
         end do
-    end subroutine helpful_column
+    end subroutine entering_column
 
-end module flankload_case_search
+    !> The sum of equations that a row of the tableau, 0 = v + Σ c_j x_j with all unknowns x,
+    !> represents: its factors are the entries of the gaps and of the load residuals.
+    pure function multipliers_of_row(table, n, q, row, sense) result(multipliers)
+        !> The tableau
+        type(simplex_tableau), intent(in) :: table
+        !> Number of pairs and of motions
+        integer, intent(in) :: n
+        integer, intent(in) :: q
+        !> The row
+        integer, intent(in) :: row
+        !> 1, or -1 with all signs reversed
+        real(wp), intent(in) :: sense
+        type(farkas_multipliers) :: multipliers
+
+        integer :: c
+        real(wp), allocatable :: entry(:)
+
+        allocate (entry(2*n + 2*q), source=0.0_wp)
+        entry(table%nonbasic) = sense*table%table(row, :)
+        entry(table%basic(row)) = -sense
+        multipliers%y = -entry(n + 1:2*n)
+        multipliers%z = -entry(2*n + q + 1:)
+        associate (basic => table%basic, nonbasic => table%nonbasic)
+            multipliers%rows = pack(nonbasic, nonbasic > n .and. nonbasic <= 2*n) - n
+            multipliers%loads = pack(nonbasic, nonbasic > 2*n + q) - 2*n - q
+            multipliers%forces = pack(basic, basic <= n)
+        end associate
+        ! A sum with a basic variable is zero except that of the variable's own row.
+        multipliers%known = merge(-sense, 0.0_wp, multipliers%forces == table%basic(row))
+        multipliers%motions = [(c, c=1, q)]
+        multipliers%no_force = table%fixed(:n)
+        multipliers%no_gap = table%fixed(n + 1:2*n)
+    end function multipliers_of_row
+
+end module flankload_branch_and_bound

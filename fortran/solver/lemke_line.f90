@@ -3,24 +3,24 @@
 !> It is solved from an updated factor. Errors do not accumulate, since every line is solved
 !> completely and its rows are computed from the matrix itself. If they are not satisfied to
 !> rounding, or many pairs have changed sides, the present set is factored again.
-module flankload_path_line
+module flankload_lemke_line
     use flankload_kinds, only: wp
-    use flankload_contact_problem, only: contact_problem, find_recession
-    use flankload_path_factor, only: path_factor, path_unknowns, factor_line, &
+    use flankload_contact_problem, only: contact_problem, normal_displacement
+    use flankload_lemke_factor, only: lemke_factor, lemke_unknowns, factor_line, &
         & border_line
     implicit none
     private
 
-    public :: path_line
+    public :: lemke_line
     public :: find_line
 
     !> A line of states: at a distance t from its start the forces of active pairs and gaps of the
     !> others are value + t change, q and λ likewise.
-    type :: path_line
+    type :: lemke_line
         real(wp), allocatable :: value(:), change(:)
         real(wp), allocatable :: motion(:), motion_change(:)
-        real(wp) :: part = 0.0_wp, part_change = 0.0_wp
-    end type path_line
+        real(wp) :: lambda = 0.0_wp, lambda_change = 0.0_wp
+    end type lemke_line
 
     !> Rounding allowed in a row of the line, relative to the largest term of any row.
     real(wp), parameter :: line_tolerance = 512.0_wp*epsilon(1.0_wp)
@@ -33,14 +33,14 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
-        type(path_factor), intent(inout) :: factor
+        type(lemke_factor), intent(inout) :: factor
         !> The line
-        type(path_line), intent(out) :: line
+        type(lemke_line), intent(out) :: line
         !> False if the equations are singular
         logical, intent(out) :: solved
 
         integer :: k
-        type(path_unknowns) :: unknowns
+        type(lemke_unknowns) :: unknowns
         logical :: accurate
 
         solved = .false.
@@ -58,7 +58,7 @@ contains
         k = size(factor%pairs)
         unknowns%forces(factor%pairs, :) = factor%solution(:k, :)
         unknowns%motion = factor%solution(k + 1:k + problem%n_motions, :)
-        unknowns%part = factor%solution(k + problem%n_motions + 1, :)
+        unknowns%lambda = factor%solution(k + problem%n_motions + 1, :)
         call complete_line(problem, compliance, factor, unknowns, line, accurate)
     end subroutine find_line
 
@@ -68,49 +68,50 @@ contains
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
-        type(path_factor), intent(in) :: factor
+        type(lemke_factor), intent(in) :: factor
         !> Its forces, motion and λ
-        type(path_unknowns), intent(in) :: unknowns
+        type(lemke_unknowns), intent(in) :: unknowns
         !> The line
-        type(path_line), intent(out) :: line
+        type(lemke_line), intent(out) :: line
         !> The residuals are rounding
         logical, intent(out) :: accurate
 
         integer :: c
         logical, allocatable :: closed(:)
         real(wp) :: terms
-        real(wp), allocatable :: gaps(:, :), lacking(:)
+        real(wp), allocatable :: gaps(:, :), residual(:)
 
         allocate (gaps(problem%n, 2))
         closed = factor%active
         accurate = .true.
-        associate (forces => unknowns%forces, motion => unknowns%motion, part => unknowns%part, &
-            & way => factor%way)
+        associate (forces => unknowns%forces, motion => unknowns%motion, &
+            & lambda => unknowns%lambda, path => factor%path)
             do c = 1, 2
-                call find_recession(problem, compliance, forces(:, c), gaps(:, c))
-                gaps(:, c) = gaps(:, c) - matmul(problem%motions, motion(:, c)) - way%cover*part(c)
-                lacking = part(c)*way%loads - matmul(forces(:, c), problem%load_rows)
+                call normal_displacement(problem, compliance, forces(:, c), gaps(:, c))
+                gaps(:, c) = gaps(:, c) - matmul(problem%motions, motion(:, c)) &
+                    & - path%cover*lambda(c)
+                residual = lambda(c)*path%loads - matmul(forces(:, c), problem%load_rows)
                 terms = sum(abs(forces(:, c))) + sum(abs(motion(:, c))) &
-                    & + abs(part(c))*(maxval(abs(way%cover)) + maxval(abs(way%loads)))
+                    & + abs(lambda(c))*(maxval(abs(path%cover)) + maxval(abs(path%loads)))
                 if (c == 1) then
-                    gaps(:, c) = gaps(:, c) + way%gaps
-                    lacking = lacking + way%base_loads
-                    terms = max(terms, maxval(abs(way%gaps), mask=closed), &
-                        & maxval(abs(way%base_loads)))
+                    gaps(:, c) = gaps(:, c) + path%gaps
+                    residual = residual + path%base_loads
+                    terms = max(terms, maxval(abs(path%gaps), mask=closed), &
+                        & maxval(abs(path%base_loads)))
                 end if
-                accurate = accurate .and. maxval(abs(lacking)) <= line_tolerance*terms &
+                accurate = accurate .and. maxval(abs(residual)) <= line_tolerance*terms &
                     & .and. maxval(abs(gaps(:, c)), mask=closed) <= line_tolerance*terms
             end do
             line%value = merge(forces(:, 1), gaps(:, 1), closed)
             line%change = merge(forces(:, 2), gaps(:, 2), closed)
             line%motion = motion(:, 1)
             line%motion_change = motion(:, 2)
-            line%part = part(1)
-            line%part_change = part(2)
+            line%lambda = lambda(1)
+            line%lambda_change = lambda(2)
         end associate
         if (factor%driver > 0) accurate = accurate &
             & .and. abs(line%value(factor%driver)) <= line_tolerance*terms &
             & .and. abs(line%change(factor%driver) - 1.0_wp) <= line_tolerance*terms
     end subroutine complete_line
 
-end module flankload_path_line
+end module flankload_lemke_line

@@ -1,4 +1,4 @@
-!> Loads that act through springs, for pairs among which K is singular.
+!> Regularization of K by loads that act through springs, for pairs among which K is singular.
 !>
 !> Such pairs may still constrain every motion, as those of rigid bodies on few springs do. With a
 !> spring of compliance ρ between each load and its motion, the far end of the spring moves by q + ρ
@@ -8,33 +8,33 @@
 !>
 !> so that K + ρ B Rᵀ may be factored instead of K: it is regular wherever the bordered equations
 !> are, except for a few ρ. Forces and gaps are the same.
-module flankload_load_springs
+module flankload_regularized_loads
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
     implicit none
     private
 
-    public :: loads_through_springs
-    public :: spring_column, spring_row, spring_norm
-    public :: leave_springs, at_far_ends
+    public :: regularize_loads
+    public :: regularized_column, regularized_norm
+    public :: restore_motion, regularized_flexibility
 
     !> ρ on the scale of the problem, where K has a diagonal of one and the largest lever is one.
     !> Not a root of a polynomial with integer coefficients, which integer matrices produce.
-    real(wp), parameter :: spring_compliance = 1.7724538509055161_wp
+    real(wp), parameter :: load_compliance = 1.7724538509055161_wp
 
 contains
 
     !> Let the loads act through springs from now on: the pairs have to be factored again.
-    pure subroutine loads_through_springs(problem)
+    pure subroutine regularize_loads(problem)
         !> The problem
         type(contact_problem), intent(inout) :: problem
 
-        problem%spring = spring_compliance
+        problem%spring = load_compliance
         problem%symmetric = problem%symmetric .and. problem%same_rows
-    end subroutine loads_through_springs
+    end subroutine regularize_loads
 
     !> Contribution of the springs to a column of the factored matrix.
-    pure function spring_column(problem, pairs, loaded) result(column)
+    pure function regularized_column(problem, pairs, loaded) result(column)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> Pairs that move
@@ -44,23 +44,10 @@ contains
         real(wp), allocatable :: column(:)
 
         column = problem%spring*matmul(problem%motions(pairs, :), problem%load_rows(loaded, :))
-    end function spring_column
-
-    !> Contribution of the springs to a row.
-    pure function spring_row(problem, pair, loaded) result(row)
-        !> The problem
-        type(contact_problem), intent(in) :: problem
-        !> The pair that moves
-        integer, intent(in) :: pair
-        !> Pairs that are loaded
-        integer, intent(in) :: loaded(:)
-        real(wp), allocatable :: row(:)
-
-        row = problem%spring*matmul(problem%load_rows(loaded, :), problem%motions(pair, :))
-    end function spring_row
+    end function regularized_column
 
     !> Upper bound of the contribution of the springs to the 1-norm of the matrix.
-    pure function spring_norm(problem, pairs) result(norm)
+    pure function regularized_norm(problem, pairs) result(norm)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> The pairs
@@ -69,10 +56,10 @@ contains
 
         norm = problem%spring*maxval(matmul(abs(problem%load_rows(pairs, :)), &
             & sum(abs(problem%motions(pairs, :)), dim=1)))
-    end function spring_norm
+    end function regularized_norm
 
     !> Convert the motion of the far ends of the springs to that of the bodies.
-    pure subroutine leave_springs(problem, loads, motion, tangent)
+    pure subroutine restore_motion(problem, loads, motion, tangent)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> Scaled loads, shape (n_motions)
@@ -88,10 +75,10 @@ contains
         do c = 1, size(loads)
             tangent(c, c) = tangent(c, c) - problem%spring
         end do
-    end subroutine leave_springs
+    end subroutine restore_motion
 
     !> Change of the motion of the far ends with the loads.
-    pure function at_far_ends(problem, tangent) result(flexibility)
+    pure function regularized_flexibility(problem, tangent) result(flexibility)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> Scaled d motion / d load, shape (n_motions, n_motions)
@@ -104,6 +91,6 @@ contains
         do c = 1, size(tangent, 1)
             flexibility(c, c) = flexibility(c, c) + problem%spring
         end do
-    end function at_far_ends
+    end function regularized_flexibility
 
-end module flankload_load_springs
+end module flankload_regularized_loads

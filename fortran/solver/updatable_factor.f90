@@ -3,19 +3,19 @@
 !> Cholesky (L in the lower triangle) if the matrix is symmetric, else LU in one array. LU has no
 !> row exchanges; the caller monitors its growth and may request a new factorisation with exchanges.
 !> A block factored in this way can grow, but not shrink.
-module flankload_kept_factor
+module flankload_updatable_factor
     use flankload_kinds, only: wp
     use flankload_lapack, only: potrf, getrf, permute_rows, solve_triangle
     implicit none
     private
 
-    public :: kept_factor
-    public :: new_kept_factor, reserve, extend, shrink, factor_anew, solve_factored
+    public :: updatable_factor
+    public :: new_updatable_factor, reserve, shrink, factor_anew, solve_factored
     public :: estimate_condition
     public :: dependent
 
     !> The factor of a matrix of a given order in the leading part of a larger array.
-    type :: kept_factor
+    type :: updatable_factor
         !> Cholesky, else LU
         logical :: symmetric = .true.
         !> Order of the matrix
@@ -30,7 +30,7 @@ module flankload_kept_factor
         real(wp) :: largest = 0.0_wp
         !> Largest entry of L, or of U over `largest`: loss of accuracy without row exchanges
         real(wp) :: growth = 1.0_wp
-    end type kept_factor
+    end type updatable_factor
 
     !> A pivot this small relative to its diagonal entry is rounding: the new row is dependent.
     real(wp), parameter :: dependent = 8.0_wp*epsilon(1.0_wp)
@@ -40,20 +40,20 @@ module flankload_kept_factor
 contains
 
     !> An empty factor.
-    pure function new_kept_factor(symmetric) result(factor)
+    pure function new_updatable_factor(symmetric) result(factor)
         !> Matrix symmetric and positive definite: Cholesky
         logical, intent(in) :: symmetric
-        type(kept_factor) :: factor
+        type(updatable_factor) :: factor
 
         factor%symmetric = symmetric
         allocate (factor%matrix(first_capacity, first_capacity))
         allocate (factor%row_swaps(0))
-    end function new_kept_factor
+    end function new_updatable_factor
 
     !> Allocate space for a matrix of a given order.
     pure subroutine reserve(factor, order)
         !> The factor
-        type(kept_factor), intent(inout) :: factor
+        type(updatable_factor), intent(inout) :: factor
         !> Required order
         integer, intent(in) :: order
 
@@ -67,66 +67,13 @@ contains
         call move_alloc(larger, factor%matrix)
     end subroutine reserve
 
-    !> Add a last row and column, with O(order²) work.
-    pure subroutine extend(factor, column, row, diagonal, accepted)
-        !> The factor
-        type(kept_factor), intent(inout) :: factor
-        !> New column above the diagonal, shape (order)
-        real(wp), intent(in) :: column(:)
-        !> New row left of the diagonal, shape (order); not read if the matrix is symmetric
-        real(wp), intent(in) :: row(:)
-        !> New entry on the diagonal
-        real(wp), intent(in) :: diagonal
-        !> False if the new row depends on the others to rounding; the factor is then as before
-        logical, intent(out) :: accepted
-
-        integer :: k
-        real(wp) :: pivot
-        real(wp), allocatable :: above(:, :), left(:, :)
-
-        k = factor%order
-        call reserve(factor, k + 1)
-        allocate (above(k, 1), left(k, 1))
-        above(:, 1) = column
-        if (factor%symmetric) then
-            call solve_triangle(k, factor%matrix, 'L', 'N', 'N', above)
-            left = above
-        else
-            if (factor%n_exchanged > 0) call permute_rows(above, factor%row_swaps)
-            call solve_triangle(k, factor%matrix, 'L', 'N', 'U', above)
-            left(:, 1) = row
-            call solve_triangle(k, factor%matrix, 'U', 'T', 'N', left)
-        end if
-        pivot = diagonal - dot_product(left(:, 1), above(:, 1))
-        if (factor%symmetric) then
-            accepted = pivot > dependent*diagonal
-        else
-            accepted = abs(pivot) > dependent*max(abs(diagonal), &
-                & maxval(abs(column)), maxval(abs(row)))
-        end if
-        if (.not. accepted) return
-
-        factor%matrix(k + 1, :k) = left(:, 1)
-        if (factor%symmetric) then
-            factor%matrix(k + 1, k + 1) = sqrt(pivot)
-        else
-            factor%matrix(:k, k + 1) = above(:, 1)
-            factor%matrix(k + 1, k + 1) = pivot
-            factor%largest = max(factor%largest, abs(diagonal), &
-                & maxval(abs(column)), maxval(abs(row)))
-            factor%growth = max(factor%growth, maxval(abs(left)), &
-                & max(abs(pivot), maxval(abs(above)))/factor%largest)
-        end if
-        factor%order = k + 1
-    end subroutine extend
-
     !> Remove a row and its column, with O(order²) work.
     !>
     !> The contribution of the removed row is added to the rows behind it as a rank-one change. Not
     !> for a factor with row exchanges.
     pure subroutine shrink(factor, index)
         !> The factor
-        type(kept_factor), intent(inout) :: factor
+        type(updatable_factor), intent(inout) :: factor
         !> Number of the row and column
         integer, intent(in) :: index
 
@@ -182,7 +129,7 @@ contains
     !> L U + x yᵀ for the trailing part of an LU factor, by Bennett's recurrence.
     pure subroutine add_rank_one_lu(factor, first, x, y)
         !> Holds L and U
-        type(kept_factor), intent(inout) :: factor
+        type(updatable_factor), intent(inout) :: factor
         !> First row of the trailing part
         integer, intent(in) :: first
         !> Column of the change, overwritten
@@ -223,7 +170,7 @@ contains
     !> Factor the complete matrix: Cholesky, or LU with row exchanges.
     pure subroutine factor_anew(factor, matrix, accepted)
         !> The factor
-        type(kept_factor), intent(inout) :: factor
+        type(updatable_factor), intent(inout) :: factor
         !> The matrix; only the lower triangle is read if it is symmetric
         real(wp), intent(in) :: matrix(:, :)
         !> False if the matrix is singular to rounding
@@ -262,7 +209,7 @@ contains
     !> Solve for several right-hand sides.
     pure subroutine solve_factored(factor, x)
         !> The factor
-        type(kept_factor), intent(in) :: factor
+        type(updatable_factor), intent(in) :: factor
         !> Right-hand sides, then solutions, shape (order, any)
         real(wp), contiguous, intent(inout) :: x(:, :)
 
@@ -280,7 +227,7 @@ contains
     !> oscillating start, to which the inverse of a smooth kernel responds most.
     pure function estimate_condition(factor, norm) result(condition)
         !> The factor
-        type(kept_factor), intent(in) :: factor
+        type(updatable_factor), intent(in) :: factor
         !> 1-norm of the matrix
         real(wp), intent(in) :: norm
         real(wp) :: condition
@@ -313,4 +260,4 @@ contains
         if (.not. condition <= huge(1.0_wp)) condition = huge(1.0_wp)
     end function estimate_condition
 
-end module flankload_kept_factor
+end module flankload_updatable_factor

@@ -1,12 +1,12 @@
-!> Updates of a factor by several rows and columns at once, by BLAS-3.
-module flankload_factor_block
+!> Extension of a factor by one or more rows and columns, by BLAS-3.
+module flankload_factor_extension
     use flankload_kinds, only: wp
-    use flankload_kept_factor, only: kept_factor, reserve, dependent
+    use flankload_updatable_factor, only: updatable_factor, reserve, dependent
     use flankload_lapack, only: border_cholesky, border_lu, permute_rows
     implicit none
     private
 
-    public :: extend_block, cut
+    public :: extend
 
     !> Rows of an LU factor that are eliminated one by one inside a block.
     integer, parameter :: lu_block = 32
@@ -14,9 +14,9 @@ module flankload_factor_block
 contains
 
     !> Add last rows and columns.
-    pure subroutine extend_block(factor, columns, rows, accepted)
+    pure subroutine extend(factor, columns, rows, accepted)
         !> The factor
-        type(kept_factor), intent(inout) :: factor
+        type(updatable_factor), intent(inout) :: factor
         !> New columns, their own rows last, shape (order + b, b)
         real(wp), intent(in) :: columns(:, :)
         !> New rows left of their own columns, shape (b, order); not read if the matrix is symmetric
@@ -44,12 +44,12 @@ contains
         else
             call extend_lu(factor, columns, rows, accepted)
         end if
-    end subroutine extend_block
+    end subroutine extend
 
     !> Add rows and columns to an LU factor, a few at a time.
     pure subroutine extend_lu(factor, columns, rows, accepted)
         !> The factor, with room for the new rows
-        type(kept_factor), intent(inout) :: factor
+        type(updatable_factor), intent(inout) :: factor
         !> New columns, their own rows last, shape (order + b, b)
         real(wp), intent(in) :: columns(:, :)
         !> New rows left of their own columns, shape (b, order)
@@ -63,12 +63,14 @@ contains
 
         k = factor%order
         b = size(columns, 2)
-        above = columns(:k, :)
-        if (factor%n_exchanged > 0) call permute_rows(above, factor%row_swaps)
         largest = max(factor%largest, maxval(abs(columns)))
         if (k > 0) largest = max(largest, maxval(abs(rows)))
-        factor%matrix(:k, k + 1:k + b) = above
-        factor%matrix(k + 1:k + b, k + 1:k + b) = columns(k + 1:, :)
+        factor%matrix(:k + b, k + 1:k + b) = columns
+        if (factor%n_exchanged > 0) then
+            above = columns(:k, :)
+            call permute_rows(above, factor%row_swaps)
+            factor%matrix(:k, k + 1:k + b) = above
+        end if
         factor%matrix(k + 1:k + b, :k) = rows
         accepted = .true.
         do first = k + 1, k + b, lu_block
@@ -80,12 +82,11 @@ contains
         factor%largest = largest
         factor%order = k + b
         associate (a => factor%matrix)
-            do first = 1, k + b
-                ! Old columns have gained rows of L; new ones are completely new.
-                last = merge(k + 1, 1, first <= k)
-                factor%growth = max(factor%growth, &
-                    & maxval(abs(a(max(last, first + 1):k + b, first))), &
-                    & maxval(abs(a(last:min(first, k + b), first)))/largest)
+            factor%growth = max(factor%growth, maxval(abs(a(k + 1:k + b, :k))), &
+                & maxval(abs(a(:k, k + 1:k + b)))/largest)
+            do first = k + 1, k + b
+                factor%growth = max(factor%growth, maxval(abs(a(first + 1:k + b, first))), &
+                    & maxval(abs(a(k + 1:first, first)))/largest)
             end do
         end associate
         if (.not. factor%growth <= huge(1.0_wp)) factor%growth = huge(1.0_wp)
@@ -116,14 +117,4 @@ contains
         end do
     end subroutine eliminate
 
-    !> Remove the last rows and columns: those before them need no work.
-    pure subroutine cut(factor, order)
-        !> The factor; rows factored with exchanges must not extend beyond the order that remains
-        type(kept_factor), intent(inout) :: factor
-        !> Rows that remain
-        integer, intent(in) :: order
-
-        factor%order = order
-    end subroutine cut
-
-end module flankload_factor_block
+end module flankload_factor_extension

@@ -1,34 +1,34 @@
-!> Lemke's path: the state is followed from a known one to the required loads.
+!> Lemke's complementary pivoting from a known state to the required loads.
 !>
 !> Along g = K F + g0 + (1 - λ) c - B q, Rᵀ F = Q0 + λ Q1 just the active pairs touch. When a force
 !> or a gap becomes zero, its pair changes sides and its complement (gap or force) becomes the
 !> driving variable. No set occurs twice, for any K. λ may decrease on the way. λ = 1 is the state;
 !> an unbounded path leads to no state, and the largest λ on it is the fraction of the loads that
 !> can be held.
-module flankload_load_path
+module flankload_lemke_path
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_path_factor, only: path_factor, change_sides
-    use flankload_path_line, only: path_line, find_line
-    use flankload_path_start, only: begin_path, begin_elsewhere
+    use flankload_lemke_factor, only: lemke_factor, exchange_pair
+    use flankload_lemke_line, only: lemke_line, find_line
+    use flankload_lemke_start, only: start_from_zero_load, start_generated
     implicit none
     private
 
-    public :: path_end
-    public :: follow_load_path
-    public :: path_solved, path_ray, path_lost
+    public :: lemke_end
+    public :: follow_lemke_path
+    public :: lemke_solved, lemke_ray, lemke_failed
 
     !> λ = 1 was reached.
-    integer, parameter :: path_solved = 0
+    integer, parameter :: lemke_solved = 0
     !> The path is unbounded: no state on it.
-    integer, parameter :: path_ray = 1
+    integer, parameter :: lemke_ray = 1
     !> Too many pivots, or singular equations.
-    integer, parameter :: path_lost = 2
+    integer, parameter :: lemke_failed = 2
 
     !> End of the path.
-    type :: path_end
+    type :: lemke_end
         !> One of the codes above
-        integer :: outcome = path_lost
+        integer :: outcome = lemke_failed
         !> Pairs in contact
         integer, allocatable :: pairs(:)
         !> Motion along the ray, shape (n_motions)
@@ -36,7 +36,7 @@ module flankload_load_path
         !> Largest λ on the path if only the loads change on it, else 0
         real(wp) :: largest_part = 0.0_wp
         integer :: pivots = 0
-    end type path_end
+    end type lemke_end
 
     !> Fractions of the loads below this are broken ties.
     real(wp), parameter :: least_part = 1.0e-7_wp
@@ -50,7 +50,7 @@ module flankload_load_path
 contains
 
     !> Follow the path.
-    pure subroutine follow_load_path(problem, compliance, start, path)
+    pure subroutine follow_lemke_path(problem, compliance, start, path)
         !> The problem, motions measured from anywhere
         type(contact_problem), intent(in) :: problem
         !> K, shape (n, n)
@@ -58,19 +58,20 @@ contains
         !> 0: from zero load; else the number of a generated start
         integer, intent(in) :: start
         !> Its end
-        type(path_end), intent(out) :: path
+        type(lemke_end), intent(out) :: path
 
-        type(path_factor) :: factor
-        type(path_line) :: line
+        type(lemke_factor) :: factor
+        type(lemke_line) :: line
         integer :: i, limit, blocking
         logical :: solved
-        real(wp) :: step, part
+        real(wp) :: step, lambda
 
         allocate (path%pairs(0))
         if (start == 0) then
-            call begin_path(problem, compliance, factor%way, factor%active, factor%driver)
+            call start_from_zero_load(problem, compliance, factor%path, factor%active, &
+                & factor%driver)
         else
-            call begin_elsewhere(problem, compliance, start, factor%way, factor%active, &
+            call start_generated(problem, compliance, start, factor%path, factor%active, &
                 & factor%driver)
         end if
         if (factor%driver < 0) return
@@ -79,35 +80,35 @@ contains
         do while (path%pivots < limit)
             call find_line(problem, compliance, factor, line, solved)
             if (.not. solved) exit
-            call first_block(line, factor%driver, blocking, step)
-            part = line%part
-            if (blocking > 0) part = line%part + step*line%part_change
-            if (line%part_change > 0.0_wp .and. line%part <= 1.0_wp &
-                & .and. (blocking == 0 .or. part >= 1.0_wp)) then
-                path%outcome = path_solved
+            call ratio_test(line, factor%driver, blocking, step)
+            lambda = line%lambda
+            if (blocking > 0) lambda = line%lambda + step*line%lambda_change
+            if (line%lambda_change > 0.0_wp .and. line%lambda <= 1.0_wp &
+                & .and. (blocking == 0 .or. lambda >= 1.0_wp)) then
+                path%outcome = lemke_solved
                 path%largest_part = 1.0_wp
                 exit
             end if
-            if (.not. any(abs(factor%way%cover) > 0.0_wp)) then
-                path%largest_part = max(path%largest_part, part)
+            if (.not. any(abs(factor%path%cover) > 0.0_wp)) then
+                path%largest_part = max(path%largest_part, lambda)
             end if
             if (blocking == 0) then
-                path%outcome = path_ray
+                path%outcome = lemke_ray
                 path%motion = line%motion_change
                 exit
             end if
             path%pivots = path%pivots + 1
             factor%driver = blocking
-            call change_sides(problem, compliance, blocking, factor)
+            call exchange_pair(problem, compliance, blocking, factor)
         end do
         if (path%largest_part < least_part) path%largest_part = 0.0_wp
         path%pairs = pack([(i, i=1, problem%n)], factor%active)
-    end subroutine follow_load_path
+    end subroutine follow_lemke_path
 
     !> The point of a line at which a force or a gap first becomes zero.
-    pure subroutine first_block(line, driver, blocking, step)
+    pure subroutine ratio_test(line, driver, blocking, step)
         !> The line
-        type(path_line), intent(in) :: line
+        type(lemke_line), intent(in) :: line
         !> The driving variable
         integer, intent(in) :: driver
         !> Its pair, 0 if there is none
@@ -129,6 +130,6 @@ contains
                 step = distance
             end if
         end do
-    end subroutine first_block
+    end subroutine ratio_test
 
-end module flankload_load_path
+end module flankload_lemke_path

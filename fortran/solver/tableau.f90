@@ -1,17 +1,17 @@
 !> A contact problem without g F = 0 as a tableau of basic variables, for the dual simplex method.
-module flankload_case_table
+module flankload_tableau
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
     implicit none
     private
 
-    public :: simplex_table
-    public :: new_table, rebuilt_table, exchange
+    public :: simplex_tableau
+    public :: new_tableau, rebuilt_tableau, exchange
     public :: safety, negligible
 
     !> basic = value + table nonbasic; nonbasic variables are zero. Variables: forces 1 … n, gaps n
     !> + 1 … 2 n, then motions and load residuals.
-    type :: simplex_table
+    type :: simplex_tableau
         integer, allocatable :: basic(:)
         integer, allocatable :: nonbasic(:)
         real(wp), allocatable :: value(:)
@@ -23,7 +23,7 @@ module flankload_case_table
         logical, allocatable :: fixed(:)
         !> Largest entry of the tableau so far
         real(wp) :: largest = 1.0_wp
-    end type simplex_table
+    end type simplex_tableau
 
     !> The rounding error of a value is multiplied by this factor before decisions.
     real(wp), parameter :: safety = 1.0e3_wp
@@ -33,12 +33,12 @@ module flankload_case_table
 contains
 
     !> The tableau without any pair decided: motions are expressed by gaps, the loads are held.
-    pure subroutine new_table(problem, compliance, start, consistent)
+    pure subroutine new_tableau(problem, compliance, start, consistent)
         !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The tableau
-        type(simplex_table), intent(out) :: start
+        type(simplex_tableau), intent(out) :: start
         !> False if no forces hold the loads
         logical, intent(out) :: consistent
 
@@ -87,16 +87,16 @@ contains
         start%value = start%value(rows)
         start%rounding = start%rounding(rows)
         start%nonbasic = start%nonbasic(columns)
-    end subroutine new_table
+    end subroutine new_tableau
 
     !> The same tableau without the rounding errors of many exchanges: recomputed from the start,
     !> each time by the largest entry.
-    pure function rebuilt_table(start, table) result(rebuilt)
+    pure function rebuilt_tableau(start, table) result(rebuilt)
         !> The tableau without any pair decided
-        type(simplex_table), intent(in) :: start
+        type(simplex_tableau), intent(in) :: start
         !> The tableau
-        type(simplex_table), intent(in) :: table
-        type(simplex_table) :: rebuilt
+        type(simplex_tableau), intent(in) :: table
+        type(simplex_tableau) :: rebuilt
 
         integer :: i, j, place(2)
         logical, allocatable :: wanted(:)
@@ -121,12 +121,12 @@ contains
             call exchange(rebuilt, place(1), place(2))
         end do
         rebuilt%largest = max(1.0_wp, maxval(abs(rebuilt%table)))
-    end function rebuilt_table
+    end function rebuilt_tableau
 
     !> Exchange a basic and a nonbasic variable.
     pure subroutine exchange(table, row, column)
         !> The tableau
-        type(simplex_table), intent(inout) :: table
+        type(simplex_tableau), intent(inout) :: table
         !> Row of the one that leaves the basis
         integer, intent(in) :: row
         !> Column of the one that enters it
@@ -161,4 +161,4 @@ contains
         table%nonbasic(column) = leaving
     end subroutine exchange
 
-end module flankload_case_table
+end module flankload_tableau

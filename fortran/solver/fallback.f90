@@ -1,38 +1,38 @@
-!> The last level of the cascade: the load path, and the fallbacks if it finds no state.
+!> Last level of the cascade: Lemke's path, branch and bound, then generated starts.
 !>
 !> If K (its weighted symmetric part) is positive definite, a state exists whenever forces can hold
 !> the loads. Otherwise an unbounded path proves nothing: the cases of contact are searched, which
 !> may prove that there is no state. If there are too many cases, other paths and other starts are
 !> tried.
-module flankload_last_rung
+module flankload_fallback
     use flankload_kinds, only: wp
     use flankload_status, only: no_contact_state, pivot_limit
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_problem, only: contact_problem
-    use flankload_load_springs, only: loads_through_springs
+    use flankload_regularized_loads, only: regularize_loads
     use flankload_loop_start, only: loop_state, start_loop, start_warm
     use flankload_single_loop, only: single_loop
     use flankload_block_loop, only: block_loop
-    use flankload_final_refinement, only: most_open_pair, finish
+    use flankload_final_refinement, only: most_penetrating, refine_final
     use flankload_contact_certificate, only: is_unique
-    use flankload_load_path, only: path_end, follow_load_path, path_solved, path_ray
-    use flankload_path_start, only: made_up_pairs
-    use flankload_case_search, only: search_cases, cases_found, cases_none
+    use flankload_lemke_path, only: lemke_end, follow_lemke_path, lemke_solved, lemke_ray
+    use flankload_lemke_start, only: generated_pairs
+    use flankload_branch_and_bound, only: branch_and_bound, search_found, search_infeasible
     implicit none
     private
 
-    public :: take_last_rung
+    public :: run_fallback
 
     !> Limit of pivots times the square of the number of pairs for other starts, about 0.1 s; this
     !> many pivots are always allowed.
-    integer, parameter :: other_starts = 400
-    real(wp), parameter :: most_work = 4.0e7_wp
+    integer, parameter :: max_starts = 400
+    real(wp), parameter :: max_work = 4.0e7_wp
     integer, parameter :: pivots_at_least = 1000
 
 contains
 
     !> Find a state, or the reason why there is none.
-    pure subroutine take_last_rung(problem, compliance, state, largest_part, none_proven, error)
+    pure subroutine run_fallback(problem, compliance, state, largest_part, none_proven, error)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -46,37 +46,37 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         type(contact_problem) :: touching
-        type(path_end) :: path
+        type(lemke_end) :: path
         integer, allocatable :: first(:), pairs(:)
         real(wp), allocatable :: first_forces(:)
         integer :: i, pivots, more, outcome
-        logical :: settled, exists
+        logical :: converged, exists
 
         largest_part = 0.0_wp
         call start_loop(problem, first, first_forces, state, error)
         none_proven = state%none_proven
         if (allocated(error)) return
         touching = problem
-        call follow_load_path(problem, compliance, 0, path)
+        call follow_lemke_path(problem, compliance, 0, path)
         largest_part = path%largest_part
         pivots = path%pivots
-        settled = .false.
-        if (path%outcome == path_solved) then
-            call settle_pairs(problem, compliance, path%pairs, state, settled)
+        converged = .false.
+        if (path%outcome == lemke_solved) then
+            call solve_from_pairs(problem, compliance, path%pairs, state, converged)
         end if
-        if (.not. settled) then
-            call search_cases(touching, compliance, outcome, pairs, more)
+        if (.not. converged) then
+            call branch_and_bound(touching, compliance, outcome, pairs, more)
             pivots = pivots + more
-            none_proven = outcome == cases_none
-            if (outcome == cases_found) then
+            none_proven = outcome == search_infeasible
+            if (outcome == search_found) then
                 problem = touching
-                call settle_pairs(problem, compliance, pairs, state, settled)
+                call solve_from_pairs(problem, compliance, pairs, state, converged)
             end if
         end if
-        if (.not. (settled .or. none_proven)) then
-            call try_other_starts(touching, compliance, problem, state, pivots, settled)
+        if (.not. (converged .or. none_proven)) then
+            call try_generated_starts(touching, compliance, problem, state, pivots, converged)
         end if
-        if (settled) then
+        if (converged) then
             state%pivots = state%pivots + pivots
             return
         end if
@@ -88,18 +88,18 @@ contains
             call fatal_error(error, pivot_limit, 'no rung of the ladder found the state')
             return
         end if
-        if (path%outcome == path_ray) then
+        if (path%outcome == lemke_ray) then
             ! Returned as a motion for the loads, in the scales of the loads.
             state%motion = path%motion*problem%motion_scale/problem%load_row_scale
             state%motion = state%motion/max(maxval(abs(state%motion)), tiny(1.0_wp))
         end if
         call fatal_error(error, no_contact_state, 'no state was found')
-    end subroutine take_last_rung
+    end subroutine run_fallback
 
     !> From the touching pairs to the state. A symmetric K need not be positive definite among them:
     !> if its Cholesky factor leads to no state, an LU factor may. K may also be singular among
     !> them; this does not affect loads that act through springs.
-    pure subroutine settle_pairs(problem, compliance, pairs, state, settled)
+    pure subroutine solve_from_pairs(problem, compliance, pairs, state, converged)
         !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -108,28 +108,28 @@ contains
         !> The state
         type(loop_state), intent(out) :: state
         !> False if they lead to no state
-        logical, intent(out) :: settled
+        logical, intent(out) :: converged
 
         logical :: symmetric
 
         symmetric = problem%symmetric
-        call settle_factored(problem, compliance, pairs, state, settled)
-        if (settled) return
+        call solve_with_factor(problem, compliance, pairs, state, converged)
+        if (converged) return
         if (symmetric) then
             problem%symmetric = .false.
-            call settle_factored(problem, compliance, pairs, state, settled)
-            if (settled) return
+            call solve_with_factor(problem, compliance, pairs, state, converged)
+            if (converged) return
         end if
-        call loads_through_springs(problem)
+        call regularize_loads(problem)
         problem%symmetric = .false.
-        call settle_factored(problem, compliance, pairs, state, settled)
-        if (settled) return
+        call solve_with_factor(problem, compliance, pairs, state, converged)
+        if (converged) return
         problem%spring = 0.0_wp
         problem%symmetric = symmetric
-    end subroutine settle_pairs
+    end subroutine solve_from_pairs
 
     !> The same with one kind of factor.
-    pure subroutine settle_factored(problem, compliance, pairs, state, settled)
+    pure subroutine solve_with_factor(problem, compliance, pairs, state, converged)
         !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -138,30 +138,32 @@ contains
         !> The state
         type(loop_state), intent(out) :: state
         !> False if they lead to no state
-        logical, intent(out) :: settled
+        logical, intent(out) :: converged
 
         type(error_type), allocatable :: error
         integer, allocatable :: first(:)
         real(wp), allocatable :: first_forces(:)
-        integer :: joining
+        integer :: entering
 
         call start_loop(problem, first, first_forces, state, error)
-        settled = .not. allocated(error)
-        if (.not. settled) return
-        joining = 0
-        call start_warm(problem, compliance, pairs, state, settled)
-        if (settled) call most_open_pair(problem, compliance, state, joining)
-        if (settled .and. joining == 0) call finish(problem, compliance, state, joining, settled)
-        settled = settled .and. joining == 0
-        if (settled) return
+        converged = .not. allocated(error)
+        if (.not. converged) return
+        entering = 0
+        call start_warm(problem, compliance, pairs, state, converged)
+        if (converged) call most_penetrating(problem, compliance, state, entering)
+        if (converged .and. entering == 0) then
+            call refine_final(problem, compliance, state, entering, converged)
+        end if
+        converged = converged .and. entering == 0
+        if (converged) return
         ! Decisions made with ties broken may have to be made again.
         call single_loop(problem, compliance, pairs, .true., state, error)
-        settled = .not. allocated(error)
-    end subroutine settle_factored
+        converged = .not. allocated(error)
+    end subroutine solve_with_factor
 
     !> Loops and paths from other starts, first from no pairs: the previous levels have begun with
     !> pairs left by others.
-    pure subroutine try_other_starts(touching, compliance, problem, state, pivots, settled)
+    pure subroutine try_generated_starts(touching, compliance, problem, state, pivots, converged)
         !> The problem to start from
         type(contact_problem), intent(in) :: touching
         !> K
@@ -173,9 +175,9 @@ contains
         !> Pivots so far
         integer, intent(inout) :: pivots
         !> A state was found
-        logical, intent(out) :: settled
+        logical, intent(out) :: converged
 
-        type(path_end) :: path
+        type(lemke_end) :: path
         type(error_type), allocatable :: error
         integer, allocatable :: nothing(:), left(:)
         integer :: start, limit
@@ -183,38 +185,38 @@ contains
         problem = touching
         allocate (nothing(0))
         call single_loop(problem, compliance, nothing, .true., state, error)
-        settled = .not. allocated(error)
-        if (settled) return
+        converged = .not. allocated(error)
+        if (converged) return
         pivots = pivots + state%pivots
         ! The methods that begin with single pairs have not tried the result of blocks.
         problem = touching
-        call block_loop(problem, compliance, nothing, .false., state, settled, error)
-        if (settled) return
+        call block_loop(problem, compliance, nothing, .false., state, converged, error)
+        if (converged) return
         pivots = pivots + state%pivots
         if (allocated(state%system%pairs)) then
             left = state%system%pairs
             problem = touching
             call single_loop(problem, compliance, left, .false., state, error)
-            settled = .not. allocated(error)
-            if (settled) return
+            converged = .not. allocated(error)
+            if (converged) return
             pivots = pivots + state%pivots
         end if
-        limit = pivots + pivots_at_least + int(most_work/real(problem%n, wp)**2)
-        do start = 1, other_starts
+        limit = pivots + pivots_at_least + int(max_work/real(problem%n, wp)**2)
+        do start = 1, max_starts
             if (pivots > limit) return
             problem = touching
-            call single_loop(problem, compliance, made_up_pairs(problem%n, start), .true., state, &
-                & error)
-            settled = .not. allocated(error)
-            if (settled) return
+            call single_loop(problem, compliance, generated_pairs(problem%n, start), .true., &
+                & state, error)
+            converged = .not. allocated(error)
+            if (converged) return
             pivots = pivots + state%pivots
             problem = touching
-            call follow_load_path(problem, compliance, start, path)
+            call follow_lemke_path(problem, compliance, start, path)
             pivots = pivots + path%pivots
-            if (path%outcome /= path_solved) cycle
-            call settle_pairs(problem, compliance, path%pairs, state, settled)
-            if (settled) return
+            if (path%outcome /= lemke_solved) cycle
+            call solve_from_pairs(problem, compliance, path%pairs, state, converged)
+            if (converged) return
         end do
-    end subroutine try_other_starts
+    end subroutine try_generated_starts
 
-end module flankload_last_rung
+end module flankload_fallback

@@ -3,16 +3,16 @@
 !> With one motion, the path starts without load; otherwise where forces hold the loads with the
 !> obstacles moved back. Further starts are generated: other pairs, forces and gaps, the same in
 !> every run.
-module flankload_path_start
+module flankload_lemke_start
     use flankload_kinds, only: wp
-    use flankload_contact_problem, only: contact_problem, find_recession
-    use flankload_load_vertex, only: load_vertex, vertex_found
-    use flankload_bordered_solution, only: invert_small
-    use flankload_path_factor, only: path_problem
+    use flankload_contact_problem, only: contact_problem, normal_displacement
+    use flankload_feasible_start, only: feasible_start, start_found
+    use flankload_bordered_solution, only: invert
+    use flankload_lemke_factor, only: lemke_problem
     implicit none
     private
 
-    public :: begin_path, begin_elsewhere, made_up_pairs
+    public :: start_from_zero_load, start_generated, generated_pairs
 
     !> Ties of gaps are broken by this fraction of the scale of gaps and displacements.
     real(wp), parameter :: tie_breaker = 1.0e-11_wp
@@ -26,12 +26,12 @@ contains
 
     !> A state to begin with and the driving variable: 0 for λ, else force (pair active) or gap of
     !> that pair; negative if nothing holds the loads.
-    pure subroutine begin_path(problem, compliance, way, active, driver)
+    pure subroutine start_from_zero_load(problem, compliance, path, active, driver)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Problem along the path
-        type(path_problem), intent(out) :: way
+        type(lemke_problem), intent(out) :: path
         !> Pairs that are active, shape (n)
         logical, allocatable, intent(out) :: active(:)
         !> The driving variable
@@ -40,82 +40,83 @@ contains
         integer :: first, outcome
         real(wp) :: sense
         integer, allocatable :: pairs(:)
-        real(wp), allocatable :: forces(:), motion(:), recession(:), ways(:)
+        real(wp), allocatable :: forces(:), motion(:), displacement(:), closing(:)
+        real(wp), allocatable :: start_forces(:)
 
         allocate (active(problem%n), source=.false.)
-        allocate (way%cover(problem%n), source=0.0_wp)
-        way%gaps = untied_gaps(problem)
+        allocate (path%cover(problem%n), source=0.0_wp)
+        path%gaps = untied_gaps(problem)
         if (problem%n_motions == 1 .and. abs(problem%loads(1)) > 0.0_wp) then
             ! One motion: it first moves without load as far as the nearest pair permits.
             sense = sign(1.0_wp, problem%loads(1))
-            allocate (ways(problem%n), source=huge(1.0_wp))
+            allocate (closing(problem%n), source=huge(1.0_wp))
             where (sense*problem%motions(:, 1) > 0.0_wp)
-                ways = way%gaps/(sense*problem%motions(:, 1))
+                closing = path%gaps/(sense*problem%motions(:, 1))
             end where
-            first = minloc(ways, dim=1)
-            if (ways(first) < huge(1.0_wp)) then
+            first = minloc(closing, dim=1)
+            if (closing(first) < huge(1.0_wp)) then
                 active(first) = .true.
                 driver = first
-                way%base_loads = [0.0_wp]
-                way%loads = problem%loads
-                way%cover = max(0.0_wp, problem%motions(:, 1)*sense*ways(first) - way%gaps)
-                way%cover(first) = 0.0_wp
-                where (way%cover <= tie_breaker*abs(way%gaps)) way%cover = 0.0_wp
-                way%gaps = way%gaps + way%cover
+                path%base_loads = [0.0_wp]
+                path%loads = problem%loads
+                path%cover = max(0.0_wp, problem%motions(:, 1)*sense*closing(first) - path%gaps)
+                path%cover(first) = 0.0_wp
+                where (path%cover <= tie_breaker*abs(path%gaps)) path%cover = 0.0_wp
+                path%gaps = path%gaps + path%cover
                 return
             end if
         end if
         ! Pairs whose forces hold the loads; gaps that these forces would close wait for λ.
-        call load_vertex(problem, pairs, forces, motion, outcome)
-        driver = merge(0, -1, outcome == vertex_found)
+        call feasible_start(problem, pairs, forces, motion, outcome)
+        driver = merge(0, -1, outcome == start_found)
         if (driver < 0) return
         active(pairs) = .true.
-        way%base_loads = problem%loads
-        way%loads = 0.0_wp*problem%loads
-        allocate (recession(problem%n))
-        call find_recession(problem, compliance, at_pairs(problem%n, pairs, forces), recession)
+        path%base_loads = problem%loads
+        path%loads = 0.0_wp*problem%loads
+        allocate (displacement(problem%n), start_forces(problem%n), source=0.0_wp)
+        start_forces(pairs) = forces
+        call normal_displacement(problem, compliance, start_forces, displacement)
         ! The pairs of the vertex touch at the motion computed without their displacements.
-        way%cover = max(0.0_wp, matmul(problem%motions, motion) - way%gaps - recession)
-        way%cover(pairs) = -recession(pairs) + matmul(problem%motions(pairs, :), motion) &
-            & - way%gaps(pairs)
-        way%gaps = way%gaps + way%cover
-    end subroutine begin_path
+        path%cover = max(0.0_wp, matmul(problem%motions, motion) - path%gaps - displacement)
+        path%cover(pairs) = -displacement(pairs) + matmul(problem%motions(pairs, :), motion) &
+            & - path%gaps(pairs)
+        path%gaps = path%gaps + path%cover
+    end subroutine start_from_zero_load
 
     !> A generated start: some pairs share the loads with those of the vertex, all of them touch,
     !> and the others have gaps of the size of the existing ones.
-    pure subroutine begin_elsewhere(problem, compliance, number, way, active, driver)
+    pure subroutine start_generated(problem, compliance, number, path, active, driver)
         !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Number of the start, from 1
         integer, intent(in) :: number
         !> Problem along the path
-        type(path_problem), intent(out) :: way
+        type(lemke_problem), intent(out) :: path
         !> Pairs that are active, shape (n)
         logical, allocatable, intent(out) :: active(:)
         !> The driving variable, negative if nothing holds the loads
         integer, intent(out) :: driver
 
         integer :: c, outcome
-        logical :: solved
-        real(wp) :: shared, open
+        real(wp) :: shared, open, least_pivot
         integer, allocatable :: pairs(:)
-        real(wp), allocatable :: forces(:), motion(:), recession(:), drawn(:), less(:)
+        real(wp), allocatable :: forces(:), motion(:), displacement(:), drawn(:), less(:)
         real(wp), allocatable :: inverse(:, :)
 
         allocate (active(problem%n), source=.false.)
-        allocate (recession(problem%n))
-        call load_vertex(problem, pairs, forces, motion, outcome)
-        driver = merge(0, -1, outcome == vertex_found)
+        allocate (displacement(problem%n))
+        call feasible_start(problem, pairs, forces, motion, outcome)
+        driver = merge(0, -1, outcome == start_found)
         if (driver < 0) return
-        active(made_up_pairs(problem%n, number)) = .true.
+        active(generated_pairs(problem%n, number)) = .true.
         active(pairs) = .false.
         drawn = random_numbers(problem%n, number + 1)
         drawn = merge(drawn, 0.0_wp, active)
         ! The pairs of the vertex hold the remainder, which is not negative.
         inverse = transpose(problem%load_rows(pairs, :))
-        call invert_small(inverse, solved)
-        if (.not. solved) then
+        call invert(inverse, least_pivot, .false.)
+        if (.not. least_pivot > 0.0_wp) then
             driver = -1
             return
         end if
@@ -127,23 +128,23 @@ contains
         drawn = shared*drawn
         drawn(pairs) = forces - shared*less
         active(pairs) = .true.
-        call find_recession(problem, compliance, drawn, recession)
-        way%gaps = untied_gaps(problem)
-        way%base_loads = problem%loads
-        way%loads = 0.0_wp*problem%loads
+        call normal_displacement(problem, compliance, drawn, displacement)
+        path%gaps = untied_gaps(problem)
+        path%base_loads = problem%loads
+        path%loads = 0.0_wp*problem%loads
         ! The cover turns the gaps of these forces into the generated ones.
-        way%cover = recession + way%gaps - matmul(problem%motions, motion)
-        open = max(maxval(abs(recession)), tie_breaker*maxval(abs(way%cover)))
+        path%cover = displacement + path%gaps - matmul(problem%motions, motion)
+        open = max(maxval(abs(displacement)), tie_breaker*maxval(abs(path%cover)))
         where (active)
-            way%cover = -way%cover
+            path%cover = -path%cover
         else where
-            way%cover = max(0.0_wp, open*random_numbers(problem%n, number + 2) - way%cover)
+            path%cover = max(0.0_wp, open*random_numbers(problem%n, number + 2) - path%cover)
         end where
-        way%gaps = way%gaps + way%cover
-    end subroutine begin_elsewhere
+        path%gaps = path%gaps + path%cover
+    end subroutine start_generated
 
     !> Some of the pairs, different ones for each number: first a few of them, then more.
-    pure function made_up_pairs(n, number) result(pairs)
+    pure function generated_pairs(n, number) result(pairs)
         !> Number of pairs
         integer, intent(in) :: n
         !> Which choice, from 1
@@ -151,11 +152,11 @@ contains
         integer, allocatable :: pairs(:)
 
         integer :: i
-        real(wp) :: part
+        real(wp) :: lambda
 
-        part = 0.1_wp + 0.2_wp*modulo(number, 4)
-        pairs = pack([(i, i=1, n)], random_numbers(n, number) < part)
-    end function made_up_pairs
+        lambda = 0.1_wp + 0.2_wp*modulo(number, 4)
+        pairs = pack([(i, i=1, n)], random_numbers(n, number) < lambda)
+    end function generated_pairs
 
     !> Pseudo-random numbers between 0 and 1, the same in every run.
     pure function random_numbers(n, seed) result(numbers)
@@ -194,18 +195,4 @@ contains
         end do
     end function untied_gaps
 
-    !> Values of some pairs, zero for all others.
-    pure function at_pairs(n, pairs, numbers) result(all_pairs)
-        !> Number of pairs
-        integer, intent(in) :: n
-        !> Some of them
-        integer, intent(in) :: pairs(:)
-        !> Their values
-        real(wp), intent(in) :: numbers(:)
-        real(wp), allocatable :: all_pairs(:)
-
-        allocate (all_pairs(n), source=0.0_wp)
-        all_pairs(pairs) = numbers
-    end function at_pairs
-
-end module flankload_path_start
+end module flankload_lemke_start

@@ -1,24 +1,24 @@
-!> Feasible start of the contact loop: as many pairs as motions, whose forces hold the loads.
+!> Feasible start of the active-set methods: as many pairs as motions, whose forces hold the loads.
 !>
 !> For one motion, this is the pair that touches first among those that can carry the load; for
 !> several, a vertex of {F >= 0, Rᵀ F = Q}, found by the first phase of the simplex method (Bland's
 !> rule).
-module flankload_load_vertex
+module flankload_feasible_start
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_bordered_solution, only: invert_small
+    use flankload_bordered_solution, only: invert
     implicit none
     private
 
-    public :: load_vertex
-    public :: vertex_found, vertex_infeasible, vertex_loose
+    public :: feasible_start
+    public :: start_found, start_infeasible, start_unconstrained
 
     !> The loads are held.
-    integer, parameter :: vertex_found = 0
+    integer, parameter :: start_found = 0
     !> No forces >= 0 hold the loads.
-    integer, parameter :: vertex_infeasible = 1
+    integer, parameter :: start_infeasible = 1
     !> A motion is constrained by no pair at all.
-    integer, parameter :: vertex_loose = 2
+    integer, parameter :: start_unconstrained = 2
 
     !> The load rows are scaled to one: smaller values are rounding.
     real(wp), parameter :: tolerance = 1.0e4_wp*epsilon(1.0_wp)
@@ -30,14 +30,14 @@ module flankload_load_vertex
     real(wp), parameter :: small_row = 1.0e-8_wp
     !> Tensile forces above this fraction of the largest do not belong to a vertex: the neglected
     !> part of a load is held by large forces along a narrow cone.
-    real(wp), parameter :: no_pull = 1.0e-8_wp
+    real(wp), parameter :: tensile_tolerance = 1.0e-8_wp
     !> Steps of the simplex method per row; in exact arithmetic a few would be sufficient.
     integer, parameter :: steps_per_row = 50
 
 contains
 
     !> Find the pairs to start with.
-    pure subroutine load_vertex(problem, pairs, forces, motion, outcome)
+    pure subroutine feasible_start(problem, pairs, forces, motion, outcome)
         !> The problem
         type(contact_problem), intent(in) :: problem
         !> The pairs, shape (n_motions)
@@ -52,19 +52,19 @@ contains
         integer, intent(out) :: outcome
 
         real(wp), allocatable :: touching(:, :)
-        logical :: solved
+        real(wp) :: least_pivot
 
         if (problem%n_motions == 1) then
             call first_pair(problem, pairs, forces, motion, outcome)
             return
         end if
         call first_phase(problem, pairs, forces, motion, outcome)
-        if (outcome /= vertex_found) return
+        if (outcome /= start_found) return
         touching = problem%motions(pairs, :)
-        call invert_small(touching, solved)
+        call invert(touching, least_pivot, .false.)
         motion = 0.0_wp
-        if (solved) motion = matmul(touching, problem%gaps(pairs))
-    end subroutine load_vertex
+        if (least_pivot > 0.0_wp) motion = matmul(touching, problem%gaps(pairs))
+    end subroutine feasible_start
 
     !> One motion: the pair that it closes first, among those that can carry the load.
     pure subroutine first_pair(problem, pairs, forces, motion, outcome)
@@ -90,9 +90,9 @@ contains
         allocate (motion(1), source=sense)
         best = touching_first(small_row)
         if (best == 0) best = touching_first(0.0_wp)
-        outcome = vertex_found
+        outcome = start_found
         if (best == 0) then
-            outcome = merge(vertex_infeasible, vertex_loose, abs(load) > 0.0_wp)
+            outcome = merge(start_infeasible, start_unconstrained, abs(load) > 0.0_wp)
             return
         end if
         pairs = [best]
@@ -157,25 +157,25 @@ contains
         sizes = maxval(abs(problem%load_rows), dim=2)
         call hold_loads(unit_rows(small_row), abs(problem%loads), .false., pairs, forces, motion, &
             & outcome)
-        if (outcome /= vertex_found .and. any(sizes > 0.0_wp .and. sizes < small_row)) then
+        if (outcome /= start_found .and. any(sizes > 0.0_wp .and. sizes < small_row)) then
             call hold_loads(unit_rows(0.0_wp), abs(problem%loads), .false., pairs, forces, motion, &
                 & outcome)
         end if
-        holds = outcome == vertex_found
-        if (holds) holds = minval(forces) >= -no_pull*maxval(forces)
+        holds = outcome == start_found
+        if (holds) holds = minval(forces) >= -tensile_tolerance*maxval(forces)
         if (.not. holds) then
             call hold_loads(unit_rows(0.0_wp), abs(problem%loads), .true., other_pairs, &
                 & other_forces, other_motion, other_outcome)
-            if (other_outcome == vertex_found &
-                & .or. (other_outcome == vertex_infeasible .and. outcome /= vertex_found)) then
-                pairs = other_pairs
-                forces = other_forces
-                motion = other_motion
+            if (other_outcome == start_found &
+                & .or. (other_outcome == start_infeasible .and. outcome /= start_found)) then
+                call move_alloc(other_pairs, pairs)
+                call move_alloc(other_forces, forces)
+                call move_alloc(other_motion, motion)
                 outcome = other_outcome
             end if
         end if
         motion = sense*motion
-        if (outcome == vertex_found) forces = max(forces, 0.0_wp)/sizes(pairs)
+        if (outcome == start_found) forces = max(forces, 0.0_wp)/sizes(pairs)
 
     contains
 
@@ -216,16 +216,15 @@ contains
         integer, intent(out) :: outcome
 
         integer :: q, c, j, leaving, step
-        logical :: solved
         real(wp), allocatable :: inverse(:, :), prices(:), entering(:)
 
         q = size(loads)
         ! basis(c) > 0: a pair; -c: the artificial force of load c
         pairs = [(-c, c=1, q)]
         allocate (motion(q), source=0.0_wp)
-        outcome = vertex_loose
+        outcome = start_unconstrained
         do step = 1, steps_per_row*(size(rows, 1) + q)
-            call basis_inverse(rows, graded, pairs, inverse, solved)
+            inverse = basis_inverse(rows, graded, pairs)
             forces = matmul(inverse, loads)
             if (are_held(inverse, loads, graded, pairs, forces)) then
                 call fill_basis(rows, graded, pairs, inverse, motion, outcome)
@@ -238,7 +237,7 @@ contains
                 if (dot_product(prices, rows(j, :)) > rounding(prices, rows(j, :), graded)) exit
             end do
             if (j > size(rows, 1)) then
-                outcome = vertex_infeasible
+                outcome = start_infeasible
                 motion = prices
                 return
             end if
@@ -334,9 +333,8 @@ contains
 
         integer :: c, j, best
         real(wp) :: weight, best_weight
-        logical :: solved
 
-        outcome = vertex_found
+        outcome = start_found
         do c = 1, size(basis)
             if (basis(c) > 0) cycle
             best = 0
@@ -351,29 +349,27 @@ contains
                 end if
             end do
             if (best == 0) then
-                outcome = vertex_loose
+                outcome = start_unconstrained
                 motion = inverse(c, :)
                 return
             end if
             basis(c) = best
-            call basis_inverse(rows, graded, basis, inverse, solved)
+            inverse = basis_inverse(rows, graded, basis)
         end do
     end subroutine fill_basis
 
     !> Inverse of the load rows of a basis.
-    pure subroutine basis_inverse(rows, graded, basis, inverse, solved)
+    pure function basis_inverse(rows, graded, basis) result(inverse)
         !> Rows of size one, or zero, shape (n, n_motions)
         real(wp), intent(in) :: rows(:, :)
         !> Pivots may be small
         logical, intent(in) :: graded
         !> The basis
         integer, intent(in) :: basis(:)
-        !> The inverse, shape (n_motions, n_motions)
-        real(wp), allocatable, intent(out) :: inverse(:, :)
-        !> False if singular
-        logical, intent(out) :: solved
+        real(wp), allocatable :: inverse(:, :)
 
         integer :: c
+        real(wp) :: least_pivot
 
         allocate (inverse(size(basis), size(basis)), source=0.0_wp)
         do c = 1, size(basis)
@@ -383,7 +379,7 @@ contains
                 inverse(-basis(c), c) = 1.0_wp
             end if
         end do
-        call invert_small(inverse, solved, graded)
-    end subroutine basis_inverse
+        call invert(inverse, least_pivot, graded)
+    end function basis_inverse
 
-end module flankload_load_vertex
+end module flankload_feasible_start

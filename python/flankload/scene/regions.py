@@ -1,0 +1,250 @@
+"""Keys of gear bodies whose web or hub has a width of its own, and their rules."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated
+
+from msgspec import Meta
+
+from flankload.base.rounding import TIE
+from flankload.scene.refusal import refuse, shown
+from flankload.scene.table import LARGEST_LENGTH, USUAL_SIZE, Length, Text, about
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    Extent = tuple[float, float]
+
+#: Usual widths and offsets, mm.
+USUAL_WIDTH, USUAL_OFFSET = (0.05, 5000.0), (1e-3, 5000.0)
+Offset = Annotated[float, Meta(ge=-LARGEST_LENGTH, le=LARGEST_LENGTH)]
+
+WebWidth = Annotated[
+    Length | None,
+    about("mm", "width of the web, at most the face width; absent = no web", usual=USUAL_WIDTH),
+]
+WebOuterDiameter = Annotated[
+    Length | None,
+    about("mm", "diameter at which the web ends and the rim begins", usual=USUAL_SIZE),
+]
+RimThickness = Annotated[
+    Length | None,
+    about(
+        "mm",
+        "thickness of the rim from the root circle to the web (s_R of ISO 6336); replaces "
+        "web_outer_diameter_mm",
+        usual=USUAL_WIDTH,
+    ),
+]
+WebOffset = Annotated[
+    Offset,
+    about(
+        "mm",
+        "axial position of the middle of the web from the middle of the face width",
+        usual=USUAL_OFFSET,
+    ),
+]
+HubDiameter = Annotated[Length | None, about("mm", "outer diameter of the hub", usual=USUAL_SIZE)]
+HubWidth = Annotated[
+    Length | None,
+    about(
+        "mm", "width of the hub, over which the bore is held; absent = no hub", usual=USUAL_WIDTH
+    ),
+]
+HubOffset = Annotated[
+    Offset,
+    about(
+        "mm",
+        "axial position of the middle of the hub from the middle of the face width",
+        usual=USUAL_OFFSET,
+    ),
+]
+RegionSets = Annotated[
+    Annotated[tuple[Text, ...], Meta(min_length=1)] | None,
+    about(
+        "",
+        "sets of elements of regions that are not as wide as the teeth: webs, hubs; groups of the "
+        "file then do not mean materials",
+    ),
+]
+RegionWidths = Annotated[
+    Annotated[tuple[Length, ...], Meta(min_length=1)] | None,
+    about(
+        "mm", "width of each of region_sets, about the middle of the face width", usual=USUAL_WIDTH
+    ),
+]
+
+
+class RegionKeys:
+    """Mixin of gears with keys of web and hub."""
+
+    __slots__ = ()
+
+    if TYPE_CHECKING:
+        bore_diameter_mm: float
+        web_width_mm: WebWidth
+        web_outer_diameter_mm: WebOuterDiameter
+        rim_thickness_mm: RimThickness
+        web_offset_mm: WebOffset
+        hub_diameter_mm: HubDiameter
+        hub_width_mm: HubWidth
+        hub_offset_mm: HubOffset
+
+    def _regions(self) -> Iterator[tuple[str, float, float]]:
+        """Name, width and offset of web and hub, as far as there are any."""
+        if self.web_width_mm is not None:
+            yield "web", self.web_width_mm, self.web_offset_mm
+        if self.hub_width_mm is not None:
+            yield "hub", self.hub_width_mm, self.hub_offset_mm
+
+    def check_regions(self, key: str) -> None:
+        """Check that web and hub have a width and a diameter each.
+
+        Raises
+        ------
+        SceneError
+        """
+        outer = {"web_outer_diameter_mm": self.web_outer_diameter_mm}
+        outer["rim_thickness_mm"] = self.rim_thickness_mm
+        if None not in outer.values():
+            refuse(
+                f"{key}.rim_thickness_mm",
+                f"nothing beside {key}.web_outer_diameter_mm",
+                self.rim_thickness_mm,
+            )
+        places = [name for name, value in outer.items() if value is not None]
+        _check_both(key, "web", self.web_width_mm, places, self.web_offset_mm)
+        places = ["hub_diameter_mm"] * (self.hub_diameter_mm is not None)
+        _check_both(key, "hub", self.hub_width_mm, places, self.hub_offset_mm)
+
+    def regions_of(self, range_mm: "Extent") -> tuple[tuple[str, "Extent"], ...]:
+        """Names and ends along the axis of web and hub; from outside, begins with another width."""
+        found = list(self._extents(range_mm))
+        while found and found[0][1] == range_mm:
+            del found[0]
+        return tuple(found)
+
+    def _extents(self, range_mm: "Extent") -> "Iterator[tuple[str, Extent]]":
+        for name, width, offset in self._regions():
+            yield name, _extent(range_mm, width, offset)
+
+    def check_extents(self, range_mm: "Extent", key: str) -> None:
+        """Check that the web is within the face width, and that the hub's ends fit.
+
+        Raises
+        ------
+        SceneError
+        """
+        outside, around = "face width", range_mm
+        for name, own in self._extents(range_mm):
+            if not _is_within(own, around) and (name == "web" or not _is_within(around, own)):
+                relation = "within" if name == "web" else "that contains or is within"
+                refuse(
+                    f"{key}.{name}_width_mm",
+                    f"a {name} {relation} the {outside} ({_shown(around)})",
+                    f"{own[1] - own[0]:g} ({_shown(own)})",
+                )
+            outside, around = name, own
+
+    def region_diameter_key(self, name: str) -> str:
+        """The key that gives the outer circle of web or hub."""
+        if name == "hub":
+            return "hub_diameter_mm"
+        given = self.rim_thickness_mm is None
+        return "web_outer_diameter_mm" if given else "rim_thickness_mm"
+
+    def region_radii(self, root_radius_mm: float, key: str) -> dict[str, float]:
+        """Outer radii of web and hub.
+
+        Raises
+        ------
+        SceneError
+            If circles are not in order.
+        """
+        radii: dict[str, float] = {}
+        bore, largest, circle = 0.5 * self.bore_diameter_mm, root_radius_mm, "the root diameter"
+        for name, _, _ in self._regions():
+            outer = self.region_diameter_key(name)
+            given = getattr(self, outer)
+            radius = 0.5 * given
+            expected = f"more than {key}.bore_diameter_mm ({2 * bore:g}) and less than {circle} "
+            expected += f"({2 * largest:.4f})"
+            if outer == "rim_thickness_mm":
+                radius = root_radius_mm - given
+                expected = f"less than {root_radius_mm - bore:.4f}, since the rim ends outside "
+                expected += f"{key}.bore_diameter_mm ({2 * bore:g})"
+            if not bore < radius < largest:
+                refuse(f"{key}.{outer}", expected, given)
+            radii[name], largest, circle = radius, radius, "the outer diameter of the web"
+        return radii
+
+
+def _check_both(
+    key: str, name: str, width: float | None, places: "Sequence[str]", offset: float
+) -> None:
+    """Check that a region has both a width and a place, or neither."""
+    if width is not None and not places:
+        place = "web_outer_diameter_mm" if name == "web" else "hub_diameter_mm"
+        there, missing = f"{name}_width_mm", place
+    elif width is None and (places or offset):
+        there, missing = (*places, f"{name}_offset_mm")[0], f"{name}_width_mm"
+    else:
+        return
+    refuse(f"{key}.{missing}", f"a number > 0, since there is a {key}.{there}", "nothing")
+
+
+class MeshRegionKeys:
+    """Mixin of meshes with named regions of other width."""
+
+    __slots__ = ()
+
+    if TYPE_CHECKING:
+        region_sets: RegionSets
+        region_widths_mm: RegionWidths
+
+    def check_regions(self, key: str) -> None:
+        """Check that each region has one width.
+
+        Raises
+        ------
+        SceneError
+        """
+        sets, widths = self.region_sets, self.region_widths_mm
+        if widths is not None and sets is None:
+            refuse(
+                f"{key}.region_sets",
+                f"a list of names, since there is a {key}.region_widths_mm",
+                "nothing",
+            )
+        if sets is None:
+            return
+        if widths is None or len(widths) != len(sets):
+            refuse(
+                f"{key}.region_widths_mm",
+                f"a list of {len(sets)} numbers, one for each of {key}.region_sets",
+                widths,
+            )
+        for k, name in enumerate(sets):
+            if name in sets[:k]:
+                refuse(f"{key}.region_sets[{k}]", "each set once", shown(name))
+
+    def regions_of(self, range_mm: "Extent") -> tuple[tuple[str, "Extent"], ...]:
+        """Names and ends along the axis of the regions."""
+        regions = zip(self.region_sets or (), self.region_widths_mm or (), strict=True)
+        return tuple((name, _extent(range_mm, width, 0.0)) for name, width in regions)
+
+
+def _extent(range_mm: "Extent", width_mm: float, offset_mm: float) -> "Extent":
+    """Ends of a region; those of the teeth, if they are the same up to rounding."""
+    middle = 0.5 * (range_mm[0] + range_mm[1]) + offset_mm
+    own = (middle - 0.5 * width_mm, middle + 0.5 * width_mm)
+    same = _is_within(own, range_mm) and _is_within(range_mm, own)
+    return range_mm if same else own
+
+
+def _is_within(inner: "Extent", outer: "Extent") -> bool:
+    rounding = TIE * (outer[1] - outer[0])
+    return outer[0] - rounding <= inner[0] and inner[1] <= outer[1] + rounding
+
+
+def _shown(extent: "Extent") -> str:
+    return f"from {extent[0]:g} to {extent[1]:g} mm"

@@ -1,0 +1,136 @@
+"""Gears with thin webs in three dimensions: compliance against another program."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import flankload as fl
+from flankload.bodies.body import Body
+from flankload.bodies.involute.involute_body import build_involute_body
+from flankload.elasticity.near_field import mode_norms
+from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
+from flankload.elasticity.prism.axial_basis import mode_norms_z
+from flankload.elasticity.prism.flank_potential import projected_potential
+from tests.support.gear_scenes import example
+from tests.support.ring_bodies import gear
+
+WIDTH, WEB = 14.0, (-2.1, 2.1)
+#: Twist of a base helix of 13.8 degrees, rad/mm.
+TWIST = 0.0097
+#: Extents of web and hub off the middle.
+ASIDE = (("web", (-6.0, -1.8)), ("hub", (-10.0, 3.0)))
+#: Compliance <mode, displacement>/(D D) in um/kN of all of a gear of 12 teeth below whose rim of
+#: 6 mm is a web of 0.3 of the width, one tooth loaded; CalculiX 2.20, elements C3D20 on the same
+#: plane elements: 16 128 (12 layers over the width, the narrowest 0.7 mm beside the web), beside
+#: a hub 22 464 (14 layers, 0.5 to 2 mm).
+REFERENCE = {
+    "spur": {"mean": 5.12927, "z1": 4.20639, "neighbour mean": 2.68463, "neighbour z1": 1.06785},
+    "helix": {"mean": 6.66381, "z1": 4.53856, "neighbour mean": 3.68493, "neighbour z1": 1.11014},
+    "hub": {"mean": 4.59328, "z1": 3.60683, "neighbour mean": 2.08571, "mean by z1": 0.41701},
+}
+#: By degree of displacements and of cuts; those beside a hub converge slowest.
+LIMITS = {(8, 4): 0.004, (14, 14): 0.0006}
+SLOW = {
+    ("spur", "neighbour z1"): {(8, 4): 0.008, (14, 14): 0.0006},
+    ("helix", "neighbour z1"): {(8, 4): 0.008, (14, 14): 0.0006},
+    ("hub", "mean"): {(8, 4): 0.012, (14, 14): 0.004},
+    ("hub", "z1"): {(8, 4): 0.012, (14, 14): 0.004},
+    ("hub", "neighbour mean"): {(8, 4): 0.021, (14, 14): 0.006},
+    ("hub", "mean by z1"): {(8, 4): 0.06, (14, 14): 0.015},
+}
+
+
+@cache
+def _webbed(hub: bool) -> Body:
+    keys = {"tip_diameter_mm": 64.35, "bore_diameter_mm": 15.0, "web_width_mm": 4.2}
+    if hub:
+        keys |= {"hub_diameter_mm": 23.0, "hub_width_mm": 13.0}
+    spec = gear(teeth=12, rim_thickness_mm=6.0, **keys)
+    regions = ("web", "hub") if hub else ("web",)
+    return build_involute_body(spec, "body_1", flank_element_mm=2.25, regions=regions)
+
+
+@pytest.mark.parametrize("degrees", LIMITS)
+@pytest.mark.parametrize("case", REFERENCE)
+def test_a_thin_web_yields_as_in_another_program(case: str, degrees: tuple[int, int]) -> None:
+    body, n_s, (degree, cut_degree) = _webbed(case == "hub"), 5, degrees
+    prism = Prism(
+        (-0.5 * WIDTH, 0.5 * WIDTH),
+        TWIST if case == "helix" else 0.0,
+        degree,
+        2,
+        cut_degree,
+        regions=ASIDE if case == "hub" else (("web", WEB),),
+    )
+    surface = flank_surface(body, prism)
+    response = prism_compliance(body, prism, n_modes=n_s).smooth.copy()
+    kernel = (1 - body.material.poisson_ratio**2) / (np.pi * body.material.young_modulus_MPa)
+    norms = np.outer(
+        mode_norms(body.mode_range_mm, n_s), mode_norms_z(WIDTH, 2) / surface.cos_base_helix
+    ).ravel()
+    response[0] += kernel * projected_potential(surface, n_s, 2) / np.outer(norms, norms)
+    own, one = 1e6 * response[:2]
+    values = {"mean": own[0, 0], "z1": own[1, 1], "mean by z1": own[0, 1]}
+    values |= {"neighbour mean": one[0, 0], "neighbour z1": one[1, 1]}
+    for name, value in REFERENCE[case].items():
+        limit = SLOW.get((case, name), LIMITS)[degrees]
+        assert values[name] == pytest.approx(value, rel=limit), name
+
+
+THIN = {"web_width_mm": 4.2, "rim_thickness_mm": 8.0}
+HUB = {"hub_diameter_mm": 50.0, "hub_width_mm": 25.0}
+
+
+def _solved(wheel: dict[str, Any], helix: dict[str, Any] | None = None, **keys: Any) -> Any:
+    scene = example("external_gear")
+    scene["body_2"] |= wheel
+    scene["positions"] = {"count": 3}
+    scene["effects"], scene["accuracy"] = {"dimension": 3}, {"slices": 14, "axial_degree": 6}
+    if helix is not None:
+        left = {"right": "left", "left": "right"}
+        for number, hand in ((1, helix["hand"]), (2, left[helix["hand"]])):
+            scene[f"body_{number}"] |= {"helix_angle_deg": 15.0, "hand": hand, "profile_shift": 0.0}
+        scene["body_1"]["tip_diameter_mm"], scene["body_2"]["tip_diameter_mm"] = 83.0, 120.0
+        scene["pair"] = {"center_distance_mm": 93.3, "face_width_mm": 14}
+    return fl.solve(fl.Scene.from_dict(scene | keys))
+
+
+def test_a_web_as_wide_as_the_gear_is_none() -> None:
+    plain, same = _solved({}), _solved(THIN | {"web_width_mm": 14.0})
+    for name in ("rotation_rad", "line_load_N_per_mm", "slice_peak_pressure_MPa"):
+        assert np.array_equal(getattr(same, name), getattr(plain, name))
+
+
+def test_thin_webs_yield_and_one_off_the_middle_tilts() -> None:
+    plain, middle = _solved({}), _solved(THIN)
+    aside = _solved(THIN | {"web_offset_mm": 4.9})
+    mean = [result.transmission_error_um.mean() for result in (plain, middle, aside)]
+    assert mean[0] * 1.1 < mean[1] < mean[2]
+    hub = _solved(THIN | HUB)
+    assert mean[0] < hub.transmission_error_um.mean() < mean[1]
+    # the load is where the web is
+    assert middle.face_load_factor < 1.03
+    assert aside.face_load_factor > 1.1
+    along = aside.line_load_N_per_mm.sum(axis=1)[0]
+    assert along[-3] > 1.2 * along[2]
+    assert any("slower where widths jump" in note for note in aside.warnings)
+    assert not any("slower where widths jump" in note for note in plain.warnings)
+
+
+def test_the_mirror_image_of_a_helical_pair_has_mirrored_loads() -> None:
+    web = THIN | HUB | {"web_offset_mm": 3.0, "hub_offset_mm": -2.0}
+    mirrored = web | {"web_offset_mm": -3.0, "hub_offset_mm": 2.0}
+    right, left = _solved(web, {"hand": "right"}), _solved(mirrored, {"hand": "left"})
+    np.testing.assert_allclose(
+        left.transmission_error_um, right.transmission_error_um, rtol=1e-10, atol=0
+    )
+    largest = np.abs(right.line_load_N_per_mm).max()
+    np.testing.assert_allclose(
+        left.line_load_N_per_mm, right.line_load_N_per_mm[..., ::-1], rtol=0, atol=1e-9 * largest
+    )
+    plain = _solved({}, {"hand": "right"})
+    assert right.transmission_error_um.mean() > 1.1 * plain.transmission_error_um.mean()
