@@ -55,7 +55,7 @@ module flankload
     public :: fl_load_path, fl_pivoted, fl_cascade, fl_primal
     public :: fl_part_tip, fl_part_wedge, fl_part_nodes, fl_part_tangential, fl_part_jump
     public :: fl_part_along, fl_part_shift, fl_part_sides, fl_part_friction
-    public :: fl_part_axial, fl_part_slices, fl_part_shaft
+    public :: fl_part_axial, fl_part_slices, fl_part_shaft, fl_part_sections
     public :: fl_part_turned, fl_part_wedge_along
 
     include 'flat/flankload_interfaces.inc'

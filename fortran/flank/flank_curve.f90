@@ -24,6 +24,9 @@ module flankload_flank_curve
         logical :: closed = .false.
         !> True if the curve is cut out of a longer one: contact cannot begin at its ends
         logical :: cut = .false.
+        !> True if s is the arc length of another curve, from which this one deviates a little: its
+        !> own differs by a part, as much as the deviation changes along it
+        logical :: stretched = .false.
     end type flank_curve_type
 
     !> Placement of a body: its frame rotated by an angle about its axis.

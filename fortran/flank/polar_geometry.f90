@@ -15,6 +15,8 @@ module flankload_polar_geometry
     !> Excess of the squared radius, relative, below which one step along the tangent is exact: the
     !> curve leaves its tangent by kappa ds²/2, with ds = 1e-11 r far below the last digit.
     real(wp), parameter :: nearly = 1.0e-11_wp
+    !> The same where that step is right to a part only: without it the circle is met to rounding.
+    real(wp), parameter :: nearly_stretched = 1.0e-14_wp
     !> A circle through the end of a flank misses it by several rounding errors.
     real(wp), parameter :: end_tolerance = 256.0_wp*epsilon(1.0_wp)
 
@@ -65,14 +67,15 @@ contains
         logical, intent(out) :: found
 
         integer :: step
-        real(wp) :: low, high, f_low, f, slope
+        real(wp) :: low, high, f_low, f, slope, small
 
+        small = merge(nearly_stretched, nearly, curve%stretched)*radius**2
         low = min(s_range(1), s_range(2))
         high = max(s_range(1), s_range(2))
         if (s < low .or. s > high) s = 0.5_wp*(low + high)
         do step = 1, newton_steps
             call look_at(s, point, tangent, f, slope)
-            found = abs(f) <= nearly*radius**2
+            found = abs(f) <= small
             if (found) exit
             if (abs(slope)*(high - low) <= abs(f)) exit
             s = s - f/slope
@@ -92,7 +95,7 @@ contains
             do step = 1, bisection_steps
                 s = 0.5_wp*(low + high)
                 call look_at(s, point, tangent, f, slope)
-                if (abs(f) <= nearly*radius**2 .or. s <= low .or. s >= high) exit
+                if (abs(f) <= small .or. s <= low .or. s >= high) exit
                 if (f*f_low > 0.0_wp) then
                     low = s
                 else

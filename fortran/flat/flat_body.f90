@@ -127,6 +127,9 @@ end subroutine flankload_pack_body
 !> |                   | a section under forces and moments about the point of the axis there, in  |
 !> |                   | the frame of the pair (6 x 6, symmetric) [mm/N, rad/N, rad/(N mm)]; the   |
 !> |                   | section z [mm]. The rotation about the axis is no part of it (0)          |
+!> | fl_part_sections  | (degree + 1, 2, n_breaks - 1, n), of either body of a pair in n slices:   |
+!> |                   | coefficients of its flank in each slice, between the same breaks, in      |
+!> |                   | place of those of flankload_pack_body                                     |
 !>
 !> info = 0: done. info > 0: the record needs so many reals, and n_record is too small; the record
 !> is as before. info = -i: argument i is not valid.

@@ -80,7 +80,7 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     !> See above
     integer, intent(out) :: info
 
-    integer :: n_speeds
+    integer :: n_speeds, n_sections
     double precision :: nan
     logical :: valid_1, valid_2
     type(body_type) :: body_1, body_2
@@ -112,12 +112,16 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     if (allocated(body_2%sides) .or. allocated(body_2%friction)) info = -10
     ! slices are those of flank 1; both bodies have modes over their widths, and all slices in them
     if (allocated(body_2%slices)) info = -10
+    n_sections = 1
     if (allocated(body_1%slices)) then
         if (.not. holds_slices(body_1%slices, body_1%compliance)) info = -8
         if (.not. holds_slices(body_1%slices, body_2%compliance)) info = -10
+        n_sections = size(body_1%slices%edges) - 1
     else if (body_1%compliance%n_axial > 1 .or. body_2%compliance%n_axial > 1) then
         info = -8
     end if
+    if (all(size(body_1%flanks) /= [1, n_sections])) info = -8
+    if (all(size(body_2%flanks) /= [1, n_sections])) info = -10
     ! nodes of one body go with nodes of the other, unless that is rigid
     associate (one => body_1%compliance, two => body_2%compliance)
         if (allocated(one%nodes) .and. .not. allocated(two%nodes)) then

@@ -18,7 +18,7 @@ module flankload_body_record
     public :: counts_type
     public :: part_tip, part_wedge, part_nodes, part_tangential, part_jump, part_along, part_shift
     public :: part_sides, part_friction, part_axial, part_slices, part_turned, part_wedge_along
-    public :: part_shaft
+    public :: part_shaft, part_sections
     public :: last_optional, last_part
     public :: part_breaks, part_coefficients, part_corners, part_site_angles, part_deviations
     public :: part_mode_range, part_kernel, part_smooth, part_block
@@ -41,6 +41,7 @@ module flankload_body_record
         enumerator :: part_turned
         enumerator :: part_wedge_along
         enumerator :: part_shaft
+        enumerator :: part_sections
         enumerator :: part_breaks
         enumerator :: part_coefficients
         enumerator :: part_corners
@@ -51,7 +52,7 @@ module flankload_body_record
         enumerator :: part_smooth
         enumerator :: part_block
     end enum
-    integer, parameter :: last_optional = part_shaft, last_part = part_block
+    integer, parameter :: last_optional = part_sections, last_part = part_block
 
     !> Sizes from which the shapes of all parts follow.
     type :: counts_type
@@ -67,7 +68,7 @@ module flankload_body_record
 
     !> First number of every record: F, L and B in ASCII, then the version of this layout. It
     !> changes with the list of parts; a record of another version is refused.
-    real(wp), parameter :: record_mark = 70766603.0_wp
+    real(wp), parameter :: record_mark = 70766604.0_wp
     integer, parameter :: first_count = 3, first_place = 8
     integer, parameter :: header = first_place - 1 + 2*last_part
     !> A dimension of a part that follows from the number of its values.
@@ -110,6 +111,8 @@ contains
             extents(:2) = [n%modes, n%blocks]
         case (part_shaft)
             extents(1) = 37
+        case (part_sections)
+            extents = [n%powers, 2*(n%breaks - 1), any_number]
         case (part_breaks, part_corners)
             extents(1) = n%breaks
         case (part_coefficients)

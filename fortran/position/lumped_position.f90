@@ -14,7 +14,7 @@ module flankload_lumped_position
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, lumped_contact
     use flankload_lumped_pass, only: couple, solve_pass
     use flankload_lumped_place, only: near_field_of, place_type, reach_of, rub_place
-    use flankload_position_zones, only: body_type, position_type
+    use flankload_position_zones, only: body_type, position_type, section_at
     use flankload_position_state, only: count_lumped, other_shape, position_state, would_touch
     implicit none
     private
@@ -145,44 +145,44 @@ contains
         if (allocated(body_1%friction)) then
             allocate (pairs%sliding(size(of)), pairs%friction(size(of)), source=0.0_wp)
         end if
-        associate (curve_1 => body_1%flank%curve, curve_2 => body_2%flank%curve)
-            do k = 1, size(of)
-                z = of(k)
-                associate (zone => position%zones(z), place => places(z))
-                    site = zone%site
-                    place%force = forces(z)
-                    if (.not. place%force > 0.0_wp) place%force = least_part*full(z)
-                    if (.not. any(place%reach > 0.0_wp)) then
-                        place%reach = hertz_half_width(place%force, zone%curvature, &
-                            & position%kernel(z), position%flank_length)
-                    end if
-                    call reach_of(curve_1, position%frames_1(site), curve_2, &
-                        & position%frames_2(site), zone, position%kernel(z)*place%force, &
-                        & place%reach, place%reach_slope)
-                    place%reach_slope = position%kernel(z)*place%reach_slope
-                    call near_field_of(position%kernel(z), &
-                        & least_half_width(position%flank_length), position%images(:, z), place)
-                    call append_place(body_1, body_2, position, z, place%reach, pairs, found)
-                    if (.not. found) then
-                        call fatal_error(error, code_circle_misses, &
-                            & 'a circle about O1 misses the flank of body 2 at its least gap')
-                        return
-                    end if
-                    place%lever = pairs%lever(k)
-                    place%torque_lever = pairs%torque_lever(k)
-                    place%lever_slope = 0.0_wp
-                    place%torque_lever_slope = 0.0_wp
-                    if (.not. allocated(body_1%friction)) cycle
-                    call rub_place(body_1%friction, position%speeds, curve_1, &
-                        & position%frames_1(site), curve_2, position%frames_2(site), zone, &
-                        & pairs%normal(:, k), place)
-                    place%lever_along = lever_along(position, pairs, k)
-                    place%lever_along_slope = 0.0_wp
-                    pairs%sliding(k) = place%sliding
-                    pairs%friction(k) = place%tangential/place%force
-                end associate
-            end do
-        end associate
+        do k = 1, size(of)
+            z = of(k)
+            site = position%zones(z)%site
+            associate (zone => position%zones(z), place => places(z), &
+                & curve_1 => body_1%flanks(section_at(body_1, site))%curve, &
+                & curve_2 => body_2%flanks(section_at(body_2, site))%curve)
+                place%force = forces(z)
+                if (.not. place%force > 0.0_wp) place%force = least_part*full(z)
+                if (.not. any(place%reach > 0.0_wp)) then
+                    place%reach = hertz_half_width(place%force, zone%curvature, &
+                        & position%kernel(z), position%flank_length)
+                end if
+                call reach_of(curve_1, position%frames_1(site), curve_2, &
+                    & position%frames_2(site), zone, position%kernel(z)*place%force, &
+                    & place%reach, place%reach_slope)
+                place%reach_slope = position%kernel(z)*place%reach_slope
+                call near_field_of(position%kernel(z), &
+                    & least_half_width(position%flank_length), position%images(:, z), place)
+                call append_place(body_1, body_2, position, z, place%reach, pairs, found)
+                if (.not. found) then
+                    call fatal_error(error, code_circle_misses, &
+                        & 'a circle about O1 misses the flank of body 2 at its least gap')
+                    return
+                end if
+                place%lever = pairs%lever(k)
+                place%torque_lever = pairs%torque_lever(k)
+                place%lever_slope = 0.0_wp
+                place%torque_lever_slope = 0.0_wp
+                if (.not. allocated(body_1%friction)) cycle
+                call rub_place(body_1%friction, position%speeds, curve_1, &
+                    & position%frames_1(site), curve_2, position%frames_2(site), zone, &
+                    & pairs%normal(:, k), place)
+                place%lever_along = lever_along(position, pairs, k)
+                place%lever_along_slope = 0.0_wp
+                pairs%sliding(k) = place%sliding
+                pairs%friction(k) = place%tangential/place%force
+            end associate
+        end do
     end subroutine look_at_places
 
     !> Append the pair of a place.
@@ -200,12 +200,15 @@ contains
         !> False if a circle misses flank 2
         logical, intent(out) :: found
 
+        integer :: site
         type(grid_type) :: grid
         type(normal_type) :: normal
 
-        associate (zone => position%zones(z), curve_1 => body_1%flank%curve, &
-            & curve_2 => body_2%flank%curve, frame_1 => position%frames_1(position%zones(z)%site), &
-            & frame_2 => position%frames_2(position%zones(z)%site))
+        site = position%zones(z)%site
+        associate (zone => position%zones(z), frame_1 => position%frames_1(site), &
+            & frame_2 => position%frames_2(site), &
+            & curve_1 => body_1%flanks(section_at(body_1, site))%curve, &
+            & curve_2 => body_2%flanks(section_at(body_2, site))%curve)
             normal = contact_normal(curve_1, frame_1, curve_2, frame_2, zone, reach)
             grid%n = 1
             grid%first = zone%nearest%s_1

@@ -161,10 +161,10 @@ contains
         end if
         do i = 1, n
             if (number == 1) then
-                call placed_point(body%flank%curve, position%frames_1(pairs%site(i)), s(i), &
+                call placed_point(body%flanks(1)%curve, position%frames_1(pairs%site(i)), s(i), &
                     & points(:, i), t)
             else
-                call placed_point(body%flank%curve, position%frames_2(pairs%site(i)), s(i), &
+                call placed_point(body%flanks(1)%curve, position%frames_2(pairs%site(i)), s(i), &
                     & points(:, i), t)
             end if
             out = [-t(2), t(1)]

@@ -112,8 +112,9 @@ contains
             if (.not. cells%joins(z)) cycle
             site = position%zones(z)%site
             cells%reach(:, z) = max(least_half_width(position%flank_length), &
-                & zone_reach(body_1%flank%curve, position%frames_1(site), body_2%flank%curve, &
-                & position%frames_2(site), position%zones(z), position%kernel(z)*cells%part(z)))
+                & zone_reach(body_1%flanks(1)%curve, position%frames_1(site), &
+                & body_2%flanks(1)%curve, position%frames_2(site), position%zones(z), &
+                & position%kernel(z)*cells%part(z)))
         end do
     end subroutine measure_reach
 
@@ -152,16 +153,17 @@ contains
         logical :: found
 
         associate (zones => position%zones, grids => cells%grids, frames_1 => position%frames_1, &
-            & frames_2 => position%frames_2)
+            & frames_2 => position%frames_2, flank_1 => body_1%flanks(1), &
+            & flank_2 => body_2%flanks(1))
             do z = 1, size(zones)
                 if (.not. cells%joins(z)) cycle
                 site = zones(z)%site
                 grids(z) = wanted_grid(zones(z), cells%reach(:, z), &
-                    & edges_within(body_1%flank, frames_1(site), body_2%flank, frames_2(site), &
+                    & edges_within(flank_1, frames_1(site), flank_2, frames_2(site), &
                     & zones(z), cells%reach(:, z)), cells%widths(:, z), &
                     & settings%strips_per_half_width, settings%corner_strips_per_half_width)
             end do
-            call part_grids(body_1%flank%curve, body_2%flank%curve, position, cells%joins, grids)
+            call part_grids(flank_1%curve, flank_2%curve, position, cells%joins, grids)
             do z = 1, size(zones)
                 if (cells%joins(z)) call lay_cells_of(zones(z), grids(z))
             end do
@@ -170,11 +172,11 @@ contains
                 if (.not. cells%joins(z)) cycle
                 site = zones(z)%site
                 first = pairs%n + 1
-                normal = contact_normal(body_1%flank%curve, frames_1(site), body_2%flank%curve, &
+                normal = contact_normal(flank_1%curve, frames_1(site), flank_2%curve, &
                     & frames_2(site), zones(z), cells%reach(:, z))
-                call append_pairs(body_1%flank%curve, frames_1(site), body_2%flank%curve, &
-                    & frames_2(site), zones(z), z, grids(z), normal, &
-                    & body_1%deviations(site) + body_2%deviations(site), pairs, found)
+                call append_pairs(flank_1%curve, frames_1(site), flank_2%curve, frames_2(site), &
+                    & zones(z), z, grids(z), normal, body_1%deviations(site) &
+                    & + body_2%deviations(site), pairs, found)
                 if (.not. found) then
                     call fatal_error(error, code_circle_misses, &
                         & 'a circle about O1 misses the flank of body 2 inside a zone')
@@ -184,9 +186,8 @@ contains
                     call shift_pairs(body_1%compliance, body_2%compliance, first, pairs)
                 end if
                 if (allocated(body_1%friction)) then
-                    call rub_pairs(body_1%friction, zones(z)%side*position%speeds, &
-                        & body_1%flank%curve, frames_1(site), body_2%flank%curve, &
-                        & frames_2(site), zones(z), first, pairs)
+                    call rub_pairs(body_1%friction, zones(z)%side*position%speeds, flank_1%curve, &
+                        & frames_1(site), flank_2%curve, frames_2(site), zones(z), first, pairs)
                 end if
                 if (zones(z)%side < 0.0_wp) call take_out_of_mirror(first, pairs)
             end do
@@ -205,8 +206,8 @@ contains
             if (allocated(body_1%compliance%nodes)) then
                 call lay_on_nodes(body_1%compliance%nodes, zone, grid)
             else if (allocated(body_2%compliance%nodes)) then
-                call lay_on_nodes(circles_through(body_2%compliance%nodes, body_2%flank%curve, &
-                    & position%frames_2(zone%site), body_1%flank%curve, &
+                call lay_on_nodes(circles_through(body_2%compliance%nodes, body_2%flanks(1)%curve, &
+                    & position%frames_2(zone%site), body_1%flanks(1)%curve, &
                     & position%frames_1(zone%site), zone), zone, grid)
             else
                 call lay_cells(zone, grid)

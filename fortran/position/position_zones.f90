@@ -21,11 +21,13 @@ module flankload_position_zones
     private
 
     public :: body_type, position_type
-    public :: look_at_position, lever_share
+    public :: look_at_position, lever_share, section_at
 
     !> What a body hands over.
     type :: body_type
-        type(flank_type) :: flank
+        !> Its flank; where that varies along the face width, the flanks of all slices, which have
+        !> the same breaks
+        type(flank_type), allocatable :: flanks(:)
         type(compliance_type) :: compliance
         !> Axis [mm]
         real(wp) :: origin(2) = 0.0_wp
@@ -144,7 +146,7 @@ contains
             return
         end if
         if (has_shift(body_1%compliance, body_2%compliance)) then
-            call shift_zones(body_1%flank%curve, position%frames_1, body_2%flank%curve, &
+            call shift_zones(body_1%flanks(1)%curve, position%frames_1, body_2%flanks(1)%curve, &
                 & position%frames_2, body_1%compliance, body_2%compliance, position%zones)
         end if
         position%gap = gaps_without_load(body_1, body_2, position%zones)
@@ -177,7 +179,7 @@ contains
 
         n_sites = size(faces)
         allocate (position%frames_1(n_sites), position%frames_2(n_sites))
-        position%flank_length = curve_length(body_1%flank%curve)
+        position%flank_length = curve_length(body_1%flanks(1)%curve)
         sides = 1
         if (allocated(body_1%sides)) sides = body_1%sides
         n_working = count(sides > 0)
@@ -196,12 +198,16 @@ contains
             if (is_same_section(body_1, body_2, site)) then
                 bounds(site) = bounds(site - 1)
             else
-                bounds(site) = coarse_gap(body_1%flank, position%frames_1(site), body_2%flank, &
+                bounds(site) = coarse_gap(body_1%flanks(section_at(body_1, site)), &
+                    & position%frames_1(site), body_2%flanks(section_at(body_2, site)), &
                     & position%frames_2(site))
             end if
         end do
         if (everywhere) return
-        radius = [body_1%flank%radius(body_1%flank%first_rising), maxval(body_1%flank%radius)]
+        ! flanks of all slices have the same radii
+        associate (flank => body_1%flanks(1))
+            radius = [flank%radius(flank%first_rising), maxval(flank%radius)]
+        end associate
         bounds = bounds - max(0.0_wp, body_1%deviations + body_2%deviations)/(least_lever &
             & *radius(1)) - min(0.0_wp, body_1%deviations + body_2%deviations)/radius(2)
         faces = faces .and. bounds <= minval(bounds) + usual_part*position%flank_length/radius(2)
@@ -245,8 +251,9 @@ contains
                 cycle
             end if
             before = n_zones
-            call find_zones(body_1%flank, position%frames_1(site), body_2%flank, &
-                & position%frames_2(site), site, closed_moment, zones, n_zones, conforms, lost)
+            call find_zones(body_1%flanks(section_at(body_1, site)), position%frames_1(site), &
+                & body_2%flanks(section_at(body_2, site)), position%frames_2(site), site, &
+                & closed_moment, zones, n_zones, conforms, lost)
             position%conforms = position%conforms .or. conforms
             if (lost) then
                 call fatal_error(error, code_circle_misses, &
@@ -263,6 +270,17 @@ contains
         zones = zones(:n_zones)
     end subroutine search_sites
 
+    !> Number of the flank of a body at a site: slices of a flank pair are sites in their order.
+    pure function section_at(body, site) result(section)
+        !> The body
+        type(body_type), intent(in) :: body
+        !> The site
+        integer, intent(in) :: site
+        integer :: section
+
+        section = 1 + mod(site - 1, size(body%flanks))
+    end function section_at
+
     !> Whether a site is the next slice of the same flanks, and not turned against the last one.
     pure function is_same_section(body_1, body_2, site) result(same)
         !> The bodies
@@ -274,6 +292,7 @@ contains
 
         same = .false.
         if (.not. allocated(body_1%slices)) return
+        if (max(size(body_1%flanks), size(body_2%flanks)) > 1) return
         if (slice_of(body_1%slices, site) == 1) return
         same = .not. (abs(body_1%site_angles(site) - body_1%site_angles(site - 1)) > 0.0_wp &
             & .or. abs(body_2%site_angles(site) - body_2%site_angles(site - 1)) > 0.0_wp)
@@ -444,7 +463,7 @@ contains
         if (widest*(n - 0.5_wp)/(n - 1) < 2.0_wp*half_turn) return
         ! flanks meet between both axes, or beyond O1 where both bodies turn the same way
         meshing = merge(half_turn, 0.0_wp, turn_1*turn_2 > 0.0_wp)
-        associate (point => body_1%flank%point(:, size(body_1%flank%s)/2))
+        associate (point => body_1%flanks(1)%point(:, size(body_1%flanks(1)%s)/2))
             ! a flank stands beside its own axis or at the mesh: the cut is far from both
             polar = modulo(atan2(point(2), point(1)) + 0.5_wp*half_turn, 2.0_wp*half_turn) &
                 & - 0.5_wp*half_turn

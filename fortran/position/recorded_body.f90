@@ -9,8 +9,8 @@ module flankload_recorded_body
     use flankload_body_record, only: are_valid, counts_in, is_record, last_part, part_along, &
         & part_axial, part_block, part_breaks, part_coefficients, part_corners, part_deviations, &
         & part_friction, part_jump, part_kernel, part_mode_range, part_nodes, part_shift, &
-        & part_shaft, part_sides, part_site_angles, part_slices, part_smooth, part_tangential, &
-        & part_tip, part_turned, part_wedge, part_wedge_along, place_in, shape_in
+        & part_sections, part_shaft, part_sides, part_site_angles, part_slices, part_smooth, &
+        & part_tangential, part_tip, part_turned, part_wedge, part_wedge_along, place_in, shape_in
     implicit none
     private
 
@@ -34,16 +34,15 @@ contains
         !> False if the array is no record, or if a value in it is not possible
         logical, intent(out) :: valid
 
-        real(wp), allocatable :: breaks(:), coefficients(:, :, :), corners(:), sides(:)
+        real(wp), allocatable :: breaks(:), corners(:), sides(:)
         real(wp), allocatable :: friction(:, :), edges(:), shaft(:)
 
         valid = is_record(record)
         if (valid) valid = has_valid_parts(record)
         if (.not. valid) return
         call take(record, part_breaks, breaks)
-        call take(record, part_coefficients, coefficients)
         call take(record, part_corners, corners)
-        body%flank = new_flank(new_flank_curve(breaks, coefficients, nint(corners)))
+        call read_flanks(record, breaks, nint(corners), body)
         call take(record, part_site_angles, body%site_angles)
         call take(record, part_deviations, body%deviations)
         call take(record, part_sides, sides)
@@ -62,10 +61,39 @@ contains
             body%shaft%z = shaft(37)
         end if
         call read_compliance(record, body%compliance)
-        body%compliance%closed = body%flank%curve%closed
+        body%compliance%closed = body%flanks(1)%curve%closed
         ! images behind free corners are in tables between nodes already
         valid = .not. (allocated(body%compliance%nodes) .and. any(body%compliance%wedge > 0.0_wp))
     end subroutine read_body
+
+    !> Read the flank of a body, or its flanks in all slices.
+    pure subroutine read_flanks(record, breaks, corners, body)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        !> Arc length at the ends of the intervals [mm], shape (n + 1)
+        real(wp), intent(in) :: breaks(:)
+        !> Corners of the curve, shape (n + 1)
+        integer, intent(in) :: corners(:)
+        !> The body
+        type(body_type), intent(inout) :: body
+
+        integer :: j, extents(3)
+        real(wp), allocatable :: coefficients(:, :, :), sections(:, :, :)
+
+        call take(record, part_coefficients, coefficients)
+        call take(record, part_sections, sections)
+        if (.not. allocated(sections)) then
+            body%flanks = [new_flank(new_flank_curve(breaks, coefficients, corners))]
+            return
+        end if
+        extents = shape(coefficients)
+        allocate (body%flanks(size(sections, 3)))
+        do j = 1, size(sections, 3)
+            body%flanks(j) = new_flank(new_flank_curve(breaks, &
+                & reshape(sections(:, :, j), extents), corners))
+            body%flanks(j)%curve%stretched = .true.
+        end do
+    end subroutine read_flanks
 
     !> Read the compliance of a body.
     pure subroutine read_compliance(record, compliance)

@@ -103,6 +103,17 @@ _FORTRAN = (
         ),
     ),
     *_in(
+        "position_zones.f90",
+        "physics/test_flank_surfaces.py::test_a_topography_of_lead_crowning_is_lead_crowning",
+        ("section = 1 + mod(site - 1, size(body%flanks))", "section = 1"),
+    ),
+    *_in(
+        "recorded_body.f90",
+        "physics/test_flank_surfaces.py::"
+        "test_places_are_found_where_the_metal_removed_changes_much",
+        ("%curve%stretched = .true.", "%curve%stretched = .false."),
+    ),
+    *_in(
         "lumped_slices.f90",
         "physics/test_slices.py",
         ("settled = 1.0e-6_wp", "settled = 1.0e-1_wp"),
@@ -312,6 +323,16 @@ _FORTRAN = (
 )
 
 _PYTHON = (
+    *_in(
+        "bodies/flank_surface.py",
+        "physics/test_flank_surfaces.py",
+        ("-body.outward * removed / radius", "body.outward * removed / radius"),
+    ),
+    *_in(
+        "pairing/slices.py",
+        "physics/test_flank_surfaces.py::test_a_sloped_tooth_is_the_one_with_a_pitch_error",
+        ("-removed[-sites % len(removed)]", "-removed[sites % len(removed)]"),
+    ),
     *_in(
         "bodies/profile/involute.py",
         # the others refine a curve whose derivatives are wrong without end

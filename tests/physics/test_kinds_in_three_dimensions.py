@@ -125,3 +125,15 @@ def test_a_section_whose_mirror_image_is_used_has_no_hand(tmp_path: Path) -> Non
     assert caught.value.expected == (
         "a flank that faces counter-clockwise, since there is a body_1.helix_angle_deg"
     )
+
+
+def test_a_sector_from_a_mesh_is_twisted_as_a_gear_is() -> None:
+    """Without a profile the base tangent is the normal in the middle of the flank."""
+    twisted = {"profile_twist_um": 20.0}
+    found, gears = from_meshes(twisted, {}), solved((twisted, {}), positions={"count": 4})
+    np.testing.assert_allclose(found.transmission_error_um, gears.transmission_error_um, rtol=NODES)
+    loads = (np.asarray(one.slice_line_load_N_per_mm) for one in (found, gears))
+    np.testing.assert_allclose(*loads, rtol=0.0, atol=0.02 * gears.slice_line_load_N_per_mm.max())
+    assert found.face_load_factor == pytest.approx(gears.face_load_factor, rel=0.01)
+    even = from_meshes({}, {})
+    assert found.face_load_factor > 1.1 * even.face_load_factor

@@ -14,19 +14,17 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from tests.support.gear_scenes import example
+from tests.support.three_dimensional import (
+    HELICAL,
+    MIRRORED,
+    OTHER_HANDS,
+    SMALL,
+    deviation,
+    tree_of,
+)
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
-#: Bodies of coarse elements, for properties that do not depend on these.
-SMALL: dict[str, Any] = {
-    "accuracy__flank_element_mm": 3.0,
-    "accuracy__modes": 3,
-    "accuracy__axial_degree": 6,
-    "accuracy__load_degree_z": 2,
-    "accuracy__slices": 8,
-    "positions__count": 4,
-}
-SPUR, HELICAL = "external_gear", "helical_gear"
+SPUR = "external_gear"
 #: Spur pair by nonlinear finite elements of two whole gears (15-node wedges, 300 000 + 400 000
 #: degrees of freedom, pressure on the nodes, no kernel and no modes; checked against CalculiX):
 #: position 0 with pair 0 in the pitch point, half a pitch later with two pairs. Uncertainties:
@@ -39,22 +37,6 @@ FINITE_ELEMENTS = {
     "middle_MPa": {(0, 0): 1661.0, (1, -1): 1389.0, (1, 0): 1179.0},
     "last_half_mm_N_per_mm": 560.0,
 }
-#: Sums over slices of thousands of N, after rounding of the scene's numbers.
-MIRRORED = 1e-10
-
-
-def tree_of(name: str, changes: dict[str, Any]) -> dict[str, Any]:
-    """An example without estimate, with keys changed; None removes a key."""
-    tree = example(name)
-    tree.setdefault("accuracy", {})["estimate"] = False
-    for path, value in changes.items():
-        table, _, key = path.partition("__")
-        keys = tree.setdefault(table, {})
-        if value is None:
-            keys.pop(key, None)
-        else:
-            keys[key] = value
-    return tree
 
 
 @cache
@@ -72,12 +54,6 @@ def solve(name: str, **changes: Any) -> fl.Result:
 def spur(**changes: Any) -> fl.Result:
     """The spur pair in three dimensions."""
     return solve(SPUR, effects__dimension=3, **changes)
-
-
-def deviation(one: Any, two: Any) -> float:
-    """Largest difference, relative to the largest value."""
-    one, two = np.asarray(one), np.asarray(two)
-    return float(np.abs(one - two).max() / np.abs(two).max())
 
 
 # --- another program ------------------------------------------------------------------------------
@@ -173,7 +149,6 @@ ONE_SIDED_MIRRORED = {
     "body_2__axial_offset_mm": -2.0,
     "pair__inclination_um_per_mm": -0.2,
 }
-OTHER_HANDS = {"body_1__hand": "left", "body_2__hand": "right"}
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,8 @@ from flankload.scene.table import Table
 TOGETHER: dict[str, tuple[dict[str, Any], ...]] = {
     "tip_relief_um": ({"{}.tip_relief_um": 7.0}, {"{}.tip_relief_um": 7.0, "{}.START": 0}),
     "pitch_errors_um": ({"{}.pitch_errors_um": [3.0]},),
+    "tooth_helix_slope_um": ({"{}.tooth_helix_slope_um": [3.0]},),
+    "web_width_mm": ({"{}.web_width_mm": 10.0, "{}.rim_thickness_mm": 8.0},),
     "friction_coefficient": ({"{}.friction_coefficient": 0.07},),
     "torque_Nm": ({"{}.torque_Nm": [100.0, 200.0]},),
     "angles_deg": ({"positions": {"angles_deg": [0.0, 3.0]}},),
@@ -85,9 +87,10 @@ def _filled(changes: dict[str, Any], name: str, table: Table) -> dict[str, Any]:
         inwards = -1.0 if hasattr(table, "outer_diameter_mm") else 1.0
         size = table.tip_diameter_mm - 0.4 * inwards * table.module_mm  # type: ignore[attr-defined]
         found[f"{name}.tip_relief_start_diameter_mm"] = size
-    if f"{name}.pitch_errors_um" in found:
-        rest = [0.0] * (getattr(table, "number_of_teeth", 24) - 1)
-        found[f"{name}.pitch_errors_um"] = [3.0, *rest]
+    for key in ("pitch_errors_um", "tooth_helix_slope_um"):
+        if f"{name}.{key}" in found:
+            rest = [0.0] * (getattr(table, "number_of_teeth", 24) - 1)
+            found[f"{name}.{key}"] = [3.0, *rest]
     return found
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from flankload.bodies.axial_shape import axial_shape
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
+from flankload.bodies.flank_surface import flank_surface
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -89,19 +90,21 @@ def build_body(
             return body
         _check_hand(body, spec, key)
         ends = axial_range(spec, pair_width_mm, key)
-        return replace(body, axial=axial_shape(spec, ends, spec.helix_radius_mm))
+        return _along_axis(body, spec, key, folder, ends, spec.helix_radius_mm)
     if isinstance(spec, Cam | Follower):
         fineness = DEFAULT_PARTS / flank_element_parts
         return _build_cam_or_follower(spec, key, folder, flank_element_mm, fineness)
     if flank_element_mm is None:
         flank_element_mm = flank_element_parts * spec.module_mm
         flank_element_mm *= SPLINE_PART if spec.conforms else 1.0
-    return _build_involute(spec, key, (flank_element_mm, flank_nodes_mm), pair_width_mm)
+    lengths = flank_element_mm, flank_nodes_mm
+    return _build_involute(spec, key, folder, lengths, pair_width_mm)
 
 
 def _build_involute(
     spec: Gear | Ring | SplineShaft | SplineHub,
     key: str,
+    folder: Path,
     lengths_mm: tuple[float, float | None],
     pair_width_mm: float | None,
 ) -> Body:
@@ -122,7 +125,20 @@ def _build_involute(
         regions=tuple(name for name, _ in spec.regions_of(ends)),
     )
     assert body.involute is not None
-    return replace(body, axial=axial_shape(spec, ends, body.involute.reference_radius_mm))
+    return _along_axis(body, spec, key, folder, ends, body.involute.reference_radius_mm)
+
+
+def _along_axis(
+    body: Body,
+    spec: Gear | MeshBody,
+    key: str,
+    folder: Path,
+    ends: tuple[float, float],
+    radius_mm: float,
+) -> Body:
+    """The body with its shape along the axis; the helix angle is that at the radius."""
+    surface = flank_surface(spec, key, body, folder=folder, width_mm=ends[1] - ends[0])
+    return replace(body, axial=axial_shape(spec, ends, radius_mm, surface))
 
 
 def _build_imported(spec: ComplianceBody | MeshBody, key: str, folder: Path) -> Body:

@@ -1,8 +1,8 @@
-"""Shape of a body along its axis: width, twist of the helix, lead modifications."""
+"""Shape of a body along its axis: width, twist of the helix, metal removed from its flanks."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import tan
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from flankload.bodies.flank_surface import FlankSurface
     from flankload.scene.axial import AxialKeys
 
     Floats = NDArray[np.float64]
@@ -58,13 +59,18 @@ class LeadModifications:
             >= 0.
         """
         removed = self.crowning_mm * (2.0 * zeta - 1.0) ** 2
-        removed += self.slope_mm * zeta if self.slope_mm > 0 else -self.slope_mm * (1.0 - zeta)
+        removed += _sloped(self.slope_mm, zeta)
         for amount, length, from_end in zip(
             self.end_relief_mm, self.end_relief_length_mm, (zeta, 1.0 - zeta), strict=True
         ):
             rest = np.maximum(0.0, 1.0 - from_end * width_mm / length)
             removed += amount * rest**self.end_relief_power
         return removed
+
+
+def _sloped(slope_mm: float, zeta: Floats) -> Floats:
+    """Metal removed (n,) by a helix slope; none is ever added."""
+    return slope_mm * zeta if slope_mm > 0 else -slope_mm * (1.0 - zeta)
 
 
 @dataclass(frozen=True)
@@ -79,6 +85,11 @@ class AxialShape:
         Rotation of the transverse section per length along z, counter-clockwise: tan(beta)/r on
         the reference circle, positive for a right-hand helix.
     lead : LeadModifications
+        What is removed from all flanks, alike over their height.
+    tooth_slopes_mm : tuple of float
+        Empty, or a helix slope like that of `lead` for each tooth, in the order of pitch errors.
+    surface : FlankSurface or None
+        What varies over the height of the flanks.
     shaft : Shaft or None
         Shaft and bearings; None: the bore does not move.
     regions : tuple of (str, (float, float))
@@ -88,6 +99,8 @@ class AxialShape:
     range_mm: tuple[float, float]
     twist_rad_per_mm: float = 0.0
     lead: LeadModifications = LeadModifications()
+    tooth_slopes_mm: tuple[float, ...] = ()
+    surface: FlankSurface | None = None
     shaft: Shaft | None = None
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
 
@@ -97,8 +110,12 @@ class AxialShape:
         return self.range_mm[1] - self.range_mm[0]
 
     def without_lead(self) -> AxialShape:
-        """The section along the axis alone: no lead modifications and no shaft."""
-        return replace(self, lead=LeadModifications(), shaft=None)
+        """The section along the axis alone: no modified flanks and no shaft."""
+        return AxialShape(self.range_mm, self.twist_rad_per_mm, regions=self.regions)
+
+    def zeta(self, z_mm: Floats) -> Floats:
+        """Places along the face width of axial positions: 0 at smaller z, 1 at larger z."""
+        return (z_mm - self.range_mm[0]) / self.width_mm
 
     @property
     def symmetric(self) -> bool:
@@ -108,7 +125,12 @@ class AxialShape:
 
     def gap_mm(self, z_mm: Floats) -> Floats:
         """Metal removed by the lead modifications at axial positions (n,), mm."""
-        return self.lead.at((z_mm - self.range_mm[0]) / self.width_mm, self.width_mm)
+        return self.lead.at(self.zeta(z_mm), self.width_mm)
+
+    def tooth_gaps_mm(self, z_mm: Floats) -> Floats:
+        """Metal removed in addition from each tooth with a slope of its own (T, n), mm."""
+        zeta = self.zeta(z_mm)
+        return np.array([_sloped(slope, zeta) for slope in self.tooth_slopes_mm])
 
 
 def share_middle(extents_mm: Sequence[tuple[float, float]]) -> bool:
@@ -119,7 +141,10 @@ def share_middle(extents_mm: Sequence[tuple[float, float]]) -> bool:
 
 
 def axial_shape(
-    keys: AxialKeys, range_mm: tuple[float, float], reference_radius_mm: float
+    keys: AxialKeys,
+    range_mm: tuple[float, float],
+    reference_radius_mm: float,
+    surface: FlankSurface | None = None,
 ) -> AxialShape:
     """Shape along the axis from the keys of a body.
 
@@ -130,6 +155,8 @@ def axial_shape(
         Positions of both ends.
     reference_radius_mm : float
         Radius of the cylinder on which the helix angle is given.
+    surface : FlankSurface, optional
+        What varies over the height of the flanks.
 
     Returns
     -------
@@ -148,6 +175,8 @@ def axial_shape(
         range_mm,
         keys.hand_sign * tan(keys.helix_rad) / reference_radius_mm,
         lead,
+        tuple(slope / 1000.0 for slope in keys.tooth_helix_slope_um),
+        surface,
         None if keys.shaft is None else build_shaft(keys.shaft, 0.5 * (range_mm[0] + range_mm[1])),
         keys.regions_of(range_mm),
     )

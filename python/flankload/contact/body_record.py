@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload import _core
+from flankload.bodies.flank_surface import section_curves
 from flankload.errors import InputError
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
     from flankload.elasticity.compliance import BodyCompliance
+    from flankload.flank import FlankCurve
     from flankload.pairing.friction import Friction
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
@@ -37,6 +39,7 @@ PARTS = (
     "turned",
     "wedge_along",
     "shaft",
+    "sections",
 )
 #: Label of a curve end that is only a cut: nothing touches there first.
 CUT_END = 2
@@ -79,9 +82,10 @@ def body_records(
     common = _pair_parts(pairing, friction), ()
     width = face_width_mm if slices is None else 1.0
     own = [_of_width(compliance, width) for compliance in compliances]
+    sections = [_sections(body, slices, z) for z, body in enumerate(bodies)]
     one, two = (
         _packed(
-            _main_arguments(body, compliance, pairing, z, slices),
+            _main_arguments(body, compliance, pairing, z, slices, sections[z]),
             [
                 *_compliance_parts(compliance, _teeth(pairing, z)),
                 *(
@@ -91,6 +95,7 @@ def body_records(
                 ),
                 *common[z],
                 *(() if slices is None else _slice_parts(body, compliance, slices, z)),
+                *_section_parts(sections[z]),
             ],
         )
         for z, (body, compliance) in enumerate(zip(bodies, own, strict=True))
@@ -119,7 +124,12 @@ def _teeth(pairing: Pairing, z: int) -> NDArray[np.int64]:
 
 
 def _main_arguments(
-    body: Body, compliance: BodyCompliance, pairing: Pairing, z: int, slices: Slices | None
+    body: Body,
+    compliance: BodyCompliance,
+    pairing: Pairing,
+    z: int,
+    slices: Slices | None,
+    sections: list[FlankCurve],
 ) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
     """Arguments of `flankload_pack_body` up to the record."""
     angles, deviations = pairing.site_angles_rad[z], pairing.site_deviations_mm[z]
@@ -128,16 +138,16 @@ def _main_arguments(
         deviations = np.concatenate([deviations, np.zeros_like(deviations)])
     block = compliance.blocks_of_sites(_teeth(pairing, z), pairing.sites.size, body.teeth)
     if slices is not None:
+        deviations = deviations[:, np.newaxis] + slices.tooth_deviations(pairing.sites, z)
         angles, deviations = slices.site_angles(angles, z), slices.site_deviations(deviations, z)
         block = slices.site_blocks(block)
-    curve, corners = body.curve, body.curve.corners.astype(np.intc)
+    curve = sections[0] if sections else _active(body, body.curve)
+    corners = curve.corners.astype(np.intc)
     if body.active_range_mm is not None:
-        curve = curve.cut(*body.active_range_mm)
-        corners = curve.corners.astype(np.intc)
         corners[[0, -1]] = CUT_END
     return (
         curve.breaks,
-        np.asfortranarray(curve.coefficients.transpose(2, 1, 0)),
+        _powers_first(curve),
         corners,
         angles,
         deviations,
@@ -146,6 +156,24 @@ def _main_arguments(
         np.asfortranarray(compliance.all_blocks()[0].transpose(1, 2, 0)),
         np.asfortranarray(block + 1, dtype=np.intc),
     )
+
+
+def _sections(body: Body, slices: Slices | None, z: int) -> list[FlankCurve]:
+    """Flanks of body z in all slices, if these differ; else empty."""
+    removed = None if slices is None else slices.surfaces_mm[z]
+    if removed is None:
+        return []
+    return [_active(body, curve) for curve in section_curves(body, removed)]
+
+
+def _active(body: Body, curve: FlankCurve) -> FlankCurve:
+    """The part of a flank that may touch."""
+    return curve if body.active_range_mm is None else curve.cut(*body.active_range_mm)
+
+
+def _powers_first(curve: FlankCurve) -> NDArray[np.float64]:
+    """Coefficients in the order of the core: (power, x or y, interval)."""
+    return np.asfortranarray(curve.coefficients.transpose(2, 1, 0))
 
 
 def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> list[Part]:
@@ -178,6 +206,14 @@ def _slice_parts(body: Body, compliance: BodyCompliance, slices: Slices, z: int)
         return parts
     numbers = [axial.count, *axial.range_mm, axial.twist, *axial.end]
     return [("axial", np.array(numbers, dtype=float)), *parts]
+
+
+def _section_parts(sections: list[FlankCurve]) -> list[Part]:
+    """The flank of each slice, if they differ."""
+    if not sections:
+        return []
+    coefficients = [_powers_first(curve).ravel(order="F") for curve in sections]
+    return [("sections", np.concatenate(coefficients))]
 
 
 def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:

@@ -218,6 +218,27 @@ def _hermite(piece: CurvePiece, ends: Floats, lengths: Floats) -> Floats:
     along = (second * tangent).sum(axis=1, keepdims=True)
     bent = (second - along * tangent) / speed**2
     (p0, p1), (t0, t1), (k0, k1) = (np.split(at, 2) for at in (point, sign * tangent, bent))
+    return hermite_quintics((p0, t0, k0), (p1, t1, k1), lengths)
+
+
+def hermite_quintics(
+    near: tuple[Floats, Floats, Floats], far: tuple[Floats, Floats, Floats], lengths: Floats
+) -> Floats:
+    """Quintics through points with given derivatives at both ends of intervals.
+
+    Parameters
+    ----------
+    near, far : three (m, 2) arrays
+        Points and their first two derivatives at the beginning and at the end.
+    lengths : (m,) array
+        Lengths of the intervals.
+
+    Returns
+    -------
+    (m, 2, 6) array
+        Coefficients of ascending powers.
+    """
+    (p0, t0, k0), (p1, t1, k1) = near, far
     h = lengths[:, None]
     # remainders at the far end of the Taylor polynomial about the near end
     place = (p1 - p0 - h * (t0 + 0.5 * h * k0)) / h**3

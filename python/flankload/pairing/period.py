@@ -61,13 +61,15 @@ def period_of(body_1: Body, body_2: Body, *, by_tooth: tuple[float, ...] = ()) -
 
 def _teeth_until_alike(body: Body, by_tooth: tuple[float, ...] = ()) -> int:
     """Teeth after which the flanks' places, and another property, repeat around a body."""
-    places = np.zeros((3, body.teeth))
+    places = np.zeros((4, body.teeth))
     if by_tooth:
         places[2] = by_tooth
     if body.pitch_errors_um:
         places[0] = body.pitch_errors_um
     if body.flank_turns_rad:
         places[1] = body.flank_turns_rad
+    if body.axial is not None and body.axial.tooth_slopes_mm:
+        places[3] = body.axial.tooth_slopes_mm
     return next(
         group
         for group in range(1, body.teeth + 1)

@@ -39,11 +39,17 @@ class Slices:
         Angle of each body's section in each slice relative to that at z = 0.
     removed_mm : two (J,) arrays
         Metal removed from the flanks of each body, along the base tangent, mean over each slice.
+    of_teeth_mm : two (T, J) arrays or None
+        The same in addition for each tooth, in the order of pitch errors; None if all are alike.
+    surfaces_mm : two (J, m) arrays or None
+        The same at the places of a surface over the height of the flanks; None without.
     """
 
     edges_mm: Floats
     turns_rad: tuple[Floats, Floats]
     removed_mm: tuple[Floats, Floats]
+    of_teeth_mm: tuple[Floats | None, Floats | None] = (None, None)
+    surfaces_mm: tuple[Floats | None, Floats | None] = (None, None)
 
     @property
     def count(self) -> int:
@@ -67,20 +73,39 @@ class Slices:
         first = np.arange(0, self.count - self.count % 2, 2)
         sums = np.add.reduceat(self.width_mm, first)
         weight = self.width_mm / np.repeat(sums, np.diff(np.append(first, self.count)))
-        joined = [
-            tuple(np.add.reduceat(weight * values, first) for values in parts)
-            for parts in (self.turns_rad, self.removed_mm)
-        ]
-        edges = np.append(self.edges_mm[first], self.edges_mm[-1])
-        return Slices(edges, (joined[0][0], joined[0][1]), (joined[1][0], joined[1][1]))
+
+        def joined(values: Floats) -> Floats:
+            return np.asarray(np.add.reduceat(weight * values, first, axis=-1))
+
+        def each(parts: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+            return joined(parts[0]), joined(parts[1])
+
+        one, two = (None if part is None else joined(part) for part in self.of_teeth_mm)
+        three, four = (None if part is None else joined(part.T).T for part in self.surfaces_mm)
+        return Slices(
+            edges_mm=np.append(self.edges_mm[first], self.edges_mm[-1]),
+            turns_rad=each(self.turns_rad),
+            removed_mm=each(self.removed_mm),
+            of_teeth_mm=(one, two),
+            surfaces_mm=(three, four),
+        )
 
     def site_angles(self, angles_rad: Floats, body: int) -> Floats:
         """Angles (S * J,) of the teeth (S,) of a body in all slices, slice by slice per site."""
         return np.asarray(np.add.outer(angles_rad, self.turns_rad[body]).ravel())
 
     def site_deviations(self, deviations_mm: Floats, body: int) -> Floats:
-        """Metal that touches early (S * J,) from that of the sites (S,), mm."""
-        return np.asarray(np.subtract.outer(deviations_mm, self.removed_mm[body]).ravel())
+        """Metal that touches early (S * J,) from that of the sites (S,) or (S, J), mm."""
+        each = deviations_mm.reshape(len(deviations_mm), -1)
+        return np.asarray((each - self.removed_mm[body]).ravel())
+
+    def tooth_deviations(self, sites: NDArray[np.int64], body: int) -> Floats:
+        """Metal that touches early on the teeth of a body at sites (S,): (S, 1) or (S, J), mm."""
+        removed = self.of_teeth_mm[body]
+        if removed is None:
+            return np.zeros((sites.size, 1))
+        # the tooth after pair 0 meets as pair -1
+        return np.asarray(-removed[-sites % len(removed)])
 
     def site_blocks(self, block: NDArray[np.int64]) -> NDArray[np.int64]:
         """Blocks (S * J, S * J) of a compliance for all slices from those of the sites (S, S)."""
@@ -111,6 +136,16 @@ def slices_of(
     z, half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
     places, weights = leggauss(GAP_POINTS)
     inside = z[:, np.newaxis] + np.outer(half, places)
+
+    def of_teeth(shape: AxialShape) -> Floats | None:
+        return shape.tooth_gaps_mm(inside) @ weights / 2.0 if shape.tooth_slopes_mm else None
+
+    def surface(shape: AxialShape) -> Floats | None:
+        if shape.surface is None:
+            return None
+        removed = shape.surface.at(shape.zeta(inside.ravel()), shape.width_mm)
+        return np.einsum("jkm,k->jm", removed.reshape(*inside.shape, -1), weights / 2.0)
+
     return Slices(
         edges_mm=ends,
         turns_rad=(one.twist_rad_per_mm * z, two.twist_rad_per_mm * z),
@@ -118,6 +153,8 @@ def slices_of(
             one.gap_mm(inside) @ weights / 2.0,
             two.gap_mm(inside) @ weights / 2.0 + misalignment_per_mm * z,
         ),
+        of_teeth_mm=(of_teeth(one), of_teeth(two)),
+        surfaces_mm=(surface(one), surface(two)),
     )
 
 

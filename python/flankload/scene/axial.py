@@ -9,11 +9,13 @@ from msgspec import Meta
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.shaft import Shaft
 from flankload.scene.table import (
+    USUAL_ERRORS,
     USUAL_MODIFICATION,
     Deviation,
     Length,
     Relief,
     Table,
+    Text,
     about,
 )
 
@@ -44,7 +46,14 @@ PLANE_EFFECTS = {
     "coast_flank": "slices on working flanks only",
 }
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
-LEAD_KEYS = ("lead_crowning_um", "helix_slope_um", "end_relief_um")
+LEAD_KEYS = (
+    "lead_crowning_um",
+    "helix_slope_um",
+    "tooth_helix_slope_um",
+    "end_relief_um",
+    "profile_twist_um",
+    "topography_file",
+)
 #: Keys that give regions of a body widths of their own and hence require three dimensions.
 REGION_KEYS = ("web_width_mm", "hub_width_mm", "region_sets")
 BothEnds = Annotated[tuple[Relief, ...], Meta(min_length=2, max_length=2)]
@@ -96,6 +105,33 @@ HelixSlope = Annotated[
         usual=USUAL_MODIFICATION,
     ),
 ]
+ToothHelixSlopes = Annotated[
+    tuple[Deviation, ...],
+    about(
+        "um",
+        "one helix slope per tooth, with the sign of helix_slope_um, which is added; in the order "
+        "of pitch_errors_um: that in which the teeth come into contact, from the tooth of pair 0",
+        usual=USUAL_ERRORS,
+    ),
+]
+ProfileTwist = Annotated[
+    Deviation | None,
+    about(
+        "um",
+        "twist of the flank: half of a positive amount is removed at the root at the end of "
+        "smaller z and at the tip at the end of larger z, half is added at the two other corners; "
+        "bilinear over the arc length of the active flank and the face width",
+        usual=USUAL_MODIFICATION,
+    ),
+]
+TopographyFile = Annotated[
+    Text | None,
+    about(
+        "",
+        ".csv file with the metal removed in um, relative to the folder of the scene file: first "
+        "row = distances from the end of smaller z in mm, first column = diameters in mm",
+    ),
+]
 EndRelief = Annotated[
     BothEnds | None,
     about("um", "end relief at the ends of smaller and of larger z", usual=USUAL_MODIFICATION),
@@ -130,10 +166,16 @@ class AxialKeys:
         axial_offset_mm: AxialOffset
         lead_crowning_um: LeadCrowning
         helix_slope_um: HelixSlope
+        tooth_helix_slope_um: ToothHelixSlopes
+        profile_twist_um: ProfileTwist
+        topography_file: TopographyFile
         end_relief_um: EndRelief
         end_relief_length_mm: EndReliefLength
         end_relief_shape: EndReliefShape
         shaft: OnShaft
+
+        @property
+        def number_of_teeth(self) -> int: ...
 
     @property
     def helix_rad(self) -> float:
@@ -172,7 +214,7 @@ class AxialKeys:
         """Refuse what this version has in plane scenes only."""
 
     def check_axial(self, given: Mapping[str, Any], key: str) -> None:
-        """Check that a helix has a hand, an end relief has lengths and a shaft is held.
+        """Check that a helix has a hand, an end relief lengths, all teeth a slope, a shaft a hold.
 
         Raises
         ------
@@ -188,6 +230,13 @@ class AxialKeys:
             )
         if self.hand is not None and not self.helix_angle_deg:
             refuse(f"{key}.hand", f"nothing, unless {key}.helix_angle_deg is > 0", shown(self.hand))
+        slopes = self.tooth_helix_slope_um
+        if slopes and len(slopes) != self.number_of_teeth:
+            refuse(
+                f"{key}.tooth_helix_slope_um",
+                f"one entry per tooth: {self.number_of_teeth}, as in {key}.teeth",
+                f"{len(slopes)} entries",
+            )
         if (self.end_relief_um is None) != (self.end_relief_length_mm is None):
             there, missing = "end_relief_um", "end_relief_length_mm"
             if self.end_relief_um is None:

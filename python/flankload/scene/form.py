@@ -29,7 +29,7 @@ NOT_YET = {
         "hand": "helical gears",
         "axial_offset_mm": "axially displaced bodies",
         "face_width_mm": "bodies of different face widths",
-        **dict.fromkeys(("lead_", "helix_slope_", "end_relief_"), LEAD),
+        **dict.fromkeys(("lead_", "helix_slope_", "tooth_helix_slope_", "end_relief_"), LEAD),
         "profile_twist_": "profile twist, which varies with height and width of the flank",
         "topography_": "measured topographies",
         "shaft": "shafts of these bodies",

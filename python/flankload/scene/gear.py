@@ -19,6 +19,9 @@ from flankload.scene.axial import (
     LeadCrowning,
     OnShaft,
     OwnWidth,
+    ProfileTwist,
+    ToothHelixSlopes,
+    TopographyFile,
 )
 from flankload.scene.refusal import refuse
 from flankload.scene.regions import (
@@ -149,9 +152,12 @@ class Gear(RegionKeys, AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True
     axial_offset_mm: AxialOffset = 0.0
     lead_crowning_um: LeadCrowning = None
     helix_slope_um: HelixSlope = None
+    tooth_helix_slope_um: ToothHelixSlopes = ()
     end_relief_um: EndRelief = None
     end_relief_length_mm: EndReliefLength = None
     end_relief_shape: EndReliefShape = "linear"
+    profile_twist_um: ProfileTwist = None
+    topography_file: TopographyFile = None
     shaft: OnShaft = None
     web_width_mm: WebWidth = None
     web_outer_diameter_mm: WebOuterDiameter = None

@@ -19,6 +19,9 @@ from flankload.scene.axial import (
     MeshHelixAngle,
     OnShaft,
     OwnWidth,
+    ProfileTwist,
+    ToothHelixSlopes,
+    TopographyFile,
 )
 from flankload.scene.gear import Geometry, check_pitch_errors, check_tip
 from flankload.scene.refusal import refuse, shown
@@ -101,9 +104,12 @@ class MeshBody(MeshRegionKeys, AxialKeys, BodyTable, frozen=True, kw_only=True, 
     axial_offset_mm: AxialOffset = 0.0
     lead_crowning_um: LeadCrowning = None
     helix_slope_um: HelixSlope = None
+    tooth_helix_slope_um: ToothHelixSlopes = ()
     end_relief_um: EndRelief = None
     end_relief_length_mm: EndReliefLength = None
     end_relief_shape: EndReliefShape = "linear"
+    profile_twist_um: ProfileTwist = None
+    topography_file: TopographyFile = None
     shaft: OnShaft = None
     region_sets: RegionSets = None
     region_widths_mm: RegionWidths = None

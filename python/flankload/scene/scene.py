@@ -78,7 +78,7 @@ class Scene:
         named = {
             f"{name}.{key}": getattr(body, key, None)
             for name, body in (("body_1", self.body_1), ("body_2", self.body_2))
-            for key in ("file", "profile_file")
+            for key in ("file", "profile_file", "topography_file")
         }
         return {key: self.folder / file for key, file in named.items() if file is not None}
 

@@ -34,9 +34,13 @@ RIGID = {"kernel": 0.0}
 SHAFT = np.append(np.diag([1e-6, 2e-6, 0.0, 1e-9, 1e-9, 0.0]).ravel(), 0.5)
 
 
+#: Flank of one of two cylinders.
+CURVE = arc((36.0, -20.0), 20.0, np.pi / 2 + 0.3, np.pi / 2 - 0.3)
+
+
 def main_arguments(**changes: Any) -> list[Any]:
     """Arguments of `flankload_pack_body` up to the record: one of two cylinders, two sites."""
-    curve = arc((36.0, -20.0), 20.0, np.pi / 2 + 0.3, np.pi / 2 - 0.3)
+    curve = CURVE
     arguments: dict[str, Any] = {
         "breaks": curve.breaks,
         "coefficients": np.asfortranarray(curve.coefficients.transpose(2, 1, 0)),
@@ -105,6 +109,7 @@ def test_a_record_holds_what_was_packed() -> None:
         "slices": np.array([-1.0, 0.0, 1.0]),
         "turned": np.arange(MODES * BLOCKS, dtype=float),
         "wedge_along": np.array([0.0, -0.5]),
+        "sections": np.concatenate([CURVE.coefficients.ravel(), CURVE.coefficients.ravel()]),
     }
     assert set(parts) == set(PARTS)
     record = record_of(*parts.items())
@@ -239,6 +244,8 @@ def test_refused_sizes_of_a_body(argument: int, place: int, size: int) -> None:
         (3, "slices", [0.0, 1.0, 1.0]),
         (3, "slices", [0.0, 1.0, 2.0, 3.0]),
         (3, "slices", [0.0, NAN]),
+        (2, "sections", np.zeros(CURVE.coefficients.size + 1)),
+        (3, "sections", np.full(CURVE.coefficients.size, NAN)),
     ],
 )
 def test_refused_parts(argument: int, name: str, values: Any) -> None:
@@ -287,6 +294,24 @@ def test_a_sweep_of_records() -> None:
     info, turned = sweep_info(record_of(("shift", moved)), record_of())
     assert info == 0
     np.testing.assert_allclose(rotation - turned, shifted / 36.0, rtol=0.02)
+
+
+@pytest.mark.parametrize("z", [1, 2])
+def test_sections_are_in_place_of_the_flank(z: int) -> None:
+    """One of them is the flank; so many need as many slices."""
+    nearer = CURVE.coefficients.transpose(2, 1, 0).copy()
+    nearer[0, 1] += 0.01
+    coefficients = np.asfortranarray(nearer)
+    section = ("sections", coefficients.ravel(order="F"))
+    records = [record_of(section), record_of()][:: 1 if z == 1 else -1]
+    info, found = sweep_info(*records)
+    assert info == 0
+    records[z - 1] = record_of(coefficients=coefficients)
+    # circles meet sections to rounding, other flanks to one step along their tangent
+    np.testing.assert_allclose(found, sweep_info(*records)[1], rtol=SOLVER)
+    assert not np.array_equal(found, sweep_info(record_of(), record_of())[1])
+    records[z - 1] = record_of(("sections", np.tile(section[1], 2)))
+    assert sweep_info(*records)[0] == (-8 if z == 1 else -10)
 
 
 NO_TANGENTIAL = ("tangential", np.zeros(MODES * BLOCKS))

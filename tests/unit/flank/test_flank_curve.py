@@ -11,6 +11,7 @@ from flankload.flank import (
     curve_through_nodes,
     fit_flank_curve,
     nodes_deviation,
+    turned_along,
 )
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
@@ -181,3 +182,31 @@ def test_bad_nodes_are_refused() -> None:
     twin[3] = twin[2]
     with pytest.raises(ValueError, match="two that coincide"):
         curve_through_nodes(twin)
+
+
+def test_a_curve_turned_by_a_varying_angle(top: FlankCurve) -> None:
+    """Each point turns about the origin by the angle at its place; derivatives follow."""
+
+    def turn(s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return 1e-3 * s**2, 2e-3 * s, np.full_like(s, 2e-3)
+
+    knots = np.array([top.breaks[1] + 1e-9, 0.77, top.length_mm + 1.0])
+    turned = turned_along(top, turn, knots)
+    assert 0.77 in turned.breaks
+    assert turned.breaks.size == top.breaks.size + 1
+    s = np.linspace(0.0, top.length_mm, 97)
+    one, two = (curve.point(s) @ [1.0, 1.0j] for curve in (top, turned))
+    np.testing.assert_allclose(two, one * np.exp(1e-3j * s**2), rtol=0.0, atol=1e-8)
+    flat = turned_along(top, lambda s: (0 * s, 0 * s, 0 * s), knots)
+    np.testing.assert_allclose(flat.point(s), top.point(s), rtol=0.0, atol=1e-13)
+
+
+def test_corners_and_labels_of_a_turned_curve_stay() -> None:
+    first = arc((0.0, 5.0), 3.0, 1.7, 1.0)._replace(label="fillet")
+    second = arc((0.0, 5.0), 3.0, 1.0, 0.3, corner_before=True)
+    curve = fit_flank_curve([first, second], corner_at_end=True)
+    middle = curve.range_of("flank")[0]
+    knots = np.array([0.1, middle, middle + 0.2])
+    turned = turned_along(curve, lambda s: (0 * s, 0 * s, 0 * s), knots)
+    assert turned.range_of("flank") == curve.range_of("flank")
+    np.testing.assert_array_equal(turned.breaks[turned.corners], curve.breaks[curve.corners])

@@ -45,7 +45,15 @@ OF_BODY = (
     *("bore_diameter_mm", "root_diameter_mm", "outer_diameter_mm", "root_fillet_radius_mm"),
     *("young_modulus_MPa", "poisson_ratio", "rigid", "helix_angle_deg", "face_width_mm"),
     *("axial_offset_mm", "arm_mm", "arm_width_mm", "roller_radius_mm", "profile", "hand"),
-    *("flat_offset_mm", "flat_start_mm", "flat_end_mm", "reference_radius_mm"),
+    *(
+        "web_width_mm",
+        "web_offset_mm",
+        "hub_width_mm",
+        "flat_offset_mm",
+        "flat_start_mm",
+        "flat_end_mm",
+        "reference_radius_mm",
+    ),
 )
 OF_BOTH = (
     *("accuracy.plane", "accuracy.flank_element_mm", "accuracy.modes", "accuracy.estimate"),
@@ -61,7 +69,7 @@ TIMED = ("accuracy.tolerance", "effects.choose")
 WALKED = {
     "external_gear": r"body_1|pair|load|positions|effects|accuracy|body_2\.(bore|tip_relief|pitch)",
     "helical_gear": (
-        r"body_1\.(tip_relief|profile|lead|helix|end|shaft|face|axial|pitch)|pair|load"
+        r"body_1\.(tip_relief|profile|lead|helix|tooth|end|shaft|face|axial|pitch|web)|pair|load"
         r"|body_2\.(lead|shaft|tip_relief)|accuracy\.(slices|axial|load)"
     ),
     "internal_gear": r"body_2|pair\.c",
@@ -71,7 +79,10 @@ WALKED = {
     "external_gear_compliance": r"body|load",
 }
 #: Keys that make a plane scene three-dimensional if no other key does.
-MAKE_3D = ("lead_crowning_um", "helix_slope_um", "end_relief_um", "_um_per_mm", "shaft")
+MAKE_3D = (
+    *("lead_crowning_um", "helix_slope_um", "end_relief_um", "_um_per_mm", "shaft"),
+    *("profile_twist_um", "topography", "web_", "hub_", "rim_", "region_"),
+)
 
 
 @cache
@@ -147,7 +158,7 @@ def test_every_key_gives_the_bits_of_a_single_run_and_only_some_reach_elements(n
     assert len(walked) > (50 if name == "external_gear" else 3)
     if name == "external_gear":
         missing = {f"body_1.{key}" for key in fl.Scene.from_dict(SCENE).body_1.__struct_fields__}
-        of_three = ("axial", "helix", "hand", "end_relief", "lead", "shaft", "dimension")
+        of_three = ("axial", "hand", "helix", "end_relief", *MAKE_3D)
         left = {p for p in missing - tried if not any(word in p for word in of_three)}
         assert {p.rpartition(".")[2] for p in left} <= {*BESIDE, "tip_relief_shape"}
 

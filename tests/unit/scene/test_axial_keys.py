@@ -32,6 +32,12 @@ HUB = {"hub_width_mm": 20, "hub_diameter_mm": 38}
             {"body_1__end_relief_um": [0, 5], "body_1__end_relief_length_mm": [2, 2]},
             "body_1.end_relief_um",
         ),
+        ({"body_1__profile_twist_um": -5}, "body_1.profile_twist_um"),
+        ({"body_2__topography_file": "flank.csv"}, "body_2.topography_file"),
+        (
+            {"body_1__tooth_helix_slope_um": [0.0] * 15 + [-1.0]},
+            "body_1.tooth_helix_slope_um",
+        ),
         ({"body_1__face_width_mm": 15}, "body_1.face_width_mm"),
         ({"body_1__axial_offset_mm": 1}, "body_1.axial_offset_mm"),
         ({f"body_1__{key}": value for key, value in WEB.items()}, "body_1.web_width_mm"),
@@ -57,6 +63,7 @@ def test_a_key_along_the_axis_requires_three_dimensions(
         {"body_1__helix_angle_deg": 0, "body_1__lead_crowning_um": 0, "body_2__helix_slope_um": 0},
         {"body_1__face_width_mm": 14, "body_2__face_width_mm": 14},
         {"body_1__end_relief_um": [0, 0], "body_1__end_relief_length_mm": [2, 2]},
+        {"body_1__profile_twist_um": 0, "body_2__tooth_helix_slope_um": [0.0] * 16},
     ],
 )
 def test_a_scene_without_variation_along_the_axis_is_plane(changes: dict[str, Any]) -> None:
@@ -132,6 +139,42 @@ CROWNED = {"body_1__lead_crowning_um": 5}
             "body_1.end_relief_length_mm[1]",
             "at most the face width of the body, 14",
             "15.0",
+        ),
+        (
+            {"body_1__tooth_helix_slope_um": [1, 2]},
+            "body_1.tooth_helix_slope_um",
+            "one entry per tooth: 16, as in body_1.teeth",
+            "2 entries",
+        ),
+        (
+            {"body_2": SECTOR | {"tooth_helix_slope_um": [1, 2]}},
+            "body_2.tooth_helix_slope_um",
+            "one entry per tooth: 24, as in body_2.teeth",
+            "2 entries",
+        ),
+        (
+            {"body_1__tooth_helix_slope_um": [[1.0]] * 16},
+            "body_1.tooth_helix_slope_um[0]",
+            "a number from -1e+06 to 1e+06",
+            "[1.0]",
+        ),
+        (
+            {"body_1__profile_twist_um": "much"},
+            "body_1.profile_twist_um",
+            "a number from -1e+06 to 1e+06",
+            "'much'",
+        ),
+        (
+            {"body_1__topography_file": ""},
+            "body_1.topography_file",
+            "a non-empty string",
+            "''",
+        ),
+        (
+            {"body_1__topography_file": "flank.csv", "effects__dimension": 2},
+            "effects.dimension",
+            "3 or nothing, since there is a body_1.topography_file",
+            "2",
         ),
         (
             {**CROWNED, "effects__dimension": 2},

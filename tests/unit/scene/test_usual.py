@@ -145,7 +145,15 @@ def test_check_prints_questions(
     assert f"{key} = {float(value)}, did you mean {meant}? (usual: " in said
 
 
-@pytest.mark.parametrize("key", ["lead_crowning_um", "lead_slope_um", "helix_slope_um"])
+@pytest.mark.parametrize(
+    "key",
+    [
+        "lead_crowning_um",
+        "lead_slope_um",
+        "helix_slope_um",
+        "tooth_helix_slope_um",
+    ],
+)
 def test_lead_modifications_of_a_ring_suggest_no_profile_crowning(key: str) -> None:
     with pytest.raises(fl.SceneError) as caught:
         fl.Scene.from_dict(changed(body_2={**RING, key: 5}))

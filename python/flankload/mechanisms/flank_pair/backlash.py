@@ -67,11 +67,15 @@ def key_of_backlash(scene: Scene) -> str:
     for key, body in (("body_1", scene.body_1), ("body_2", scene.body_2)):
         if any(error > 0.0 for error in body.pitch_errors_um):
             return f"{key}.pitch_errors_um"
+    for key, body in (("body_1", scene.body_1), ("body_2", scene.body_2)):
+        for name in ("topography_file", "profile_twist_um"):
+            if getattr(body, name, None):
+                return f"{key}.{name}"
     return "pair.center_offset_mm" if scene.pair.center_offset_mm else "pair.center_distance_mm"
 
 
 def _may_close(pair: BodyPair) -> bool:
-    """Whether anything can remove more than the backlash; modified flanks never reduce it."""
+    """Whether anything can remove more than the backlash; keys that only remove metal never do."""
     if pair.effects.coast_flanks:
         return False
     bodies, mesh, fit = (pair.body_1, pair.body_2), pair.pairing.mesh, pair.pairing.fit
@@ -84,5 +88,7 @@ def _may_close(pair: BodyPair) -> bool:
         room = mesh.backlash_mm * cos(mesh.pressure_angle_rad)
     elif fit is not None:
         room = fit.normal_backlash_mm - 2.0 * fit.offset_mm
-    errors_um = sum(max((0.0, *body.pitch_errors_um)) for body in bodies)
-    return room <= errors_um / 1000.0
+    added_mm = sum(max((0.0, *body.pitch_errors_um)) for body in bodies) / 1000.0
+    surfaces = [body.axial.surface for body in bodies if body.axial is not None]
+    added_mm += sum(surface.most_added_mm for surface in surfaces if surface is not None)
+    return room <= added_mm

@@ -1,0 +1,76 @@
+"""A flank whose points are turned about the axis of the body, by an angle that varies along it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.flank.curve import FlankCurve
+from flankload.flank.fit import hermite_quintics
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    #: Angles at places and their first two derivatives.
+    Turn = Callable[[Floats], tuple[Floats, Floats, Floats]]
+
+#: Places nearer to a break than this part of the curve's length are not breaks of their own.
+SAME_BREAK = 1e-6
+
+
+def turned_along(curve: FlankCurve, turn: Turn, knots: Floats) -> FlankCurve:
+    """A curve whose point at s is turned about the origin by an angle that depends on s.
+
+    Points keep their distance from the origin and their s, which is therefore not exactly the arc
+    length of the new curve: it differs by the turn's small part of it.
+
+    Parameters
+    ----------
+    curve : FlankCurve
+    turn : callable
+        Angle in rad, counter-clockwise, and its first two derivatives by s, at places (m,).
+    knots : (k,) array
+        Places at which a higher derivative of the angle jumps; they become breaks.
+
+    Returns
+    -------
+    FlankCurve
+    """
+    inside = knots[(knots > curve.breaks[0]) & (knots < curve.breaks[-1])]
+    apart = np.abs(inside[:, None] - curve.breaks).min(axis=1, initial=np.inf)
+    breaks = np.union1d(curve.breaks, inside[apart > SAME_BREAK * curve.length_mm])
+    of = np.searchsorted(curve.breaks, 0.5 * (breaks[1:] + breaks[:-1])) - 1
+    corners = np.zeros(breaks.size, dtype=bool)
+    corners[np.searchsorted(breaks, curve.breaks)] = curve.corners
+    near, far = (_turned_ends(curve, of, ends, turn) for ends in (breaks[:-1], breaks[1:]))
+    return FlankCurve(
+        breaks=breaks,
+        coefficients=hermite_quintics(near, far, np.diff(breaks)),
+        labels=tuple(curve.labels[k] for k in of),
+        corners=corners,
+    )
+
+
+def _turned_ends(
+    curve: FlankCurve, of: NDArray[np.int64], s: Floats, turn: Turn
+) -> tuple[Floats, Floats, Floats]:
+    """Turned points (n, 2) of given intervals and their first two derivatives."""
+    x = (s - curve.breaks[of])[:, None] ** np.arange(curve.coefficients.shape[2])
+    c = curve.coefficients[of, 0] + 1j * curve.coefficients[of, 1]
+    powers = np.arange(1, c.shape[1])
+    c_1 = c[:, 1:] * powers
+    c_2 = c_1[:, 1:] * powers[:-1]
+    point = (c * x).sum(axis=1)
+    first, second = (c_1 * x[:, :-1]).sum(axis=1), (c_2 * x[:, :-2]).sum(axis=1)
+    angle, rate, change = turn(s)
+    phase = np.exp(1j * angle)
+    turned = (
+        point * phase,
+        (first + 1j * rate * point) * phase,
+        (second + 2j * rate * first + (1j * change - rate**2) * point) * phase,
+    )
+    one, two, three = (np.stack([part.real, part.imag], axis=1) for part in turned)
+    return one, two, three

@@ -1,0 +1,43 @@
+"""Small three-dimensional scenes from the examples, and how far their results differ."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tests.support.gear_scenes import example
+
+#: Bodies of coarse elements, for properties that do not depend on these.
+SMALL: dict[str, Any] = {
+    "accuracy__flank_element_mm": 3.0,
+    "accuracy__modes": 3,
+    "accuracy__axial_degree": 6,
+    "accuracy__load_degree_z": 2,
+    "accuracy__slices": 8,
+    "positions__count": 4,
+}
+HELICAL = "helical_gear"
+OTHER_HANDS = {"body_1__hand": "left", "body_2__hand": "right"}
+#: Sums over slices of thousands of N, after rounding of the scene's numbers.
+MIRRORED = 1e-10
+
+
+def tree_of(name: str, changes: dict[str, Any]) -> dict[str, Any]:
+    """An example without estimate, with keys changed; None removes a key."""
+    tree = example(name)
+    tree.setdefault("accuracy", {})["estimate"] = False
+    for path, value in changes.items():
+        table, _, key = path.partition("__")
+        keys = tree.setdefault(table, {})
+        if value is None:
+            keys.pop(key, None)
+        else:
+            keys[key] = value
+    return tree
+
+
+def deviation(one: Any, two: Any) -> float:
+    """Largest difference, relative to the largest value."""
+    one, two = np.asarray(one), np.asarray(two)
+    return float(np.abs(one - two).max() / np.abs(two).max())
