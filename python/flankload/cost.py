@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 COUNTERS = {
     "fe_factorisations": "factorisation of the stiffness of a body",
     "fe_solutions": "solution with such a factor, whatever for",
+    "fe_unknowns": "unknown of the elements of a three-dimensional body",
     "unit_loads_normal": "load case of pressure on a flank",
     "unit_loads_tangential": "load case along a flank",
     "unit_loads_nodal": "load case of those of a flank that is a force at a node",
@@ -32,6 +33,7 @@ COUNTERS = {
     "cut_columns": "solution for an unknown of the cuts of a sector",
     "stress_recoveries": "solution for a place of stress in a root fillet",
     "states": "position under a torque",
+    "slices": "slice of the face width of a position under a torque",
     "lumped_solutions": "contact problem with one unknown for each place of contact",
     "contact_passes": "contact problem with pairs",
     "finite_solutions": "contact problem with influence numbers of the forces of another",

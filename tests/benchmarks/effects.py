@@ -41,6 +41,19 @@ ON: dict[str, dict[str, Any]] = {
         if row.on and not row.is_asked(PLAIN)
     },
     "three_dimensions": {"effects": {"dimension": 3}},
+    "lead_modifications": {"body_1": {"lead_crowning_um": 5.0}},
+    "misalignment": {"pair": {"deviation_um_per_mm": 0.5}},
+    "shafts": {
+        "body_1": {
+            "shaft": {
+                "diameters_mm": [30.0],
+                "lengths_mm": [100.0],
+                "gear_position_mm": 40.0,
+                "bearing_positions_mm": [0.0, 100.0],
+                "radial_stiffness_N_per_um": [200.0, 200.0],
+            }
+        }
+    },
     "flank_modifications": {"body_1": {"tip_radius_mm": 0.3}},
     "pitch_errors": {"body_1": {"pitch_errors_um": [0, 3] * 8}, "positions": {"pitches": 2}},
     "thermal_growth": {"effects": {"temperature_rise_K": 50.0, "support_expansion_per_K": 0.0}},

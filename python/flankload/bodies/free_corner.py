@@ -113,9 +113,15 @@ def corner_angles(body: Body) -> tuple[float, float]:
     if body.mesh is None or body.curve.closed:
         return SMOOTH, SMOOTH
     flank = body.mesh.flanks[0] if isinstance(body.mesh, WholeMesh) else body.mesh
-    low = angle_at(body.mesh, int(flank.flank_edges[0, 0]))
-    high = angle_at(body.mesh, int(flank.flank_edges[-1, 1]))
-    return low, high if _tip_is_sharp(body) else SMOOTH
+    return angle_at(body.mesh, int(flank.flank_edges[0, 0])), tip_angle(body)
+
+
+def tip_angle(body: Body) -> float:
+    """Interior angle of the metal at the high end of the modes of a body with elements, degrees."""
+    if body.mesh is None or body.curve.closed or not _tip_is_sharp(body):
+        return SMOOTH
+    flank = body.mesh.flanks[0] if isinstance(body.mesh, WholeMesh) else body.mesh
+    return angle_at(body.mesh, int(flank.flank_edges[-1, 1]))
 
 
 def _tip_is_sharp(body: Body) -> bool:

@@ -172,6 +172,9 @@ def _add_plan(commands: Any) -> None:
     parser.add_argument(
         "--levels", action="store_true", help="also try the model levels that are off"
     )
+    parser.add_argument(
+        "--dimension", action="store_true", help="also try three dimensions of a plane scene"
+    )
 
 
 def _add_mesh(commands: Any) -> None:

@@ -15,5 +15,5 @@ def plan(arguments: Namespace) -> None:
     scene = read_scene(arguments.scene)
     from flankload.studies.plan import plan as plan_of
 
-    found = plan_of(scene, levels=arguments.levels)
+    found = plan_of(scene, levels=arguments.levels, dimension=arguments.dimension)
     print(found.to_json() if arguments.json else found)

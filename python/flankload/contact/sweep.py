@@ -217,6 +217,8 @@ def sweep(
     raise_first_failure(
         found.status, positions, torques, found.certificate, rubs=friction is not None, holds=holds
     )
+    if slices is not None:
+        spent.count(slices=slices.count * positions.size * torques.size)
     found_of = (_sweep_of(found, pairing, t, float(torques[t])) for t in range(torques.size))
     return tuple(found_of if slices is None else (_summed(one, slices) for one in found_of))
 

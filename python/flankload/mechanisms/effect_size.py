@@ -20,20 +20,26 @@ TINY = float(np.finfo(float).tiny)
 
 @dataclass(frozen=True)
 class States:
-    """Curves of one torque at P positions on S sites."""
+    """Curves of one torque at P positions on S sites; K_Hbeta, which the plane does not have."""
 
     torque_Nm: float
     sites: NDArray[np.int64]
     rotation_rad: Floats
     load_share: Floats
+    face_load_factor: float | None = None
 
     @classmethod
     def of(
-        cls, torque_Nm: float, sites: NDArray[np.int64], rotation_rad: Floats, site_force_N: Floats
+        cls,
+        torque_Nm: float,
+        sites: NDArray[np.int64],
+        rotation_rad: Floats,
+        site_force_N: Floats,
+        face_load_factor: float | None = None,
     ) -> States:
         """States from the forces of the sites (P, S)."""
         total = np.maximum(site_force_N.sum(axis=1, keepdims=True), TINY)
-        return cls(torque_Nm, sites, rotation_rad, site_force_N / total)
+        return cls(torque_Nm, sites, rotation_rad, site_force_N / total, face_load_factor)
 
     def at(self, which: slice) -> States:
         """At some of the positions."""
@@ -64,6 +70,8 @@ class Size:
         Largest absolute change of the load share of a pair.
     torque_Nm : float
         Torque to which the numbers belong: the one at which the effect is largest.
+    face_load_factor : float or None
+        Change of K_Hbeta, which is 1 in the plane; None if neither side is three-dimensional.
     """
 
     rotation_mean: float | None
@@ -71,6 +79,7 @@ class Size:
     rotation_um: float
     load_share: float
     torque_Nm: float
+    face_load_factor: float | None = None
 
     @property
     def largest(self) -> float:
@@ -133,4 +142,12 @@ def _size(one: States, other: States, wind_up_rad: Floats, reference_radius_mm: 
         rotation_um=1000.0 * reference_radius_mm * float(np.abs(change).max()),
         load_share=float(np.abs(share).max()),
         torque_Nm=one.torque_Nm,
+        face_load_factor=_less(one.face_load_factor, other.face_load_factor),
     )
+
+
+def _less(one: float | None, other: float | None) -> float | None:
+    """Difference of two face load factors."""
+    if one is None and other is None:
+        return None
+    return (1.0 if one is None else one) - (1.0 if other is None else other)

@@ -42,30 +42,30 @@ def unknowns_of(body: Body) -> int:
 
 @dataclass(frozen=True)
 class ElementRates:
-    """Measured cost of a job with linear elements.
+    """Measured cost of a job.
 
     Attributes
     ----------
     body : Body
-    linear_s : float
-        CPU seconds for the stiffness matrix of the linear elements.
+    assembly_s : float
+        CPU seconds for the stiffness matrix of its own elements.
     job : BodyCompliance
+        On linear elements, or its own.
     """
 
     body: Body
-    linear_s: float
+    assembly_s: float
     job: BodyCompliance
 
-    @property
-    def _assembly_s(self) -> float:
-        """CPU seconds for the stiffness matrix of the run."""
-        mesh = self.body.mesh
-        assert mesh is not None
+    @classmethod
+    def of_linear(cls, body: Body, linear_s: float, job: BodyCompliance) -> ElementRates:
+        """Rates from the seconds for the stiffness matrix of linear elements."""
+        assert body.mesh is not None
         linear, quadratic = (
             sum(cells.size * cells.shape[1] for _, cells in blocks)
-            for blocks in (linear_cells(mesh.cells), mesh.cells)
+            for blocks in (linear_cells(body.mesh.cells), body.mesh.cells)
         )
-        return self.linear_s * quadratic / linear
+        return cls(body, linear_s * quadratic / linear, job)
 
     def price(self, counters: Mapping[str, int], *, places: int = 0, finer: float = 1.0) -> Account:
         """CPU seconds and bytes of the finite elements.
@@ -77,7 +77,7 @@ class ElementRates:
         places : int
             Number of evaluation points in the root fillets of a tooth.
         finer : float
-            Unknowns relative to the mesh of the run.
+            Unknowns relative to the mesh of the body.
         """
         job, steps = self.job, self.job.seconds
         unknowns = finer * unknowns_of(self.body)
@@ -85,7 +85,7 @@ class ElementRates:
         larger = more * log(unknowns) / log(max(3, job.degrees_of_freedom))
         cuts, mine = counters.get("cut_columns", 0), job.counters.get("cut_columns", 0)
         columns, own = counters["fe_solutions"] - cuts, job.counters["fe_solutions"] - mine
-        seconds = finer * self._assembly_s + steps.get("ring", 0.0)
+        seconds = finer * self.assembly_s + steps.get("ring", 0.0)
         # if there are cuts, half of that step are the solutions for them
         work = counters["fe_factorisations"] + (cuts / mine if mine else 0.0)
         seconds += steps.get("factorisation", 0.0) * larger * work / (2.0 if mine else 1.0)
@@ -111,4 +111,4 @@ class ElementRates:
         columns = counters["unit_loads_normal"] + counters.get("unit_loads_tangential", 0)
         mesh = self.body.mesh
         flanks = len(mesh.flanks) if isinstance(mesh, WholeMesh) else 1
-        return SMOOTHING_PART * self._assembly_s * (flanks + columns / SMOOTHED_COLUMNS)
+        return SMOOTHING_PART * self.assembly_s * (flanks + columns / SMOOTHED_COLUMNS)

@@ -153,7 +153,7 @@ class Mechanism(Protocol):
     def duration(self, scene: Scene, assembly: Any) -> Duration | None:
         """Predict the duration of a run from counted work; None if it is negligible."""
 
-    def screening(self, scene: Scene, *, levels: bool) -> Screening:
+    def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
         """Solve a scene on a coarse discretization, as it is and with each effect switched."""
 
     def default_element_mm(self, scene: Scene) -> float | None:

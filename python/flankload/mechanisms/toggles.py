@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 from msgspec import structs
 
 from flankload.errors import SceneError
-from flankload.scene.effects import EFFECTS, MODIFICATIONS, switches_of
+from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS
+from flankload.scene.effects import EFFECTS, MODIFICATIONS, is_spatial, switches_of
 from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.plane_section import in_three_dimensions, plane_section
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -33,10 +35,13 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
 }
 #: Bodies that can be rigid.
 RIGID = {"elastic_body_1": "body_1", "elastic_body_2": "body_2"}
-#: Keys of a body that switch an effect off, with their values for that.
+#: Keys of a body or of the pair that switch an effect off, with their values for that.
 REMOVED: dict[str, dict[str, Any]] = {
     "pitch_errors": {"pitch_errors_um": ()},
     "flank_modifications": dict.fromkeys((*MODIFICATIONS, "tip_relief_start_diameter_mm")),
+    "lead_modifications": dict.fromkeys((*LEAD_KEYS, "end_relief_length_mm")),
+    "misalignment": dict.fromkeys(MISALIGNMENTS, 0.0),
+    "shafts": {"shaft": None},
 }
 #: Keys that modify a flank by micrometres.
 OF_MICROMETRES = ("tip_relief_um", "tip_relief_start_diameter_mm", "profile_crowning_um")
@@ -54,11 +59,14 @@ class Toggle:
         Value that the scene does not set and that was assumed, as key and value.
     impossible : str or None
         Reason why the effect cannot be switched.
+    skipped : str or None
+        Reason why it is not tried.
     """
 
     scene: Scene | None
     assumed: str | None = None
     impossible: str | None = None
+    skipped: str | None = None
 
 
 def toggles(scene: Scene, names: Iterable[str]) -> dict[str, Toggle]:
@@ -120,13 +128,9 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
             return None
         found = with_rigid(scene, RIGID[name], rigid=on)
     elif name in REMOVED and on:
-        return Toggle(
-            replace(
-                scene,
-                body_1=_without(scene.body_1, REMOVED[name]),
-                body_2=_without(scene.body_2, REMOVED[name]),
-            )
-        )
+        return Toggle(_without_tables(scene, REMOVED[name]))
+    elif name == "three_dimensions":
+        found = plane_section(scene) if on else in_three_dimensions(scene)
     elif name == "several_torques":
         most = max(scene.torques_Nm)
         load = structs.replace(scene.load, torque_Nm=most if on else (most, most))
@@ -161,8 +165,16 @@ def without_modifications(body: BodySpec) -> BodySpec:
     return plain
 
 
+def _without_tables(scene: Scene, keys: dict[str, Any]) -> Scene:
+    """A scene without some keys of its bodies and its pair, of the same dimension."""
+    if is_spatial(scene).on:
+        scene = with_keys(scene, dimension=3)
+    tables = ("body_1", "body_2", "pair")
+    return replace(scene, **{name: _without(getattr(scene, name), keys) for name in tables})
+
+
 def _without(body: Any, keys: dict[str, Any]) -> Any:
-    """A body, or the profile of a mesh, with some keys removed."""
+    """A table, or the profile of a mesh, with some keys removed."""
     here = {key: value for key, value in keys.items() if key in body.__struct_fields__}
     profile = getattr(body, "profile", None)
     if not here and hasattr(profile, "__struct_fields__"):

@@ -32,8 +32,14 @@ LEAST_ERROR = 1e-7
 LEAST_SHOWN = 1e-6
 #: The upper edge of this shaded area is the uncertainty of the reference.
 SHADE = "#ececec"
-MARKS = dict(zip(PARAMETER_LABELS, "osD^v", strict=True))
-LEVEL_MARKS = {"lumped": "P", "nodes": "X", "default": "*"}
+#: Colour and mark of each parameter; cells and slices never meet.
+LOOKS = {
+    parameter: (COLOURS[colour], mark)
+    for parameter, colour, mark in zip(
+        PARAMETER_LABELS, (0, 1, 2, 3, 2, 3, 5, 4), "osD^h<>v", strict=True
+    )
+}
+LEVEL_MARKS = {"lumped": "P", "nodes": "X", "plane": "d", "coarse": "p", "default": "*"}
 TITLES = {
     "transmission_error": "Transmission error",
     "transmission_error_mean": "Its mean",
@@ -41,6 +47,7 @@ TITLES = {
     "load_share": "Load share",
     "peak_pressure": "Peak pressure off corners",
     "stiffness": "Stiffness",
+    "face_load_factor": "Face load factor",
 }
 
 
@@ -113,7 +120,7 @@ def _panel(axes: Axes, study: Study, name: str) -> None:
     for tolerance in NAMED:
         axes.axhline(tolerance, color=GREY, linewidth=0.7, linestyle=":")
     axes.axhline(study.tolerance, color=GREY, linewidth=1.2, linestyle=(0, (6, 3)))
-    for colour, (parameter, mark) in zip(COLOURS, MARKS.items(), strict=False):
+    for parameter, (colour, mark) in LOOKS.items():
         look = {"color": colour, "marker": mark}
         even, adaptive = _ladder(study, parameter, name)
         _points(axes, even, linestyle="-", **look)
@@ -125,8 +132,9 @@ def _panel(axes: Axes, study: Study, name: str) -> None:
         rows = [row for row in study.rows if row.group == level]
         _points(axes, _errors(rows, name), color="black", marker=mark, markersize=8)
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
+    for axis in (axes.xaxis, axes.yaxis):  # other formatters write powers as formulas
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def _ladder(study: Study, parameter: str, name: str) -> tuple[Points, Points]:
@@ -164,13 +172,13 @@ def _legend(study: Study) -> list[Line2D]:
             linewidth=1.4,
             label=PARAMETER_LABELS[parameter],
         )
-        for colour, (parameter, mark) in zip(COLOURS, MARKS.items(), strict=False)
+        for parameter, (colour, mark) in LOOKS.items()
         if study.steps.get(parameter)
     ]
     if any(row.run.discretization.adaptive is not None for row in study.steps.get("count", ())):
-        colour = COLOURS[list(MARKS).index("count")]
+        colour, mark = LOOKS["count"]
         handles.append(
-            Line2D([], [], color=colour, marker=MARKS["count"], markerfacecolor="white",
+            Line2D([], [], color=colour, marker=mark, markerfacecolor="white",
                    linestyle="none", label="adaptive positions")
         )  # fmt: skip
     handles += [

@@ -57,11 +57,7 @@ class SliceLoads(KeepsReadOnly):
         """K_Hbeta: largest over positions and slices of the line load summed over all sites,
         divided by its mean over the face width; 1 without load.
         """
-        summed = self.line_load_N_per_mm.sum(axis=1)
-        mean = self.force_N.sum(axis=(1, 2)) / self.width_mm.sum()
-        factors = np.ones_like(mean)
-        np.divide(summed.max(axis=1), mean, out=factors, where=mean > 0)
-        return float(factors.max())
+        return face_load_factor(self.force_N, self.width_mm)
 
     @cached_property
     def flank_face_load_factor(self) -> Floats:
@@ -98,6 +94,27 @@ class SliceLoads(KeepsReadOnly):
             self.tangent_helix_base,
             self.cosine_helix_base,
         )
+
+
+def face_load_factor(force_N: Floats, width_mm: Floats) -> float:
+    """K_Hbeta: the largest line load over its mean, at the worst position.
+
+    Parameters
+    ----------
+    force_N : (P, S, J) array
+    width_mm : (J,) array
+        Widths of the slices.
+
+    Returns
+    -------
+    float
+        1 without load.
+    """
+    summed = (force_N / width_mm).sum(axis=1)
+    mean = force_N.sum(axis=(1, 2)) / width_mm.sum()
+    factors = np.ones_like(mean)
+    np.divide(summed.max(axis=1), mean, out=factors, where=mean > 0)
+    return float(factors.max())
 
 
 def slice_summary(slices: SliceLoads | None) -> Mapping[str, float]:

@@ -54,6 +54,7 @@ LEAD_KEYS = (
     "profile_twist_um",
     "topography_file",
 )
+MISALIGNMENTS = ("inclination_um_per_mm", "deviation_um_per_mm")
 #: Keys that give regions of a body widths of their own and hence require three dimensions.
 REGION_KEYS = ("web_width_mm", "hub_width_mm", "region_sets")
 BothEnds = Annotated[tuple[Relief, ...], Meta(min_length=2, max_length=2)]
@@ -309,7 +310,7 @@ def three_dimensional_key(
         if width is not None and pair is not None and width != pair.face_width_mm:
             return f"body_{number}.face_width_mm"
     if pair is not None:
-        for name in ("inclination_um_per_mm", "deviation_um_per_mm"):
+        for name in MISALIGNMENTS:
             if getattr(pair, name):
                 return f"pair.{name}"
     return None

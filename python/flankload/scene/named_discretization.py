@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import structs
 
+from flankload.scene.axial import DEGREES_ABOVE_LOAD
 from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.plane_section import plane_section
 
 if TYPE_CHECKING:
     from flankload.scene import Scene
@@ -27,13 +29,16 @@ class NamedDiscretization:
 
     Attributes
     ----------
-    level : {"pairs", "lumped", "nodes"}
-        Contact pairs on strips; one unknown for each place of contact; plain nodal loads.
+    level : {"pairs", "lumped", "nodes", "slices", "plane"}
+        Contact pairs on strips; one unknown for each place of contact; plain nodal loads; slices of
+        three-dimensional bodies; contact pairs on the plane section of such.
     flank_element_mm : float or None
     modes : int or None
     strips_per_half_width : float or None
         At sharp corners three times as many.
     zone_half_widths : float or None
+    axial_degree, load_degree_z, slices : int or None
+        In three dimensions; the second is lowered to the first less four.
     count : int or None
         Positions per tooth pitch (per turn of a cam); adaptive ones begin with them.
     adaptive : float or None
@@ -47,6 +52,14 @@ class NamedDiscretization:
     zone_half_widths: float | None = None
     count: int | None = None
     adaptive: float | None = None
+    axial_degree: int | None = None
+    load_degree_z: int | None = None
+    slices: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.axial_degree is not None and self.load_degree_z is not None:
+            resolved = min(self.load_degree_z, self.axial_degree - DEGREES_ABOVE_LOAD)
+            object.__setattr__(self, "load_degree_z", resolved)
 
     @property
     def as_it_stands(self) -> bool:
@@ -72,6 +85,9 @@ class NamedDiscretization:
             "strips_per_half_width": strips,
             "corner_strips_per_half_width": strips and min(MOST_STRIPS, CORNER_STRIPS * strips),
             "zone_half_widths": self.zone_half_widths,
+            "axial_degree": self.axial_degree,
+            "load_degree_z": self.load_degree_z,
+            "slices": self.slices,
         }
         return {key: value for key, value in keys.items() if value is not None}
 
@@ -92,9 +108,9 @@ class NamedDiscretization:
     @property
     def effect_keys(self) -> dict[str, Any]:
         """Keys of [effects]."""
-        return {"pairs": {}, "lumped": {"contact": "lumped"}, "nodes": {"near_field": "nodes"}}[
-            self.level
-        ]
+        return {"lumped": {"contact": "lumped"}, "nodes": {"near_field": "nodes"}}.get(
+            self.level, {}
+        )
 
     def tables(self) -> dict[str, dict[str, Any]]:
         """The keys by table, without empty ones."""
@@ -131,8 +147,12 @@ def scene_at(scene: Scene, discretization: NamedDiscretization) -> Scene:
     -------
     Scene
     """
+    if discretization.level == "plane":
+        scene = plane_section(scene)
     plain = EffectsAsked()
     reset = {key: getattr(plain, key) for key in LEVELS_AND_EXTRAS if hasattr(plain, key)}
+    if discretization.level == "slices":
+        reset.pop("contact")
     quiet = {} if discretization.as_it_stands else reset
     return with_discretization(
         replace(

@@ -345,8 +345,6 @@ def test_impossible_output_is_refused_before_the_work(
     [
         (["compliance", "-o", "files"], "the files hold the compliance of plane bodies"),
         (["verify"], "the other program solves plane sections"),
-        (["plan"], "plans are made of plane bodies"),
-        (["accuracy"], "the study refines discretizations of plane bodies"),
     ],
 )
 def test_commands_for_plane_bodies_refuse_three_dimensions(

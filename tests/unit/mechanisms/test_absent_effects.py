@@ -32,6 +32,15 @@ SMALL: dict[str, Any] = {
     "accuracy__flank_element_mm": 3.0,
     "accuracy__modes": 3,
 }
+#: Nothing varies along the axis of three-dimensional bodies.
+SPATIAL: dict[str, Any] = {"effects__dimension": 3}
+SHAFT: dict[str, Any] = {
+    "diameters_mm": [30.0],
+    "lengths_mm": [100.0],
+    "gear_position_mm": 40.0,
+    "bearing_positions_mm": [0.0, 100.0],
+    "radial_stiffness_N_per_um": [200.0, 200.0],
+}
 #: Arguments of the core, in their order.
 ARGUMENTS = _core.flankload_sweep.__doc__.partition("(")[2].partition(")")[0].split(",")
 
@@ -99,6 +108,12 @@ def unevenness(run: Run) -> float:
 def relieved(run: Run) -> int:
     """Pieces of flank 1 that depart from the involute."""
     return build_bodies(run.scene).body_1.curve.labels.count("relief")
+
+
+def unlike_slices(run: Run) -> float:
+    """How much the gaps of the slices of body 1 or 2 differ."""
+    slices = build_bodies(run.scene).slices
+    return 0.0 if slices is None else float(sum(np.ptp(part) for part in slices.removed_mm))
 
 
 def lost(run: Run) -> float:
@@ -193,6 +208,24 @@ CASES = {
     ),
     "flank_modifications": Case(
         {"body_1__tip_relief_um": 10, "body_1__tip_relief_start_diameter_mm": 80}, {}, relieved
+    ),
+    "lead_modifications": Case(
+        {"body_1__lead_crowning_um": 5.0, **SPATIAL},
+        {"body_1__lead_crowning_um": 0.0, **SPATIAL},
+        unlike_slices,
+        more=SPATIAL,
+    ),
+    "misalignment": Case(
+        {"pair__deviation_um_per_mm": 0.5, **SPATIAL},
+        {"pair__deviation_um_per_mm": 0.0, **SPATIAL},
+        unlike_slices,
+        more=SPATIAL,
+    ),
+    "shafts": Case(
+        {"body_1__shaft": SHAFT, **SPATIAL},
+        SPATIAL,
+        amount("shaft_1"),
+        more=SPATIAL,
     ),
     "pitch_errors": Case(
         {"body_1__pitch_errors_um": [0, 3] * 8, "positions__pitches": 2},
@@ -317,6 +350,12 @@ def test_what_is_called_for_is_seen(name: str) -> None:
     assert switches_of(run.scene)[effect.name].on
     assert case.seen(run) > 0
     assert all(number > 0 for number in run.counted(effect).values())
+
+
+def test_teeth_of_three_dimensional_bodies_can_be_uncoupled() -> None:
+    """Regression: the key was read in plane scenes only."""
+    assert coupling_blocks(run_of(SPATIAL)) > 0
+    assert coupling_blocks(run_of({**SPATIAL, "effects__tooth_coupling": False})) == 0
 
 
 def test_rooms_that_nothing_calls_for_stay_closed() -> None:

@@ -121,6 +121,32 @@ def test_pressure_is_held_against_the_softer_body_that_yields() -> None:
     assert broken(0.6 * 206000, 1) == []  # on a sharp corner
 
 
+def test_pressures_of_slices_are_not_divided_by_the_width() -> None:
+    """Regression: a pressure of 14 times the limit passed on gears 14 mm wide."""
+    scene = gears(effects__dimension=3, body_1__rigid=True)
+    pair = build_bodies(scene)
+    nothing = (no_compliance(pair.body_1), no_compliance(pair.body_2))
+    (found,) = sweep(
+        (pair.body_1, pair.body_2),
+        compliances=nothing,
+        pairing=pair.pairing,
+        position_rad=pair.position_rad,
+        torques_Nmm=[0.0],
+        face_width_mm=14.0,
+        grid=pair.discretization.grid,
+        level="lumped",
+        slices=pair.slices,
+    )
+    geometry = pair_geometry(pair, nothing)
+    for part, count in ((0.49, 0), (0.6, 1)):
+        peak = np.full_like(found.site_peak_N_per_mm, part * 206000)
+        there = replace(
+            found, site_peak_N_per_mm=peak, site_corner=np.zeros_like(found.site_corner)
+        )
+        broken = premises.broken_by_load(scene, pair, geometry, there, number=0)
+        assert len(list(broken)) == count
+
+
 def test_backlash_that_is_taken_up_is_refused() -> None:
     """A tooth that stands 40 um ahead turns body 1 back until coast flanks overlap."""
     errors = {"body_1__pitch_errors_um": [40.0] + [0.0] * 15, "load__torque_Nm": 1}

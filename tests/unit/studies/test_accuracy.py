@@ -10,12 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 import flankload as fl
 from flankload.cli import main
 from flankload.errors import SceneError
 from flankload.plot.work_precision import plot_work_precision, write_work_precision
 from flankload.scene.named_discretization import NamedDiscretization, scene_at
+from flankload.scene.plane_section import plane_section
 from flankload.studies.accuracy import (
     Study,
     accuracy,
@@ -48,6 +50,8 @@ ENOUGH = 1e6
 #: A step of a ladder is Richardson's to this part of its first change, where the change is that of
 #: one power of the step.
 POWER = 1e-7
+#: The near field of three-dimensional bodies is integrated at other places for other modes.
+QUADRATURE = 1e-6
 #: Knobs that chains and belts have not.
 NOT_OF_DRIVES = {"flank_element_mm", "modes", "strips_per_half_width", "zone_half_widths"}
 QUANTITIES = ("transmission_error", "load_share", "peak_pressure", "stiffness")
@@ -66,6 +70,18 @@ def small() -> fl.Scene:
     return fl.Scene.from_dict(tree)
 
 
+def spatial(**tables: dict) -> fl.Scene:
+    """The same gears in three dimensions, one of them crowned."""
+    tree = tomllib.loads(SCENE) | {"effects": {"dimension": 3}}
+    tree["body_1"]["lead_crowning_um"] = 10.0
+    tree["body_2"]["rigid"] = True
+    tree["positions"]["count"] = 4
+    del tree["accuracy"]
+    for name, keys in tables.items():
+        tree[name] = tree.get(name, {}) | keys
+    return fl.Scene.from_dict(tree)
+
+
 @pytest.fixture(scope="module")
 def short_ladders() -> Iterator[None]:
     """Short ladders, and nothing measured twice."""
@@ -74,7 +90,14 @@ def short_ladders() -> Iterator[None]:
         patch.setattr(refinements, "MODES", (3, 5, 8))
         patch.setattr(refinements, "STRIPS", (5.0, 10.0, 20.0))
         patch.setattr(refinements, "ZONES", (2.0, 2.5, 3.0))
-        patch.setattr(refinements, "FINEST", ((0.5, 20.0, 2.0),))
+        finest = {"flank_element_mm": 0.5, "strips_per_half_width": 20.0, "count": 2.0}
+        patch.setattr(refinements, "FINEST", (finest,))
+        patch.setattr(refinements, "SPATIAL_ELEMENTS", (3.0, 1.0))
+        patch.setattr(refinements, "AXIAL_DEGREES", (6, 8))
+        patch.setattr(refinements, "LOAD_DEGREES", (2, 4))
+        patch.setattr(refinements, "SLICES", (7, 14, 28))
+        finest = {"flank_element_mm": 1.0, "axial_degree": 8, "load_degree_z": 4, "count": 2.0}
+        patch.setattr(refinements, "SPATIAL_FINEST", (finest,))
         for room in (refinements, reference, combinations):
             patch.setattr(room, "ADAPTIVE", (0.03,), raising=False)
         patch.setattr(run_study, "TOLERANCES", (0.02,))
@@ -153,6 +176,7 @@ def curves(position: list[float], sites: list[int], te: list[float], force: list
         "largest_pressure": np.array([1000.0 * max(force)]),
         "stiffness_secant": np.array([10.0]),
         "stiffness_tangent": np.array([np.nan]),
+        "face_load_factor": np.array([1.0]),
         "corner_pressure": np.array([0.0]),
     }
 
@@ -224,6 +248,7 @@ def test_lines_of_a_setting_make_the_scene_of_its_run(discretization: NamedDiscr
         ("external_gear_mesh", {"flank_element_mm"}),
         ("chain", NOT_OF_DRIVES),
         ("belt", NOT_OF_DRIVES - {"flank_element_mm"}),
+        ("helical_gear", {"strips_per_half_width", "zone_half_widths"}),
     ],
 )
 def test_knobs_are_those_that_a_scene_has(name: str, absent: set[str]) -> None:
@@ -235,10 +260,33 @@ def test_knobs_are_those_that_a_scene_has(name: str, absent: set[str]) -> None:
         "zone_half_widths",
         "count",
     }
+    if found.spatial:
+        everything |= {"axial_degree", "load_degree_z", "slices"}
+    assert found.spatial == (name == "helical_gear")
     assert set(found.ladders) == everything - absent
     for parameter, steps in found.ladders.items():
         assert getattr(found.finest, parameter) in steps
         assert getattr(found.base, parameter) in steps
+
+
+def test_lines_of_a_spatial_setting_make_the_scene_of_its_run() -> None:
+    steps = {"axial_degree": 10, "load_degree_z": 6, "slices": 20}
+    discretization = NamedDiscretization("slices", 1.0, 5, count=32, **steps)
+    assert 'contact = "lumped"' not in discretization.lines()
+    tree = tomllib.loads(SCENE) | {"effects": {"dimension": 3}}
+    del tree["accuracy"]
+    del tree["positions"]
+    plain = fl.Scene.from_dict(tree)
+    written = fl.Scene.from_dict(tree | tomllib.loads(discretization.lines()))
+    assert scene_at(written, NamedDiscretization()) == scene_at(plain, discretization)
+
+
+def test_loads_have_no_degree_that_displacements_do_not_resolve() -> None:
+    assert NamedDiscretization(axial_degree=6, load_degree_z=8).load_degree_z == 2
+    spatial = refinements_of(example("helical_gear"))
+    deep = replace(spatial.base, axial_degree=12, load_degree_z=8)
+    twin = reference.twin(spatial, "load_degree_z", deep)
+    assert (twin.axial_degree, twin.load_degree_z, twin.slices) == (12, 8, 28)
 
 
 def test_modes_go_as_far_as_a_file_holds() -> None:
@@ -272,6 +320,38 @@ def test_fewer_modes_from_more_are_those_solved_alone(monkeypatch: pytest.Monkey
     assert alone is not None
     error = errors_of(few, alone)
     assert max(error.values()) <= SOLVER
+
+
+@pytest.mark.parametrize(
+    ("keys", "many", "few"),
+    [
+        (
+            {},
+            {"modes": 6, "axial_degree": 8, "load_degree_z": 4, "slices": 6},
+            {"modes": 4, "load_degree_z": 2},
+        ),
+        (
+            {"body_1": {"tip_radius_mm": 0.3}},
+            {"modes": 5, "axial_degree": 4, "load_degree_z": 0, "slices": 2},
+            {"modes": 3},
+        ),
+    ],
+    ids=["degrees", "modes beside a rounding"],
+)
+def test_fewer_modes_in_three_dimensions_are_those_solved_alone(
+    keys: dict, many: dict, few: dict, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = spatial(**keys)
+    steps = {"flank_element_mm": 2.0, "count": 4} | many
+    monkeypatch.setattr(runs, "SHARED_ABOVE_S", 0.0)
+    monkeypatch.setattr(runs, "REPEATED_BELOW_S", 0.0)
+    wanted = NamedDiscretization("slices", **steps | few)
+    shared = Runs(scene)
+    shared.at(NamedDiscretization("slices", **steps))
+    one, alone = shared.at(wanted).values, Runs(scene).at(wanted).values
+    assert one is not None
+    assert alone is not None
+    assert max(errors_of(one, alone).values()) <= QUADRATURE
 
 
 def test_run_without_answer_says_why(study: Study) -> None:
@@ -372,6 +452,68 @@ def test_front_descends_and_holds_the_cheapest(study: Study) -> None:
         assert row is not None
         assert row in front
         assert study.within(row) <= tolerance
+
+
+# --- three dimensions -----------------------------------------------------------------------------
+@pytest.fixture(scope="module")
+def spatial_study(short_ladders: None) -> Study:
+    return accuracy(spatial(), (*QUANTITIES, "face_load_factor"), ENOUGH)
+
+
+def test_study_in_three_dimensions_goes_from_the_plane_to_fine_bodies(spatial_study: Study) -> None:
+    study = spatial_study
+    assert study.stopped is None
+    rungs = {row.group: row for row in study.rows}
+    wanted = {"plane", "coarse", "default", "finest", "as it stands", *study.knobs.ladders}
+    assert wanted <= set(rungs)
+    assert not {"lumped", "nodes"} & set(rungs)
+    assert {"axial_degree", "load_degree_z", "slices", "flank_element_mm"} <= set(study.steps)
+    for name in ("transmission_error_mean", "face_load_factor"):
+        errors = [rungs[group].errors[name] for group in ("plane", "coarse", "default")]
+        assert errors == sorted(errors, reverse=True)
+    plane = rungs["plane"]
+    (finest,) = (row.run.values for row in study.rows if row.group == "finest")
+    assert finest is not None
+    assert plane.run.values is not None
+    # a plane section carries as much everywhere
+    assert plane.run.values["face_load_factor"] == 1.0
+    assert rungs["default"].errors["face_load_factor"] < 0.02
+    text = str(study)
+    for words in ("degree along the axis", "slices of the width", "plane section", "coarse bodies"):
+        assert words in text
+    assert "K_Hbeta" in text
+
+
+def test_rungs_of_a_study_are_runs_that_a_user_can_make(spatial_study: Study) -> None:
+    (coarse,) = (row for row in spatial_study.rows if row.group == "coarse")
+    tree = tomllib.loads(coarse.run.discretization.lines())
+    found = fl.solve(spatial(**tree))
+    assert isinstance(found, fl.Result)
+    assert coarse.run.values is not None
+    np.testing.assert_array_equal(
+        found.transmission_error_um, coarse.run.values["transmission_error"][0]
+    )
+    section = plane_section(spatial())
+    (plane,) = (row for row in spatial_study.rows if row.group == "plane")
+    keys = plane.run.discretization.accuracy_keys
+    accuracy_keys = structs.replace(section.accuracy, **keys)
+    found = fl.solve(replace(section, accuracy=accuracy_keys))
+    assert isinstance(found, fl.Result)
+    assert plane.run.values is not None
+    np.testing.assert_array_equal(
+        found.transmission_error_um, plane.run.values["transmission_error"][0]
+    )
+
+
+def test_study_in_three_dimensions_has_its_files_and_its_picture(spatial_study: Study) -> None:
+    head, *lines = spatial_study.to_csv().splitlines()
+    assert {"axial_degree", "load_degree_z", "slices"} <= set(head.split(","))
+    assert len(lines) == len(spatial_study.rows)
+    figure = plot_work_precision(spatial_study)
+    panels = [axes for axes in figure.axes if axes.get_visible()]
+    assert len(panels) == len(spatial_study.measures)
+    for axes in panels:  # no formulas: names of scenes are words
+        assert "$" not in "".join(label.get_text() for label in axes.get_yticklabels())
 
 
 # --- what the limit itself is known to ------------------------------------------------------------

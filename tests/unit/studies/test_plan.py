@@ -15,20 +15,27 @@ from msgspec import structs
 
 import flankload as fl
 from flankload.cli import main
+from flankload.elasticity.compliance import flank_compliance
 from flankload.mechanisms.effect_size import States, size_of
+from flankload.mechanisms.flank_pair import screening
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.prism_rates import coarse_compliance
 from flankload.mechanisms.flank_pair.screened_nodes import nodal_size
+from flankload.mechanisms.flank_pair.stages import sweep_of
 from flankload.mechanisms.toggles import toggled
-from flankload.scene.effects import EFFECTS
+from flankload.scene.effects import EFFECTS, effects_of
+from flankload.scene.plane_section import in_three_dimensions, plane_section
 from flankload.studies.plan import Plan, choose_effects
 from flankload.studies.plan.significance import SIGNIFICANT_PART, against_threshold, threshold_text
 from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES
-from tests.support.tolerances import ROUND_OFF
+from tests.support.tolerances import ROUND_OFF, SOLVER
 
 #: Sizes are predicted on coarse meshes, with few modes and wide cells: a factor, and the points of
 #: the load share and parts of the rotation that coarse meshes are off by.
 FACTOR, COARSE = 1.15, 2e-4
+#: In three dimensions elements are coarser: points of the load share and parts of the rotation.
+COARSE_SHARE = 2e-3
 #: A size that was published for the external pair, to be met within a third.
 THIRD = 1 / 3
 #: Factor of what is told by a law.
@@ -264,6 +271,193 @@ def test_adaptive_positions_are_known_to_a_larger_factor(plain_plan: Plan) -> No
     adaptive = fl.plan(scene_of(positions__adaptive=True, positions__count=8))
     assert adaptive.within > plain_plan.within > 1.0
     assert f"a factor of {plain_plan.within:g}" in str(plain_plan)
+
+
+# --- three dimensions -----------------------------------------------------------------------------
+#: A spur pair with everything that varies along the axis, on coarse elements that a scene can name.
+SPATIAL: dict[str, Any] = {
+    "body_1__lead_crowning_um": 10,
+    "body_1__tip_relief_um": 20,
+    "body_1__tip_relief_start_diameter_mm": 79.5,
+    "body_1__shaft": {
+        "diameters_mm": [30],
+        "lengths_mm": [140],
+        "gear_position_mm": 50,
+        "bearing_positions_mm": [10, 120],
+        "radial_stiffness_N_per_um": [250, 250],
+    },
+    "body_2__pitch_errors_um": [0, 3, -2, 1] * 4,
+    "pair__deviation_um_per_mm": 2.0,
+    "positions__count": 4,
+    "accuracy__estimate": False,
+    "accuracy__flank_element_mm": 2.25,
+    "accuracy__axial_degree": 6,
+    "accuracy__load_degree_z": 2,
+    "accuracy__slices": 14,
+}
+
+
+@cache
+def spatial() -> tuple[fl.Scene, Plan]:
+    scene = scene_of(**SPATIAL)
+    return scene, fl.plan(scene)
+
+
+def face_load_change(scene: fl.Scene, name: str, *, on: bool) -> float:
+    """Change of the face load factor, from two runs."""
+    toggle = toggled(scene, name, on=on)
+    assert toggle is not None
+    assert toggle.scene is not None
+    change = solved(scene).face_load_factor - solved(toggle.scene).face_load_factor
+    return change if on else -change
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "three_dimensions",
+        "lead_modifications",
+        "misalignment",
+        "shafts",
+        "pitch_errors",
+        "flank_modifications",
+        "elastic_body_2",
+    ],
+)
+def test_sizes_in_three_dimensions_are_those_of_two_runs(name: str) -> None:
+    scene, plan = spatial()
+    row = plan.effect(name)
+    assert row.on
+    assert row.size is not None
+    assert row.size.face_load_factor is not None
+    predicted = (row.size.rotation_mean, row.size.rotation_largest, row.size.load_share)
+    np.testing.assert_allclose(
+        predicted, measured(scene, name, on=True), rtol=FACTOR - 1, atol=COARSE_SHARE
+    )
+    change = face_load_change(scene, name, on=True)
+    np.testing.assert_allclose(row.size.face_load_factor, change, rtol=FACTOR - 1, atol=0.01)
+
+
+def test_a_plane_scene_is_told_what_three_dimensions_change() -> None:
+    """Beside two runs at the default: +4.2 % of the rotation, K_Hbeta 1.02."""
+    scene = scene_of(positions__count=4, accuracy__estimate=False)
+    row = fl.plan(scene, dimension=True).effect("three_dimensions")
+    assert not row.on
+    assert row.size is not None
+    predicted = (row.size.rotation_mean, row.size.rotation_largest, row.size.load_share)
+    found = measured(scene, "three_dimensions", on=False)
+    np.testing.assert_allclose(predicted, found, rtol=FACTOR - 1, atol=COARSE_SHARE)
+    change = face_load_change(scene, "three_dimensions", on=False)
+    np.testing.assert_allclose(row.size.face_load_factor, change, rtol=0, atol=0.01)
+    assert row.matters
+    assert row.remark is not None
+    assert row.remark.endswith(f"K_Hbeta by {row.size.face_load_factor:+.2f}")
+
+
+def test_the_third_dimension_is_the_difference_of_two_sweeps_on_the_coarse_elements() -> None:
+    scene = scene_of(positions__count=4)
+    row = fl.plan(scene, dimension=True).effect("three_dimensions")
+    other = in_three_dimensions(scene)
+    coarse = [coarse_compliance(other, z) for z in (0, 1)]
+    plane = [flank_compliance(body, n_modes=3, plane="strain") for body, _ in coarse]
+    curves = []
+    for each, compliances in ((scene, plane), (other, [found for _, found in coarse])):
+        pair = build_bodies(each)
+        (found,) = sweep_of(each, pair)(
+            compliances=(compliances[0], compliances[1]),
+            position_rad=pair.position_rad,
+            torques_Nmm=each.torques_Nmm,
+            grid=pair.discretization.grid,
+        )
+        curves.append(found)
+    assert row.size is not None
+    change_um = (
+        1e3
+        * build_bodies(scene).body_1.reference_radius_mm
+        * np.abs(curves[1].rotation_rad - curves[0].rotation_rad)
+    )
+    np.testing.assert_allclose(row.size.rotation_um, change_um.max(), rtol=SOLVER, atol=0)
+
+
+def test_a_short_plane_run_is_not_made_long_by_its_plan(
+    plain_plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    row = plain_plan.effect("three_dimensions")
+    assert (row.size, row.extra_s) == (None, None)
+    line = "size of three-dimensional bodies unknown: not screened, which takes about 0.3 s "
+    assert line + "(--dimension does it)" in str(plain_plan)
+    monkeypatch.setattr(screening, "RUNGS", 0.0)
+    assert fl.plan(scene_of()).effect("three_dimensions").size is not None
+
+
+def test_only_gears_and_sectors_can_have_three_dimensions() -> None:
+    row = fl.plan(fl.read_scene(SCENES / "internal_gear.toml"), dimension=True).effect(
+        "three_dimensions"
+    )
+    assert not row.possible
+    assert "'gear' or 'mesh'" in (row.unknown or "")
+
+
+def test_a_helical_pair_is_held_against_its_transverse_section() -> None:
+    """The section has the same involutes; its fillet differs a little from that of the pair."""
+    scene = fl.read_scene(SCENES / "helical_gear.toml")
+    section = plane_section(scene)
+    section.check()
+    for mine, other in zip(
+        (build_bodies(scene).body_1, build_bodies(scene).body_2),
+        (build_bodies(section).body_1, build_bodies(section).body_2),
+        strict=True,
+    ):
+        assert mine.involute is not None
+        assert other.involute is not None
+        for name in ("base_radius_mm", "base_half_angle_rad", "root_radius_mm", "tip_radius_mm"):
+            np.testing.assert_allclose(
+                getattr(other.involute, name), getattr(mine.involute, name), rtol=SOLVER, atol=0
+            )
+        assert other.axial is None
+
+
+def test_a_section_is_as_wide_as_both_bodies() -> None:
+    scene = scene_of(body_1__face_width_mm=10, body_1__axial_offset_mm=4, pair__face_width_mm=14)
+    section = plane_section(scene)
+    np.testing.assert_allclose(section.pair.face_width_mm, 8.0, rtol=ROUND_OFF, atol=0)
+    assert not effects_of(section).three_dimensions
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        scene_of(effects__dimension=3),
+        scene_of(**SPATIAL | {"accuracy__estimate": True, "load__torque_Nm": [0, 100, 200]}),
+        fl.read_scene(SCENES / "helical_gear.toml"),
+        scene_of(body_1__web_width_mm=6, body_1__rim_thickness_mm=6),
+    ],
+    ids=["spur", "on a shaft", "helical", "web"],
+)
+def test_slices_unknowns_and_states_are_counted_before_the_run(scene: fl.Scene) -> None:
+    scene = replace(scene, positions=type(scene.positions)(count=2))
+    plan, found = fl.plan(scene), fl.solve(scene)
+    cost = (found[0] if isinstance(found, tuple) else found).cost
+    names = (*EXACT, "fe_unknowns", "slices", "states")
+    counters = {name: plan.predicted["counters"][name] for name in names}
+    assert counters == {name: cost[name] for name in names}
+    assert counters["slices"] > counters["states"] > 0
+    assert set(plan.predicted["stages"]) == set(cost["stages"]) - {"result"}
+    for stage in ("compliance body 1", "compliance body 2"):
+        assert plan.predicted["stages"][stage]["bytes"] == cost["stages"][stage]["bytes"]
+
+
+def test_what_a_three_dimensional_scene_cannot_have_is_said() -> None:
+    _, plan = spatial()
+    assert not plan.effect("friction").possible
+    assert plan.effect("lumped_contact").on
+    lines = str(plan).splitlines()
+    head = next(line for line in lines if line.startswith("effect"))
+    assert "K_Hbeta" in head
+    friction = next(line for line in lines if line.startswith("friction"))
+    assert friction.endswith("not with this scene")
+    lumped = next(line for line in lines if line.startswith("lumped"))
+    assert " yes " in lumped
 
 
 # --- what is said ---------------------------------------------------------------------------------
@@ -544,6 +738,24 @@ def test_command_prints_the_table(capsys: pytest.CaptureFixture[str]) -> None:
     assert "friction" in out
     assert "effects.friction_coefficient = [2 entries]" in out
     assert "compliance body 1" in out
+
+
+def test_command_prints_a_three_dimensional_plan(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["plan", str(SCENES / "helical_gear.toml")]) == 0
+    out = capsys.readouterr().out
+    row = next(line for line in out.splitlines() if line.startswith("three-dimensional"))
+    assert row.split()[2] == "yes"
+    assert row.endswith("body_1.helix_angle_deg")
+    assert "81432 unknowns of the bodies" in out
+    assert "1568 slices in all states" in out
+
+
+def test_command_screens_three_dimensions_on_demand(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["plan", str(SCENES / "external_gear.toml"), "--dimension", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    size = {row["name"]: row for row in found["effects"]}["three_dimensions"]["size"]
+    assert 0.03 < size["rotation_mean"] < 0.06
+    assert 0.0 < size["face_load_factor"] < 0.1
 
 
 def test_command_prints_json(capsys: pytest.CaptureFixture[str]) -> None:

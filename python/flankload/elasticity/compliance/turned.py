@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss, legint, legval
 
 from flankload.bodies.body import WholeMesh
-from flankload.bodies.free_corner import along_strengths, image_strengths
+from flankload.bodies.free_corner import along_strengths, image_strength, tip_angle
 from flankload.bodies.tip_modes import graded
 from flankload.elasticity.near_field import (
     consistent_loads,
@@ -37,7 +37,7 @@ POINTS = 12
 
 def has_turned_forces(body: Body) -> bool:
     """Whether the flank ends in a sharp tip, over which forces turn."""
-    return body.given is None and image_strengths(body)[1] > 0.0
+    return body.given is None and image_strength(tip_angle(body)) > 0.0
 
 
 def turned_columns(body: Body, flank: int) -> Floats:

@@ -1,5 +1,10 @@
 """Elastic bodies in three dimensions: a plane section over a width, straight or twisted."""
 
-from flankload.elasticity.prism.compliance import Prism, flank_surface, prism_compliance
+from flankload.elasticity.prism.compliance import (
+    Prism,
+    flank_surface,
+    prism_compliance,
+    prism_unknowns,
+)
 
-__all__ = ["Prism", "flank_surface", "prism_compliance"]
+__all__ = ["Prism", "flank_surface", "prism_compliance", "prism_unknowns"]

@@ -175,11 +175,11 @@ def prism_compliance(
     along = mode_norms_z(axial.width_mm, prism.load_degree)
     inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along))
     response = inverse @ response @ inverse
-    account.count(fe_solutions=len(inverse), unit_loads_normal=len(inverse))
+    unknowns = prism_unknowns(body, prism.degree)
+    account.count(fe_unknowns=unknowns, fe_solutions=len(inverse), unit_loads_normal=len(inverse))
     mirrored = response[-np.arange(mesh.teeth) % mesh.teeth].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     laps("near field")
-    held = np.unique(np.concatenate([mesh.fixed_nodes, mesh.right_nodes])).size
     return BodyCompliance(
         smooth=0.5 * (response + mirrored),
         kernel=kernel,
@@ -194,11 +194,30 @@ def prism_compliance(
             end=surface.end,
         ),
         asymmetry=asymmetry,
-        degrees_of_freedom=COMPONENTS * axial.count * (len(mesh.nodes) - held),
+        degrees_of_freedom=unknowns,
         counters=account.counters,
         workspace_bytes=account.workspace_bytes,
         seconds=laps.whole(),
     )
+
+
+def prism_unknowns(body: Body, degree: int) -> int:
+    """Number of unknowns of the elements of a sector with displacements of a degree along z.
+
+    Parameters
+    ----------
+    body : Body
+        With the mesh of a sector.
+    degree : int
+        p.
+
+    Returns
+    -------
+    int
+    """
+    mesh = _sector_of(body)
+    held = np.unique(np.concatenate([mesh.fixed_nodes, mesh.right_nodes])).size
+    return COMPONENTS * (degree + 1) * (len(mesh.nodes) - held)
 
 
 def flank_surface(body: Body, prism: Prism) -> FlankSurface:

@@ -168,7 +168,7 @@ class TimingBelt(WrappedMechanism):
         work += f", {assembly.strip.wrapped_teeth} teeth"
         return Duration(elements_s, STATE_S * states, work)
 
-    def screening(self, scene: Scene, *, levels: bool) -> Screening:
+    def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
         from flankload.mechanisms.belt.screening import BeltScreening
 
         return BeltScreening(scene)

@@ -137,7 +137,7 @@ class ChainOnSprocket(WrappedMechanism):
     def duration(self, scene: Scene, assembly: ChainAssembly) -> None:
         """None: the duration for a chain is negligible."""
 
-    def screening(self, scene: Scene, *, levels: bool) -> Screening:
+    def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
         from flankload.mechanisms.chain.screening import ChainScreening
 
         return ChainScreening(scene)

@@ -22,7 +22,6 @@ from flankload.mechanisms.flank_pair.stages import (
 from flankload.mechanisms.flank_pair.standing import with_standing_gap
 from flankload.mechanisms.flank_pair.states import FlankStates, flank_states, position_notes
 from flankload.pairing.body_pair import BodyPair
-from flankload.scene.effects import require_plane
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -145,12 +144,11 @@ class FlankPair:
         """Predict the duration of a run from counted work."""
         return duration_of(scene, assembly)
 
-    def screening(self, scene: Scene, *, levels: bool) -> Screening:
+    def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
         """Solve a scene on a coarse discretization, as it is and with each effect switched."""
         from flankload.mechanisms.flank_pair.screening import FlankPairScreening
 
-        require_plane(scene, "plans are made of plane bodies")
-        return FlankPairScreening(scene, levels=levels)
+        return FlankPairScreening(scene, levels=levels, dimension=dimension)
 
     def default_element_mm(self, scene: Scene) -> None:
         """None: each body has its own default."""

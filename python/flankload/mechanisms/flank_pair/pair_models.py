@@ -2,6 +2,7 @@
 
 The bodies are those of the run. Their elements are linear, which leaves a quarter of the unknowns;
 segments, growth, friction and coast flanks are other closures and columns of one factorisation.
+Three-dimensional bodies have larger elements and lower degrees along the axis (`prism_rates`).
 """
 
 from __future__ import annotations
@@ -13,11 +14,17 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import structs
 
-from flankload.elasticity.compliance import BodyCompliance, flank_compliances, no_compliance
+from flankload.elasticity.compliance import (
+    BodyCompliance,
+    flank_compliance,
+    flank_compliances,
+    no_compliance,
+)
 from flankload.elasticity.finite_elements import linear_cells, stiffness
 from flankload.errors import FlankloadError
 from flankload.mechanisms.element_rates import ElementRates, load_packages
 from flankload.mechanisms.flank_pair.assembly import bodies_of, build_bodies, without_ends
+from flankload.mechanisms.flank_pair.prism_rates import PrismRates, coarse_compliance
 from flankload.mechanisms.flank_pair.stages import compliance_of, modes_of
 from flankload.mechanisms.toggles import with_keys, with_rigid
 from flankload.pairing.body_pair import BodyPair
@@ -25,7 +32,7 @@ from flankload.pairing.coast_sites import coast_sites
 from flankload.pairing.expansion import growth_of
 from flankload.pairing.friction import friction_of
 from flankload.scene.discretization import Discretization, Grid
-from flankload.scene.effects import effects_of
+from flankload.scene.effects import effects_of, is_spatial
 from flankload.scene.effects.rules import check_coast_kinds
 
 if TYPE_CHECKING:
@@ -48,7 +55,9 @@ class PairModels:
     screened : Scene
         The scene as it is screened.
     rates : dict of int to ElementRates
-        Of the bodies, 0 and 1, whose elements were solved.
+        Of the bodies, 0 and 1, whose plane elements were solved.
+    prism_rates : dict of int to PrismRates
+        Of those whose elements were solved in three dimensions.
     """
 
     def __init__(self, scene: Scene, pair: BodyPair, toggles: Mapping[str, Toggle]) -> None:
@@ -56,8 +65,10 @@ class PairModels:
         self._assemblies = {scene: pair}
         self._jobs: list[dict[Any, BodyCompliance]] = [{}, {}]
         self._meshes: dict[int, Body] = {}
+        self._sections: dict[int, BodyCompliance] = {}
         self.screened = screened(scene)
         self.rates: dict[int, ElementRates] = {}
+        self.prism_rates: dict[int, PrismRates] = {}
         for z in (0, 1):
             self._solve_elements(z)
 
@@ -71,8 +82,12 @@ class PairModels:
         pair, specs = self._pair, (scene.body_1, scene.body_2)
         mine = (self._scene.body_1, self._scene.body_2)
         effects = effects_of(scene)
+        moved = scene.pair != self._scene.pair
+        moved |= effects.three_dimensions != pair.effects.three_dimensions
         body_1, body_2 = (self._body(scene, z, tip_contact=effects.tip_contact) for z in (0, 1))
-        if any(_geometric(one) != _geometric(two) for one, two in zip(specs, mine, strict=True)):
+        if moved or any(
+            _geometric(one) != _geometric(two) for one, two in zip(specs, mine, strict=True)
+        ):
             return build_bodies(scene, pair.discretization, bodies=(body_1, body_2))
         coast = None
         if effects.coast_flanks:
@@ -102,7 +117,10 @@ class PairModels:
             if z not in self._meshes:
                 (self._meshes[z],) = bodies_of(scene, self._pair.discretization, (z,))
             body = replace(body, mesh=self._meshes[z].mesh)
-        if _unplaced(spec) != _unplaced(mine):
+        spatial = is_spatial(scene).on
+        if body.axial is not None and not spatial:  # its transverse section
+            body = replace(body, axial=None)
+        elif _unplaced(spec) != _unplaced(mine) or (spatial and body.axial is None):
             rigid = with_rigid(scene, f"body_{z + 1}", rigid=True)
             (built,) = bodies_of(rigid, self._pair.discretization, (z,))
             body = replace(built, mesh=body.mesh)
@@ -117,6 +135,30 @@ class PairModels:
         asked = [scene for scene in self._possible() if self._needs_elements(scene, z)]
         if not asked:
             return
+        spatial = [scene for scene in asked if is_spatial(scene).on]
+        if not self._pair.effects.three_dimensions:
+            self._solve_plane_elements(z, [scene for scene in asked if scene not in spatial])
+        if spatial:
+            self._solve_prism(z, spatial[0])
+
+    def _solve_prism(self, z: int, scene: Scene) -> None:
+        """A three-dimensional body on coarse elements, and the plane body on the same elements."""
+        load_packages()
+        body, found = coarse_compliance(scene, z)
+        self._jobs[z][self._variant(scene, z)] = found
+        self.prism_rates[z] = PrismRates(body, found)
+        assert body.mesh is not None
+        plane, start = scene.accuracy.plane, process_time()
+        matrix = stiffness(body.mesh.nodes, body.mesh.cells, body.material, plane)
+        seconds = process_time() - start
+        modes = modes_of(body, self.screened, COARSE)
+        self._sections[z] = flank_compliance(body, n_modes=modes, plane=plane, matrix=matrix)
+        if self._pair.effects.three_dimensions:
+            self._jobs[z][False, None, None] = self._sections[z]
+            self.rates[z] = ElementRates(body, seconds, self._sections[z])
+
+    def _solve_plane_elements(self, z: int, asked: list[Scene]) -> None:
+        """The plane elements of a body."""
         body = self._body(asked[0], z, tip_contact=True)
         if body.mesh is None:
             return
@@ -125,7 +167,7 @@ class PairModels:
         start = process_time()
         matrix = stiffness(body.mesh.nodes, cells, body.material, plane)
         seconds = process_time() - start
-        variants = list(dict.fromkeys(self._variant(scene, z) for scene in asked))
+        variants = list(dict.fromkeys(self._variant(scene, z)[1:] for scene in asked))
         finite = not self._pair.pairing.whole_circle and "finite_influence" in self._toggles
         along = finite and self._toggles["finite_influence"].scene is not None
         found = flank_compliances(
@@ -139,8 +181,9 @@ class PairModels:
             matrix=matrix,
             linear=True,
         )
-        self._jobs[z] = dict(zip(variants, found, strict=True))
-        self.rates[z] = ElementRates(body, seconds, found[0])
+        for variant, compliance in zip(variants, found, strict=True):
+            self._jobs[z][False, *variant] = compliance
+        self.rates[z] = ElementRates.of_linear(body, seconds, found[0])
 
     def _possible(self) -> list[Scene]:
         """The scene and its toggles as they are screened, but for those that are not solved."""
@@ -158,12 +201,20 @@ class PairModels:
         elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]
         return elastic or (growth is not None and growth.needs_elements)
 
-    def _variant(self, scene: Scene, z: int) -> tuple[int | None, Growth | None]:
-        """What is built of a sector: so many of them, growing so."""
+    def _variant(self, scene: Scene, z: int) -> tuple[bool, int | None, Growth | None]:
+        """What is built of a sector: in three dimensions or not, so many of them, growing so."""
         growth = self.assembly(scene).growth[z]
-        return scene.sectors, growth if growth is not None and growth.needs_elements else None
+        grows = growth if growth is not None and growth.needs_elements else None
+        return is_spatial(scene).on, scene.sectors, grows
+
+    def sections(self, pair: BodyPair) -> tuple[BodyCompliance, BodyCompliance]:
+        """Plane compliances on the elements of coarse three-dimensional bodies."""
+        bodies, coupled = (pair.body_1, pair.body_2), self._scene.effects.tooth_coupling
+        one, two = (self._sections.get(z) or no_compliance(bodies[z]) for z in (0, 1))
+        return (one, two) if coupled else (one.without_coupling(), two.without_coupling())
 
     def compliances(self, scene: Scene, pair: BodyPair) -> tuple[BodyCompliance, BodyCompliance]:
+        """Compliances of both bodies."""
         return self.compliance(scene, pair, 0), self.compliance(scene, pair, 1)
 
     def compliance(self, scene: Scene, pair: BodyPair, z: int) -> BodyCompliance:

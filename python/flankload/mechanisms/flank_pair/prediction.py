@@ -16,6 +16,7 @@ from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import TIP_MODES
 from flankload.elasticity.compliance.turned import has_turned_forces
 from flankload.elasticity.finite_elements import MANY_KEPT
+from flankload.elasticity.prism import prism_unknowns
 from flankload.mechanisms.flank_pair.stages import modes_of
 from flankload.scene.axial import degrees_of
 from flankload.scene.effects import work_in
@@ -62,7 +63,7 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
             if body.tip is not None and not pair.effects.nodal_near_field:
                 modes += TIP_MODES
             if pair.effects.three_dimensions:
-                stages[stage] = _prism(body, modes * (degrees_of(scene.accuracy)[1] + 1))
+                stages[stage] = _prism(body, modes, *degrees_of(scene.accuracy))
                 continue
             places = _places(pair.fillets[z])
             stages[stage] = (
@@ -128,11 +129,12 @@ def _sector(
     )
 
 
-def _prism(body: Body, modes: int) -> dict[str, int]:
+def _prism(body: Body, modes: int, degree: int, load_degree: int) -> dict[str, int]:
     """Work of a three-dimensional sector; with a plane of symmetry two parts of half the size."""
     assert body.axial is not None
     factorisations = 2 if body.axial.symmetric else 1
-    return _solved(factorisations, modes, 0, growth=0)
+    work = _solved(factorisations, modes * (load_degree + 1), 0, growth=0)
+    return work | {"fe_unknowns": prism_unknowns(body, degree)}
 
 
 def _loads(work: Work) -> tuple[float, float]:
@@ -173,23 +175,33 @@ def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     """States of the sweep, and of later sweeps if a torque loads the pair."""
     lumped = pair.effects.lumped_contact
     loaded = sum(torque > 0 for torque in scene.torques_Nm)
-    torques = {"sweep": len(scene.torques_Nm)}
+    states = {"sweep": len(scene.torques_Nm)}
     if scene.accuracy.tangents and not lumped:
-        torques["tangent"] = len(SIDES) * loaded
+        states["tangent"] = len(SIDES) * loaded
+    slices = {}
+    if pair.slices is not None:
+        slices["sweep"] = pair.slices.count * states["sweep"]
     if scene.accuracy.estimate:
         sweeps = n_sweeps(
             lumped=lumped,
             elements=bool(elements_estimated(pair)),
             variants=0 if pair.slices is None else SLICE_VARIANTS,
         )
-        torques["estimate"] = sweeps * loaded
-    positions = {} if pair.adaptive else {"states": pair.position_rad.size}
+        states["estimate"] = sweeps * loaded
+        if pair.slices is not None:  # the last sweep has fewer
+            count = (sweeps - 1) * pair.slices.count + pair.slices.coarser().count
+            slices["estimate"] = count * loaded
     none: dict[str, int] = {}
     if lumped:
         none |= {"contact_passes": 0, "influence_columns": 0}
     if lumped or not pair.effects.friction:
         none |= {"influence_columns_tangential": 0}
+    if pair.adaptive:
+        return dict.fromkeys(states, none)
+    positions = pair.position_rad.size
     return {
-        stage: none | {name: count * number for name, number in positions.items()}
-        for stage, count in torques.items()
+        stage: none
+        | {"states": count * positions}
+        | ({"slices": slices[stage] * positions} if stage in slices else {})
+        for stage, count in states.items()
     }

@@ -125,7 +125,9 @@ def broken_by_load(
     yield from broken_by_turn(turned_rad, pair.pairing.pitch_rad, torque)
     elastic = (body for body in (pair.body_1, pair.body_2) if not body.rigid)
     softer = [body.material.young_modulus_MPa for body in elastic]
-    pressure = _peak_off_corners(found) / scene.pair.face_width_mm
+    # slices have pressures, cells force per length
+    width_mm = scene.pair.face_width_mm if found.slice_peak_MPa is None else 1.0
+    pressure = _peak_off_corners(found) / width_mm
     if softer and pressure > PRESSURE.limit * min(softer):
         amount = f"{pressure / min(softer):.3g} of {min(softer):g} MPa"
         yield torque.broken(PRESSURE, amount)
@@ -176,7 +178,7 @@ def blame_load(
 
 
 def _peak_off_corners(found: Sweep) -> float:
-    """Largest pressure times face width, N/mm, without sharp corners (meaningless there)."""
+    """Largest pressure times face width, N/mm, of slices without it; without sharp corners."""
     sites = [(found.site_peak_N_per_mm, found.site_corner)]
     if found.coast is not None:
         sites.append((found.coast.site_peak_N_per_mm, found.coast.site_corner))

@@ -20,9 +20,15 @@ from flankload.bodies import SectorMesh
 from flankload.cost import Account, held_bytes
 from flankload.errors import ContactError
 from flankload.mechanisms.effect_size import Size, States
+from flankload.mechanisms.element_rates import unknowns_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.duration import duration_of
 from flankload.mechanisms.flank_pair.pair_models import COARSE, PairModels, screened
-from flankload.mechanisms.flank_pair.prediction import elements_estimated, predicted_work
+from flankload.mechanisms.flank_pair.prediction import (
+    SLICE_VARIANTS,
+    elements_estimated,
+    predicted_work,
+)
 from flankload.mechanisms.flank_pair.premises import blame_load, broken_by_geometry, broken_by_load
 from flankload.mechanisms.flank_pair.screened_nodes import nodal_size, node_spacings
 from flankload.mechanisms.flank_pair.stages import grown_pair, sweep_of
@@ -31,6 +37,7 @@ from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles, with_keys
 from flankload.pairing.body_pair import BodyPair
 from flankload.result.geometry import PairGeometry, pair_geometry
+from flankload.result.slices import face_load_factor
 from flankload.scene.discretization import Grid
 from flankload.scene.effects import EFFECTS, effects_of
 
@@ -57,8 +64,12 @@ OFF = (
     "lumped_contact",
     "coast_flanks",
 )
+SPATIAL = "three_dimensions"
 #: Effects that do not exist for flanks.
 OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
+#: The elements of a coarse three-dimensional pair take about these CPU seconds; they are solved for
+#: a plane run that probably takes so many times as long.
+RUNG_S, RUNGS = 0.3, 6.0
 #: Evaluation points in the root fillets of a tooth.
 PLACES = 40
 #: Least duration of a call of the core, s.
@@ -85,6 +96,8 @@ class FlankPairScreening(Screening):
         Scene without `effects.choose`.
     levels : bool
         Whether coarser contact models that are off are tried as well.
+    dimension : bool
+        Whether three dimensions are tried in a plane scene, however short its run is.
 
     Raises
     ------
@@ -94,7 +107,7 @@ class FlankPairScreening(Screening):
         If a position has no solution.
     """
 
-    def __init__(self, scene: Scene, *, levels: bool = False) -> None:
+    def __init__(self, scene: Scene, *, levels: bool = False, dimension: bool = False) -> None:
         self._scene = scene
         with Account() as self._bodies:
             self._pair = build_bodies(scene)
@@ -105,7 +118,7 @@ class FlankPairScreening(Screening):
         self.rows = tuple(row.name for row in known if teeth or not row.of_teeth)
         effects = self._pair.effects
         self.toggles: dict[str, Toggle] = {
-            name: toggle
+            name: self._tried(name, toggle, dimension=dimension)
             for name, toggle in toggles(scene, self.rows).items()
             if levels or name not in OFF or getattr(effects, name) or toggle.impossible
         }
@@ -125,9 +138,19 @@ class FlankPairScreening(Screening):
         self.reference_radius_mm = self._pair.body_1.reference_radius_mm
         self._rate = self._state_rate()
 
+    def _tried(self, name: str, toggle: Toggle, *, dimension: bool) -> Toggle:
+        """The toggle; without a scene if it adds a dimension to a short run."""
+        if name != SPATIAL or toggle.scene is None or self._pair.slices is not None or dimension:
+            return toggle
+        if duration_of(self._scene, self._pair).seconds > RUNGS * RUNG_S:
+            return toggle
+        return Toggle(
+            None, skipped=f"not screened, which takes about {RUNG_S:g} s (--dimension does it)"
+        )
+
     # --- sizes ------------------------------------------------------------------------------------
     def size(self, name: str, *, on: bool) -> Size | None:
-        """What a row changes; three levels are looked at in ways of their own."""
+        """What a row changes; four levels are looked at in ways of their own."""
         scene = self.toggles[name].scene
         if scene is None:
             return None
@@ -137,22 +160,30 @@ class FlankPairScreening(Screening):
         if name == "finite_influence":
             return self._finite_size(scene, on=on)
         if name == "lumped_contact":
-            return self._with_fine_cells(scene, on=on)
+            return self._with_fine_cells(scene, on=on, mine=self._fine)
+        if name == SPATIAL:
+            return self._with_fine_cells(scene, on=on, mine=self._fine if on else self._sections())
         return super().size(name, on=on)
 
     def change(self, scene: Scene) -> Size:
         """Change by another scene; without cells against the cells of the run."""
         if effects_of(scene).lumped_contact and not self._pair.effects.lumped_contact:
-            return self._with_fine_cells(scene, on=False)
+            return self._with_fine_cells(scene, on=False, mine=self._fine)
         return super().change(scene)
 
-    def _with_fine_cells(self, scene: Scene, *, on: bool) -> Size:
-        """Change by a scene that differs in its cells, with the cells of the run."""
+    def _sections(self) -> list[States]:
+        """States of the plane scene on the elements of its coarse three-dimensional bodies."""
+        few, torque = _every(self._at, FINE_POSITIONS), self._torques[-1:]
+        found, _ = self._timed(self._scene, few, torque, fine=True, sections=True)
+        return self._states(self._scene, found)
+
+    def _with_fine_cells(self, scene: Scene, *, on: bool, mine: list[States]) -> Size:
+        """Change by a scene that differs in its cells or slices, with those of the run."""
         few = _every(self._at, FINE_POSITIONS)
-        found, seconds = self._timed(screened(scene), few, self._torques[-1:], self._grid)
+        found, seconds = self._timed(screened(scene), few, self._torques[-1:], fine=True)
         self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / found[0].status.size)
         other = self._states(screened(scene), found)
-        return self.between(other, on=on, mine=self._fine, which=few)
+        return self.between(other, on=on, mine=mine, which=few)
 
     def states(self, scene: Scene) -> list[States]:
         """States with other effects; how much longer each takes is kept."""
@@ -180,9 +211,15 @@ class FlankPairScreening(Screening):
         return self._pair.discretization.grid
 
     def _states(self, scene: Scene, found: tuple[Sweep, ...]) -> list[States]:
-        sites = self._models.assembly(scene).pairing.sites
+        pair = self._models.assembly(scene)
         return [
-            States.of(part.torque_Nmm / 1000.0, sites, part.rotation_rad, part.site_force_N)
+            States.of(
+                part.torque_Nmm / 1000.0,
+                pair.pairing.sites,
+                part.rotation_rad,
+                part.site_force_N,
+                face_load_factor=_face_load_factor(pair, part),
+            )
             for part in found
         ]
 
@@ -191,18 +228,24 @@ class FlankPairScreening(Screening):
         scene: Scene,
         few: slice = slice(None),
         torques_Nm: tuple[float, ...] | None = None,
-        grid: Grid = COARSE.grid,
         account: Account | None = None,
+        *,
+        fine: bool = False,
+        sections: bool = False,
     ) -> tuple[tuple[Sweep, ...], float]:
-        """The sweep of some positions, and its CPU seconds."""
+        """The sweep of some positions on wide cells or few slices, or those of the run; seconds."""
         pair = self._models.assembly(scene)
-        pair, compliances = grown_pair(pair, self._models.compliances(scene, pair))
+        if pair.slices is not None and not fine:
+            pair = replace(pair, slices=pair.slices.coarser())
+        models = self._models
+        found_of = models.sections(pair) if sections else models.compliances(scene, pair)
+        pair, compliances = grown_pair(pair, found_of)
         torques, start = self._torques if torques_Nm is None else torques_Nm, process_time()
         found = sweep_of(scene, pair)(
             compliances=compliances,
             position_rad=self._at[few],
             torques_Nmm=[1000.0 * torque for torque in torques],
-            grid=grid,
+            grid=self._grid if fine else COARSE.grid,
             keep_pairs=account is not None,
             account=account,
             watched=False,
@@ -246,10 +289,17 @@ class FlankPairScreening(Screening):
             name = f"compliance body {z + 1}"
             if name not in counted:
                 continue
+            if pair.slices is not None:
+                body = (pair.body_1, pair.body_2)[z]
+                stages[name] = self._models.prism_rates[z].price(scene, body, counted[name])
+                continue
             if z not in self._models.rates:  # it comes from a file
                 stages[name] = Account(bytes=held_bytes(self._models.compliance(scene, pair, z)))
                 continue
             counters, finer = counted[name], 1.0
+            if self._pair.slices is not None:  # of its section, on coarse elements
+                run = (self._pair.body_1, self._pair.body_2)[z]
+                finer = unknowns_of(run) / unknowns_of(self._models.rates[z].body)
             if nodal:
                 finer, counters = self._nodal(scene, pair, z, counters)
             fillets, places = pair.fillets[z], 0
@@ -296,7 +346,11 @@ class FlankPairScreening(Screening):
         if scene.accuracy.tangents and not lumped:
             numbers["tangent"] = (1, len(SIDES) * loaded, rate.state_s)
         if scene.accuracy.estimate:
-            sweeps = n_sweeps(lumped=lumped, elements=bool(elements_estimated(pair)))
+            sweeps = n_sweeps(
+                lumped=lumped,
+                elements=bool(elements_estimated(pair)),
+                variants=0 if pair.slices is None else SLICE_VARIANTS,
+            )
             numbers["estimate"] = (sweeps, sweeps * loaded, rate.coarser_s)
         stages = {}
         for name, (calls, torques, state_s) in numbers.items():
@@ -314,18 +368,28 @@ class FlankPairScreening(Screening):
     def _state_rate(self) -> StateRate:
         """What a state takes on the run's own cells, and on cells twice as wide."""
         few, torque, account = _every(self._at, FINE_POSITIONS), self._torques[-1:], Account()
-        found, seconds = self._timed(self._scene, few, torque, self._grid, account)
+        found, seconds = self._timed(self._scene, few, torque, account, fine=True)
         self._fine, count = self._states(self._scene, found), found[0].status.size
         account.bytes, call = held_bytes(found), 0.0
         if count > 1:
-            _, one = self._timed(self._scene, slice(1), torque, self._grid, Account())
+            _, one = self._timed(self._scene, slice(1), torque, Account(), fine=True)
             call = max(0.0, one - (seconds - one) / (count - 1))
         wide = (self._base_s - call) / (self._at.size * len(self._torques))
         state, wide = max(TINY_S, (seconds - call) / count), max(TINY_S, wide)
-        ratio = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width
+        cells = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width
+        ratio = cells if self._pair.slices is None else 1.0  # slices stay in most of the estimate
         # by the power law between both
         power = log(state / wide) / log(ratio) if ratio > 1.0 and state > wide else 0.0
         return StateRate(call, state, state * 0.5**power, account, count)
+
+
+def _face_load_factor(pair: BodyPair, found: Sweep) -> float | None:
+    """K_Hbeta of all positions; None in the plane."""
+    force, slices = found.slice_force_N, pair.slices
+    if force is None or slices is None:
+        return None
+    widths = slices if force.shape[2] == slices.count else slices.coarser()
+    return face_load_factor(force, widths.width_mm)
 
 
 def _every(positions: Floats, most: int) -> slice:

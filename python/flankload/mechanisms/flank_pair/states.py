@@ -107,7 +107,8 @@ def flank_states(
             found = with_tangents(found, partial(again, progress=clock.sweep_progress("tangent")))
     with clock.account("result") as account:
         found = with_unloaded(found, partial(run, keep_pairs=False, account=account))
-    account.counters.pop("states", None)  # those are positions under a torque
+    for name in ("states", "slices"):  # those are of positions under a torque
+        account.counters.pop(name, None)
     return pair, FlankStates(found, errors, rounds, pair_geometry(pair, compliances), run)
 
 

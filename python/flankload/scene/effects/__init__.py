@@ -8,7 +8,7 @@ that decides (`Switch`).
 
 from flankload.scene.effects.record import Effect, SizeBy, Switch, Work
 from flankload.scene.effects.records import EFFECTS, Effects, effects_of, switches_of, work_in
-from flankload.scene.effects.switches import MODIFICATIONS, require_plane
+from flankload.scene.effects.switches import MODIFICATIONS, is_spatial, require_plane
 
 __all__ = [
     "EFFECTS",
@@ -19,6 +19,7 @@ __all__ = [
     "Switch",
     "Work",
     "effects_of",
+    "is_spatial",
     "require_plane",
     "switches_of",
     "work_in",

@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
-from flankload.scene.axial import LEAD_KEYS, REGION_KEYS
+from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, REGION_KEYS
 from flankload.scene.effects.record import Effect, Switch, Work
 from flankload.scene.effects.switches import (
     MODIFICATIONS,
+    has_lead,
     has_several_torques,
+    has_shaft,
     is_elastic,
+    is_misaligned,
     is_misplaced,
     is_modified,
     is_spatial,
@@ -72,11 +75,11 @@ class Effects:
             "body_*.helix_angle_deg",
             *(f"body_*.{key}" for key in (*LEAD_KEYS, "face_width_mm", "axial_offset_mm")),
             *(f"body_*.{key}" for key in (*REGION_KEYS, "shaft")),
-            "pair.inclination_um_per_mm",
-            "pair.deviation_um_per_mm",
+            *(f"pair.{key}" for key in MISALIGNMENTS),
         ),
         called_for=is_spatial,
         stages=(*BODIES, *SWEEPS),
+        counters=("fe_unknowns", "slices"),
         size_by="compliance",
         of_teeth=True,
     )
@@ -183,6 +186,30 @@ class Effects:
         called_for=is_misplaced,
         stages=("bodies",),
         size_by="gaps",
+        of_teeth=True,
+    )
+    lead_modifications: bool = _effect(
+        "lead modifications",
+        keys=tuple(f"body_*.{key}" for key in LEAD_KEYS),
+        called_for=has_lead,
+        stages=("bodies",),
+        size_by="gaps",
+        of_teeth=True,
+    )
+    misalignment: bool = _effect(
+        "misalignment of the axes",
+        keys=tuple(f"pair.{key}" for key in MISALIGNMENTS),
+        called_for=is_misaligned,
+        stages=("bodies",),
+        size_by="gaps",
+        of_teeth=True,
+    )
+    shafts: bool = _effect(
+        "shafts and bearings",
+        keys=("body_*.shaft",),
+        called_for=has_shaft,
+        stages=SWEEPS,
+        size_by="compliance",
         of_teeth=True,
     )
     thermal_growth: bool = _effect(

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from flankload.errors import SceneError
-from flankload.scene.axial import three_dimensional_key
+from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, AxialKeys, three_dimensional_key
 from flankload.scene.belt import Pulley
 from flankload.scene.effects.record import Switch, as_key
 
@@ -63,6 +63,35 @@ def is_modified(scene: Scene) -> Switch:
             if value := getattr(table, key):
                 return Switch(True, f"body_{number}.{inside}{key} = {as_key(value)}", True)
     return Switch(False, "no relief, crowning, tip radius or chamfer", False)
+
+
+def has_lead(scene: Scene) -> Switch:
+    """Whether a flank is modified along the axis; the reason is the first such key."""
+    return _first_of(scene, LEAD_KEYS, "no crowning, helix slope or end relief")
+
+
+def has_shaft(scene: Scene) -> Switch:
+    """Whether a body is on a shaft with bearings."""
+    return _first_of(scene, ("shaft",), "body_*.shaft absent")
+
+
+def is_misaligned(scene: Scene) -> Switch:
+    """Whether the axes are not parallel."""
+    for key in MISALIGNMENTS:
+        if value := getattr(scene.pair, key):
+            return Switch(True, f"pair.{key} = {as_key(value)}", True)
+    return Switch(False, "axes are parallel", False)
+
+
+def _first_of(scene: Scene, keys: tuple[str, ...], none: str) -> Switch:
+    """The first of these keys along the axis that a body has."""
+    for number, body in enumerate((scene.body_1, scene.body_2), start=1):
+        for key in keys if isinstance(body, AxialKeys) else ():
+            value = getattr(body, key)
+            if any(value) if isinstance(value, tuple) else value:
+                shown = f" = {as_key(value)}" if isinstance(value, float | tuple) else ""
+                return Switch(True, f"body_{number}.{key}{shown}", True)
+    return Switch(False, none, False)
 
 
 def is_misplaced(scene: Scene) -> Switch:

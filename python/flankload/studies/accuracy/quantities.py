@@ -27,6 +27,7 @@ MEASURES = {
     "load_share": ("load_share",),
     "peak_pressure": ("peak_pressure",),
     "stiffness": ("stiffness",),
+    "face_load_factor": ("face_load_factor",),
 }
 #: Column heading of each error in a table.
 HEADS = {
@@ -36,6 +37,7 @@ HEADS = {
     "load_share": "share",
     "peak_pressure": "pressure",
     "stiffness": "stiffness",
+    "face_load_factor": "K_Hbeta",
 }
 #: Meaning of the columns.
 MEANINGS = {
@@ -45,6 +47,7 @@ MEANINGS = {
     "load_share": "largest error, as part of the load",
     "peak_pressure": "largest error off sharp corners, relative to the largest pressure there",
     "stiffness": "error of the mean secant or tangent stiffness, the larger one",
+    "face_load_factor": "error of the face load factor, which is 1 in the plane",
 }
 #: Arrays over positions, and over positions and sites.
 OVER_POSITIONS = ("transmission_error",)
@@ -56,6 +59,7 @@ NUMBERS = (
     "largest_pressure",
     "stiffness_secant",
     "stiffness_tangent",
+    "face_load_factor",
 )
 #: Scalars of a torque that do not converge.
 CORNER = "corner_pressure"
@@ -105,6 +109,7 @@ def quantities_of(results: Result | Sequence[Result]) -> Quantities:
         "largest_pressure": summary("peak_pressure_off_corners_MPa"),
         "stiffness_secant": summary("stiffness_secant_mean_Nm_per_rad"),
         "stiffness_tangent": summary("stiffness_tangent_mean_Nm_per_rad"),
+        "face_load_factor": np.array([r.face_load_factor for r in parts]),
         CORNER: np.array([r.peak_pressure_MPa[r.corner_contact].max(initial=0.0) for r in parts]),
     }
 
@@ -228,6 +233,8 @@ def _errors(one: Quantities, two: Quantities, t: int) -> dict[str, float]:
     if highest > 0:
         local = _greatest(one["peak_pressure"][t] - two["peak_pressure"][t])
         found["peak_pressure"] = max(local, change("largest_pressure")) / highest
+    if two["face_load_factor"][t] != 1.0:
+        found["face_load_factor"] = change("face_load_factor") / two["face_load_factor"][t]
     stiffness = [
         change(name) / abs(float(two[name][t]))
         for name in ("stiffness_secant", "stiffness_tangent")

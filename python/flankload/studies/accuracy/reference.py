@@ -8,6 +8,7 @@ from functools import cached_property
 from math import hypot, inf
 from typing import TYPE_CHECKING
 
+from flankload.scene.axial import DEGREES_ABOVE_LOAD
 from flankload.studies.accuracy.quantities import errors_of, limits_of, moved, off_by, with_numbers
 from flankload.studies.accuracy.refinements import ADAPTIVE, ADAPTIVE_START, KINKS
 
@@ -44,7 +45,10 @@ def twin(
     refinements: Refinements, parameter: str, discretization: NamedDiscretization
 ) -> NamedDiscretization:
     """A step of a sequence with the other parameters at their default."""
-    changed = replace(refinements.base, **{parameter: getattr(discretization, parameter)})
+    base, degree = refinements.base, discretization.load_degree_z
+    if parameter == "load_degree_z" and base.axial_degree is not None and degree is not None:
+        base = replace(base, axial_degree=max(base.axial_degree, degree + DEGREES_ABOVE_LOAD))
+    changed = replace(base, **{parameter: getattr(discretization, parameter)})
     return replace(changed, adaptive=discretization.adaptive)
 
 
@@ -155,6 +159,8 @@ class Reference:
     def _size(discretization: NamedDiscretization, parameter: str) -> float:
         """Step size, which approaches zero along a sequence."""
         value = float(getattr(discretization, parameter))
+        if parameter in ("axial_degree", "load_degree_z"):
+            value += 1.0  # the number of functions
         return value if parameter == "flank_element_mm" else 1.0 / value
 
     def of(self, *parameters: str) -> Quantities | None:

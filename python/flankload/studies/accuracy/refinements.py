@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from math import inf
+from typing import TYPE_CHECKING, Any
 
 from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.slices import SLICES as DEFAULT_SLICES
+from flankload.scene.axial import AXIAL_DEGREE, LOAD_DEGREE
 from flankload.scene.discretization import DEFAULT
+from flankload.scene.effects import is_spatial
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.parameters import default_length, most_modes
 
@@ -37,12 +42,26 @@ FINEST_MODES, FINEST_ZONE = 8, 3.0
 ELEMENTS_COST = {0.125: 52.0, 0.25: 11.0, 0.5: 3.0, 1.0: 1.0}
 #: The work is proportional to this power of the number of cells.
 STRIPS_ORDER = 1.4
-#: Possible limits of the finest discretization, finest first: relative element length, cells,
-#: relative number of positions.
-FINEST = ((0.125, 40.0, 4.0), (0.25, 40.0, 4.0), (0.25, 20.0, 2.0), (0.5, 20.0, 2.0))
+#: Steps in three dimensions: relative element lengths, degrees along the axis, slices.
+SPATIAL_ELEMENTS, AXIAL_DEGREES, LOAD_DEGREES = (2.0, 1.0, 0.5), (4, 6, 8, 10, 12), (0, 2, 4, 6, 8)
+SLICES = (7, 14, 28, 56)
+#: Coarse bodies in three dimensions: elements of the first step, and these.
+COARSE: dict[str, Any] = {"modes": 3, "axial_degree": 6, "load_degree_z": 2, "slices": 14}
+#: Possible limits of the finest discretization, finest first: elements and positions relative to
+#: the default, all else as it is.
+Fineness = Mapping[str, float]
+FINEST: tuple[Fineness, ...] = tuple(
+    {"flank_element_mm": part, "strips_per_half_width": strips, "count": positions}
+    for part, strips, positions in ((0.125, 40, 4), (0.25, 40, 4), (0.25, 20, 2), (0.5, 20, 2))
+)
+SPATIAL_FINEST: tuple[Fineness, ...] = tuple(
+    {"flank_element_mm": part, "axial_degree": p, "load_degree_z": q, "count": positions}
+    for part, p, q, positions in ((0.5, 12, 8, 4), (0.5, 10, 6, 4), (1.0, 10, 6, 2))
+)
 #: Part of the budget for the steps of parameters; number of runs at the finest cells and positions
-#: among them, and number of solutions with the finest elements.
-LADDERS_PART, LADDER_SWEEPS, LADDER_ELEMENTS = 0.6, 20.0, 1.5
+#: among them, and number of solutions with the finest elements, in the plane and with their degrees
+#: along the axis.
+LADDERS_PART, LADDER_SWEEPS, LADDER_ELEMENTS, LADDER_DEGREES = 0.6, 20.0, 1.5, 3.5
 
 
 @dataclass(frozen=True)
@@ -63,6 +82,11 @@ class Refinements:
     base: NamedDiscretization
     finest: NamedDiscretization
     can_adapt: bool = True
+
+    @property
+    def spatial(self) -> bool:
+        """Whether the bodies are three-dimensional."""
+        return "slices" in self.ladders
 
     def step(self, discretization: NamedDiscretization, parameter: str) -> int:
         """Index of a parameter's value among its steps."""
@@ -104,18 +128,47 @@ def refinements_of(scene: Scene) -> Refinements:
     most = min((most_modes(spec, body) for spec, body in elastic), default=0)
     if modes := tuple(mode for mode in MODES if mode <= most):
         ladders["modes"] = modes
-    ladders["strips_per_half_width"] = STRIPS
-    ladders["zone_half_widths"] = ZONES
     if scene.positions.angles_deg is None and pair.position_rad.size > 1:
         ladders["count"] = _counts(scene)
     base = NamedDiscretization(
         flank_element_mm=ladders["flank_element_mm"][1] if meshed else None,
         modes=max((m for m in modes if m <= DEFAULT.modes), default=None),
-        strips_per_half_width=10.0,
-        zone_half_widths=2.5,
         count=scene.positions.count if "count" in ladders else None,
     )
-    return finest_within(Refinements(ladders, base, base), FINEST[0])
+    of_kind = _spatial if pair.slices is not None else _plane
+    return of_kind(ladders, base)
+
+
+def _plane(ladders: dict[str, tuple[float, ...]], base: NamedDiscretization) -> Refinements:
+    """Parameters of plane bodies: cells."""
+    further = {"strips_per_half_width": STRIPS, "zone_half_widths": ZONES}
+    base = replace(base, strips_per_half_width=10.0, zone_half_widths=2.5)
+    return finest_within(Refinements(_before_count(ladders, further), base, base), FINEST[0])
+
+
+def _spatial(ladders: dict[str, tuple[float, ...]], base: NamedDiscretization) -> Refinements:
+    """Parameters of three-dimensional bodies: degrees along the axis, slices."""
+    if base.flank_element_mm is not None:
+        lengths = tuple(_rounded(base.flank_element_mm * part) for part in SPATIAL_ELEMENTS)
+        ladders["flank_element_mm"] = lengths
+    further = {"axial_degree": AXIAL_DEGREES, "load_degree_z": LOAD_DEGREES, "slices": SLICES}
+    base = replace(
+        base,
+        level="slices",
+        axial_degree=AXIAL_DEGREE,
+        load_degree_z=LOAD_DEGREE,
+        slices=DEFAULT_SLICES,
+    )
+    found = Refinements(_before_count(ladders, further), base, base)
+    return finest_within(found, SPATIAL_FINEST[0])
+
+
+def _before_count(
+    ladders: dict[str, tuple[float, ...]], further: Mapping[str, tuple[float, ...]]
+) -> dict[str, tuple[float, ...]]:
+    """Further steps, before those of the positions."""
+    positions = {"count": ladders["count"]} if "count" in ladders else {}
+    return {**ladders, **further} | positions
 
 
 def _of_drives(scene: Scene) -> Refinements:
@@ -138,29 +191,24 @@ def _counts(scene: Scene) -> tuple[int, ...]:
     return tuple(sorted({round(count * part) for part in COUNTS if count * part >= 1}))
 
 
-def finest_within(refinements: Refinements, fineness: tuple[float, float, float]) -> Refinements:
+def finest_within(refinements: Refinements, fineness: Fineness) -> Refinements:
     """The parameters with a given finest discretization, without finer steps than that."""
-    part, strips, positions = fineness
-    kept = dict(refinements.ladders)
-    base = refinements.base
-    if base.flank_element_mm is not None:
-        least = base.flank_element_mm * part * 0.99
-        kept["flank_element_mm"] = tuple(h for h in kept["flank_element_mm"] if h >= least)
-    if "strips_per_half_width" in kept:
-        kept["strips_per_half_width"] = tuple(
-            n for n in kept["strips_per_half_width"] if n <= strips
-        )
-    if base.count is not None:
-        kept["count"] = tuple(n for n in kept["count"] if n <= base.count * positions)
-    modes = kept.get("modes", ())
-    finest = NamedDiscretization(
-        flank_element_mm=kept["flank_element_mm"][-1] if "flank_element_mm" in kept else None,
-        modes=max((int(m) for m in modes if m <= FINEST_MODES), default=None),
-        strips_per_half_width=kept.get("strips_per_half_width", (None,))[-1],
-        zone_half_widths=FINEST_ZONE if "zone_half_widths" in kept else None,
-        count=int(kept["count"][-1]) if "count" in kept else None,
-    )
-    return replace(refinements, ladders=kept, finest=finest)
+    kept, base = dict(refinements.ladders), refinements.base
+    finest: dict[str, Any] = {}
+    for name, steps in refinements.ladders.items():
+        limit = fineness.get(name, inf)
+        if name == "flank_element_mm":
+            least = 0.99 * limit * (base.flank_element_mm or 0.0)
+            kept[name] = tuple(length for length in steps if length >= least)
+        else:
+            most = limit * (base.count or 1) if name == "count" else limit
+            kept[name] = tuple(number for number in steps if number <= most)
+        finest[name] = kept[name][-1]
+    if "modes" in kept:
+        finest["modes"] = max(mode for mode in kept["modes"] if mode <= FINEST_MODES)
+    if "zone_half_widths" in kept:
+        finest["zone_half_widths"] = FINEST_ZONE
+    return replace(refinements, ladders=kept, finest=replace(base, **finest))
 
 
 def affordable(refinements: Refinements, stages: dict[str, float], budget_s: float) -> Refinements:
@@ -179,15 +227,20 @@ def affordable(refinements: Refinements, stages: dict[str, float], budget_s: flo
     """
     elements = sum(s for name, s in stages.items() if name.startswith("compliance"))
     sweeps = stages.get("sweep", 0.0) + stages.get("tangent", 0.0)
-    if refinements.base.flank_element_mm is None:
+    if refinements.base.flank_element_mm is None and not refinements.spatial:
         elements = 0.0
-    for fineness in FINEST:
-        part, strips, positions = fineness
-        each = sweeps * (strips / 10.0) ** STRIPS_ORDER
-        if refinements.base.count is not None:
-            each *= positions
-        ladders = LADDER_ELEMENTS * elements * ELEMENTS_COST[part] + LADDER_SWEEPS * each
-        if ladders <= LADDERS_PART * budget_s:
+    for fineness in SPATIAL_FINEST if refinements.spatial else FINEST:
+        each = sweeps * fineness["count"] ** (refinements.base.count is not None)
+        solutions = elements
+        if refinements.base.flank_element_mm is not None:
+            solutions *= ELEMENTS_COST[fineness["flank_element_mm"]]
+        if refinements.spatial:
+            solutions *= LADDER_DEGREES * (fineness["axial_degree"] / AXIAL_DEGREE) ** 2
+            each *= (SLICES[-1] / DEFAULT_SLICES) ** 2
+        else:
+            solutions *= LADDER_ELEMENTS
+            each *= (fineness["strips_per_half_width"] / 10.0) ** STRIPS_ORDER
+        if solutions + LADDER_SWEEPS * each <= LADDERS_PART * budget_s:
             break
     return finest_within(refinements, fineness)
 
@@ -197,8 +250,8 @@ def _rounded(length: float) -> float:
 
 
 def can_lump(scene: Scene) -> bool:
-    """Whether a lumped contact model is possible: not for conforming flanks or chains."""
-    return not (scene.body_1.conforms or scene.is_drive)
+    """Whether lumped contact is another model: not for conforming flanks, chains and slices."""
+    return not (scene.body_1.conforms or scene.is_drive or is_spatial(scene).on)
 
 
 def can_be_nodal(scene: Scene) -> bool:
@@ -206,6 +259,7 @@ def can_be_nodal(scene: Scene) -> bool:
     effects, bodies = scene.effects, (scene.body_1, scene.body_2)
     return (
         not scene.is_drive
+        and not is_spatial(scene).on
         and scene.body_2.has_teeth
         and not any(body.from_file for body in bodies)
         and not (effects.coast_flank or effects.temperature_rise_K or effects.speed_rpm)

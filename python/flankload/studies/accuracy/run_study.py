@@ -9,13 +9,13 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 from flankload.errors import SceneError
-from flankload.scene.effects import require_plane
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.accuracy.combinations import search
 from flankload.studies.accuracy.notes import corner_notes, failure_notes, file_notes, limit_notes
 from flankload.studies.accuracy.quantities import MEASURES
 from flankload.studies.accuracy.reference import Reference, at_default, ladder
 from flankload.studies.accuracy.refinements import (
+    COARSE,
     affordable,
     can_be_nodal,
     can_lump,
@@ -79,7 +79,7 @@ def accuracy(
     Raises
     ------
     SceneError
-        If the scene is impossible, three-dimensional or has no torque, or an argument is wrong;
+        If the scene is impossible or has no torque, or an argument is wrong;
         `PremiseError` if it violates a premise of the model.
     """
     _check(scene, quantities, budget_s)
@@ -108,7 +108,6 @@ def _check(scene: Scene, quantities: Sequence[str], budget_s: float) -> None:
             raise SceneError(key="quantities", expected=f"some of {known}", found=f"'{quantity}'")
     if not budget_s > 0:
         raise SceneError(key="budget", expected="CPU seconds > 0", found=f"{budget_s:g}")
-    require_plane(scene, "the study refines discretizations of plane bodies")
     if not all(torque > 0 for torque in scene.torques_Nm):
         raise SceneError(
             key="load.torque_Nm",
@@ -149,8 +148,8 @@ class _StudyRuns:
         for parameter in self.refinements.ladders:
             for discretization in at_default(self.refinements, parameter):
                 self.run("default but for one knob", discretization)
-        for discretization in self._levels():
-            self.run(discretization.level, discretization)
+        for group, discretization in self._levels():
+            self.run(group, discretization)
         reference = Reference(self.runs.done, self.refinements)
         alone = [MEASURES[quantity] for quantity in self.quantities]
         for measures in (self.measures, *(alone if len(alone) > 1 else ())):
@@ -186,18 +185,23 @@ class _StudyRuns:
             done = int(TOLD * min(1.0, self._spent() / self._budget_s))
             self._progress(group.replace("_", " "), done, TOLD)
 
-    def _levels(self) -> Iterator[NamedDiscretization]:
-        """Other contact models at the default, with finer elements, and at more positions."""
+    def _levels(self) -> Iterator[tuple[str, NamedDiscretization]]:
+        """Other models at the default, with finer elements, and at more positions."""
         base, ladders = self.refinements.base, self.refinements.ladders
+        if self.refinements.spatial:
+            plane = NamedDiscretization("plane", base.flank_element_mm, base.modes)
+            yield "plane", replace(plane, count=base.count)
+            length = ladders.get("flank_element_mm", (None,))[0]
+            yield "coarse", replace(base, flank_element_mm=length, **COARSE)
         if can_lump(self.scene):
             plain = replace(base, level="lumped", strips_per_half_width=None, zone_half_widths=None)
-            yield plain
+            yield "lumped", plain
             if len(ladders.get("flank_element_mm", ())) > 2:
-                yield replace(plain, flank_element_mm=ladders["flank_element_mm"][2])
+                yield "lumped", replace(plain, flank_element_mm=ladders["flank_element_mm"][2])
             if len(ladders.get("count", ())) > 1:
-                yield replace(plain, count=int(ladders["count"][-2]))
+                yield "lumped", replace(plain, count=int(ladders["count"][-2]))
         if can_be_nodal(self.scene) and base.flank_element_mm is not None:
-            yield self._nodes(self.refinements.finest.flank_element_mm)
+            yield "nodes", self._nodes(self.refinements.finest.flank_element_mm)
 
     def _nodes(self, apart_mm: float | None) -> NamedDiscretization:
         """Nodal forces, which have neither modes nor cells; on their own if None."""

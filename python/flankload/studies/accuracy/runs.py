@@ -87,7 +87,7 @@ class Runs:
         self._file = file
         self._head = {"runs_of_flankload": version("flankload"), "scene": fingerprint(scene)}
         self._lines: list[str] = []
-        self._kept: dict[object, Kept] = {}
+        self._kept: dict[tuple[object, int | None, int | None], Kept] = {}
         self.done: dict[NamedDiscretization, Run] = {}
         if file is not None and file.exists():
             self._read(file)
@@ -139,17 +139,23 @@ class Runs:
         """Compliances for the same elements and modes; or for more modes, if that saves time."""
         if discretization.as_it_stands:
             return {}
-        elements = (discretization.level == "nodes", discretization.flank_element_mm)
-        kept = self._kept.setdefault((elements, discretization.modes), {})
-        if kept or discretization.modes is None:
+        elements = (
+            discretization.level if discretization.level in ("nodes", "plane") else "",
+            discretization.flank_element_mm,
+            discretization.axial_degree,
+        )
+        modes, load_degree = discretization.modes, discretization.load_degree_z
+        kept = self._kept.setdefault((elements, modes, load_degree), {})
+        if kept or modes is None:
             return kept
-        for key, other in self._kept.items():
+        for (of_elements, more, degree), other in self._kept.items():
             if (
-                isinstance(key, tuple)
-                and key[0] == elements
-                and (key[1] or 0) > discretization.modes
+                of_elements == elements
+                and ((more or 0) > modes or (degree or 0) > (load_degree or 0))
+                and (more or 0) >= modes
+                and (degree or 0) >= (load_degree or 0)
             ):
-                fewer = {z: _with_modes(*body, discretization.modes) for z, body in other.items()}
+                fewer = {z: _with_modes(*body, modes, load_degree) for z, body in other.items()}
                 if all(body is not None for body in fewer.values()):
                     kept.update({z: body for z, body in fewer.items() if body is not None})
                     break
@@ -157,14 +163,14 @@ class Runs:
 
 
 def _with_modes(
-    compliance: BodyCompliance, account: Account, modes: int
+    compliance: BodyCompliance, account: Account, modes: int, load_degree: int | None
 ) -> tuple[BodyCompliance, Account] | None:
     """The submatrix of the lower modes; None if a separate solution is cheap."""
     if compliance.closed or account.cpu_s < SHARED_ABOVE_S:
         return None
-    while compliance.smooth.shape[1] > modes:
-        compliance = compliance.fewer_modes()
-    return compliance, account
+    if compliance.axial is not None and load_degree is not None:
+        compliance = compliance.fewer_axial_modes(compliance.axial.degree - load_degree)
+    return compliance.fewer_modes(compliance.flank_modes - modes), account
 
 
 def _measured(

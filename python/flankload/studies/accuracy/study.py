@@ -255,6 +255,9 @@ _SETTING = (
     "zone_half_widths",
     "count",
     "adaptive",
+    "axial_degree",
+    "load_degree_z",
+    "slices",
 )
 
 

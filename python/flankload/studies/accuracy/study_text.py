@@ -19,6 +19,9 @@ PARAMETER_LABELS = {
     "modes": "pressure modes",
     "strips_per_half_width": "strips on the half-width",
     "zone_half_widths": "half-width of the zone",
+    "axial_degree": "degree along the axis",
+    "load_degree_z": "load degree along it",
+    "slices": "slices of the width",
     "count": "positions",
 }
 #: Other groups, in order.
@@ -26,6 +29,8 @@ GROUPS = {
     "as it stands": "scene as given",
     "default": "default",
     "finest": "finest",
+    "plane": "plane section",
+    "coarse": "coarse bodies",
     "lumped": "lumped Hertz contact",
     "nodes": "plain nodal loads",
     "combination": "combinations",
@@ -155,6 +160,10 @@ def _label(row: Row) -> str:
         parts.append(f"{discretization.strips_per_half_width:g} s")
     if discretization.zone_half_widths is not None:
         parts.append(f"{discretization.zone_half_widths:g} z")
+    if discretization.axial_degree is not None:
+        parts.append(f"{discretization.axial_degree}/{discretization.load_degree_z} deg")
+    if discretization.slices is not None:
+        parts.append(f"{discretization.slices} sl")
     if discretization.count is not None:
         even = discretization.adaptive is None
         parts.append(

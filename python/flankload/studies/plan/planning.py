@@ -34,7 +34,7 @@ class Measured:
     unknown: str | None = None
 
 
-def plan(scene: Scene, *, levels: bool = False) -> Plan:
+def plan(scene: Scene, *, levels: bool = False, dimension: bool = False) -> Plan:
     """Plan a run of a scene: its effects, their cost and their size.
 
     Sizes come from a screening: the scene on a coarse discretization, once with its effects and
@@ -47,6 +47,9 @@ def plan(scene: Scene, *, levels: bool = False) -> Plan:
     levels : bool
         Whether to include size and cost of contact models that are off. Without them the plan takes
         less than half the time of the run that it predicts.
+    dimension : bool
+        Whether to include size and cost of three dimensions for a plane scene, whose run may take
+        less time than that.
 
     Returns
     -------
@@ -64,7 +67,9 @@ def plan(scene: Scene, *, levels: bool = False) -> Plan:
     start = process_time()
     picked = {"keys": first_discretization(scene).tables()} if scene.steers else None
     plain = without_choice(first_scene(scene))
-    screening = mechanism_of(plain).screening(plain, levels=levels or asks_for_choice(scene))
+    screening = mechanism_of(plain).screening(
+        plain, levels=levels or asks_for_choice(scene), dimension=dimension
+    )
     measured = sizes(screening, plain)
     chosen, left_out = plain, None
     choice: tuple[Chosen, ...] = ()
@@ -104,6 +109,8 @@ def sizes(screening: Screening, scene: Scene) -> dict[str, Measured]:
             found[name] = Measured()
         elif toggle.impossible is not None:
             found[name] = Measured(unknown=f"{IMPOSSIBLE}: {toggle.impossible}")
+        elif toggle.skipped is not None:
+            found[name] = Measured(unknown=toggle.skipped)
         else:
             try:
                 found[name] = Measured(screening.size(name, on=switches[name].on))
@@ -166,6 +173,8 @@ def _marginal_costs(
     """CPU seconds and bytes that each tried effect adds to the run, or would add."""
     switches, costs = switches_of(scene), {}
     for name, toggle in screening.toggles.items():
+        if toggle.skipped is not None:
+            continue
         other = stages
         if toggle.scene is not None:
             with suppress(FlankloadError):  # otherwise no scene for comparison exists

@@ -12,16 +12,20 @@ if TYPE_CHECKING:
     from flankload.studies.plan.planned import Plan, PlannedEffect
 
 MEGABYTE = 1e6
-#: Smaller changes of the load share are not mentioned.
-LEAST_SHARE = 1e-4
+#: Smaller changes of the load share and of the face load factor are not mentioned.
+LEAST_SHARE, LEAST_FACTOR = 1e-4, 0.005
+#: Width of the column of face load factors.
+FACE = 9
 #: The most informative counters, with their names in text.
 SHOWN = {
     "fe_factorisations": "factorisations",
+    "fe_unknowns": "unknowns of the bodies",
     "unit_loads_normal": "normal unit loads",
     "unit_loads_tangential": "tangential unit loads",
     "coast_readings": "coast readings",
     "stress_recoveries": "stress recoveries",
     "states": "states",
+    "slices": "slices in all states",
     "influence_columns": "influence columns",
     "pivots": "pivots",
 }
@@ -69,33 +73,41 @@ def _picked(tolerance: float, picked: Mapping[str, Any]) -> list[str]:
 
 def _effects(plan: Plan) -> list[str]:
     width = max(len(effect.title) for effect in plan.effects) + 2
+    sizes = [effect.size for effect in plan.effects if effect.size is not None]
+    faces = any(size.face_load_factor is not None for size in sizes)
     head = (
         f"{'effect':<{width}}{'on':<5}{'s':>8}{'MB':>8}{'rotation':>11}{'at most':>9}"
-        f"{'share':>11}  because of"
+        f"{'share':>11}{'K_Hbeta' if faces else '':>{FACE * faces}}  because of"
     )
-    return [head, *(_row(effect, width) for effect in plan.effects)]
+    return [head, *(_row(effect, width, FACE * faces) for effect in plan.effects)]
 
 
-def _row(effect: PlannedEffect, width: int) -> str:
+def _row(effect: PlannedEffect, width: int, face: int) -> str:
     size = effect.size
-    numbers = ("", "", "")
+    numbers = ("", "", "", "")
     if size is not None:
         largest = _percent(size.rotation_largest)
         mean = "" if size.rotation_mean is None else f"{100 * size.rotation_mean:+.2f} %"
-        numbers = (mean, largest or f"{size.rotation_um:.3g} um", _points(size.load_share))
+        factor = "" if size.face_load_factor is None else f"{size.face_load_factor:+.3f}"
+        numbers = (
+            mean,
+            largest or f"{size.rotation_um:.3g} um",
+            _points(size.load_share),
+            factor,
+        )
     because = effect.because
     if effect.assumed is not None:
         because += f" (with {effect.assumed.rpartition(' = ')[2]})"
-    if not effect.possible:
-        return f"{effect.title:<{width}}{'no':<5}{'':47}  not with this scene"
-    if effect.unknown is not None:
+    if not effect.possible and not effect.on:
+        return f"{effect.title:<{width}}{'no':<5}{'':{47 + face}}  not with this scene"
+    if effect.unknown is not None and effect.possible:
         because += " (size unknown)"
     cost = f"{'':16}"
     if effect.extra_s is not None and effect.extra_bytes is not None:
         cost = f"{effect.extra_s:8.3f}{effect.extra_bytes / MEGABYTE:8.2f}"
     line = (
         f"{effect.title:<{width}}{'yes' if effect.on else 'no':<5}{cost}"
-        f"{numbers[0]:>11}{numbers[1]:>9}{numbers[2]:>11}  {because}"
+        f"{numbers[0]:>11}{numbers[1]:>9}{numbers[2]:>11}{numbers[3]:>{face}}  {because}"
     )
     return line.rstrip()
 
@@ -137,6 +149,8 @@ def remark_on(row: PlannedEffect, *, coarser: bool) -> str | None:
         change = f"the transmission error by {size.rotation_um:.2g} um"
     if size.load_share > LEAST_SHARE:
         change += f" and the load share by {_hundredths(size.load_share)} points"
+    if abs(size.face_load_factor or 0.0) > LEAST_FACTOR:
+        change += f", K_Hbeta by {size.face_load_factor:+.2f}"
     if coarser:
         return f"{row.title} is on ({row.because}): that changes {change}"
     off = f"{row.title} is off ({row.because})"

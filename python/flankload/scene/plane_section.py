@@ -1,0 +1,100 @@
+"""The plane scene beside a three-dimensional one, and the other way round."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import atan, cos, degrees, radians, tan
+from typing import TYPE_CHECKING, Any
+
+from msgspec import structs
+
+from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, AxialKeys, axial_range
+from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.gear import Gear
+
+if TYPE_CHECKING:
+    from flankload.scene.scene import Scene
+
+#: Keys of [accuracy] of three-dimensional and of plane contact.
+OF_SLICES = ("slices", "axial_degree", "load_degree_z")
+OF_CELLS = ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths")
+#: A body without any of the keys along its axis.
+STRAIGHT = {
+    "helix_angle_deg": 0.0,
+    "hand": None,
+    "face_width_mm": None,
+    "axial_offset_mm": 0.0,
+    **dict.fromkeys(LEAD_KEYS),
+    "end_relief_length_mm": None,
+    "end_relief_shape": "linear",
+    "shaft": None,
+    "web_width_mm": None,
+    "web_outer_diameter_mm": None,
+    "rim_thickness_mm": None,
+    "web_offset_mm": 0.0,
+    "hub_diameter_mm": None,
+    "hub_width_mm": None,
+    "hub_offset_mm": 0.0,
+    "region_sets": None,
+    "region_widths_mm": None,
+}
+
+
+def plane_section(scene: Scene) -> Scene:
+    """The transverse section of a scene: straight teeth on rigid parallel axes, over all the width.
+
+    Its width is the one that both bodies have in common; webs and hubs are as wide. The rack of a
+    helical gear has its transverse keys, so that flanks are the same; only the root fillet is that
+    of a round tip of the rack in the transverse section, not of an ellipse.
+
+    Parameters
+    ----------
+    scene : Scene
+        Three-dimensional.
+
+    Returns
+    -------
+    Scene
+    """
+    bodies, width = (scene.body_1, scene.body_2), scene.pair.face_width_mm
+    ends = [axial_range(body, width, "") for body in bodies if isinstance(body, AxialKeys)]
+    common = min(high for _, high in ends) - max(low for low, _ in ends)
+    contact = scene.effects.contact if "contact" in scene.named_effects else EffectsAsked().contact
+    return replace(
+        scene,
+        body_1=_straight(scene.body_1),
+        body_2=_straight(scene.body_2),
+        pair=structs.replace(scene.pair, face_width_mm=common, **dict.fromkeys(MISALIGNMENTS, 0.0)),
+        effects=structs.replace(scene.effects, dimension=None, contact=contact),
+        accuracy=structs.replace(scene.accuracy, **dict.fromkeys(OF_SLICES)),
+        named_effects=scene.named_effects - {"dimension"},
+        named_knobs=scene.named_knobs - {f"accuracy.{key}" for key in OF_SLICES},
+    )
+
+
+def in_three_dimensions(scene: Scene) -> Scene:
+    """A plane scene over its face width, with contact in slices."""
+    return replace(
+        scene,
+        effects=structs.replace(scene.effects, dimension=3, contact="lumped"),
+        accuracy=structs.replace(scene.accuracy, **dict.fromkeys(OF_CELLS)),
+        named_effects=scene.named_effects | {"dimension"},
+        named_knobs=scene.named_knobs - {f"accuracy.{key}" for key in OF_CELLS},
+    )
+
+
+def _straight(body: Any) -> Any:
+    """A body without keys along its axis, its rack in the transverse section."""
+    keys = {key: value for key, value in STRAIGHT.items() if key in body.__struct_fields__}
+    if getattr(body, "region_sets", None):  # groups of elements do not mean materials
+        keys["one_material"] = True
+    if isinstance(body, Gear) and body.helix_angle_deg:
+        c = cos(body.helix_rad)
+        keys |= {
+            "module_mm": body.module_mm / c,
+            "pressure_angle_deg": degrees(atan(tan(radians(body.pressure_angle_deg)) / c)),
+            "profile_shift": body.profile_shift * c,
+            "dedendum_factor": body.dedendum_factor * c,
+            "fillet_radius_factor": body.fillet_radius_factor * c,
+        }
+    return structs.replace(body, **keys)
