@@ -39,7 +39,10 @@ RIGID = {"elastic_body_1": "body_1", "elastic_body_2": "body_2"}
 REMOVED: dict[str, dict[str, Any]] = {
     "pitch_errors": {"pitch_errors_um": ()},
     "flank_modifications": dict.fromkeys((*MODIFICATIONS, "tip_relief_start_diameter_mm")),
-    "lead_modifications": dict.fromkeys((*LEAD_KEYS, "end_relief_length_mm")),
+    "lead_modifications": {
+        **dict.fromkeys((*LEAD_KEYS, "end_relief_length_mm")),
+        "tooth_helix_slope_um": (),
+    },
     "misalignment": dict.fromkeys(MISALIGNMENTS, 0.0),
     "shafts": {"shaft": None},
 }

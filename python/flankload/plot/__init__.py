@@ -98,16 +98,17 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     Returns
     -------
     tuple of Path
-        transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png; stiffness.png
-        if there is a torque; flank_forces.png if coast flanks can carry load;
-        profile_deviation.png if a body has an involute; for loaded three-dimensional bodies
-        line_load.png, line_load_map.png and contact_pattern.png. For a follower on its cam
-        follower_motion.png replaces load_sharing.png. For bodies with contact all around:
-        load_per_tooth.png, flank_pressure.png, loaded_pair.png, and for several positions
-        transmission_error.png. For all of these root_stress.png if stress is requested. For a
-        chain: transmission_error.png, chain_on_sprocket.png, tensions.png and stiffness.png. For a
-        belt: belt_on_pulley.png and load_around_wrap.png, for several positions also
-        transmission_error.png and force_through_wrap.png.
+        transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png (of
+        three-dimensional bodies over their face width); stiffness.png if there is a torque;
+        flank_forces.png if coast flanks can carry load; profile_deviation.png if a body has an
+        involute; for loaded three-dimensional bodies line_load.png, line_load_map.png and
+        contact_pattern.png. For a follower on its cam follower_motion.png replaces
+        load_sharing.png. For bodies with contact all around: load_per_tooth.png,
+        flank_pressure.png, loaded_pair.png, and for several positions transmission_error.png. For
+        all of these root_stress.png if stress is requested. For a chain: transmission_error.png,
+        chain_on_sprocket.png, tensions.png and stiffness.png. For a belt: belt_on_pulley.png and
+        load_around_wrap.png, for several positions also transmission_error.png and
+        force_through_wrap.png.
 
     Raises
     ------

@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import rc_context
 
-from flankload.plot.style import COLOURS, GREY, SIZE, STEEL, STYLE, draw_forces, new_figure
+from flankload.plot.style import (
+    COLOURS,
+    GREY,
+    SIZE,
+    STEEL,
+    STYLE,
+    draw_forces,
+    new_figure,
+    set_title,
+    turned,
+)
 from flankload.plot.wheel import (
     DARK,
     EDGE,
@@ -16,8 +26,6 @@ from flankload.plot.wheel import (
     drawn_wheel,
     number_sites,
     scaled_alike,
-    set_title,
-    turned,
 )
 from flankload.result.belt import BeltDrive
 

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import rc_context
 
-from flankload.plot.style import COLOURS, GREY, SIZE, STEEL, STYLE, draw_forces, new_figure
+from flankload.plot.style import (
+    COLOURS,
+    GREY,
+    SIZE,
+    STEEL,
+    STYLE,
+    draw_forces,
+    new_figure,
+    set_title,
+)
 from flankload.plot.wheel import (
     DARK,
     EDGE,
@@ -16,7 +25,6 @@ from flankload.plot.wheel import (
     drawn_wheel,
     number_sites,
     scaled_alike,
-    set_title,
 )
 from flankload.result.chain import ChainDrive
 

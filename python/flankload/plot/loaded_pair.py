@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 
+from flankload.plot.loaded_pair_3d import plot_loaded_pair_3d
 from flankload.plot.style import (
     COLOURS,
-    GREY,
     STEEL,
     STYLE,
     at_corner,
@@ -22,7 +22,8 @@ from flankload.plot.style import (
     loaded_sites,
     new_figure,
     pair_name,
-    subtitle,
+    set_title,
+    turned,
 )
 
 if TYPE_CHECKING:
@@ -38,17 +39,22 @@ HERTZ_POINTS = 41
 def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
     """Teeth in mesh at one position with pressures on the flanks, and each pressure separately.
 
+    Three-dimensional bodies are drawn over their face width, with the line load on their flanks.
+
     Parameters
     ----------
     result : Result
     position : int, optional
         Index of the position; by default one with most pairs in contact and the most even load
-        sharing, with a cam the one of the largest pressure.
+        sharing, with a cam the one of the largest pressure, in three dimensions the one of the
+        largest line load.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
+    if result.slices is not None:
+        return plot_loaded_pair_3d(result, position)
     p = _representative_position(result) if position is None else position
     table = result.pairs(p)
     carrying = [
@@ -58,14 +64,7 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
     ]
     with rc_context(STYLE):
         figure = new_figure((7.2, 4.8) if not result.whole_circle else (6.2, 6.4))
-        figure.suptitle(
-            f"Loaded pair at {degrees(result.position_rad[p]):.4g}°",
-            x=0.01,
-            ha="left",
-            fontsize=11,
-            fontweight="bold",
-        )
-        figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
+        set_title(figure, result, f"Loaded pair at {degrees(result.position_rad[p]):.4g}°")
         if result.whole_circle:
             _draw_whole_circle(figure.add_subplot(), result, p, carrying)
             return figure
@@ -143,7 +142,7 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
     )
     rims = (drawing.bore_radius_1_mm, drawing.bore_radius_2_mm)
     for z, (outline, teeth, angle, centre) in enumerate(bodies):
-        sectors = [_turned(outline, angle + 2 * np.pi * k / teeth) for k in range(teeth)]
+        sectors = [turned(outline, angle + 2 * np.pi * k / teeth) for k in range(teeth)]
         shape = [np.vstack(sectors)]
         if z == 1 and drawing.is_around:
             turn = np.linspace(0.0, -2 * np.pi, 721)  # clockwise: the toothed contour is a hole
@@ -202,17 +201,12 @@ def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.flo
 def _whole_window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Corners of the drawing: both bodies, with space for their names below."""
     drawing = result.drawing
-    one = _turned(drawing.outline_1, drawing.angle_1[p])
-    two = _turned(drawing.outline_2, drawing.angle_2[p])
+    one = turned(drawing.outline_1, drawing.angle_1[p])
+    two = turned(drawing.outline_2, drawing.angle_2[p])
     places = np.concatenate([one, two + np.array([drawing.center_distance_mm, 0.0])])
     low, high = places.min(axis=0), places.max(axis=0)
     room = 0.06 * float((high - low).max())
     return low - np.array([room, 3 * room]), high + room
-
-
-def _turned(points: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]))
 
 
 def _rows_of_pair(table: PairTable, site: int) -> NDArray[np.int64]:

@@ -98,6 +98,18 @@ def png_of(figure: Figure) -> bytes:
     return out.getvalue()
 
 
+def set_title(figure: Figure, result: Result, title: str) -> None:
+    """Title on the left, name and torque on the right."""
+    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
+    figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
+
+
+def turned(places: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+    """Places (n, 2), rotated about the axis."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.asarray(places @ np.array([[cosine, sine], [-sine, cosine]]))
+
+
 def subtitle(result: Result) -> str:
     """Name and torque."""
     return f"{short(result.name)}, {result.torque_Nm:g} N m"

@@ -1,4 +1,4 @@
-"""Common parts of the plots of belts and chains: a wheel with teeth, its title."""
+"""Common parts of the plots of belts and chains: a wheel with teeth."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.plot.style import GREY, STEEL, new_figure, subtitle
+from flankload.plot.style import GREY, STEEL, new_figure, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,12 +25,6 @@ DARK, EDGE = "#404040", "#7a6f57"
 def directions(angles: Floats) -> Floats:
     """(n, 2) Unit vectors at polar angles."""
     return np.column_stack([np.cos(angles), np.sin(angles)])
-
-
-def turned(places: Floats, angle: float) -> Floats:
-    """Places (n, 2), rotated about the axis."""
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return places @ np.array([[cosine, sine], [-sine, cosine]])
 
 
 def drawn_wheel(result: Result, p: int) -> tuple[Figure, Axes, Floats]:
@@ -57,9 +51,3 @@ def number_sites(axes: Axes, sites: NDArray[np.int64], places: Floats) -> None:
     """Write the number of each site at its place (n, 2)."""
     for site, (x, y) in zip(sites, places, strict=True):
         axes.text(x, y, f"{site}", ha="center", va="center", fontsize=8, color=GREY)
-
-
-def set_title(figure: Figure, result: Result, title: str) -> None:
-    """Title on the left, name and torque on the right."""
-    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
-    figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)

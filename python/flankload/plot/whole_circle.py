@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import rc_context
 
-from flankload.plot.style import COLOURS, GREY, SIZE, STYLE, new_figure, subtitle
+from flankload.plot.style import COLOURS, GREY, SIZE, STYLE, new_figure, set_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -162,8 +162,7 @@ def _where(result: Result, p: int) -> str:
 
 
 def _title(figure: Figure, result: Result, title: str, second: str) -> None:
-    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
-    figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
+    set_title(figure, result, title)
     axes = figure.axes[0]
     axes.set_title(second, fontsize=9, fontweight="normal", color=GREY, loc="left")
 

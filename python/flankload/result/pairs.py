@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.profile_deviation import ProfileDeviation
 
 Floats = NDArray[np.float64]
@@ -128,6 +129,8 @@ class PairDrawing:
         Roll lengths between which the flanks meet, from geometry without load, mm.
     cam_turns_clockwise : bool or None
         For a cam; None for other bodies.
+    axial : two AxialShape or None
+        Face width and twist of three-dimensional bodies.
     """
 
     outline_1: Floats
@@ -142,6 +145,7 @@ class PairDrawing:
     profiles: tuple[ProfileDeviation | None, ProfileDeviation | None] = (None, None)
     active_roll_mm: tuple[tuple[float, float] | None, tuple[float, float] | None] = (None, None)
     cam_turns_clockwise: bool | None = None
+    axial: tuple[AxialShape | None, AxialShape | None] = (None, None)
 
     @property
     def is_around(self) -> bool:

@@ -18,26 +18,26 @@ if TYPE_CHECKING:
 #: Keys of [accuracy] of three-dimensional and of plane contact.
 OF_SLICES = ("slices", "axial_degree", "load_degree_z")
 OF_CELLS = ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths")
-#: A body without any of the keys along its axis.
-STRAIGHT = {
-    "helix_angle_deg": 0.0,
-    "hand": None,
-    "face_width_mm": None,
-    "axial_offset_mm": 0.0,
-    **dict.fromkeys(LEAD_KEYS),
-    "end_relief_length_mm": None,
-    "end_relief_shape": "linear",
-    "shaft": None,
-    "web_width_mm": None,
-    "web_outer_diameter_mm": None,
-    "rim_thickness_mm": None,
-    "web_offset_mm": 0.0,
-    "hub_diameter_mm": None,
-    "hub_width_mm": None,
-    "hub_offset_mm": 0.0,
-    "region_sets": None,
-    "region_widths_mm": None,
-}
+#: Keys of a body that a plane section does not have.
+ALONG_AXIS = (
+    "helix_angle_deg",
+    "hand",
+    "face_width_mm",
+    "axial_offset_mm",
+    *LEAD_KEYS,
+    "end_relief_length_mm",
+    "end_relief_shape",
+    "shaft",
+    "web_width_mm",
+    "web_outer_diameter_mm",
+    "rim_thickness_mm",
+    "web_offset_mm",
+    "hub_diameter_mm",
+    "hub_width_mm",
+    "hub_offset_mm",
+    "region_sets",
+    "region_widths_mm",
+)
 
 
 def plane_section(scene: Scene) -> Scene:
@@ -85,7 +85,8 @@ def in_three_dimensions(scene: Scene) -> Scene:
 
 def _straight(body: Any) -> Any:
     """A body without keys along its axis, its rack in the transverse section."""
-    keys = {key: value for key, value in STRAIGHT.items() if key in body.__struct_fields__}
+    fields = structs.fields(body)
+    keys = {field.name: field.default for field in fields if field.name in ALONG_AXIS}
     if getattr(body, "region_sets", None):  # groups of elements do not mean materials
         keys["one_material"] = True
     if isinstance(body, Gear) and body.helix_angle_deg:

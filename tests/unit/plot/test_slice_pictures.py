@@ -8,20 +8,28 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
+from matplotlib.collections import PolyCollection, QuadMesh
 from matplotlib.patches import StepPatch
 
 import flankload as fl
-from flankload.plot import plot_all, plot_contact_pattern, plot_line_load, plot_line_load_map
+from flankload.plot import (
+    plot_all,
+    plot_contact_pattern,
+    plot_line_load,
+    plot_line_load_map,
+    plot_loaded_pair,
+)
+from flankload.plot.loaded_pair_3d import AXIAL_FACETS, CONTOUR_FACETS, VIEW, teeth_in_mesh
 from flankload.plot.slices import contact_pattern
 from tests.support.gear_scenes import example
 from tests.support.made_up_result import made_up_result
+from tests.support.tolerances import SOLVER
 
 NAMES = ("line_load.png", "line_load_map.png", "contact_pattern.png")
 
 
-def solved(**tables: dict[str, object]) -> fl.Result:
-    tree = example("helical_gear")
+def solved(name: str = "helical_gear", **tables: dict[str, object]) -> fl.Result:
+    tree = example(name)
     tree["positions"] = {"count": 6}
     tree["accuracy"] = {
         **{"estimate": False, "flank_element_mm": 3.0, "modes": 3},
@@ -153,3 +161,108 @@ def test_without_load_there_is_no_contact_pattern(tmp_path: Path) -> None:
     names = {path.name for path in plot_all(unloaded, tmp_path)}
     assert "transmission_error.png" in names
     assert not set(NAMES) & names
+
+
+def bands_of(axes: Axes) -> PolyCollection:
+    """The coloured bands of the loaded pair."""
+    (bands,) = (part for part in axes.collections if part.get_array() is not None)
+    assert isinstance(bands, PolyCollection)
+    return bands
+
+
+def words(axes: Axes) -> set[str]:
+    return {axes.get_title(loc="left"), *(text.get_text() for text in axes.texts)}
+
+
+def test_loaded_pair_shows_the_line_loads_where_they_are(result: fl.Result) -> None:
+    """On both bodies, at the position of the largest one."""
+    load = result.slice_line_load_N_per_mm
+    p, _, j = np.unravel_index(load.argmax(), load.shape)
+    table = result.pairs(int(p))
+    carries = table.force_N > 0
+    one, two, colours = plot_loaded_pair(result).axes
+    largest = f"; ○ largest: {load.max():.0f} at z = {result.slice_z_mm[j]:.1f} mm"
+    said = "line load in N per mm face width" + largest.replace("-", "−")
+    assert colours.get_xlabel() == said
+    for body, axes in ((1, one), (2, two)):
+        bands = bands_of(axes)
+        assert bands.get_clim() == (0.0, load.max())
+        np.testing.assert_allclose(
+            np.sort(np.asarray(bands.get_array())), np.sort(load[p][load[p] > 0]), rtol=SOLVER
+        )
+        x, y, z = table.x_mm[carries], table.y_mm[carries], table.z_mm[carries]
+        place = np.column_stack([x, y, z] if body == 1 else [132.0 - x, -y, z])
+        middles = [path.vertices[:4].mean(axis=0) for path in bands.get_paths()]
+        np.testing.assert_allclose(middles, place @ VIEW[:2].T, atol=1e-9)
+        (ring,) = axes.lines
+        np.testing.assert_allclose(
+            np.ravel(ring.get_data()), middles[np.asarray(bands.get_array()).argmax()], atol=1e-9
+        )
+        assert {"z = −12.5 mm", "z = 12.5 mm"} <= words(axes)
+    assert "Body 1, 25 teeth, right hand" in words(one)
+    assert "Body 2, 60 teeth, left hand" in words(two)
+
+
+def test_loads_of_the_loaded_pair_are_on_its_teeth(result: fl.Result) -> None:
+    """Each contact is between two points of the contour of both bodies; bands form lines."""
+    table = result.pairs(2)
+    assert table.z_mm is not None
+    carries = table.force_N > 0
+    number = np.searchsorted(result.slice_z_mm, table.z_mm)
+    for body, (x, y) in ((1, (table.x_mm, table.y_mm)), (2, (132.0 - table.x_mm, -table.y_mm))):
+        teeth = teeth_in_mesh(result, 2, body)
+        sections = teeth.sections(teeth.contour(), 21)[1::2]
+        for k in np.flatnonzero(carries):
+            apart = sections[number[k]] - [x[k], y[k], table.z_mm[k]]
+            assert np.linalg.norm(apart, axis=1).min() < 0.4
+        bands = bands_of(plot_loaded_pair(result, 2).axes[body - 1])
+        corners = np.array([path.vertices[:4] for path in bands.get_paths()])
+        site, j = table.site[carries], number[carries]
+        (one,), (two,) = (np.nonzero((site == 0) & (j == at)) for at in (4, 5))
+        end, start = corners[one, 1:3].mean(axis=1), corners[two][:, [0, 3]].mean(axis=1)
+        np.testing.assert_allclose(end, start, atol=0.02)
+
+
+def test_loaded_pair_has_few_facets(result: fl.Result) -> None:
+    figure = plot_loaded_pair(result)
+    for body, axes in ((1, figure.axes[0]), (2, figure.axes[1])):
+        p = int(result.slice_line_load_N_per_mm.max(axis=(1, 2)).argmax())
+        most = (1 + len(teeth_in_mesh(result, p, body).contours)) * CONTOUR_FACETS * AXIAL_FACETS
+        facets = sum(len(part.get_paths()) for part in axes.collections)
+        assert 100 < facets < most + np.asarray(bands_of(axes).get_array()).size + 3
+
+
+def test_a_left_hand_mirrors_a_right_hand(result: fl.Result) -> None:
+    """Teeth and loads are those of the other hand at -z."""
+    left = solved(body_1={"hand": "left"}, body_2={"hand": "right"})
+    for body in (1, 2):
+        right_teeth, left_teeth = (teeth_in_mesh(found, 1, body) for found in (result, left))
+        mirrored = left_teeth.sections(left_teeth.contour(), 5)[::-1] * [1.0, 1.0, -1.0]
+        np.testing.assert_allclose(
+            mirrored, right_teeth.sections(right_teeth.contour(), 5), atol=1e-9
+        )
+        assert np.ptp(mirrored[:, 0, 1]) > 1.0  # twisted
+    for axes, hand in zip(plot_loaded_pair(left).axes, ("left", "right"), strict=False):
+        assert any(f"teeth, {hand} hand" in word for word in words(axes))
+    np.testing.assert_allclose(
+        left.slice_line_load_N_per_mm[..., ::-1], result.slice_line_load_N_per_mm, atol=0.1
+    )
+
+
+def test_loaded_pair_of_crowned_spur_gears_beside_each_other(tmp_path: Path) -> None:
+    """Bands lie where both bodies are; without load there are none."""
+    wide = {"axial_offset_mm": 3.0, "face_width_mm": 12.0}
+    spur = solved("external_gear", body_1={"lead_crowning_um": 10.0}, body_2=wide)
+    one, two, _ = plot_loaded_pair(spur).axes
+    assert {"z = −7 mm", "z = 7 mm", "Body 1, 16 teeth, spur"} <= words(one)
+    assert {"z = −3 mm", "z = 9 mm", "Body 2, 24 teeth, spur"} <= words(two)
+    load = spur.slice_line_load_N_per_mm
+    p = int(load.max(axis=(1, 2)).argmax())
+    assert bands_of(one).get_array().size == (load[p] > 0).sum()
+    assert spur.slice_z_mm.min() > -3.0
+    assert spur.slice_z_mm.max() < 7.0
+    # the crest of the crown is at 0, the middle of the common width at 2 mm
+    assert spur.slice_z_mm[load[p].sum(axis=0).argmax()] < 0.0
+    unloaded = solved("external_gear", body_1={"lead_crowning_um": 10.0}, load={"torque_Nm": 0.0})
+    assert (tmp_path / "loaded_pair.png") in plot_all(unloaded, tmp_path)
+    assert len(bands_of(plot_loaded_pair(unloaded).axes[0]).get_paths()) == 0

@@ -287,6 +287,7 @@ def _drawing(pair: BodyPair) -> PairDrawing:
         profiles=profiles,
         cam_turns_clockwise=pair.body_2.turns_clockwise if pair.pairing.motion else None,
         active_roll_mm=_active_roll_mm(pair.pairing.mesh, pair.pairing.ratio, profiles),
+        axial=(pair.body_1.axial, pair.body_2.axial),
     )
 
 

@@ -67,7 +67,7 @@ def is_modified(scene: Scene) -> Switch:
 
 def has_lead(scene: Scene) -> Switch:
     """Whether a flank is modified along the axis; the reason is the first such key."""
-    return _first_of(scene, LEAD_KEYS, "no crowning, helix slope or end relief")
+    return _first_of(scene, LEAD_KEYS, "no modification along the axis")
 
 
 def has_shaft(scene: Scene) -> Switch:
