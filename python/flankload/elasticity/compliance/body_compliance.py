@@ -358,6 +358,24 @@ class BodyCompliance:
         tip = None if self.tip is None else self.tip.larger(larger)
         return replace(self, mode_range_mm=(larger * low, larger * high), tip=tip)
 
+    def on_flank(self, body: Body) -> BodyCompliance:
+        """Of a body whose flank is longer or shorter by its modifications: arc lengths are its own.
+
+        Parameters
+        ----------
+        body : Body
+
+        Returns
+        -------
+        BodyCompliance
+        """
+        (low, high), span = self.mode_range_mm, body.mode_range_mm
+        nodes = self.nodes
+        if nodes is not None:
+            nodes = span[0] + (nodes - low) * ((span[1] - span[0]) / (high - low))
+        tip = None if self.tip is None else body.tip
+        return replace(self, mode_range_mm=span, tip=tip, nodes=nodes)
+
     def without_coupling(self) -> BodyCompliance:
         """The same, but a load on a tooth moves no other tooth, and stresses none."""
         own = np.zeros(1, dtype=np.int64)
