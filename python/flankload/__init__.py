@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flankload import errors
-    from flankload.api import solve
+    from flankload.api import Prepared, prepare, solve
     from flankload.contact import (
         ContactState,
         solve_contact,
@@ -47,6 +47,7 @@ __all__ = [
     "PivotLimit",
     "Plan",
     "PremiseError",
+    "Prepared",
     "Result",
     "Scene",
     "SceneError",
@@ -57,6 +58,7 @@ __all__ = [
     "accuracy",
     "errors",
     "plan",
+    "prepare",
     "read_scene",
     "solve",
     "solve_contact",
@@ -89,6 +91,8 @@ _MODULE_OF_NAME = {
     "Plan": "studies.plan",
     "plan": "studies.plan",
     "Result": "result",
+    "Prepared": "api",
+    "prepare": "api",
     "solve": "api",
     "Study": "studies.accuracy",
     "accuracy": "studies.accuracy",

@@ -6,11 +6,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from flankload.cost import Account
-from flankload.mechanisms import mechanism_of, run_once
+from flankload.mechanisms import Earlier, Parts, mechanism_of, run_once
+from flankload.mechanisms import prepare as prepare_parts
 from flankload.studies.tolerance import solve_to_tolerance
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.stage_clock import Kept, Progress
@@ -54,14 +55,91 @@ def solve(
     FlankloadError
         If a position has no answer, or the plan is one of another scene.
     """
+    return _solve(scene, progress, None, plan=plan, on_duration=on_duration)
+
+
+class Prepared:
+    """A scene with its bodies and compliances, for similar scenes; from `prepare`.
+
+    Attributes
+    ----------
+    scene : Scene
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._parts = Parts()
+        if not scene.steers and scene.effects.choose is None:
+            prepare_parts(scene, self._parts)
+
+    def solve(
+        self, changes: Mapping[str, Any] | None = None, progress: Progress | None = None
+    ) -> Result | tuple[Result, ...]:
+        """Load distribution of the scene with other values of some keys.
+
+        Bodies and compliances are reused if all that they follow from has the same bits; new ones
+        are kept for later calls, up to 64. The result has the same bits as
+        `solve(scene.replace(changes))`, but for its cost: a compliance that is reused costs
+        nothing, and its stage is missing. Belts and chains are solved anew, and so are scenes with
+        `accuracy.tolerance`, whose discretization depends on what elements cost.
+
+        Parameters
+        ----------
+        changes : mapping of str to object, optional
+            As of `Scene.replace`.
+        progress : callable, optional
+            As of `solve`.
+
+        Returns
+        -------
+        Result, or a tuple of Results where the scene has a list of torques
+
+        Raises
+        ------
+        SceneError, FlankloadError
+            As `Scene.replace` and `solve`.
+        """
+        scene = self.scene if not changes else self.scene.replace(changes)
+        return _solve(scene, progress, self._parts)
+
+
+def prepare(scene: Scene) -> Prepared:
+    """Solve what most changes of a scene leave as it is: its bodies and their compliances.
+
+    Parameters
+    ----------
+    scene : Scene
+        With `effects.choose` the first run prepares, since it finds the effects.
+
+    Returns
+    -------
+    Prepared
+
+    Raises
+    ------
+    SceneError
+        If the scene is impossible.
+    """
+    return Prepared(scene)
+
+
+def _solve(
+    scene: Scene,
+    progress: Progress | None,
+    parts: Parts | None,
+    *,
+    plan: Plan | None = None,
+    on_duration: Callable[[Duration], None] | None = None,
+) -> Result | tuple[Result, ...]:
+    """Solve a scene, to its tolerance if it names one."""
     if not scene.steers:
-        return _solve_chosen(scene, {}, progress, plan, on_duration)
+        return _solve_chosen(scene, {}, progress, parts, (plan, on_duration))
     firsts = iter([(plan, on_duration)])  # they concern the first run
 
     def solve_once(
         scene: Scene, kept: Kept, progress: Progress | None
     ) -> Result | tuple[Result, ...]:
-        return _solve_chosen(scene, kept, progress, *next(firsts, (None, None)))
+        return _solve_chosen(scene, kept, progress, None, next(firsts, (None, None)))
 
     return solve_to_tolerance(scene, solve_once, progress)
 
@@ -70,10 +148,11 @@ def _solve_chosen(
     scene: Scene,
     kept: Kept,
     progress: Progress | None,
-    plan: Plan | None,
-    on_duration: Callable[[Duration], None] | None,
+    parts: Parts | None,
+    first: tuple[Plan | None, Callable[[Duration], None] | None],
 ) -> Result | tuple[Result, ...]:
     """Solve a scene once; the effects that it leaves to the plan are chosen before."""
+    plan, on_duration = first
     stages: dict[str, Account] = {}
     notes: tuple[str, ...] = ()
     if scene.effects.choose is not None:
@@ -90,8 +169,7 @@ def _solve_chosen(
         progress,
         plan=None if plan is None else plan.predicted["stages"],
         on_assembly=None if on_duration is None else partial(_report_duration, scene, on_duration),
-        stages=stages,
-        notes=notes,
+        earlier=Earlier(stages, notes, parts),
     )
 
 

@@ -166,7 +166,7 @@ def held_bytes(*things: object) -> int:
     left, seen = list(things), set()
     while left:
         thing = left.pop()
-        if id(thing) in seen:
+        if isinstance(thing, str | float | int) or id(thing) in seen:
             continue
         seen.add(id(thing))
         if isinstance(thing, np.ndarray):

@@ -22,7 +22,9 @@ def printed_by(run: object) -> str:
     return out.getvalue()
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/guide/contact_problems.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", "docs/guide/contact_problems.md", "docs/guide/variations.md"]
+)
 def test_a_page_shows_what_its_examples_print(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
     text = (ROOT / page).read_text(encoding="utf-8")
     examples = re.findall(r"```python\n(.*?)```\n\n```\n(.*?)```", text, re.DOTALL)

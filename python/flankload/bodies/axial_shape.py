@@ -109,6 +109,10 @@ class AxialShape:
         """Face width, mm."""
         return self.range_mm[1] - self.range_mm[0]
 
+    def without_lead(self) -> AxialShape:
+        """The section along the axis alone: no modified flanks and no shaft."""
+        return AxialShape(self.range_mm, self.twist_rad_per_mm, regions=self.regions)
+
     def zeta(self, z_mm: Floats) -> Floats:
         """Places along the face width of axial positions: 0 at smaller z, 1 at larger z."""
         return (z_mm - self.range_mm[0]) / self.width_mm

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -237,6 +237,9 @@ class Body:
         Arc lengths (two breaks of the curve) between which the flank may touch; None: anywhere.
     axial : AxialShape or None
         Width, twist and lead modifications of a three-dimensional body; None in a plane scene.
+    elements : Body or None
+        The body that the elements follow, if not this one: without flank modifications. `mesh` is
+        that of this body.
     """
 
     kind: str
@@ -263,6 +266,25 @@ class Body:
     active_range_mm: tuple[float, float] | None = None
     mirrored: bool = False
     axial: AxialShape | None = None
+    elements: Body | None = None
+
+    def for_elements(self) -> Body:
+        """The body as the elasticity sees it: without all that its elements do not depend on."""
+        body = self if self.elements is None else self.elements
+        axial = body.axial
+        return replace(
+            body,
+            reference_radius_mm=0.0,
+            pitch_errors_um=(),
+            outline=np.empty((0, 2)),
+            notes=(),
+            flank_turns_rad=(),
+            named_teeth=(),
+            flank_nodes=None,
+            active_range_mm=None,
+            turns_clockwise=False,
+            axial=None if axial is None else axial.without_lead(),
+        )
 
     @property
     def is_parametric(self) -> bool:

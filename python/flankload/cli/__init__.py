@@ -118,6 +118,11 @@ def parser() -> argparse.ArgumentParser:
     check_parser.add_argument("file", metavar="FILE", type=Path, help="scene (.toml) or mesh file")
     check_parser.set_defaults(command=check)
     schema_parser = _described(commands, "schema", "print the JSON schema of scene files")
+    schema_parser.add_argument(
+        "--paths",
+        action="store_true",
+        help="print a line for each key instead: path, unit, range, meaning",
+    )
     schema_parser.set_defaults(command=schema)
     return top
 

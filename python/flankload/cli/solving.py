@@ -205,8 +205,14 @@ def mesh(arguments: Namespace) -> None:
         print(f"{path}: {len(item.mesh.nodes)} nodes, {item.words}")
 
 
-def schema(_: Namespace) -> None:
-    """Print the JSON schema of a scene file."""
-    from flankload.scene import scene_schema
+def schema(arguments: Namespace) -> None:
+    """Print the JSON schema of a scene file, or the paths of its keys."""
+    from flankload.scene import scene_paths, scene_schema
 
+    if arguments.paths:
+        for key in scene_paths():
+            kinds = f" ({key.kinds})" if key.kinds else ""
+            unit = f" [{key.unit}]" if key.unit else ""
+            print(f"{key.path}{unit}: {key.expected}; {key.meaning}{kinds}")
+        return
     print(json.dumps(scene_schema(), indent=2, ensure_ascii=False))

@@ -6,7 +6,7 @@ with the unit tangent t, n = (-t_y, t_x) is the unit normal that points out of t
 """
 
 from flankload.flank.curve import FlankCurve
-from flankload.flank.fit import CurvePiece, Place, fit_flank_curve
+from flankload.flank.fit import CurvePiece, Place, fit_flank_curve, fit_tolerance_mm
 from flankload.flank.nodes import curve_through_nodes, nodes_deviation
 from flankload.flank.turned import turned_along
 
@@ -16,6 +16,7 @@ __all__ = [
     "Place",
     "curve_through_nodes",
     "fit_flank_curve",
+    "fit_tolerance_mm",
     "nodes_deviation",
     "turned_along",
 ]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import is_dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +33,9 @@ _CHECKED_PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
 #: Newton's steps to a place at a given arc length end here, in parts of the interval: a parabola
 #: over the rest is off by its cube.
 _NEAR = 1e-4
+
+#: Number of fits that are held, of some kB each.
+HELD_PIECES = 256
 
 #: Largest number of halvings of a piece; a piece that needs more has a jump and is refused.
 _MOST_HALVINGS = 50
@@ -92,7 +97,7 @@ def fit_flank_curve(
     if not pieces:
         raise ValueError("pieces: expected at least one piece, found none")
     if tolerance_mm is None:
-        tolerance_mm = _tolerance_mm(pieces)
+        tolerance_mm = fit_tolerance_mm(pieces)
     lengths, coefficients, labels, corners = [], [], [], []
     for piece in pieces:
         part_lengths, part_coefficients = _fit_piece(piece, tolerance_mm)
@@ -109,8 +114,18 @@ def fit_flank_curve(
     )
 
 
-def _tolerance_mm(pieces: Sequence[CurvePiece]) -> float:
-    """Default tolerance of a fit, from the size of the curve, mm."""
+def fit_tolerance_mm(pieces: Sequence[CurvePiece]) -> float:
+    """Default tolerance of a fit, mm.
+
+    Parameters
+    ----------
+    pieces : sequence of CurvePiece
+
+    Returns
+    -------
+    float
+        In proportion to the length of the curve.
+    """
     ends = [np.array([[piece.u_start, piece.u_end]]) for piece in pieces]
     length = sum(_arc_lengths(piece, at)[0] for piece, at in zip(pieces, ends, strict=True))
     far = max(
@@ -121,7 +136,28 @@ def _tolerance_mm(pieces: Sequence[CurvePiece]) -> float:
 
 
 def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
-    """Lengths (n,) and coefficients (n, 2, 6) of the intervals of one piece, in order."""
+    """Lengths (n,) and coefficients (n, 2, 6) of the intervals of one piece, in order.
+
+    Pieces that are methods of dataclasses are held: fillets and involutes, which many designs of a
+    body share.
+    """
+    owner = getattr(piece.place, "__self__", None)
+    if piece.knots.size or not is_dataclass(owner):
+        return _fit(piece, tolerance)
+    place = (owner, piece.place.__name__)
+    return _fit_held(place, piece.label, piece.u_start, piece.u_end, tolerance)
+
+
+@lru_cache(maxsize=HELD_PIECES)
+def _fit_held(
+    place: tuple[object, str], label: str, start: float, end: float, tolerance: float
+) -> tuple[Floats, Floats]:
+    """Fit of a piece whose place is the named method of a dataclass."""
+    return _fit(CurvePiece(label, getattr(*place), start, end), tolerance)
+
+
+def _fit(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
+    """Fit a piece."""
     marks = np.concatenate([[piece.u_start], piece.knots, [piece.u_end]])
     ends = np.stack([marks[:-1], marks[1:]], axis=1)
     done: list[tuple[Floats, Floats, Floats]] = []

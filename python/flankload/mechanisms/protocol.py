@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from flankload.bodies import SectorMesh, WholeMesh
     from flankload.cost import Account
     from flankload.mechanisms.duration import Duration
+    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import StageClock
@@ -84,8 +85,17 @@ class Mechanism(Protocol):
     def without_flanks(self) -> str | None:
         """Reason why the bodies have no flanks."""
 
-    def build(self, scene: Scene, discretization: Discretization | None, account: Account) -> Any:
-        """Assemble the bodies without solving elements; a SceneError names an impossible input."""
+    def build(
+        self,
+        scene: Scene,
+        discretization: Discretization | None,
+        account: Account,
+        parts: Parts | None = None,
+    ) -> Any:
+        """Assemble the bodies without solving elements; a SceneError names an impossible input.
+
+        Parts of earlier runs may be reused where a call would have the same arguments.
+        """
 
     def work(self, scene: Scene, assembly: Any) -> Counted:
         """Counters of a run by stage, as far as they are known before it."""
@@ -99,8 +109,12 @@ class Mechanism(Protocol):
         assembly: Any,
         clock: StageClock,
         kept: MutableMapping[int, tuple[Any, Account]],
+        parts: Parts | None = None,
     ) -> tuple[Any, Any]:
-        """Solve the elements of both bodies not in `kept`; return the completed assembly too."""
+        """Solve the elements of both bodies not in `kept`; return the completed assembly too.
+
+        A compliance that is found in `parts` has no stage and no cost.
+        """
 
     def states(
         self, scene: Scene, assembly: Any, compliances: Any, clock: StageClock

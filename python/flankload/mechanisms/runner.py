@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from flankload.cost import beside_plan, held_bytes, totals
@@ -14,11 +14,52 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from flankload.cost import Account
+    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Counted
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.scene.discretization import Discretization
+
+
+@dataclass(frozen=True)
+class Earlier:
+    """What precedes a run.
+
+    Attributes
+    ----------
+    stages : mapping of str to Account
+        Stages that count as stages of the run.
+    notes : sequence of str
+        Further warnings of the results.
+    parts : Parts or None
+        Bodies and compliances of other scenes; those of the run are added.
+    """
+
+    stages: Mapping[str, Account] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+    parts: Parts | None = None
+
+
+def prepare(scene: Scene, parts: Parts) -> None:
+    """Build the bodies of a scene and solve their elements, for runs of similar scenes.
+
+    Parameters
+    ----------
+    scene : Scene
+    parts : Parts
+        Bodies and compliances are added.
+
+    Raises
+    ------
+    SceneError
+        If the scene is impossible.
+    """
+    mechanism = mechanism_of(scene)
+    clock = StageClock(None, mechanism.sweeps(scene), {})
+    built = mechanism.build(scene, None, clock.account("bodies"), parts)
+    if mechanism.without_flanks is None:  # the other drives reuse nothing
+        mechanism.compliances(scene, built, clock, {}, parts)
 
 
 def run_once(
@@ -29,8 +70,7 @@ def run_once(
     plan: Counted | None = None,
     discretization: Discretization | None = None,
     on_assembly: Callable[[Any], None] | None = None,
-    stages: Mapping[str, Account] | None = None,
-    notes: Sequence[str] = (),
+    earlier: Earlier | None = None,
 ) -> Result | tuple[Result, ...]:
     """Solve a scene at the discretization that it names, or at the default one.
 
@@ -48,10 +88,7 @@ def run_once(
         Replaces the discretization of the scene.
     on_assembly : callable, optional
         Called with the assembly before finite elements are solved.
-    stages : mapping of str to Account, optional
-        Stages that precede this run.
-    notes : sequence of str
-        Further warnings of the results.
+    earlier : Earlier, optional
 
     Returns
     -------
@@ -64,17 +101,17 @@ def run_once(
     FlankloadError
         If a position has no solution, or the plan belongs to another scene.
     """
-    mechanism = mechanism_of(scene)
-    clock = StageClock(progress, mechanism.sweeps(scene), stages or {})
+    mechanism, earlier = mechanism_of(scene), earlier or Earlier()
+    clock = StageClock(progress, mechanism.sweeps(scene), earlier.stages)
     with clock.stage("bodies") as account:
-        built = mechanism.build(scene, discretization, account)
+        built = mechanism.build(scene, discretization, account, earlier.parts)
         by_geometry = held(scene, tuple(mechanism.broken_by_geometry(built)))
         account.bytes += held_bytes(built)
     predicted = beside_plan(mechanism.work(scene, built), plan)
     if on_assembly is not None:
         on_assembly(built)
     kept = {} if kept is None else kept
-    assembly, compliances = mechanism.compliances(scene, built, clock, kept)
+    assembly, compliances = mechanism.compliances(scene, built, clock, kept, earlier.parts)
     if assembly.position_rad.size != built.position_rad.size:
         # teeth of different compliance need more positions, which a plan cannot predict
         predicted = beside_plan(mechanism.work(scene, assembly))
@@ -90,7 +127,7 @@ def run_once(
         results = mechanism.results(scene, assembly, compliances, states, estimates)
         account.bytes += held_bytes(results)
     finished = tuple(
-        _finished(result, (*by_geometry, *broken), clock.stages, predicted, notes)
+        _finished(result, (*by_geometry, *broken), clock.stages, predicted, earlier.notes)
         for result, broken in zip(results, by_load, strict=True)
     )
     clock.finish()

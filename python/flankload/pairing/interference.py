@@ -181,9 +181,9 @@ def _margins(
     cosine_1 = sense * (distance**2 + r_1**2 - r_2**2) / (2 * distance * r_1)
     cosine_2 = (distance**2 + r_2**2 - r_1**2) / (2 * distance * r_2)
     meet = (np.abs(cosine_1) < 1.0) & (np.abs(cosine_2) < 1.0)
-    theta_1, theta_2 = (np.arccos(np.clip(c, -1.0, 1.0)) for c in (cosine_1, cosine_2))
+    theta_1, theta_2 = np.arccos(cosine_1[meet]), np.arccos(cosine_2[meet])
+    along = (ratio * angle_1 + sense * angle_2)[meet]
+    # at the other meeting point both angles have the other sign
     least = np.full(meet.shape, np.inf)
-    for side in (1.0, -1.0):
-        margin = ratio * (side * theta_1 - angle_1) - side * theta_2 - sense * angle_2
-        least = np.minimum(least, np.where(meet, margin, np.inf))
+    least[meet] = -np.abs(ratio * theta_1 - theta_2) - along
     return least

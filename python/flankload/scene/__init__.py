@@ -13,7 +13,7 @@ from flankload.scene.pair import Load
 from flankload.scene.reader import read_scene
 from flankload.scene.scene import Scene
 from flankload.scene.scene_file import BodySpec
-from flankload.scene.schema import scene_schema
+from flankload.scene.schema import scene_paths, scene_schema
 
 __all__ = [
     "Belt",
@@ -33,5 +33,6 @@ __all__ = [
     "SplineShaft",
     "Sprocket",
     "read_scene",
+    "scene_paths",
     "scene_schema",
 ]

@@ -25,6 +25,22 @@ class Accuracy(Table, frozen=True, kw_only=True):
         Literal["strain", "stress"], about("", "plane strain (wide gears) or plane stress (discs)")
     ] = "strain"
     estimate: Annotated[bool, about("", "false: no error estimate")] = True
+    tangents: Annotated[
+        bool,
+        about(
+            "",
+            "false: the tangent stiffness is that of fixed contact zones, without two further "
+            "sweeps, and 0.1 to 0.3 % smaller",
+        ),
+    ] = True
+    unmodified_elements: Annotated[
+        bool,
+        about(
+            "",
+            "true: the finite elements follow the flanks without tip relief and profile crowning, "
+            "so that these do not change the compliance",
+        ),
+    ] = False
     flank_element_mm: Annotated[
         Length | None, about("mm", "length of the finite elements along the flank")
     ] = None

@@ -17,6 +17,7 @@ from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.form import read_table
 from flankload.scene.pair import Load, Pair, Positions
 from flankload.scene.scene_file import Body1, Body2, SceneFile
+from flankload.scene.tree import scene_tree, toml_of, with_changes
 
 #: N mm per N m.
 N_MM_PER_N_M = 1000.0
@@ -143,6 +144,61 @@ class Scene:
         )
         named = {key: getattr(self.effects, key) for key in self.named_effects}
         asked.check({"effects": named})
+
+    def replace(self, changes: Mapping[str, Any]) -> Scene:
+        """Return the scene with other values of some keys, checked like a scene file.
+
+        Parameters
+        ----------
+        changes : mapping of str to object
+            By path, as "body_1.tip_relief_um", "load.torque_Nm" or "body_1.pitch_errors_um[3]":
+            the new value, or None for a key that is absent. `flankload schema --paths` lists all
+            paths. A path may lead to a whole table.
+
+        Returns
+        -------
+        Scene
+
+        Raises
+        ------
+        SceneError
+            As `from_dict`; at a path that is malformed or leads to no entry of a list.
+
+        Examples
+        --------
+        >>> scene.replace({"body_1.tip_relief_um": 25, "load.torque_Nm": [100, 200]})
+        """
+        try:
+            tree = with_changes(self.to_dict(), changes)
+        except SceneError as error:
+            raise (error if self.file is None else error.with_file(self.file)) from None
+        return type(self).from_dict(tree, file=self.file)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Keys of the scene as in its file, without those at their defaults.
+
+        Returns
+        -------
+        dict
+            `from_dict` makes an equal scene of it, with the same `file`. The name is included.
+        """
+        tree = scene_tree(self, implied=False)
+        try:
+            again = type(self).from_dict(tree, file=self.file)
+        except SceneError:
+            return scene_tree(self, implied=True)
+        return tree if again == self else scene_tree(self, implied=True)
+
+    def to_toml(self) -> str:
+        """Text of a scene file with the keys of `to_dict`.
+
+        Returns
+        -------
+        str
+            In the folder of the scene's file it reads as an equal scene, apart from `file`: paths
+            of other files remain relative to that folder.
+        """
+        return toml_of(self.to_dict())
 
     @classmethod
     def from_dict(cls, d: Mapping[str, Any], *, file: str | Path | None = None) -> Scene:

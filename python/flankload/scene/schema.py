@@ -1,12 +1,16 @@
-"""JSON schema of a scene file, with unit and meaning of each key."""
+"""JSON schema of a scene file and paths of its keys, with unit and meaning of each."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import msgspec
+from msgspec import inspect
 
+from flankload.scene.form import expected_of, fields_of
 from flankload.scene.scene_file import SceneFile
+from flankload.scene.table import Table
 
 
 def scene_schema() -> dict[str, Any]:
@@ -22,6 +26,65 @@ def scene_schema() -> dict[str, Any]:
         **_without_null(msgspec.json.schema(SceneFile)),
         "title": "flankload scene",
     }
+
+
+class KeyPath(NamedTuple):
+    """A key of a scene by its path, as `Scene.replace` takes it.
+
+    Attributes
+    ----------
+    path : str
+        "body_1.tip_relief_um".
+    unit : str
+        "" for words.
+    expected : str
+        Type and range.
+    meaning : str
+    kinds : str
+        Kinds of body that have the key; "" outside the tables of bodies.
+    """
+
+    path: str
+    unit: str
+    expected: str
+    meaning: str
+    kinds: str
+
+
+def scene_paths() -> list[KeyPath]:
+    """Paths of all keys of a scene.
+
+    Returns
+    -------
+    list of KeyPath
+        A key whose range or meaning differs between kinds of body has an entry for each.
+    """
+    kinds: dict[KeyPath, list[str]] = {}
+    for found in _paths_of(SceneFile, "", ""):
+        kinds.setdefault(found._replace(kinds=""), []).append(found.kinds)
+    return [path._replace(kinds=", ".join(filter(None, of))) for path, of in kinds.items()]
+
+
+def _paths_of(form: type[Table], before: str, kind: str) -> Iterator[KeyPath]:
+    """Paths of the keys of a table and of the tables in it."""
+    for name, field in fields_of(form).items():
+        bare: inspect.Type = field.type
+        extra: dict[str, Any] = {}
+        if isinstance(bare, inspect.Metadata):
+            extra, bare = bare.extra_json_schema or {}, bare.type
+        members = bare.types if isinstance(bare, inspect.UnionType) else (bare,)
+        tables = [part for part in members if isinstance(part, inspect.StructType)]
+        path = f"{before}{name}"
+        if tags := [f"'{table.tag}'" for table in tables if table.tag]:
+            meaning = f"kind of body: {extra.get('description', '')}"
+            yield KeyPath(f"{path}.kind", "", " or ".join(tags), meaning, kind)
+        for table in tables:
+            assert issubclass(table.cls, Table)
+            yield from _paths_of(table.cls, f"{path}.", str(table.tag or kind))
+        if not tables:
+            meaning = str(extra.get("description", ""))
+            unit = str(extra.get("unit", ""))
+            yield KeyPath(path, unit, expected_of(field.type), meaning, kind)
 
 
 def _without_null(node: Any) -> Any:

@@ -71,6 +71,7 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         **raised(),
         "ContactState": held(),
         "Plan": fl.plan(scene),
+        "Prepared": fl.prepare(scene),
         "Result": fl.solve(scene),
         "Scene": scene,
         "Study": accuracy(scene, ("transmission_error",), 1e-9),

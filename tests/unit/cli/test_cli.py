@@ -179,6 +179,13 @@ def test_schema_is_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert json.loads(out)["title"] == "flankload scene"
 
 
+def test_schema_lists_the_paths_of_keys(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "schema", "--paths")
+    assert (code, err) == (0, "")
+    line = next(line for line in out.splitlines() if line.startswith("load.torque_Nm"))
+    assert line.startswith("load.torque_Nm [N m]: a number from 0 to 1e+12 or a non-empty list")
+
+
 @pytest.mark.parametrize(
     "argv", [[], ["fly"], ["run"], ["mesh", "a.toml"], ["run", "a.toml", "--fast"]]
 )

@@ -9,6 +9,7 @@ import pytest
 
 import flankload as fl
 from flankload.scene.effects import effects_of, switches_of
+from flankload.scene.plane_section import plane_section
 from tests.support.gear_scenes import RING, changed, one_line
 
 HELICAL = {
@@ -53,6 +54,7 @@ def test_a_key_along_the_axis_requires_three_dimensions(
     assert effects_of(scene).three_dimensions
     assert switches_of(scene)["three_dimensions"].because == because
     assert scene.effects.contact == "lumped"
+    assert not effects_of(plane_section(scene)).three_dimensions
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.meshes.plane_mesh import jacobians, scaled_jacobians
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.friction import friction_of
+from flankload.studies.verification import model
 from flankload.studies.verification.calculix import read_answer, run_deck, version_of
 from flankload.studies.verification.contact_places import Place, contact_places
 from flankload.studies.verification.deck import Deck, DeckFriction, Part, deck_text
@@ -555,3 +556,12 @@ def test_coarse_deck_gives_rotation_and_loads() -> None:
     assert other.cpu_s > 0
     assert "kept as" not in found.table()
     assert json.loads(found.to_json())["calculix"]["iterations"] > 1
+
+
+def test_a_deck_has_the_modified_flanks_in_any_case() -> None:
+    relief = {"body_1.tip_relief_um": 30.0, "body_1.tip_relief_start_diameter_mm": 80.0}
+    scene = fl.read_scene(SCENES / "external_gear.toml").replace(relief)
+    other = scene.replace({"accuracy.unmodified_elements": True})
+    one, two = (model._coarse_bodies(each).body_1.mesh for each in (scene, other))
+    assert np.array_equal(one.nodes, two.nodes)
+    assert not np.array_equal(two.nodes, build_bodies(other).body_1.mesh.nodes)

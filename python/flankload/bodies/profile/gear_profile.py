@@ -15,9 +15,9 @@ from flankload.bodies.bisection import sign_change
 from flankload.bodies.profile.basic_rack import BasicRack, basic_rack
 from flankload.bodies.profile.gear_tip import (
     FormPoint,
-    flank_and_tip,
     following_fillet,
     modifications_of,
+    profile_curve,
 )
 from flankload.bodies.profile.involute import (
     Involute,
@@ -27,7 +27,7 @@ from flankload.bodies.profile.involute import (
     roll_of_involute_angle,
 )
 from flankload.errors import SceneError
-from flankload.flank import CurvePiece, FlankCurve, Place, fit_flank_curve
+from flankload.flank import CurvePiece, FlankCurve, Place
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -157,9 +157,8 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     )
     _check_tooth(involute, rack, start, spec, key)
     flank = replace(plain, modifications=modifications_of(spec, involute, start.roll, key))
-    curve = fit_flank_curve(
-        [_fillet_piece(rack, flank, start), *flank_and_tip(flank, involute, start, spec, key)],
-        corner_at_end=spec.tip_radius_mm is None,
+    curve = profile_curve(
+        lambda flank: _fillet_piece(rack, flank, start), flank, involute, start, spec, key
     )
     return GearProfile(
         curve=curve,

@@ -14,10 +14,14 @@ import numpy as np
 from flankload.bodies.bisection import sign_change
 from flankload.bodies.profile.involute import Involute, InvoluteFlank, Modifications
 from flankload.errors import SceneError
-from flankload.flank import CurvePiece, Place
+from flankload.flank import CurvePiece, Place, fit_flank_curve, fit_tolerance_mm
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
+
+    from flankload.flank import FlankCurve
 
     Floats = NDArray[np.float64]
 
@@ -167,6 +171,42 @@ def flank_and_tip(
         kinked = flank.modifications.relief_power == 1
         pieces.append(CurvePiece("relief", flank.place, kink, end, kinked))
     return [*pieces, *tip]
+
+
+def profile_curve(
+    fillet: Callable[[InvoluteFlank], CurvePiece],
+    flank: InvoluteFlank,
+    involute: Involute,
+    start: FormPoint,
+    spec: FlankGeometry,
+    key: str,
+) -> FlankCurve:
+    """The flank with its fillet and tip as a curve.
+
+    Parameters
+    ----------
+    fillet : callable
+        The fillet of a flank.
+    flank, involute, start, spec, key
+        As for `flank_and_tip`.
+
+    Returns
+    -------
+    FlankCurve
+    """
+
+    def pieces(flank: InvoluteFlank) -> list[CurvePiece]:
+        return [fillet(flank), *flank_and_tip(flank, involute, start, spec, key)]
+
+    modified = pieces(flank)
+    # the tolerance is that of the flank without modifications: those that only relief tells apart
+    # have fillet and involute in common
+    plain = pieces(replace(flank, modifications=Modifications.none()))
+    return fit_flank_curve(
+        modified,
+        tolerance_mm=fit_tolerance_mm(plain),
+        corner_at_end=spec.tip_radius_mm is None,
+    )
 
 
 def following_fillet(place: Place, start: float, end: float, moved: Floats) -> Place:

@@ -16,9 +16,9 @@ from flankload.bodies.bisection import sign_change
 from flankload.bodies.profile.gear_tip import (
     FlankGeometry,
     FormPoint,
-    flank_and_tip,
     following_fillet,
     modifications_of,
+    profile_curve,
 )
 from flankload.bodies.profile.involute import (
     Involute,
@@ -27,7 +27,7 @@ from flankload.bodies.profile.involute import (
     roll_of_involute_angle,
 )
 from flankload.errors import SceneError
-from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
+from flankload.flank import CurvePiece, FlankCurve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -157,9 +157,8 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
     )
     end = involute.base_half_angle_rad - arc.roll + 0.5 * pi
     start = FormPoint(arc.roll, end, False)
-    curve = fit_flank_curve(
-        [_fillet_piece(arc, flank, start), *flank_and_tip(flank, involute, start, spec, key)],
-        corner_at_end=spec.tip_radius_mm is None,
+    curve = profile_curve(
+        lambda flank: _fillet_piece(arc, flank, start), flank, involute, start, spec, key
     )
     return RingProfile(
         curve=curve,

@@ -300,6 +300,24 @@ class BodyCompliance:
         )
         return replace(self, modes=modes)
 
+    def on_flank(self, body: Body) -> BodyCompliance:
+        """The same for a body whose modified flank has other arc lengths.
+
+        Parameters
+        ----------
+        body : Body
+
+        Returns
+        -------
+        BodyCompliance
+        """
+        modes, (low, high), span = self.modes, self.modes.range_mm, body.mode_range_mm
+        nodes = modes.nodes
+        if nodes is not None:
+            nodes = span[0] + (nodes - low) * ((span[1] - span[0]) / (high - low))
+        tip = None if modes.tip is None else body.tip
+        return replace(self, modes=replace(modes, range_mm=span, tip=tip, nodes=nodes))
+
     def without_coupling(self) -> BodyCompliance:
         """The same, but a load on a tooth deforms and stresses no other tooth."""
 

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.belt.contact import BeltState
     from flankload.mechanisms.belt.drive import BeltAssembly
     from flankload.mechanisms.belt.pulley_compliance import PulleyResponse
+    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.protocol import Counted, Mechanism
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
@@ -54,7 +55,11 @@ class TimingBelt(WrappedMechanism):
     without_flanks: str | None = "'belt', which lies on its pulley as a strip"
 
     def build(
-        self, scene: Scene, discretization: Discretization | None, account: Account
+        self,
+        scene: Scene,
+        discretization: Discretization | None,
+        account: Account,
+        parts: Parts | None = None,
     ) -> BeltAssembly:
         """Assemble belt and pulley; the element size follows from the scene."""
         return assemble(scene)
@@ -64,7 +69,12 @@ class TimingBelt(WrappedMechanism):
         return predicted_work(scene, assembly)
 
     def compliances(
-        self, scene: Scene, assembly: BeltAssembly, clock: StageClock, kept: Kept
+        self,
+        scene: Scene,
+        assembly: BeltAssembly,
+        clock: StageClock,
+        kept: Kept,
+        parts: Parts | None = None,
     ) -> tuple[BeltAssembly, PulleyResponse | None]:
         """Solve the elements of an elastic pulley, and the cell of the belt."""
         pulley = None

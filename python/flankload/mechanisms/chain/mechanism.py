@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.mechanisms.chain.contact import WrapState
     from flankload.mechanisms.chain.drive import ChainAssembly
+    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile
     from flankload.mechanisms.screening import Screening
@@ -44,7 +45,11 @@ class ChainOnSprocket(WrappedMechanism):
     without_flanks: str | None = "'chain', whose sprocket has pockets and which is a truss"
 
     def build(
-        self, scene: Scene, discretization: Discretization | None, account: Account
+        self,
+        scene: Scene,
+        discretization: Discretization | None,
+        account: Account,
+        parts: Parts | None = None,
     ) -> ChainAssembly:
         """Assemble sprocket and chain; a truss has no discretization."""
         return assemble(scene)
@@ -54,7 +59,12 @@ class ChainOnSprocket(WrappedMechanism):
         return predicted_work(scene, assembly.position_rad.size)
 
     def compliances(
-        self, scene: Scene, assembly: ChainAssembly, clock: StageClock, kept: Kept
+        self,
+        scene: Scene,
+        assembly: ChainAssembly,
+        clock: StageClock,
+        kept: Kept,
+        parts: Parts | None = None,
     ) -> tuple[ChainAssembly, None]:
         """No finite elements: links and rollers have stiffnesses."""
         return assembly, None

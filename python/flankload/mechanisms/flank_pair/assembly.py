@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec import structs
 
 from flankload.bodies import Body, build_body
 from flankload.bodies.imported.given import ModalCompliance
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.bodies.root_fillet import RootFillets, root_fillets
 from flankload.errors import SceneError
+from flankload.mechanisms.parts import made_once
 from flankload.mechanisms.registry import require_flanks
+from flankload.mechanisms.toggles import without_modifications
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.expansion import growth_notes, growth_of
 from flankload.pairing.friction import (
@@ -43,7 +48,8 @@ LEAST_DEVIATION_UM = 1e-3
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.scene import Scene
+    from flankload.mechanisms.parts import Parts
+    from flankload.scene import BodySpec, Scene
     from flankload.scene.pair import Positions
 
 
@@ -53,6 +59,7 @@ def bodies_of(
     which: tuple[int, ...] = (0, 1),
     *,
     alike: tuple[Body, Body] | None = None,
+    parts: Parts | None = None,
 ) -> tuple[Body, ...]:
     """Bodies of a scene, not yet paired.
 
@@ -65,6 +72,8 @@ def bodies_of(
     alike : two Body, optional
         The same bodies at any discretization, if available: the spacing of the nodes that carry
         forces follows from their curves.
+    parts : Parts, optional
+        Of earlier runs.
 
     Returns
     -------
@@ -79,14 +88,16 @@ def bodies_of(
     element_mm, nodes_mm = scene.accuracy.flank_element_mm, None
     try:
         if effects_of(scene).nodal_near_field:
-            element_mm, nodes_mm = None, _nodes_mm(scene, discretization, alike)
-        bodies = tuple(_body(scene, discretization, z, element_mm, nodes_mm) for z in which)
+            element_mm, nodes_mm = None, _nodes_mm(scene, discretization, alike, parts)
+        bodies = tuple(
+            _body(scene, discretization, z, (element_mm, nodes_mm), parts) for z in which
+        )
         if effects_of(scene).nodal_near_field:
             for z, body in zip(which, bodies, strict=True):
                 _check_nodes(body, f"body_{z + 1}")
         elif element_mm is None and (scene.accuracy.modes or 0) > DEFAULT.modes:
             bodies = tuple(
-                _bearing(body, scene, discretization, z)
+                _bearing(body, scene, discretization, z, parts)
                 for z, body in zip(which, bodies, strict=True)
             )
         return bodies
@@ -100,6 +111,7 @@ def build_bodies(
     *,
     bodies: tuple[Body, Body] | None = None,
     groups: tuple[int, int] = (1, 1),
+    parts: Parts | None = None,
 ) -> BodyPair:
     """Pair the bodies of a scene; no finite elements are solved.
 
@@ -112,6 +124,8 @@ def build_bodies(
         From `bodies_of`, if available.
     groups : (int, int)
         Number of teeth after which the compliance of each body repeats, if known.
+    parts : Parts, optional
+        Of earlier runs.
 
     Returns
     -------
@@ -123,7 +137,7 @@ def build_bodies(
         If a body cannot be made or the bodies cannot mesh; names file, key, expected and found.
     """
     discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
-    body_1, body_2 = bodies if bodies is not None else bodies_of(scene, discretization)
+    body_1, body_2 = bodies or bodies_of(scene, discretization, parts=parts)
     try:
         if effects.coast_flanks:
             check_coast_kinds(body_1.kind, body_2.kind)
@@ -275,20 +289,25 @@ def _check_nodes(body: Body, key: str) -> None:
 
 
 def _nodes_mm(
-    scene: Scene, discretization: Discretization, alike: tuple[Body, Body] | None
+    scene: Scene,
+    discretization: Discretization,
+    alike: tuple[Body, Body] | None,
+    parts: Parts | None,
 ) -> float | None:
     """Spacing of the nodes that carry forces: named, or from the contact width of the curves."""
     if scene.accuracy.flank_element_mm is not None:
         return scene.accuracy.flank_element_mm
     if alike is None:
         alike = (
-            _body(scene, discretization, 0, None, None),
-            _body(scene, discretization, 1, None, None),
+            _body(scene, discretization, 0, (None, None), parts),
+            _body(scene, discretization, 1, (None, None), parts),
         )
     return spacing_for_loads(alike, scene.torques_Nm, scene.pair.face_width_mm)
 
 
-def _bearing(body: Body, scene: Scene, discretization: Discretization, z: int) -> Body:
+def _bearing(
+    body: Body, scene: Scene, discretization: Discretization, z: int, parts: Parts | None
+) -> Body:
     """The body with flank elements fine enough for the named number of modes."""
     assert scene.accuracy.modes is not None
     wanted = elements_for_modes(scene.accuracy.modes)
@@ -296,25 +315,56 @@ def _bearing(body: Body, scene: Scene, discretization: Discretization, z: int) -
     if not parametric or body.mesh is None or body.mesh.flank_elements >= wanted:
         return body
     low, high = body.mode_range_mm
-    return _body(scene, discretization, z, None, (high - low) / wanted)
+    return _body(scene, discretization, z, (None, (high - low) / wanted), parts)
 
 
 def _body(
     scene: Scene,
     discretization: Discretization,
     z: int,
-    element_mm: float | None,
-    nodes_mm: float | None,
+    lengths_mm: tuple[float | None, float | None],
+    parts: Parts | None,
 ) -> Body:
-    return build_body(
-        (scene.body_1, scene.body_2)[z],
-        f"body_{z + 1}",
-        folder=scene.folder,
-        flank_element_mm=element_mm,
-        flank_element_parts=discretization.flank_element_parts,
-        flank_nodes_mm=nodes_mm,
-        pair_width_mm=scene.pair.face_width_mm if effects_of(scene).three_dimensions else None,
-    )
+    """A body; lengths: of the flank's elements, and the distance of its nodes."""
+    spec, key = (scene.body_1, scene.body_2)[z], f"body_{z + 1}"
+    element_mm, nodes_mm = lengths_mm
+
+    def built(spec: BodySpec) -> Body:
+        call = partial(
+            _built,
+            _stamps(scene, key),
+            spec,
+            key,
+            folder=scene.folder,
+            flank_element_mm=element_mm,
+            flank_element_parts=discretization.flank_element_parts,
+            flank_nodes_mm=nodes_mm,
+            pair_width_mm=scene.pair.face_width_mm if effects_of(scene).three_dimensions else None,
+        )
+        return made_once(call, parts)
+
+    plain = without_modifications(spec) if scene.accuracy.unmodified_elements else spec
+    if plain == spec or spec.rigid:
+        return built(spec)
+    # the flank alone: a rigid body has no mesh
+    own, elements = built(structs.replace(spec, rigid=True)), built(plain)
+    return replace(own, rigid=False, mesh=elements.mesh, elements=elements)
+
+
+def _built(stamps: tuple[tuple[int, int], ...], spec: BodySpec, key: str, **keys: Any) -> Body:
+    """A body from its keys and from files with these stamps."""
+    return build_body(spec, key, **keys)
+
+
+def _stamps(scene: Scene, key: str) -> tuple[tuple[int, int], ...]:
+    """Time of change and size of the files of a body, as far as they exist."""
+    stamps = []
+    for name, path in scene.files.items():
+        if name.startswith(f"{key}."):
+            with suppress(OSError, ValueError):  # whoever reads the file says what is wrong
+                stat = path.stat()
+                stamps.append((stat.st_mtime_ns, stat.st_size))
+    return tuple(stamps)
 
 
 def without_ends(body: Body) -> Body:
@@ -326,7 +376,9 @@ def without_ends(body: Body) -> Body:
 
 def _fillets(body: Body, key: str, effects: Effects) -> RootFillets | None:
     """Root fillets of an elastic body, if their stress is requested."""
-    return root_fillets(body, key) if effects.root_stress and not body.rigid else None
+    if not effects.root_stress or body.rigid:
+        return None
+    return root_fillets(body.elements or body, key)
 
 
 def _is_modified_file(body: Body) -> bool:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from flankload.cost import Account
     from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile
     from flankload.mechanisms.screening import Screening
@@ -45,10 +46,14 @@ class FlankPair:
     without_flanks: str | None = None
 
     def build(
-        self, scene: Scene, discretization: Discretization | None, account: Account
+        self,
+        scene: Scene,
+        discretization: Discretization | None,
+        account: Account,
+        parts: Parts | None = None,
     ) -> BodyPair:
         """Assemble both bodies."""
-        return with_standing_gap(scene, build_bodies(scene, discretization), account)
+        return with_standing_gap(scene, build_bodies(scene, discretization, parts=parts), account)
 
     def work(self, scene: Scene, assembly: BodyPair) -> Counted:
         """Counters of a run by stage, as far as they are known before it."""
@@ -59,10 +64,15 @@ class FlankPair:
         return 2 + (MOST_SWEEPS if scene.accuracy.estimate else 0)
 
     def compliances(
-        self, scene: Scene, assembly: BodyPair, clock: StageClock, kept: Kept
+        self,
+        scene: Scene,
+        assembly: BodyPair,
+        clock: StageClock,
+        kept: Kept,
+        parts: Parts | None = None,
     ) -> tuple[BodyPair, Compliances]:
         """Solve the elements of both bodies; return also the pair with period and expansion."""
-        found = compliances_of(scene, assembly, clock, kept)
+        found = compliances_of(scene, assembly, clock, kept, parts)
         return grown_pair(with_compliance_period(scene, assembly, found), found)
 
     def states(

@@ -176,7 +176,7 @@ def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     lumped = pair.effects.lumped_contact
     loaded = sum(torque > 0 for torque in scene.torques_Nm)
     states = {"sweep": len(scene.torques_Nm)}
-    if not lumped:
+    if scene.accuracy.tangents and not lumped:
         states["tangent"] = len(SIDES) * loaded
     slices = {}
     if pair.slices is not None:

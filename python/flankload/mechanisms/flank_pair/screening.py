@@ -343,7 +343,7 @@ class FlankPairScreening(Screening):
         loaded = sum(torque > 0 for torque in scene.torques_Nm)
         lumped = pair.effects.lumped_contact
         numbers = {"sweep": (1, len(scene.torques_Nm), rate.state_s)}
-        if not lumped:
+        if scene.accuracy.tangents and not lumped:
             numbers["tangent"] = (1, len(SIDES) * loaded, rate.state_s)
         if scene.accuracy.estimate:
             sweeps = n_sweeps(

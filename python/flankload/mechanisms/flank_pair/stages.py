@@ -29,11 +29,10 @@ from flankload.scene.effects import effects_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from scipy.sparse import csc_array
-
     from flankload.bodies import Body
     from flankload.bodies.root_fillet import RootFillets
     from flankload.contact.sweep import Sweep
+    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.expansion import Growth
@@ -47,6 +46,62 @@ FINITE_STEPS = 10
 FRICTION, FINITE = "effects.friction_coefficient", "effects.influence = 'finite'"
 
 
+def elements_call(
+    body: Body,
+    scene: Scene,
+    discretization: Discretization,
+    *,
+    fillets: RootFillets | None = None,
+    growth: Growth | None = None,
+    estimate: bool = False,
+) -> partial[BodyCompliance]:
+    """The call that computes the compliance of one body, with all its arguments.
+
+    Parameters
+    ----------
+    body : Body
+        Elastic body.
+    scene, discretization, fillets, growth, estimate
+        As in `compliance_of`.
+
+    Returns
+    -------
+    partial
+        Its arguments determine the compliance.
+    """
+    effects, own = effects_of(scene), body.for_elements()
+    if effects.three_dimensions:
+        return _prism_call(own, scene, discretization)
+    # tangential displacement under normal loads equals the transposed reaction to tangential loads
+    tangential = effects.friction or effects.finite_influence
+    if own.given is not None:
+        return partial(
+            given_compliance,
+            own,
+            modes=scene.accuracy.modes,
+            default_modes=discretization.modes,
+            plane=scene.accuracy.plane,
+            tangential=(FRICTION if effects.friction else FINITE) if tangential else None,
+            nodal=effects.nodal_near_field,
+        )
+    return partial(
+        flank_compliance,
+        own,
+        JobOptions(
+            n_modes=modes_of(own, scene, discretization),
+            plane=scene.accuracy.plane,
+            friction=tangential,
+            along=effects.friction and effects.finite_influence,
+            nodal=effects.nodal_near_field,
+            coast_flanks=scene.effects.coast_flank,
+            fillets=fillets,
+            estimate=estimate,
+        ),
+        sectors=scene.sectors,
+        growth=growth if growth is not None and growth.needs_elements else None,
+    )
+
+
 def compliance_of(
     body: Body,
     scene: Scene,
@@ -54,7 +109,6 @@ def compliance_of(
     *,
     fillets: RootFillets | None = None,
     growth: Growth | None = None,
-    matrix: csc_array | None = None,
     estimate: bool = False,
 ) -> BodyCompliance:
     """Compliance of one body: from its finite elements, or imported.
@@ -71,8 +125,6 @@ def compliance_of(
         If stress is requested.
     growth : Growth, optional
         Expansion of the body.
-    matrix : csc_array, optional
-        Stiffness matrix of its mesh, if available.
     estimate : bool
         Whether the discretization error of the elements is estimated.
 
@@ -80,45 +132,26 @@ def compliance_of(
     -------
     BodyCompliance
     """
-    discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
-    if effects.three_dimensions:
-        found = _prism_compliance(body, scene, discretization)
-        return found if scene.effects.tooth_coupling else found.without_coupling()
-    # tangential displacement under normal loads equals the transposed reaction to tangential loads
-    tangential = effects.friction or effects.finite_influence
-    if body.given is not None:
-        found = given_compliance(
-            body,
-            modes=scene.accuracy.modes,
-            default_modes=discretization.modes,
-            plane=scene.accuracy.plane,
-            tangential=(FRICTION if effects.friction else FINITE) if tangential else None,
-            nodal=effects.nodal_near_field,
-        )
-        if growth is not None:
-            found = replace(found, expansion=Expansion(growth.strain))
-    else:
-        found = flank_compliance(
-            body,
-            JobOptions(
-                n_modes=modes_of(body, scene, discretization),
-                plane=scene.accuracy.plane,
-                friction=tangential,
-                along=effects.friction and effects.finite_influence,
-                nodal=effects.nodal_near_field,
-                coast_flanks=scene.effects.coast_flank,
-                fillets=fillets,
-                estimate=estimate,
-            ),
-            sectors=scene.sectors,
-            growth=growth,
-            matrix=matrix,
-        )
+    discretization = discretization or choose_discretization(scene)
+    call = elements_call(
+        body, scene, discretization, fillets=fillets, growth=growth, estimate=estimate
+    )
+    return _in_scene(call(), body, scene, growth)
+
+
+def _in_scene(
+    found: BodyCompliance, body: Body, scene: Scene, growth: Growth | None
+) -> BodyCompliance:
+    """Apply uniform expansion, modified flanks and coupling, which need no elements."""
+    if growth is not None and (body.given is not None or not growth.needs_elements):
+        found = replace(found, expansion=Expansion(growth.strain))
+    if body.elements is not None:
+        found = found.on_flank(body)
     return found if scene.effects.tooth_coupling else found.without_coupling()
 
 
 def compliances_of(
-    scene: Scene, pair: BodyPair, clock: StageClock, kept: Kept
+    scene: Scene, pair: BodyPair, clock: StageClock, kept: Kept, parts: Parts | None = None
 ) -> tuple[BodyCompliance, BodyCompliance]:
     """Solve one finite-element job for each elastic body without imported compliance.
 
@@ -129,6 +162,8 @@ def compliances_of(
     clock : StageClock
     kept : mapping of 0 and 1 to BodyCompliance and Account
         Known compliances; missing ones are added.
+    parts : Parts, optional
+        Of earlier runs. A compliance that is found there has no stage and no cost.
 
     Returns
     -------
@@ -147,20 +182,30 @@ def compliances_of(
             clock.stages[stage] = replace(account)
             found.append(compliance)
             continue
+        call = elements_call(
+            body,
+            scene,
+            pair.discretization,
+            fillets=pair.fillets[z],
+            growth=growth,
+            estimate=scene.accuracy.estimate and elastic[z],
+        )
+        key, held = (None, None) if parts is None else parts.find(call)
+        if held is not None:
+            found.append(_in_scene(held, body, scene, growth))
+            continue
         with clock.stage(stage) as account:
-            compliance = compliance_of(
-                body,
-                scene,
-                pair.discretization,
-                fillets=pair.fillets[z],
-                growth=growth,
-                estimate=scene.accuracy.estimate and elastic[z],
-            )
+            solved = call()
+            compliance = _in_scene(solved, body, scene, growth)
             account.count(**compliance.job.counters)
             # the estimate includes the discretization error of the elements
             account.bytes += held_bytes(replace(compliance, missed=None))
             account.workspace_bytes += compliance.job.workspace_bytes
             found.append(compliance)
+        if parts is not None and key is not None:
+            # later runs have no cost
+            job = replace(solved.job, seconds={}, counters={}, workspace_bytes=0)
+            parts.add(key, replace(solved, job=job))
         kept[z] = (compliance, replace(account))
     return found[0], found[1]
 
@@ -244,8 +289,10 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
     )
 
 
-def _prism_compliance(body: Body, scene: Scene, discretization: Discretization) -> BodyCompliance:
-    """Compliance of a three-dimensional body."""
+def _prism_call(
+    body: Body, scene: Scene, discretization: Discretization
+) -> partial[BodyCompliance]:
+    """Call for the compliance of a three-dimensional body."""
     axial = body.axial
     assert axial is not None
     degree, load_degree = degrees_of(scene.accuracy)
@@ -256,7 +303,7 @@ def _prism_compliance(body: Body, scene: Scene, discretization: Discretization) 
         load_degree=load_degree,
         regions=axial.regions,
     )
-    return prism_compliance(body, prism, n_modes=modes_of(body, scene, discretization))
+    return partial(prism_compliance, body, prism, n_modes=modes_of(body, scene, discretization))
 
 
 def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:

@@ -100,7 +100,7 @@ def flank_states(
             raise
         account.bytes += held_bytes(found)
     run = partial(run, position_rad=pair.position_rad)
-    if not pair.effects.lumped_contact:
+    if scene.accuracy.tangents and not pair.effects.lumped_contact:
         # the equations of a lumped contact include its tangent
         with clock.stage("tangent") as account:
             again = partial(run, keep_pairs=False, account=account)

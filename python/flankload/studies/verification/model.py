@@ -205,7 +205,9 @@ def friction_of_deck(
 
 
 def _coarse_bodies(scene: Scene) -> BodyPair:
-    """Both bodies, with coarse elements if flankload makes their meshes."""
+    """Both bodies, with coarse elements on the true flanks if flankload makes their meshes."""
+    accuracy = structs.replace(scene.accuracy, unmodified_elements=False)
+    scene = replace(scene, accuracy=accuracy)
     module = next(
         (spec.module_mm for spec in (scene.body_1, scene.body_2) if hasattr(spec, "module_mm")),
         None,

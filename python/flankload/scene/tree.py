@@ -1,0 +1,205 @@
+"""Scenes as plain dictionaries and as text: the keys of a scene, and changes of keys by path."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from msgspec import NODEFAULT
+
+from flankload.scene.form import fields_of
+from flankload.scene.refusal import refuse, shown
+from flankload.scene.table import Table
+
+if TYPE_CHECKING:
+    from flankload.scene.scene import Scene
+
+Tree = dict[str, Any]
+
+#: Part of a path: a key with the indices of entries of its list.
+PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
+
+
+def tree_of(table: Table, named: frozenset[str] = frozenset()) -> Tree:
+    """Keys of a table whose values differ from the defaults, and those that are named.
+
+    Parameters
+    ----------
+    table : Table
+    named : frozenset of str
+        Keys that are included in any case.
+
+    Returns
+    -------
+    dict
+        With lists in place of tuples; keys without a value are left out.
+    """
+    tag = table.__struct_config__.tag_field
+    tree: Tree = {} if tag is None else {tag: table.__struct_config__.tag}
+    for name, field in fields_of(type(table)).items():
+        value = getattr(table, name)
+        is_default = field.default is not NODEFAULT and value == field.default
+        if value is not None and (not is_default or name in named):
+            tree[name] = _plain(value)
+    return tree
+
+
+def scene_tree(scene: Scene, *, implied: bool) -> Tree:
+    """Keys of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    implied : bool
+        Also keys of [positions] and [effects] that the scene does not name and whose values
+        differ from the defaults: those that the reader derives from others.
+
+    Returns
+    -------
+    dict
+        Tables without keys are left out.
+    """
+    from flankload.scene.scene import NO_PAIR
+
+    tree: Tree = {"name": scene.name}
+    tree |= {"body_1": tree_of(scene.body_1), "body_2": tree_of(scene.body_2)}
+    if not (scene.is_drive and scene.pair == NO_PAIR):
+        tree["pair"] = tree_of(scene.pair)
+    tree["load"] = tree_of(scene.load)
+    for name, table in (
+        ("positions", scene.positions),
+        ("effects", scene.effects),
+        ("accuracy", scene.accuracy),
+    ):
+        prefix = f"{name}."
+        knobs = (key for key in scene.named_knobs if key.startswith(prefix))
+        named = frozenset(key.removeprefix(prefix) for key in knobs)
+        if name == "effects":
+            named = scene.named_effects
+        found = tree_of(table, named)
+        tree[name] = {key: x for key, x in found.items() if implied or key in named}
+    return {name: part for name, part in tree.items() if part != {}}
+
+
+def with_changes(tree: Tree, changes: Mapping[str, Any]) -> Tree:
+    """Change single keys of a scene.
+
+    Parameters
+    ----------
+    tree : dict
+        As in a scene file; unchanged.
+    changes : mapping of str to object
+        By path, as "body_1.tip_relief_um" or "body_1.pitch_errors_um[3]": the new value, a whole
+        table or list included; None removes the key.
+
+    Returns
+    -------
+    dict
+        Unknown keys are refused when it is read.
+
+    Raises
+    ------
+    SceneError
+        If a path is malformed or leads to an entry that does not exist.
+    """
+    if not isinstance(changes, Mapping):
+        refuse("changes", "a mapping of paths to values", shown(changes))
+    tree = copy.deepcopy(tree)
+    for path, value in changes.items():
+        _change(tree, _steps_of(path), path, value)
+    return tree
+
+
+def toml_of(tree: Tree) -> str:
+    """Text of a scene file.
+
+    Parameters
+    ----------
+    tree : dict
+        From `scene_tree`.
+
+    Returns
+    -------
+    str
+        TOML; each number has the digits that identify it.
+    """
+    return "\n".join(_lines_of(tree, "")) + "\n"
+
+
+def _lines_of(tree: Tree, path: str) -> list[str]:
+    """Lines of a table: its keys, then the tables in it."""
+    own = {key: value for key, value in tree.items() if not isinstance(value, dict)}
+    lines = [f"[{path}]"] if path and (own or not tree) else []
+    lines += [f"{key} = {_toml_value(value)}" for key, value in own.items()]
+    for key, value in tree.items():
+        if isinstance(value, dict):
+            inner = _lines_of(value, f"{path}.{key}" if path else key)
+            lines += ["", *inner] if lines else inner
+    return lines
+
+
+def _toml_value(value: Any) -> str:
+    """A value in TOML; JSON has the same strings, but for DEL."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, list):
+        return f"[{', '.join(_toml_value(part) for part in value)}]"
+    return repr(value)
+
+
+def _steps_of(path: object) -> list[str | int]:
+    """Keys and indices of a path, in their order."""
+    parts = path.split(".") if isinstance(path, str) else []
+    found = [PART.fullmatch(part) for part in parts]
+    steps: list[str | int] = []
+    for match in found:
+        if match is None:
+            break
+        steps += [match[1], *(int(index) for index in re.findall(r"\d+", match[2]))]
+    if not found or None in found:
+        expected = "a path such as body_1.tip_relief_um or body_1.pitch_errors_um[3]"
+        refuse(path if isinstance(path, str) else "changes", expected, shown(path))
+    return steps
+
+
+def _change(tree: Tree, steps: list[str | int], path: str, value: Any) -> None:
+    """Set or remove the key to which a path leads."""
+    place: Any = tree
+    for n, step in enumerate(steps):
+        here = _text_of(steps[:n])
+        if isinstance(step, int):
+            if not isinstance(place, list) or not place:
+                refuse(path, "an entry of a list", shown(place) if place else None)
+            if step >= len(place):
+                refuse(path, f"an entry up to {here}[{len(place) - 1}]", None)
+        elif not isinstance(place, dict):
+            refuse(here, "a table", shown(place))
+        if n + 1 < len(steps):
+            if isinstance(step, str) and step not in place:
+                place[step] = [] if isinstance(steps[n + 1], int) else {}
+            place = place[step]
+        elif value is None:
+            if isinstance(step, int) or step in place:
+                del place[step]
+        else:
+            place[step] = copy.deepcopy(value)
+
+
+def _text_of(steps: list[str | int]) -> str:
+    """Path of keys and indices."""
+    text = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in steps)
+    return text.lstrip(".")
+
+
+def _plain(value: Any) -> Any:
+    """Tables as dictionaries, tuples as lists."""
+    if isinstance(value, Table):
+        return tree_of(value)
+    if isinstance(value, tuple):
+        return [_plain(part) for part in value]
+    return value

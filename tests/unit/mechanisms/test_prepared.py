@@ -1,0 +1,285 @@
+"""Prepared scenes: the same bits as single runs, and elements only where a key reaches them."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+import flankload as fl
+from flankload.base.digest import digest_of
+from flankload.bodies import Body
+from flankload.elasticity.job_log import JobCost
+from flankload.flank import fit
+from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.parts import MOST_PARTS, Parts, made_once
+from tests.support.gear_scenes import SCENE, example
+from tests.support.paths import SCENES
+from tests.support.scene_walk import BESIDE, other_values
+
+#: Few positions and coarse elements, which do not follow modifications.
+QUICK = {
+    "accuracy.estimate": False,
+    "accuracy.unmodified_elements": True,
+    "positions": {"count": 2},
+}
+COARSE_3D = {"accuracy.axial_degree": 4, "accuracy.load_degree_z": 0, "accuracy.slices": 3}
+BASES: dict[str, dict[str, Any]] = {
+    "external_gear": {"accuracy.flank_element_mm": 2.0},
+    "helical_gear": {"accuracy.flank_element_mm": 2.5, **COARSE_3D},
+    "internal_gear": {"accuracy.flank_element_mm": 1.0},
+    "spline": {"accuracy.flank_element_mm": 0.6},
+    "cam": {"positions": {"angles_deg": [40.0, 200.0]}},
+    "external_gear_mesh_profile": {},
+    "external_gear_compliance": {},
+}
+#: Keys that reach the elements of a body, by the end of their path: section, material, holding,
+#: modes. All others must not.
+OF_BODY = (
+    *("teeth", "module_mm", "pressure_angle_deg", "profile_shift", "tip_diameter_mm"),
+    *("tip_radius_mm", "tip_chamfer_mm", "dedendum_factor", "fillet_radius_factor"),
+    *("bore_diameter_mm", "root_diameter_mm", "outer_diameter_mm", "root_fillet_radius_mm"),
+    *("young_modulus_MPa", "poisson_ratio", "rigid", "helix_angle_deg", "face_width_mm"),
+    *("axial_offset_mm", "arm_mm", "arm_width_mm", "roller_radius_mm", "profile", "hand"),
+    *(
+        "web_width_mm",
+        "web_offset_mm",
+        "hub_width_mm",
+        "flat_offset_mm",
+        "flat_start_mm",
+        "flat_end_mm",
+        "reference_radius_mm",
+    ),
+)
+OF_BOTH = (
+    *("accuracy.plane", "accuracy.flank_element_mm", "accuracy.modes", "accuracy.estimate"),
+    *("accuracy.axial_degree", "accuracy.load_degree_z", "accuracy.unmodified_elements"),
+    *("effects.dimension", "effects.friction_coefficient"),
+    *("effects.near_field", "effects.influence", "effects.root_stress", "effects.body"),
+    *("effects.segment_teeth", "effects.support_expansion_per_K", "effects.speed_rpm"),
+    *("effects.density_kg_m3", "effects.coast_flank", "pair.face_width_mm"),
+)
+#: Their outcome depends on measured seconds.
+TIMED = ("accuracy.tolerance", "effects.choose")
+#: Tables and keys of a base: of the first one nearly all, of the others those that they add.
+WALKED = {
+    "external_gear": r"body_1|pair|load|positions|effects|accuracy|body_2\.(bore|tip_relief|pitch)",
+    "helical_gear": (
+        r"body_1\.(tip_relief|profile|lead|helix|tooth|end|shaft|face|axial|pitch|web)|pair|load"
+        r"|body_2\.(lead|shaft|tip_relief)|accuracy\.(slices|axial|load)"
+    ),
+    "internal_gear": r"body_2|pair\.c",
+    "spline": r"body_1|pair\.c",
+    "cam": r"body|pair\.c",
+    "external_gear_mesh_profile": r"body_1\.profile|body_2\.pitch|load",
+    "external_gear_compliance": r"body|load",
+}
+#: Keys that make a plane scene three-dimensional if no other key does.
+MAKE_3D = (
+    *("lead_crowning_um", "helix_slope_um", "end_relief_um", "_um_per_mm", "shaft"),
+    *("profile_twist_um", "topography", "web_", "hub_", "rim_", "region_"),
+)
+
+
+@cache
+def base(name: str) -> fl.Scene:
+    return fl.read_scene(SCENES / f"{name}.toml").replace(QUICK | BASES[name])
+
+
+def bits(result: fl.Result | tuple[fl.Result, ...]) -> list[bytes]:
+    """Digests of results without their cost."""
+    results = result if isinstance(result, tuple) else (result,)
+    return [digest_of(without_cost(part)) for part in results]
+
+
+def without_cost(result: fl.Result) -> fl.Result:
+    """A result without what was spent on it and on its compliances."""
+    geometry = result.geometry
+    if geometry is not None and geometry.coast is not None:
+        compliances = tuple(replace(part, job=JobCost()) for part in geometry.coast.compliances)
+        geometry = replace(geometry, coast=replace(geometry.coast, compliances=compliances))
+    return replace(result, cost={}, geometry=geometry)
+
+
+def elements(result: fl.Result | tuple[fl.Result, ...]) -> list[str]:
+    """Bodies whose elements were solved."""
+    first = result[0] if isinstance(result, tuple) else result
+    return [name[-6:] for name in first.cost["stages"] if name.startswith("compliance")]
+
+
+def outcome(run: Any) -> Any:
+    """Result of a run, or its error."""
+    try:
+        return run()
+    except fl.FlankloadError as error:
+        return str(error)
+
+
+def expected_elements(scene: fl.Scene, path: str) -> set[str]:
+    """Bodies whose elements a key may reach."""
+    table, _, key = path.rpartition(".")
+    plane = not any(getattr(body, "helix_angle_deg", 0) for body in (scene.body_1, scene.body_2))
+    if path in OF_BOTH or (plane and any(word in path for word in MAKE_3D)):
+        return {"body 1", "body 2"}
+    if table.startswith("body_") and (key in OF_BODY or "file" in key or "_set" in key):
+        return {f"body {table[5]}"}
+    return set()
+
+
+@pytest.mark.parametrize("name", BASES)
+def test_every_key_gives_the_bits_of_a_single_run_and_only_some_reach_elements(name: str) -> None:
+    scene = base(name)
+    prepared = fl.prepare(scene)
+    walked, tried, reached = [], set(), {}
+    for path, all_changes in other_values(scene):
+        if path in TIMED or not re.match(WALKED[name], path):
+            continue
+        for changes in all_changes:
+            try:
+                changed = scene.replace(changes)
+            except fl.SceneError:
+                continue
+            tried.add(path)
+            single = outcome(lambda changed=changed: fl.solve(changed))
+            found = outcome(lambda changes=changes: prepared.solve(changes))
+            if isinstance(single, str) or isinstance(found, str):
+                assert found == single, path
+                continue
+            assert bits(found) == bits(single), path
+            reached[path] = set(elements(found)) - expected_elements(scene, path)
+            walked.append(path)
+            break
+    assert not {path: bodies for path, bodies in reached.items() if bodies}
+    assert len(walked) > (50 if name == "external_gear" else 3)
+    if name == "external_gear":
+        missing = {f"body_1.{key}" for key in fl.Scene.from_dict(SCENE).body_1.__struct_fields__}
+        of_three = ("axial", "hand", "helix", "end_relief", *MAKE_3D)
+        left = {p for p in missing - tried if not any(word in p for word in of_three)}
+        assert {p.rpartition(".")[2] for p in left} <= {*BESIDE, "tip_relief_shape"}
+
+
+@pytest.mark.parametrize("name", ["belt", "chain"])
+def test_belts_and_chains_are_solved_anew(name: str) -> None:
+    scene = fl.read_scene(SCENES / f"{name}.toml").replace({"accuracy.estimate": False})
+    changes = {"load.torque_Nm": 0.9 * scene.torques_Nm[0]}
+    found, single = fl.prepare(scene).solve(changes), fl.solve(scene.replace(changes))
+    assert bits(found) == bits(single)
+    assert found.cost["fe_factorisations"] == single.cost["fe_factorisations"]
+
+
+RELIEF = {"body_1.tip_relief_um": 20.0, "body_1.tip_relief_start_diameter_mm": 80.0}
+
+
+def test_elements_follow_the_modified_flank_unless_the_scene_says_otherwise() -> None:
+    scene = base("external_gear").replace(RELIEF)
+    for unmodified, solved in ((True, []), (False, ["body 1"])):
+        one = scene.replace({"accuracy.unmodified_elements": unmodified})
+        found = fl.prepare(one).solve({"body_1.tip_relief_um": 25})
+        assert elements(found) == solved
+        assert bits(found) == bits(fl.solve(one.replace({"body_1.tip_relief_um": 25})))
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {},
+        {"body_1.tip_radius_mm": 0.4},
+        {"effects.root_stress": True},
+        {"effects.near_field": "nodes", "accuracy.flank_element_mm": 0.3},
+        {"effects.temperature_rise_K": 40.0, "effects.coast_flank": True},
+        {"effects.speed_rpm": 5000.0},
+        {"effects.dimension": 3, **COARSE_3D},
+    ],
+)
+def test_unmodified_elements_change_little(more: dict[str, Any]) -> None:
+    scene = fl.Scene.from_dict(example("external_gear")).replace(
+        {**RELIEF, **more, "accuracy.estimate": False, "positions": {"count": 4}}
+    )
+    other = scene.replace({"accuracy.unmodified_elements": True})
+    one, two = (build_bodies(s).body_1 for s in (scene, other))
+    assert bits_of_curve(one) == bits_of_curve(two)  # the flank in contact has its relief
+    found, expected = fl.solve(other), fl.solve(scene)
+    apart = np.abs(found.transmission_error_um / expected.transmission_error_um - 1.0).max()
+    assert 0.0 < apart < 5e-3
+
+
+def bits_of_curve(body: Body) -> bytes:
+    return digest_of((body.curve, body.mode_range_mm, body.outline))
+
+
+def test_without_modifications_unmodified_elements_change_nothing() -> None:
+    scene = base("external_gear")
+    plain = scene.replace({"accuracy.unmodified_elements": None})
+    assert bits(fl.solve(scene)) == bits(fl.solve(plain))
+
+
+def test_tangents_are_left_out_where_they_are_not_wanted() -> None:
+    scene = base("external_gear")
+    quiet = fl.solve(scene.replace({"accuracy.tangents": False}))
+    found = fl.solve(scene)
+    assert "tangent" in found.cost["stages"]
+    assert "tangent" not in quiet.cost["stages"]
+    for name in ("rotation_rad", "transmission_error_um", "stiffness_secant_Nm_per_rad"):
+        assert np.array_equal(getattr(found, name), getattr(quiet, name))
+    apart = quiet.stiffness_tangent_Nm_per_rad / found.stiffness_tangent_Nm_per_rad - 1.0
+    assert 1e-4 < np.abs(apart).max() < 1e-2
+
+
+def test_changed_files_are_read_again(tmp_path: Any) -> None:
+    mesh = (SCENES / "../meshes/fzg_c_pinion.msh").read_text("utf-8")
+    (tmp_path / "pinion.msh").write_text(mesh, encoding="utf-8")
+    scene = base("external_gear_mesh_profile").replace(
+        {
+            "body_1.file": str(tmp_path / "pinion.msh"),
+            "body_2.file": str((SCENES / "../meshes/fzg_c_wheel.msh").resolve()),
+        }
+    )
+    prepared = fl.prepare(scene)
+    assert elements(prepared.solve()) == []
+    # the same mesh with its bore nearer to the axis
+    (tmp_path / "pinion.msh").write_text(re.sub("BORE", "HOLE", mesh), encoding="utf-8")
+    with pytest.raises(fl.SceneError, match="BORE"):
+        prepared.solve()
+
+
+def test_held_fits_of_profiles_have_the_bits_of_new_ones() -> None:
+    scene = base("internal_gear")
+    reliefs = (3.0, 9.0, 0.0)
+
+    def curves() -> list[bytes]:
+        pairs = [build_bodies(scene.replace({"body_2.tip_relief_um": um})) for um in reliefs]
+        return [bits_of_curve(pair.body_2) for pair in pairs]
+
+    held = curves()
+    assert fit._fit_held.cache_info().hits > 0
+    for um, expected in zip(reliefs, held, strict=True):
+        fit._fit_held.cache_clear()
+        pair = build_bodies(scene.replace({"body_2.tip_relief_um": um}))
+        assert bits_of_curve(pair.body_2) == expected
+
+
+def test_parts_are_dropped_in_the_order_of_their_last_use() -> None:
+    parts = Parts()
+    calls = [partial(math.sqrt, float(k)) for k in range(1, MOST_PARTS + 2)]
+    for call in calls[:-1]:
+        made_once(call, parts)
+    assert parts.find(calls[0])[1] == 1.0  # used: the next one is the oldest
+    made_once(calls[-1], parts)
+    assert len(parts) == MOST_PARTS
+    assert parts.find(calls[0])[1] == 1.0
+    assert parts.find(calls[1])[1] is None
+
+
+def test_digests_are_those_of_bits() -> None:
+    same = [np.arange(3.0), (1, "a", None), {"a": 1.5}, SCENES]
+    assert [digest_of(x) for x in same] == [digest_of(x) for x in same]
+    unlike = [0.0, -0.0, 0, False, None, "", "0.0", (), (0.0,), [0.0], ((),), np.zeros(1)]
+    unlike += [np.zeros(2), np.zeros((1, 2)), np.zeros(2, dtype=int), ("ab", "c"), ("a", "bc")]
+    assert len({digest_of(x) for x in unlike}) == len(unlike)
+    with pytest.raises(TypeError, match="data: expected numbers, text, arrays and tables"):
+        digest_of(object())
