@@ -110,7 +110,7 @@ def _pair(name: str, study: fl.Study) -> Iterator[str]:
         ]
         rows.append([f"{100 * tolerance:g} %", *cells])
     doubts = [f"{_percent(study.doubts[measure])} %" for measure in names]
-    rows.append(["the limit, in doubt by", *doubts, f"{_percent(study.doubt())} %"])
+    rows.append(["uncertainty of the reference", *doubts, f"{_percent(study.doubt())} %"])
     yield "CPU seconds of the cheapest setting:"
     yield ""
     yield from _table(["to", *(HEADS[measure] for measure in names), "all"], rows)
@@ -128,7 +128,7 @@ def _pair(name: str, study: fl.Study) -> Iterator[str]:
 
 
 def _shares(studies: dict[str, fl.Study]) -> Iterator[str]:
-    """What each knob leaves at its default."""
+    """Errors of each parameter at its default."""
     for name, study in studies.items():
         names = _named(study)
         rows = []

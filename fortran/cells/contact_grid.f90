@@ -1,4 +1,4 @@
-!> Cells along flank 1 around each place of least gap: how far they reach and how wide they are.
+!> Cells along flank 1 around each place of least gap: extent and widths.
 module flankload_contact_grid
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type
@@ -12,70 +12,69 @@ module flankload_contact_grid
     public :: grid_type
     public :: wanted_grid, part_neighbours, lay_cells
 
-    !> Fine cells around an edge over which a contact reaches.
+    !> Fine cells around an edge inside a contact.
     type :: fineness_type
         !> Arc length of flank 1 [mm]
         real(wp) :: s = 0.0_wp
         !> Width of the cells there [mm]
         real(wp) :: cell = 0.0_wp
-        !> How far they stay so narrow towards smaller and greater arc length [mm]
+        !> Length of these narrow cells towards smaller and greater arc length [mm]
         real(wp) :: even(2) = 0.0_wp
     end type fineness_type
 
-    !> The cells of one zone: equal widths along flank 1, or finer around edges.
+    !> The cells of one zone: of equal width along flank 1, or finer around edges.
     type :: grid_type
         !> Number of cells
         integer :: n = 0
-        !> Width of a cell on flank 1 [mm], the largest, about, where they differ
+        !> Width of a cell on flank 1 [mm]; approximately the largest if they differ
         real(wp) :: cell = 0.0_wp
         !> Centre of the first cell on flank 1 [mm]
         real(wp) :: first = 0.0_wp
-        !> Edges around which cells are finer, ascending; not allocated where widths are equal
+        !> Edges around which cells are finer, ascending; not allocated if widths are equal
         type(fineness_type), allocatable :: edges(:)
-        !> Ends of the cells [mm] where their widths differ, shape (n + 1)
+        !> Ends of the cells [mm] if their widths differ, shape (n + 1)
         real(wp), allocatable :: ends(:)
-        !> Where the pairs of these cells stand [mm]; not allocated where it is in the middle
+        !> Places of the pairs in these cells [mm]; not allocated if in the middle
         real(wp), allocatable :: centers(:)
-        !> Places between which the cells shall lie on flank 1 [mm]
+        !> Ends of the grid on flank 1 [mm]
         real(wp) :: low = 0.0_wp, high = 0.0_wp
-        !> True where the grid stops in the open: a force there asks for a wider grid. False where
-        !> its stretch ends or the cells of another zone begin.
+        !> True if the grid may be extended when there is a force at its end; false if its stretch
+        !> ends there or the cells of another zone begin.
         logical :: open_low = .false., open_high = .false.
     end type grid_type
 
-    !> Away from an edge cells get wider by at most this ratio.
+    !> Largest ratio of the widths of neighbouring cells away from an edge.
     real(wp), parameter :: growth_ratio = 2.0_wp
-    !> Where the gap is even, the pressure has its peaks at the ends. Cells in the middle are this
-    !> part of the even half over the strips, at a sharp end this part of those in the middle.
+    !> With a constant gap the pressure has its peaks at the ends. Widths in the middle: this part
+    !> of half of the stretch over the strips; at a sharp end: this part of those in the middle.
     real(wp), parameter :: middle_part = 2.5_wp, sharp_part = 0.02_wp
-    !> A sharper edge than this, against the cells in the middle, is as good as a corner; no cell
-    !> is narrower than this part of the others.
+    !> An edge sharper than this, relative to the cells in the middle, is treated as a corner; least
+    !> width of a cell relative to the others.
     real(wp), parameter :: least_part = 1.0e-3_wp, least_cell = 1.0e-4_wp
-    !> The narrowest are how far the contact digs in beyond an edge, over this part of the strips;
-    !> they stay as narrow a little further than that. Away from edges cells are this part of the
-    !> contact, over the strips: it may end on one side with the pressure of a Hertz contact twice
-    !> as wide.
+    !> Least width around an edge: penetration beyond the edge over this part of the strips, kept a
+    !> little further than the penetration. Width away from edges: this part of the contact over the
+    !> strips, since on one side it may end with the pressure of a Hertz contact twice as wide.
     real(wp), parameter :: dig_part = 0.8_wp, beyond_dig = 1.1_wp, contact_part = 0.35_wp
 
 contains
 
-    !> The grid that a zone wants for itself.
+    !> The grid of a zone, without regard to other zones.
     !>
-    !> Cells are a part of the shorter reach, so that a corner or a kink beside the least gap is
-    !> resolved; where there is no second side, a smaller part of the longer one. Around edges they
-    !> are finer still.
+    !> Cells are a part of the shorter extent, so that a corner or a kink beside the least gap is
+    !> resolved; without a second side, a smaller part of the longer one. Around edges they are
+    !> finer.
     pure function wanted_grid(zone, reach, edges, widths, strips, corner_strips) result(grid)
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> How far the contact reaches to both sides [mm], shape (2)
+        !> Extent of the contact on both sides [mm], shape (2)
         real(wp), intent(in) :: reach(2)
-        !> Edges over which it does; none where the gap is even
+        !> Edges inside the contact; none if the gap is constant
         type(edge_type), intent(in) :: edges(:)
-        !> How far the cells shall reach, in these reaches, shape (2)
+        !> Extent of the cells relative to that of the contact, shape (2)
         real(wp), intent(in) :: widths(2)
-        !> Cells on the shorter reach
+        !> Cells on the shorter extent
         real(wp), intent(in) :: strips
-        !> Cells on the longer reach at the most
+        !> Largest number of cells on the longer extent
         real(wp), intent(in) :: corner_strips
         type(grid_type) :: grid
 
@@ -88,13 +87,13 @@ contains
             grid%edges = fine_around(edges, zone%nearest%s_1, reach, strips)
             grid%cell = contact_part*sum(reach)/strips
         end if
-        ! a few cells beyond a corner see whether it digs in
+        ! a few cells beyond a corner detect contact there
         grid%low = zone%nearest%s_1 - max(widths(1)*reach(1), 3.0_wp*grid%cell)
         grid%high = zone%nearest%s_1 + max(widths(2)*reach(2), 3.0_wp*grid%cell)
         call end_within_stretch(zone, grid)
     end function wanted_grid
 
-    !> Cut a grid off where the stretch of its zone ends; it stops in the open elsewhere.
+    !> Limit a grid to the stretch of its zone.
     pure subroutine end_within_stretch(zone, grid)
         !> The zone
         type(zone_type), intent(in) :: zone
@@ -103,7 +102,7 @@ contains
 
         real(wp) :: same
 
-        ! a contact that reaches up to the end of the stretch reaches that far but for rounding
+        ! a contact that reaches the end of the stretch does so up to rounding errors
         same = tie*(grid%high - grid%low)
         grid%open_low = grid%low > zone%s_1_low + same
         grid%open_high = grid%high < zone%s_1_high - same
@@ -111,15 +110,15 @@ contains
         if (.not. grid%open_high) grid%high = zone%s_1_high
     end subroutine end_within_stretch
 
-    !> How fine cells are around edges.
+    !> Widths of the cells around edges.
     pure function fine_around(edges, nearest, reach, strips) result(fineness)
         !> The edges
         type(edge_type), intent(in) :: edges(:)
         !> Place of least gap [mm]
         real(wp), intent(in) :: nearest
-        !> How far the contact reaches to both sides of it [mm], shape (2)
+        !> Extent of the contact on both sides of it [mm], shape (2)
         real(wp), intent(in) :: reach(2)
-        !> Cells on what lies beyond an edge
+        !> Cells on the penetration beyond an edge
         real(wp), intent(in) :: strips
         type(fineness_type) :: fineness(size(edges))
 
@@ -139,15 +138,15 @@ contains
         end do
     end function fine_around
 
-    !> How far the contact reaches beyond the edge of a flat stretch that turns into an arc [mm].
+    !> Penetration of the contact beyond the edge of a flat stretch that continues as an arc [mm].
     !>
-    !> Of a flat punch with small rounded edges: M. Ciavarella, D. A. Hills, G. Monno, Proc. Instn
+    !> Flat punch with small rounded edges: M. Ciavarella, D. A. Hills, G. Monno, Proc. Instn
     !> Mech. Engrs C 212 (1998), 319, with 1/cos(d) = half-width of the contact over that of the
     !> flat: (2/3) d³ = pi x²/(2 a²), x where the gap has grown by the force times c.
     elemental function digs_in(beyond, half) result(distance)
-        !> Where beyond the edge the gap has grown by the force times c [mm]
+        !> Distance beyond the edge at which the gap has increased by the force times c [mm]
         real(wp), intent(in) :: beyond
-        !> Half of the contact up to there, about [mm]
+        !> Approximate half-width of the contact up to there [mm]
         real(wp), intent(in) :: half
         real(wp) :: distance
 
@@ -157,20 +156,20 @@ contains
         distance = beyond*min(1.0_wp, factor*(beyond/half)**(1.0_wp/3.0_wp))
     end function digs_in
 
-    !> The grid of a zone with even gap: all of the stretch, and some cells beyond its ends.
+    !> The grid of a zone with constant gap: the stretch, and some cells beyond its ends.
     pure function level_grid(zone, reach, widths, strips) result(grid)
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> How far the contact reaches to both sides [mm], shape (2)
+        !> Extent of the contact on both sides [mm], shape (2)
         real(wp), intent(in) :: reach(2)
-        !> How far the cells shall reach beyond the ends, in what the contact does, shape (2)
+        !> Extent of the cells beyond the ends relative to that of the contact, shape (2)
         real(wp), intent(in) :: widths(2)
-        !> Cells on half of the stretch, about
+        !> Approximate number of cells on half of the stretch
         real(wp), intent(in) :: strips
         type(grid_type) :: grid
 
-        !> The cells end where a contact might; where a force at their end has widened them, this
-        !> part of the half further on for each such width.
+        !> The cells end at the possible end of the contact. If a force at their end has widened
+        !> them, each such step adds this part of the half-length.
         real(wp), parameter :: first_width = 2.5_wp, longer = 0.3_wp
         real(wp) :: half, beyond(2), digs(2), finest(2)
 
@@ -195,14 +194,14 @@ contains
         call end_within_stretch(zone, grid)
     end function level_grid
 
-    !> Where the grids of two zones of a site would overlap, part them: no place has two cells.
+    !> Separate the grids of two zones of a site that would overlap: no place has two cells.
     !>
-    !> The border is where the gap is greatest between both places: away from either contact.
+    !> The border is at the greatest gap between both places, away from either contact.
     pure subroutine part_neighbours(flank_1, frame_1, flank_2, frame_2, zone, next, grid, next_grid)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> Two zones of a site, the first at smaller arc length
@@ -212,7 +211,7 @@ contains
         type(grid_type), intent(inout) :: grid
         type(grid_type), intent(inout) :: next_grid
 
-        !> Halvings: the border is known to a millionth of the distance.
+        !> Bisections: the border is accurate to a millionth of the distance.
         integer, parameter :: steps = 20
         integer :: step
         real(wp) :: low, high, border
@@ -241,14 +240,14 @@ contains
         next_grid%open_low = .false.
     end subroutine part_neighbours
 
-    !> Lay the cells between the ends of a grid.
+    !> Place the cells between the ends of a grid.
     !>
-    !> A cell begins where the stretch ends and where a sharp corner lies, since there the pressure
-    !> has its edge and the normal jumps; else one is centred on the least gap.
+    !> A cell begins at the end of the stretch and at a sharp corner, where the pressure ends and
+    !> the normal jumps; otherwise one is centred on the least gap.
     pure subroutine lay_cells(zone, grid)
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> Its grid; ends and width of the cells are given
+        !> Its grid, with ends and width of the cells
         type(grid_type), intent(inout) :: grid
 
         real(wp) :: length, anchor
@@ -285,9 +284,9 @@ contains
         if (grid%open_low) grid%first = grid%high - (grid%n - 0.5_wp)*grid%cell
     end subroutine lay_cells
 
-    !> Lay cells that are finest around edges.
+    !> Place cells that are finest around edges.
     pure subroutine lay_graded_cells(grid)
-        !> The grid; ends, edges and width of the cells are given
+        !> The grid, with ends, edges and width of the cells
         type(grid_type), intent(inout) :: grid
 
         integer :: k
@@ -318,13 +317,13 @@ contains
         grid%n = size(grid%ends) - 1
     end subroutine lay_graded_cells
 
-    !> Ends of cells on [0, length] that grow from the first one; only 0 where there is no length.
+    !> Ends of cells on [0, length] whose widths increase from the first; only 0 for length 0.
     pure function graded(length, even, first, largest) result(ends)
         !> Length of the whole [mm]
         real(wp), intent(in) :: length
-        !> Length on which all are as wide as the first [mm]
+        !> Length on which all have the width of the first [mm]
         real(wp), intent(in) :: even
-        !> Width of the first cell, and the largest width [mm], about
+        !> Approximate width of the first cell, and largest width [mm]
         real(wp), intent(in) :: first
         real(wp), intent(in) :: largest
         real(wp), allocatable :: ends(:)
@@ -333,7 +332,7 @@ contains
 
         ends = [0.0_wp]
         width = first
-        ! less than half a cell is spread over the others
+        ! a rest of less than half a cell is distributed over the others
         do while (ends(size(ends)) < length - (0.5_wp + tie)*width)
             ends = [ends, ends(size(ends)) + width]
             if (ends(size(ends)) >= even - tie*width) width = min(largest, growth_ratio*width)

@@ -1,5 +1,5 @@
 !> Contact pairs of a position: cells along the flanks around each place of least gap, with their
-!> gap angles (3.2) and lever arms (17).
+!> gap angles (section 3.2 of the paper) and lever arms, Eq. (17).
 module flankload_contact_pairs
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type, curve_length
@@ -22,8 +22,8 @@ module flankload_contact_pairs
         integer, allocatable :: site(:), zone(:)
         !> Arc lengths on both flanks and widths of the cells there [mm], shape (n)
         real(wp), allocatable :: s_1(:), s_2(:), cell_1(:), cell_2(:)
-        !> Radius of the circle about O1 [mm], turn of body 1 that closes the gap [rad], shape (n);
-        !> coast flanks are open while body 1 has turned further
+        !> Radius of the circle about O1 [mm], rotation of body 1 that closes the gap [rad], shape
+        !> (n); coast flanks are open if body 1 has turned further
         real(wp), allocatable :: radius(:), gap_angle(:)
         !> Lever arms about O1 [mm]: of the force on body 1, friction included (torque row), and of
         !> the pair (row scale); negative on coast flanks
@@ -31,10 +31,10 @@ module flankload_contact_pairs
         !> Sliding speed (v2 - v1).t [mm per rad of the position] and friction coefficient times its
         !> sign, shape (n); not allocated without friction
         real(wp), allocatable :: sliding(:), friction(:)
-        !> By how much the force is turned from the normal of flank 1 and of flank 2 there towards
-        !> growing arc length [rad], shape (2, n): over an edge, where it follows the other flank
+        !> Rotation of the force from the normals of flank 1 and flank 2 towards growing arc length
+        !> [rad], shape (2, n): at an edge, where it has the normal of the other flank
         real(wp), allocatable :: turn(:, :)
-        !> The same where the contact reaches over the tip of that flank, else 0
+        !> The same if the contact extends over the tip of that flank, else 0
         real(wp), allocatable :: corner_turn(:, :)
         !> Point of flank 1 and direction of the force on body 2 (out of body 1), shape (2, n)
         real(wp), allocatable :: point(:, :), normal(:, :)
@@ -42,11 +42,11 @@ module flankload_contact_pairs
 
 contains
 
-    !> Make room for n pairs; the old ones are dropped.
+    !> Allocate n pairs and remove the existing ones.
     pure subroutine reserve_pairs(pairs, n)
         !> The pairs
         type(pairs_type), intent(out) :: pairs
-        !> How many can be appended
+        !> Number of pairs that can be appended
         integer, intent(in) :: n
 
         allocate (pairs%site(n), pairs%zone(n), source=0)
@@ -60,10 +60,10 @@ contains
     !> Append the pairs of one zone.
     pure subroutine append_pairs(flank_1, frame_1, flank_2, frame_2, zone, number, grid, &
             & normal, deviation, pairs, found)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone and its number
@@ -73,9 +73,9 @@ contains
         type(grid_type), intent(in) :: grid
         !> Direction of the forces over its contact
         type(normal_type), intent(in) :: normal
-        !> Metal that touches early, sum of both flanks, along the normal [mm]
+        !> Additional material of both flanks along the normal [mm]
         real(wp), intent(in) :: deviation
-        !> The pairs; room must have been reserved
+        !> The pairs, with enough allocated space
         type(pairs_type), intent(inout) :: pairs
         !> False if a circle misses flank 2
         logical, intent(out) :: found
@@ -120,7 +120,7 @@ contains
     pure subroutine look_at_cell(grid, k, s_1, cell)
         !> The cells
         type(grid_type), intent(in) :: grid
-        !> Which one
+        !> Its number
         integer, intent(in) :: k
         !> Arc length of flank 1 and width there [mm]
         real(wp), intent(out) :: s_1
@@ -146,13 +146,12 @@ contains
         normals(:, 2) = [pair%tangent_2(2), -pair%tangent_2(1)]
     end function own_normals
 
-    !> Beyond the ends of even gap one flank turns away, over an edge: the force stands normal to
-    !> the other one. All of the body's motion along a normal that turns with the edge would make a
-    !> kink where the edge begins.
+    !> Beyond the ends of a constant gap one flank has a rounding: the force has the normal of the
+    !> other one. A normal that turned with the rounding would cause a kink where it begins.
     !>
-    !> Both normals stand as far apart as both points: where the gap is closed they are one.
+    !> The angle between both normals is that between both points: they coincide if the gap closes.
     pure subroutine take_steadier(edge, pair, normals)
-        !> The pair where the gap stops to be even
+        !> The pair at the end of the constant gap
         type(pair_type), intent(in) :: edge
         !> The pair beyond
         type(pair_type), intent(in) :: pair
@@ -167,7 +166,7 @@ contains
         end if
     end subroutine take_steadier
 
-    !> A direction, turned counter-clockwise.
+    !> A direction rotated counter-clockwise.
     pure function turned(direction, angle) result(new)
         !> The direction
         real(wp), intent(in) :: direction(2)
@@ -186,11 +185,11 @@ contains
         type(pair_type), intent(in) :: pair
         !> Width of its cell on flank 1 [mm]
         real(wp), intent(in) :: cell
-        !> Directions of its force by each flank, out of body 1, shape (2, bodies)
+        !> Directions of its force on each flank, out of body 1, shape (2, bodies)
         real(wp), intent(in) :: normals(2, 2)
-        !> Whether the contact reaches over the tip of either flank
+        !> Whether the contact extends over the tip of either flank
         logical, intent(in) :: over(2)
-        !> Metal that touches early [mm]
+        !> Additional material [mm]
         real(wp), intent(in) :: deviation
         !> The pairs
         type(pairs_type), intent(inout) :: pairs
@@ -221,10 +220,10 @@ contains
         pairs%normal(:, i) = normals(:, 1)
     end subroutine append_pair
 
-    !> Turn pairs of coast flanks, which were laid in the mirror, back: on the other side of the
-    !> line of centres forces turn body 1 the other way.
+    !> Mirror pairs of coast flanks back: on the other side of the line of centres, forces turn body
+    !> 1 the other way.
     pure subroutine take_out_of_mirror(first, pairs)
-        !> The first of these pairs; the others follow up to the last one that there is
+        !> The first of these pairs; the others follow, up to the last pair
         integer, intent(in) :: first
         !> The pairs
         type(pairs_type), intent(inout) :: pairs

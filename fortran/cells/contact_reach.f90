@@ -1,4 +1,4 @@
-!> How far a contact reaches under its force, and over which edges.
+!> Extent of a contact under its force, and the edges inside it.
 module flankload_contact_reach
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
@@ -12,47 +12,47 @@ module flankload_contact_reach
     public :: edge_type
     public :: zone_reach, edges_within, is_level
 
-    !> A place where a flank begins to turn away sharply: the start of a rounding.
+    !> A place where the curvature of a flank increases abruptly: the start of a rounding.
     type :: edge_type
         !> Arc length of flank 1 [mm]
         real(wp) :: s = 0.0_wp
-        !> 1: a flank turns away towards greater arc length of flank 1, -1: towards smaller
+        !> 1: the rounding lies towards greater arc length of flank 1, -1: towards smaller
         integer :: side = 0
     end type edge_type
 
-    !> Search for the place where the gap has grown enough, on one side of a place of least gap.
+    !> Search for the place of a wanted gap, on one side of a place of least gap.
     type :: search_type
-        !> Distances that enclose the place, and the largest one there is [mm]
+        !> Distances that enclose the place, and the largest possible one [mm]
         real(wp) :: inner = 0.0_wp, outer = 0.0_wp, room = 0.0_wp
-        !> Growth of the gap there as a part of the wanted one; 0 where it is not known
+        !> Increase of the gap there relative to the wanted one; 0 if unknown
         real(wp) :: part_inner = 0.0_wp, part_outer = 0.0_wp
     end type search_type
 
-    !> A last step along the slope squares what is left. Cells are laid by it: where flanks
-    !> conform, rounding decides on the way there, and no number of cells may.
+    !> Tolerance of the search; a last Newton step squares it. Cells depend on the result: on
+    !> conforming flanks the iterations depend on rounding errors, the number of cells must not.
     real(wp), parameter :: tolerance = 1.0e-4_wp
     integer, parameter :: max_steps = 40
-    !> Turn over the length of flank 1 [rad]; only to begin with
+    !> Rotation over the length of flank 1 [rad] for the first step
     real(wp), parameter :: least_turn = 3.0e-3_wp
-    !> An edge is where the flanks turn away from each other so many times as fast.
+    !> Ratio of curvatures of the gap from which a change is an edge.
     real(wp), parameter :: many_times = 4.0_wp
 
 contains
 
-    !> How far from the least gap the gap has grown by a given amount, on both sides.
+    !> Distances from the place of least gap, on both sides, at which the gap has a given increase.
     !>
-    !> Where the growth is the force times c of both bodies this is the half-width of a Hertz
-    !> contact, exactly for a parabola; kinks, roundings and corners have theirs by the same rule.
+    !> For an increase of the force times c of both bodies this is the half-width of a Hertz
+    !> contact, exactly for a parabola; the same rule is used at kinks, roundings and corners.
     pure function zone_reach(flank_1, frame_1, flank_2, frame_2, zone, growth) result(reach)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> Growth of the gap along the normal [mm]
+        !> Increase of the gap along the normal [mm]
         real(wp), intent(in) :: growth
         !> Distances towards smaller and greater arc length of flank 1 [mm], within the stretch
         real(wp) :: reach(2)
@@ -65,17 +65,17 @@ contains
         end do
     end function zone_reach
 
-    !> How far from the least gap the gap has grown by a given amount, on one side.
+    !> Distance from the place of least gap, on one side, at which the gap has a given increase.
     pure function reach_to_side(flank_1, frame_1, flank_2, frame_2, zone, growth, sense) result(x)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> Growth of the gap along the normal [mm]
+        !> Increase of the gap along the normal [mm]
         real(wp), intent(in) :: growth
         !> -1: towards smaller arc length of flank 1, 1: towards greater
         real(wp), intent(in) :: sense
@@ -117,13 +117,13 @@ contains
         end do
     end function reach_to_side
 
-    !> Where the search begins: half the width of a Hertz contact of such curvature.
+    !> First distance of the search: half the width of a Hertz contact of the same curvature.
     pure subroutine begin_search(flank_1, zone, growth, sense, search, x)
         !> Flank of body 1
         type(flank_curve_type), intent(in) :: flank_1
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> Growth of the gap along the normal [mm]
+        !> Increase of the gap along the normal [mm]
         real(wp), intent(in) :: growth
         !> -1: towards smaller arc length of flank 1, 1: towards greater
         real(wp), intent(in) :: sense
@@ -146,11 +146,11 @@ contains
         x = min(search%room, x)
     end subroutine begin_search
 
-    !> The place where the gap has grown enough, along its slope at a place near to it.
+    !> Newton step to the place of the wanted gap.
     pure function along_slope(search, x, part, slope) result(place)
         !> The search
         type(search_type), intent(in) :: search
-        !> The place near to it [mm], the growth there, and how that grows [1/mm]
+        !> A place nearby [mm], the increase there, and its slope [1/mm]
         real(wp), intent(in) :: x
         real(wp), intent(in) :: part
         real(wp), intent(in) :: slope
@@ -162,14 +162,14 @@ contains
         end if
     end function along_slope
 
-    !> The next place: the gap as a power of the distance through both that enclose the wanted one,
-    !> halved at times; a parabola through the last one while nothing encloses it.
+    !> Next place: interpolation by a power of the distance between the enclosing places, sometimes
+    !> bisection; extrapolation by a parabola while there is no upper bound.
     pure function next_place(search, step, x, part) result(place)
         !> The search
         type(search_type), intent(in) :: search
         !> Number of this step
         integer, intent(in) :: step
-        !> The last place [mm] and the growth there
+        !> The last place [mm] and the increase there
         real(wp), intent(in) :: x
         real(wp), intent(in) :: part
         real(wp) :: place
@@ -192,21 +192,21 @@ contains
         place = min(search%room, place)
     end function next_place
 
-    !> Where one of the flanks begins to turn away sharply inside the contact.
+    !> Edges inside the contact at which a rounding of one of the flanks begins.
     !>
-    !> Sharp corners have no limit under refinement: around them there is nothing to resolve.
+    !> Sharp corners are no edges: the pressure there has no limit under refinement.
     pure function edges_within(flank_1, frame_1, flank_2, frame_2, zone, reach) result(edges)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its placement
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> How far the contact reaches to both sides [mm], shape (2)
+        !> Extent of the contact on both sides [mm], shape (2)
         real(wp), intent(in) :: reach(2)
-        !> First and last edge, or one; without any the shape is (0)
+        !> First and last edge, or one; shape (0) without an edge
         type(edge_type), allocatable :: edges(:)
 
         integer :: k
@@ -240,7 +240,7 @@ contains
         if (.not. last%s > first%s) edges = [first]
     end function edges_within
 
-    !> Keep an edge if it is the first or last one inside the contact.
+    !> Record an edge if it is the first or last one inside the contact.
     pure subroutine take(zone, inside, edge, jump, first, last)
         !> The zone
         type(zone_type), intent(in) :: zone
@@ -248,7 +248,7 @@ contains
         real(wp), intent(in) :: inside(2)
         !> The edge
         type(edge_type), intent(in) :: edge
-        !> By how much the curvature changes there [1/mm]
+        !> Change of the curvature there [1/mm]
         real(wp), intent(in) :: jump
         !> The first and the last one so far
         type(edge_type), intent(inout) :: first
@@ -257,7 +257,7 @@ contains
         real(wp) :: flatter
 
         if (edge%s <= inside(1) .or. edge%s >= inside(2)) return
-        ! both flanks against each other, on the flatter side of the edge
+        ! relative curvature of both flanks, on the flatter side of the edge
         flatter = zone%curvature
         if (edge%side*(zone%nearest%s_1 - edge%s) > 0.0_wp) flatter = flatter - jump
         if (jump < many_times*abs(flatter)) return
@@ -265,19 +265,19 @@ contains
         if (edge%s > last%s) last = edge
     end subroutine take
 
-    !> An edge of flank 2, on flank 1; outside of all where no circle goes through it.
+    !> Place on flank 1 of an edge of flank 2; outside of the zone if no circle passes through it.
     pure function on_flank_1(flank_1, frame_1, flank_2, frame_2, zone, s_2, side) result(edge)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone
         type(zone_type), intent(in) :: zone
         !> Its arc length on flank 2 [mm]
         real(wp), intent(in) :: s_2
-        !> On which side flank 2 turns away
+        !> Side on which the rounding of flank 2 lies
         integer, intent(in) :: side
         type(edge_type) :: edge
 
@@ -295,7 +295,7 @@ contains
             & *dot_product(point_2, tangent_2)))
     end function on_flank_1
 
-    !> True where the gap is even over a stretch.
+    !> True if the gap is constant over a stretch.
     elemental function is_level(zone) result(level)
         !> The zone
         type(zone_type), intent(in) :: zone

@@ -1,4 +1,4 @@
-!> Coulomb friction at contact pairs: which way flanks slide, and what that does to the torque row.
+!> Coulomb friction at contact pairs: direction of sliding and torque levers.
 !>
 !> The force of a pair on body 1 is -n F + mu sigma t F, t towards growing arc length of flank 1 and
 !> sigma the sign of the sliding speed (v2 - v1).t there; on body 2 it is the opposite.
@@ -16,23 +16,23 @@ module flankload_friction
     public :: new_friction, coefficient_at, rub_pairs
     public :: friction_lever, slide_at, mean_sign, half_turn_between
 
-    !> What a scene says of friction.
+    !> Friction coefficients of a scene.
     type :: friction_type
         !> Arc lengths on flank 1, ascending [mm], shape (n)
         real(wp), allocatable :: places(:)
-        !> Friction coefficient there, linear between and even beyond them, shape (n, sites)
+        !> Friction coefficient there, linear between them and constant beyond, shape (n, sites)
         real(wp), allocatable :: values(:, :)
     end type friction_type
 
-    !> Sliding below this part of the speeds of both surfaces is no sliding: bodies that turn
-    !> together about one axis have nothing but rounding there.
+    !> Sliding below this part of the speeds of both surfaces is zero: rounding errors of bodies
+    !> that turn together about one axis.
     real(wp), parameter :: least_sliding = 1.0e-7_wp
-    !> Bodies whose speeds differ by less than this part turn at one rate.
+    !> Relative difference of speeds below which bodies turn at the same rate.
     real(wp), parameter :: one_rate = 1.0e-9_wp
 
 contains
 
-    !> Friction of a table.
+    !> Friction coefficients from a table.
     pure function new_friction(places, values) result(friction)
         !> Arc lengths on flank 1 [mm], shape (n)
         real(wp), intent(in) :: places(:)
@@ -46,7 +46,7 @@ contains
 
     !> Friction coefficient at a place of a site.
     pure function coefficient_at(friction, site, s) result(coefficient)
-        !> What the scene says
+        !> Friction coefficients of the scene
         type(friction_type), intent(in) :: friction
         !> Site
         integer, intent(in) :: site
@@ -71,25 +71,25 @@ contains
 
     !> Sliding speed, friction factor mu sigma and torque lever of the pairs of one zone.
     !>
-    !> Each surface runs along its own flank there, so that the speed changes its sign inside a
-    !> contact that lies over the pitch point. Inside the cell in which it does, the factor is the
-    !> mean over the cell: the state stays smooth in the position. Bodies that turn at one rate on
-    !> axes apart (a spline with an offset) slide everywhere by the same vector.
+    !> Each surface moves along its own flank, so that the sliding speed changes its sign inside a
+    !> contact over the pitch point. In the cell in which it does, the factor is the mean over the
+    !> cell: the state remains a smooth function of the position. Bodies that turn at the same rate
+    !> about different axes (a spline with an offset) slide everywhere by the same vector.
     pure subroutine rub_pairs(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, first, &
             & pairs)
-        !> What the scene says
+        !> Friction coefficients of the scene
         type(friction_type), intent(in) :: friction
-        !> Speeds with which both bodies turn [rad per rad of the position], shape (2)
+        !> Speeds of both bodies [rad per rad of the position], shape (2)
         real(wp), intent(in) :: speeds(2)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> Its first pair; the others follow up to the last one that there is
+        !> Its first pair; the others follow, up to the last pair
         integer, intent(in) :: first
         !> The pairs
         type(pairs_type), intent(inout) :: pairs
@@ -127,7 +127,7 @@ contains
         !> Point of flank 1 as seen from O1 [mm], and normal out of body 1
         real(wp), intent(in) :: point(2)
         real(wp), intent(in) :: normal(2)
-        !> What mu sigma multiplies [mm]
+        !> Factor of mu sigma [mm]
         real(wp) :: lever
 
         lever = dot_product(point, normal)
@@ -137,12 +137,12 @@ contains
     !> Sliding speed at a pair.
     pure subroutine slide_at(speeds, flank_1, frame_1, flank_2, frame_2, zone, turn, s_1, s_2, &
             & normal, sliding, speeds_there)
-        !> Speeds with which both bodies turn [rad per rad of the position], shape (2)
+        !> Speeds of both bodies [rad per rad of the position], shape (2)
         real(wp), intent(in) :: speeds(2)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone, and cosine and sine of half the angle between its normals
@@ -165,8 +165,7 @@ contains
         ! out of body 1: the tangent of flank 1 turned to the left, that of flank 2 to the right
         normal_1 = turned([-normal_1(2), normal_1(1)], turn)
         if (zone%level_high > zone%level_low) then
-            ! flanks that lie upon each other have one normal, which turns with its point until
-            ! both meet
+            ! conforming flanks have one normal, which turns with its point until both meet
             normal_2 = turned(normal_1, &
                 & turn_by(angle_between(point_1, point_2 - frame_1%origin)))
         else
@@ -177,14 +176,14 @@ contains
         sliding = speeds(1)*dot_product(point_1, normal_1) &
             & - speeds(2)*dot_product(point_2, normal_2)
         if (abs(speeds(2) - speeds(1)) <= one_rate*abs(speeds(1))) then
-            ! nothing rolls, the axes alone are apart: each flank's own normal, however little it
-            ! differs from the other's, would bring more speed than there is
+            ! no rolling, only an offset of the axes: the small difference of both normals would
+            ! cause a speed larger than the true one
             sliding = dot_product(speeds(2)*frame_2%origin - speeds(1)*frame_1%origin, normal)
         end if
         speeds_there = abs(speeds(1))*norm2(point_1) + abs(speeds(2))*norm2(point_2)
     end subroutine slide_at
 
-    !> Mean sign of the sliding over a Hertz contact, weighted with its pressure.
+    !> Mean sign of the sliding over a Hertz contact, weighted by its pressure.
     !>
     !> With the speed v = v_0 + v' x over the half-width h and u = v_0/(|v'| h) it is 2/pi (asin u +
     !> u sqrt(1 - u²)), and 1 or -1 where |u| >= 1.
@@ -207,8 +206,8 @@ contains
         slope = 2.0_wp*two_over_pi*sqrt(1.0_wp - part**2)
     end subroutine mean_sign
 
-    !> Half the turn from the normal of flank 1 to that of flank 2 at a place of least gap, once it
-    !> is closed: none, but where a corner works and both turn towards each other by half of it.
+    !> Half the angle from the normal of flank 1 to that of flank 2 at a closed place of least gap:
+    !> zero except at a corner, where both normals turn towards each other by half of it.
     pure function half_turn_between(nearest) result(turn)
         !> The pair of least gap
         type(pair_type), intent(in) :: nearest
@@ -219,7 +218,7 @@ contains
             & - nearest%gap_angle))
     end function half_turn_between
 
-    !> A turn by an angle.
+    !> A rotation by an angle.
     pure function turn_by(angle) result(turn)
         !> Angle [rad]
         real(wp), intent(in) :: angle
@@ -229,7 +228,7 @@ contains
         turn = [cos(angle), sin(angle)]
     end function turn_by
 
-    !> A vector turned to the left.
+    !> A vector rotated counter-clockwise.
     pure function turned(vector, turn) result(other)
         !> The vector
         real(wp), intent(in) :: vector(2)
@@ -240,11 +239,11 @@ contains
         other = turn(1)*vector + turn(2)*[-vector(2), vector(1)]
     end function turned
 
-    !> By how much the sliding speed changes over each cell of a zone.
+    !> Change of the sliding speed over each cell of a zone.
     pure subroutine sliding_changes(sliding, change)
         !> Sliding speeds of neighbouring cells
         real(wp), intent(in) :: sliding(:)
-        !> Their changes over a cell, without sign
+        !> Their absolute changes over a cell
         real(wp), intent(out) :: change(:)
 
         integer :: n, k

@@ -1,5 +1,5 @@
-!> Cells with nodes in their middles: where compliances are tables between nodes, pairs closer than
-!> these would ask the tables for more than they hold, and K would be singular.
+!> Cells with nodes in their middles: with tables between nodes, pairs at smaller distances than the
+!> nodes would make K singular.
 module flankload_node_cells
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
@@ -14,14 +14,14 @@ module flankload_node_cells
 
 contains
 
-    !> Lay the cells of a zone on nodes: all between the ends of its grid, and one more to both
+    !> Place the cells of a zone on nodes: all between the ends of its grid, and one more on both
     !> sides.
     pure subroutine lay_on_nodes(places, zone, grid)
-        !> Arc lengths on flank 1 at which pairs may stand [mm], ascending
+        !> Arc lengths on flank 1 of possible pairs [mm], ascending
         real(wp), intent(in) :: places(:)
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> Its grid; the ends are given
+        !> Its grid, with its ends
         type(grid_type), intent(inout) :: grid
 
         integer :: first, last, k
@@ -29,7 +29,7 @@ contains
         real(wp), allocatable :: around(:)
 
         same = tie*(zone%s_1_high - zone%s_1_low)
-        ! the stretch over which circles cut both flanks, or what another zone has left of it
+        ! the stretch over which circles intersect both flanks, without the part of another zone
         first = 1 + count(places < merge(zone%s_1_low, grid%low, grid%open_low) - same)
         last = count(places <= merge(zone%s_1_high, grid%high, grid%open_high) + same)
         if (.not. grid%open_low .and. grid%low > zone%s_1_low) then
@@ -61,17 +61,17 @@ contains
         grid%ends = [(0.5_wp*(around(k) + around(k + 1)), k=1, grid%n + 1)]
     end subroutine lay_on_nodes
 
-    !> Where circles about O1 through the nodes of flank 2 cut flank 1.
+    !> Intersections of flank 1 with circles about O1 through the nodes of flank 2.
     pure function circles_through(nodes, flank_2, frame_2, flank_1, frame_1, zone) result(places)
         !> Arc lengths of the nodes of flank 2 [mm], ascending
         real(wp), intent(in) :: nodes(:)
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> Flank of body 1 and where it stands (its axis is O1)
+        !> Flank of body 1 and its placement (its axis is O1)
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> The zone, within whose stretch they do
+        !> The zone; only intersections in its stretch count
         type(zone_type), intent(in) :: zone
         !> Arc lengths on flank 1 [mm], ascending
         real(wp), allocatable :: places(:)

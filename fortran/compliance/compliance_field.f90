@@ -1,12 +1,12 @@
 !> Compliance of a body between any two places of its flanks: pressure modes for the smooth part,
-!> an analytic strip for the near field. Stands where the paper has tables (21), (22).
+!> an analytic strip for the near field; they replace the tables of Eqs. (21) and (22).
 !>
-!> Where nodes are given, tables between them stand in place of both, as the paper has it: each unit
-!> load falls off to the neighbours of its node, and strips and jumps are in the tables.
+!> With nodes, tables between them replace both, as in the paper: each unit load is distributed by
+!> the linear shape function of its node, and the tables include strips and jumps.
 !>
-!> On a flank with two ends modes are Legendre polynomials, and the near field is a logarithm of the
-!> distance, with a mirror image of the load behind each free corner where the modes end; on a
-!> closed one they are harmonics of a turn, and its logarithm that of the chord.
+!> On a flank with two ends, modes are Legendre polynomials, and the near field is a logarithm of
+!> the distance, with a mirror image of the load behind each free corner at the end of the modes. On
+!> a closed flank, modes are harmonics of a turn, and the logarithm is that of the chord.
 module flankload_compliance_field
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
@@ -16,55 +16,52 @@ module flankload_compliance_field
     public :: compliance_type, tip_modes
     public :: mode_values, strip_kernel, mean_strip_kernel, closed_strip_kernel, strip_jump
 
-    !> Modes that a tip has of its own.
+    !> Number of modes of a tip.
     integer, parameter :: tip_modes = 2
 
-    !> Compliance of one body, per its face width; of a body that is cut in slices in three
-    !> dimensions: with modes over its width, too, and the kernel in mm²/N.
+    !> Compliance of one body for its face width. In three dimensions, with slices, modes also vary
+    !> along the width, and the kernel is in mm²/N.
     type :: compliance_type
         !> Arc lengths of the flank's nodes [mm], ascending, shape (n); not allocated with modes.
-        !> With nodes smooth and tangential are tables of whole displacements, shape
-        !> (n, n, n_blocks), and the kernel only says how wide contacts are expected to be
+        !> With nodes, smooth and tangential are tables of whole displacements, shape
+        !> (n, n, n_blocks), and the kernel only gives the expected width of contacts
         real(wp), allocatable :: nodes(:)
-        !> Arc lengths between which the pressure modes live [mm]
+        !> Ends of the range of the pressure modes [mm]
         real(wp) :: s_low = 0.0_wp, s_high = 1.0_wp
-        !> Where the modes of a tip rounding or chamfer behind them end [mm], no more than s_high
-        !> where there are none, and the lowest power of these: 1 on a rounding, 0 at the corner of
-        !> a chamfer
+        !> End of the modes of a tip rounding or chamfer [mm], s_high or less if there are none, and
+        !> their lowest power: 1 on a rounding, 0 at the corner of a chamfer
         real(wp) :: s_tip = 0.0_wp
         integer :: tip_power = 1
-        !> By how much the profile's normal turns over the tip, or at the corner of a chamfer [rad]
+        !> Rotation of the profile's normal over the tip, or at the corner of a chamfer [rad]
         real(wp) :: tip_turn = 0.0_wp
         !> Near field: displacement of a half-plane is -kernel*ln(distance/mm) [mm/N]; 0 if rigid
         real(wp) :: kernel = 0.0_wp
-        !> Free corners where the modes' range ends, at s_low and s_high: the flank moves by
-        !> -kernel*wedge*ln((d + d')/mm) besides, d and d' the distances of both places from the
-        !> corner; 0 where the surface goes on smoothly
+        !> Free corners at the ends of the range, s_low and s_high: additional displacement
+        !> -kernel*wedge*ln((d + d')/mm), d and d' the distances of both places from the corner; 0
+        !> where the surface continues smoothly
         real(wp) :: wedge(2) = 0.0_wp
         !> The same of loads along the flank towards growing arc length
         real(wp) :: wedge_along(2) = 0.0_wp
-        !> True where the modes' range is a closed curve
+        !> True if the range of the modes is a closed curve
         logical :: closed = .false.
         !> Smooth part between modes [mm/N], shape (n_modes, n_modes, n_blocks)
         real(wp), allocatable :: smooth(:, :, :)
         !> Displacement as modes under a unit force along the flank at its sharp end s_high, towards
-        !> growing arc length [mm/N], shape (n_modes, n_blocks); not allocated unless forces turn
-        !> there
+        !> growing arc length [mm/N], shape (n_modes, n_blocks); allocated if forces turn there
         real(wp), allocatable :: turned(:, :)
         !> Smooth part for modes of load along the flank [mm/N], shape (n_modes, n_tangential,
         !> n_blocks); not allocated without friction
         real(wp), allocatable :: tangential(:, :, :)
-        !> Near field of these: a half-plane moves by -jump in front of the load, jump behind it
-        !> [mm/N]
+        !> Near field of these: displacement of a half-plane, -jump in front of the load and jump
+        !> behind it [mm/N]
         real(wp) :: jump = 0.0_wp
-        !> Displacement along the flank for these [mm/N], its logarithm as strong as the kernel,
-        !> shape (n_tangential, n_tangential, n_blocks); not allocated unless forces are finite and
-        !> rub
+        !> Displacement along the flank for these [mm/N], with a logarithm of the strength kernel,
+        !> shape (n_tangential, n_tangential, n_blocks); allocated for finite forces with friction
         real(wp), allocatable :: along(:, :, :)
         !> Block of the smooth part for displacement at site i, load at site j, shape (sites, sites)
         integer, allocatable :: block(:, :)
         !> Displacement of the flanks out of the material by known loads, as modes [mm], shape
-        !> (n_modes, sites); not allocated without
+        !> (n_modes, sites); not allocated without such loads
         real(wp), allocatable :: shift(:, :)
         !> Legendre polynomials over the width by which each mode along the profile is multiplied:
         !> mode a of the profile and polynomial b make the one numbered (a - 1)*n_axial + b
@@ -72,7 +69,7 @@ module flankload_compliance_field
         !> End faces of the body [mm], and its twist [rad/mm]
         real(wp) :: z_low = 0.0_wp, z_high = 0.0_wp
         real(wp) :: twist = 0.0_wp
-        !> Strengths psi of the mirror images behind both end faces; 0 where the body goes on
+        !> Strengths psi of the mirror images behind both end faces; 0 where the body continues
         real(wp) :: end_strength(2) = 0.0_wp
     end type compliance_type
 
@@ -81,18 +78,17 @@ contains
     !> Modes along the profile: Legendre polynomials P_0 … P_p over the flank's arc length;
     !> harmonics on a closed one.
     !>
-    !> Beyond the ends of the modes' range (in a root fillet) they keep their end values. Where a
-    !> tip rounding or chamfer follows the flank, the last two modes are powers of the part of the
-    !> tip that is passed. They follow the direction of the force: on a rounding they are those of
-    !> the place with this normal; at the corner of a chamfer the force has parts along both
-    !> normals.
+    !> Beyond the ends of the range (in a root fillet) they keep their end values. With a tip
+    !> rounding or chamfer, the last two modes are powers of the relative position on the tip. They
+    !> follow the direction of the force: on a rounding they are those of the place with this
+    !> normal; at the corner of a chamfer the force has components along both normals.
     pure function mode_values(compliance, s, turn) result(values)
         !> Compliance of the body
         type(compliance_type), intent(in) :: compliance
         !> Arc lengths [mm], shape (n)
         real(wp), intent(in) :: s(:)
-        !> By how much forces are turned from the profile's normal towards growing arc length [rad],
-        !> shape (n); 0 where it is not given
+        !> Rotation of the forces from the profile's normal towards growing arc length [rad], shape
+        !> (n); 0 by default
         real(wp), intent(in), optional :: turn(:)
         !> Values, shape (n, n_modes), in three dimensions (n, n_modes/n_axial)
         real(wp) :: values(size(s), size(compliance%smooth, 1)/compliance%n_axial)
@@ -122,7 +118,7 @@ contains
         end do
     end function mode_values
 
-    !> The modes of a tip; and the part of a force that takes the modes of the flank.
+    !> The modes of a tip, and the part of a force that acts on the modes of the flank.
     pure subroutine set_tip_modes(compliance, s, turn, values, on_flank)
         !> Compliance of the body
         type(compliance_type), intent(in) :: compliance
@@ -158,7 +154,7 @@ contains
 
     !> 1, cos t, sin t, cos 2t, sin 2t, …
     pure function harmonics(n_modes, turn) result(values)
-        !> How many
+        !> Number of modes
         integer, intent(in) :: n_modes
         !> t [rad], shape (n)
         real(wp), intent(in) :: turn(:)
@@ -178,7 +174,7 @@ contains
         end do
     end function harmonics
 
-    !> Displacement at a distance from the centre of a strip that carries a unit load evenly [mm/N].
+    !> Displacement at a distance from the centre of a strip under a uniform unit load [mm/N].
     elemental function strip_kernel(distance, cell, kernel) result(displacement)
         !> Distance along the flank [mm]
         real(wp), intent(in) :: distance
@@ -188,7 +184,7 @@ contains
         real(wp), intent(in) :: kernel
         real(wp) :: displacement
 
-        !> From so many widths on the logarithm of the distance needs little beside it.
+        !> Distance in widths from which a short series of the logarithm is enough.
         real(wp), parameter :: far = 4.0_wp
         real(wp) :: right, left, w
 
@@ -205,7 +201,7 @@ contains
         displacement = -kernel*((x_log_x(right) - x_log_x(left))/cell - 1.0_wp)
     end function strip_kernel
 
-    !> The same, on average over another strip [mm/N]: symmetric in both, whatever their widths.
+    !> The same, averaged over another strip [mm/N]: symmetric in both strips.
     elemental function mean_strip_kernel(distance, cell, other, kernel) result(displacement)
         !> Distance of both centres along the flank [mm]
         real(wp), intent(in) :: distance
@@ -216,8 +212,8 @@ contains
         real(wp), intent(in) :: kernel
         real(wp) :: displacement
 
-        !> From so many widths on one strip of equal second moment stands for both, to 1e-6: the
-        !> closed form would lose its digits.
+        !> Distance in widths from which one strip of equal second moment replaces both, to 1e-6:
+        !> the closed form would lose digits by cancellation.
         real(wp), parameter :: far = 8.0_wp
 
         if (abs(distance) > (far + tie)*max(cell, other)) then
@@ -231,10 +227,10 @@ contains
             & + twice_integrated(distance - 0.5_wp*(cell + other)))
     end function mean_strip_kernel
 
-    !> Displacement along the normal at a distance in front of the centre of a strip that carries a
-    !> unit load along the flank evenly [mm/N].
+    !> Displacement along the normal at a distance in front of the centre of a strip under a uniform
+    !> unit load along the flank [mm/N].
     elemental function strip_jump(distance, cell, jump) result(displacement)
-        !> Distance along the flank, positive where the load points to [mm]
+        !> Distance along the flank, positive in the direction of the load [mm]
         real(wp), intent(in) :: distance
         !> Width of the strip [mm]
         real(wp), intent(in) :: cell
@@ -249,7 +245,7 @@ contains
     !> -kernel*ln|(L/pi) sin(pi x/L)| for two points x apart on a turn of length L.
     elemental function closed_strip_kernel(distance, cell, other, length, kernel) &
             & result(displacement)
-        !> Distance of both centres along the flank [mm], by whole turns more or less
+        !> Distance of both centres along the flank [mm], up to whole turns
         real(wp), intent(in) :: distance
         !> Widths of the strips [mm]
         real(wp), intent(in) :: cell

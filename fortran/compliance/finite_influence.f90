@@ -1,10 +1,11 @@
-!> Influence numbers of finite forces, by Fig. 5 of the paper.
+!> Influence coefficients of finite forces, by Fig. 5 of the paper.
 !>
-!> The points of a flank under a force make a deformed polyline, (24); where it cuts the circle of a
-!> point, that point seems to have turned to. The angle over the force, linear through the origin by
-!> least squares over several steps of the force, is the influence number. What is computed here is
-!> by how much it departs from that of a small force on the same polyline: chords in place of the
-!> flank would change it by 0.1 to 0.4 % whatever the force, the forces of steel gears by 0.02 %.
+!> The points of a flank under a force form a deformed polyline, Eq. (24). Its intersection with the
+!> circle of a point gives the apparent rotation of the point. The slope of this angle over the
+!> force, by least squares through the origin over several force steps, is the influence
+!> coefficient. This module computes its difference from that of a small force on the same polyline:
+!> chords instead of the flank would change it by 0.1 to 0.4 % at any force, finite forces of steel
+!> gears change it by 0.02 %.
 module flankload_finite_influence
     use flankload_kinds, only: wp
     use flankload_influence_number, only: last_of_site
@@ -16,13 +17,13 @@ module flankload_finite_influence
 
 contains
 
-    !> By how much the angles per force depart from those of a small force.
+    !> Differences of the angles per force from those of a small force.
     pure function departures(points, site, displacement, force, n_steps) result(excess)
         !> Points of the flanks about O1 [mm], those of a site together and in order, shape (2, n)
         real(wp), intent(in) :: points(:, :)
         !> Their sites, shape (n)
         integer, intent(in) :: site(:)
-        !> Displacement of each point under a unit force somewhere [mm/N], shape (2, n)
+        !> Displacement of each point under the unit force [mm/N], shape (2, n)
         real(wp), intent(in) :: displacement(:, :)
         !> The largest force [N]
         real(wp), intent(in) :: force
@@ -67,15 +68,15 @@ contains
         end do
     end function departures
 
-    !> Angle from a point to where a deformed polyline cuts the circle through it [rad].
+    !> Angle from a point to the intersection of a deformed polyline with its circle [rad].
     pure function angle_to_cut(line, excess, own, point, radius) result(angle)
         !> The polyline about O1 [mm], at least two points, shape (2, n)
         real(wp), intent(in) :: line(:, :)
-        !> By how much its points stand outside the circle [mm], shape (n)
+        !> Distances of its points outside the circle [mm], shape (n)
         real(wp), intent(in) :: excess(:)
-        !> Which of them the point has become
+        !> Index of the displaced point
         integer, intent(in) :: own
-        !> The point before, and its distance from O1 [mm]
+        !> The undisplaced point, and its distance from O1 [mm]
         real(wp), intent(in) :: point(2)
         real(wp), intent(in) :: radius
         real(wp) :: angle
@@ -93,13 +94,13 @@ contains
                 end if
             end do
         end do
-        ! beyond an end the last segment goes on
+        ! beyond an end the last segment is extended
         k = merge(1, n - 1, abs(excess(1)) < abs(excess(n)))
         angle = angle_between(point, cut(line(:, k), line(:, k + 1), radius))
     end function angle_to_cut
 
-    !> Where the line through two points cuts a circle about O1; of both cuts the one nearer to the
-    !> first point, or where the line comes nearest to a circle that it misses.
+    !> Intersection of the line through two points with a circle about O1: the one nearer to the
+    !> first point, or the point nearest to a circle that the line misses.
     pure function cut(one, other, radius) result(point)
         !> The points [mm], shape (2)
         real(wp), intent(in) :: one(2)
@@ -119,11 +120,11 @@ contains
         if (abs(rise) > tiny(1.0_wp)) point = one - excess/rise*along
     end function cut
 
-    !> The same angle over the force, as the force goes to 0 [rad/N].
+    !> Limit of that angle over the force for small forces [rad/N].
     pure function small_angle(line, own, displacement) result(angle)
-        !> The polyline as it is about O1 [mm], shape (2, n)
+        !> The undeformed polyline about O1 [mm], shape (2, n)
         real(wp), intent(in) :: line(:, :)
-        !> Which of its points
+        !> Index of the point
         integer, intent(in) :: own
         !> Displacement of this point for a unit force [mm/N], shape (2)
         real(wp), intent(in) :: displacement(2)

@@ -1,6 +1,6 @@
-!> Influence numbers of all pairs of a position, (5)–(15), in the form that the contact loop wants.
+!> Influence coefficients of all pairs of a position, Eqs. (5)–(15), as the contact loop uses them.
 !>
-!> With the row lever b_i of the pair, K_ij = b_i a_ij = recession of both bodies at pair i along
+!> With the row lever b_i of the pair, K_ij = b_i a_ij = displacement of both bodies at pair i along
 !> the normal for a unit normal force at pair j: the limit F -> 0 of the paper's construction (Fig.
 !> 5).
 module flankload_influence_number
@@ -44,7 +44,7 @@ contains
                 matrix(i, j) = matrix(j, i)
             end do
         end do
-        ! no body with tables between nodes knows turned forces
+        ! bodies with tables between nodes have no response to turned forces
         call add_turned(body_1, pairs%site(:n), pairs%s_1(:n), pairs%cell_1(:n), &
             & pairs%corner_turn(1, :n), matrix)
         call add_turned(body_2, pairs%site(:n), pairs%s_2(:n), pairs%cell_2(:n), &
@@ -56,7 +56,7 @@ contains
             & pairs%friction(:n), matrix)
     end subroutine influence_matrix
 
-    !> What both bodies recede by their modes and near fields, in the lower triangle.
+    !> Displacements of both bodies by modes and near fields, in the lower triangle.
     pure subroutine set_by_modes(body_1, body_2, pairs, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
@@ -81,7 +81,7 @@ contains
         end do
     end subroutine set_by_modes
 
-    !> What one body alone recedes under normal forces; symmetric.
+    !> Displacements of one body under normal forces; symmetric.
     pure subroutine normal_influences(body, site, s, cell, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
@@ -121,8 +121,8 @@ contains
         end do
     end subroutine normal_influences
 
-    !> What both bodies recede by their modes under the pairs of one site; in the lower triangle and
-    !> in what of the site's own block stands above it.
+    !> Displacements of both bodies by modes under the pairs of one site; in the lower triangle and
+    !> the site's own diagonal block.
     pure subroutine set_smooth(body_1, body_2, pairs, load_first, load_last, n, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
@@ -134,7 +134,7 @@ contains
         integer, intent(in) :: load_last
         !> Number of pairs
         integer, intent(in) :: n
-        !> K [mm/N] (of explicit shape, so that its parts can be handed on in place)
+        !> K [mm/N] (of explicit shape, so that parts of it are passed in place)
         real(wp), intent(inout) :: matrix(n, n)
 
         integer :: m_1, m, first, last
@@ -166,11 +166,11 @@ contains
     pure subroutine carry(smooth, before, values, carried)
         !> Smooth part between modes of the body [mm/N]
         real(wp), contiguous, intent(in) :: smooth(:, :)
-        !> Modes of the other body that stand before its own
+        !> Number of modes of the other body before its own
         integer, intent(in) :: before
         !> Modes of both bodies at the pairs, shape (modes, m)
         real(wp), contiguous, intent(in) :: values(:, :)
-        !> What they recede by in modes [mm/N], shape (modes, m)
+        !> Displacements as modes [mm/N], shape (modes, m)
         real(wp), contiguous, intent(inout) :: carried(:, :)
 
         integer :: k, a, b
@@ -202,7 +202,7 @@ contains
         end do
     end function last_of_site
 
-    !> Smooth part alone between single places, one for each zone: S of the lumped level.
+    !> Smooth part between single places, one for each zone: S of lumped contact.
     pure function smooth_compliance(body, site, s) result(matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body

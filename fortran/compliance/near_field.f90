@@ -1,7 +1,7 @@
-!> Near field of a body at the cells of one site, or at places as wholes: strips on a half-plane,
-!> under a logarithm, and their mirror images behind free corners.
+!> Near field of a body at the cells of a site, or at lumped places: strips on a half-plane, with a
+!> logarithm, and their mirror images behind free corners.
 !>
-!> Beside a free corner of interior angle w the flank moves under a force by
+!> Beside a free corner of interior angle w the displacement of the flank under a unit force is
 !> -c0 [ln|s - s'| + psi ln(d + d')], d and d' the distances from the corner (Eq. (W1) of
 !> `README.md`): by the logarithm of a half-plane, and by that of a mirror image of the load, whose
 !> strength psi(w) is that of a wedge under a force at its apex.
@@ -22,20 +22,20 @@ module flankload_near_field
         real(wp) :: kernel(2) = 0.0_wp
         !> Distances of the place from the ends [mm]
         real(wp) :: distance(2) = 1.0_wp
-        !> By what these grow where the place moves along flank 1: flank 2 is run down
+        !> Their derivative along flank 1; -1 on flank 2, where arc length decreases
         real(wp) :: sense(2) = [1.0_wp, -1.0_wp]
-        !> Length of the slice that is loaded [mm]; 0 in the plane
+        !> Length of the loaded slice [mm]; 0 in the plane
         real(wp) :: length = 0.0_wp
     end type image_type
 
-    !> Cells so far apart are far from each other, and widths that differ by no more than this are
-    !> nearly even: what a logarithm of their distance has beyond one of even cells is a short sum.
+    !> Least distance, in widths, of cells that are far from each other, and largest difference of
+    !> nearly equal widths: their logarithm is that of equal cells plus a short series.
     integer, parameter :: far = 5
     real(wp), parameter :: nearly_even = 1.2_wp
 
 contains
 
-    !> Add to K how cells of a site recede under each other; to its lower triangle only.
+    !> Add the near field between the cells of a site to the lower triangle of K.
     pure subroutine add_near_field(body, s, cell, first, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
@@ -65,14 +65,14 @@ contains
         end do
     end subroutine add_near_field
 
-    !> Recession at one place under a unit force at another on the same flank [mm/N].
+    !> Displacement at a place under a unit force at another on the same flank [mm/N].
     elemental function near_field_between(body, s_i, s_j, width) result(recession)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> Both arc lengths [mm]
         real(wp), intent(in) :: s_i
         real(wp), intent(in) :: s_j
-        !> Width over which the force is spread [mm]
+        !> Width over which the force is distributed [mm]
         real(wp), intent(in) :: width
         real(wp) :: recession
 
@@ -93,8 +93,8 @@ contains
         end do
     end function near_field_between
 
-    !> Recession at a cell under a unit force along the flank at another, towards growing arc
-    !> length, by its mirror images behind free corners [mm/N].
+    !> Displacement at a cell by the mirror images, behind free corners, of a unit force along the
+    !> flank at another cell, towards growing arc length [mm/N].
     elemental function image_along(body, s_i, cell_i, s_j, cell_j) result(recession)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
@@ -122,7 +122,7 @@ contains
         type(compliance_type), intent(in) :: body
         !> Arc length of the place on its flank [mm]
         real(wp), intent(in) :: s
-        !> Which body that is: 1 or 2
+        !> Number of the body: 1 or 2
         integer, intent(in) :: flank
         type(image_type) :: image
 
@@ -131,18 +131,18 @@ contains
         if (flank == 2) image%sense = -image%sense
     end function new_image
 
-    !> What its mirror images let a contact recede under a unit force.
+    !> Displacement of a contact by its mirror images under a unit force.
     !>
-    !> The middle of the contact stands for all of it: even where it ends in the corner, Hertz's
-    !> pressure moves that by 0.033 of the strength more.
+    !> The middle of the contact represents all of it: even if the contact ends in the corner, the
+    !> error with Hertz pressure is 0.033 of the strength.
     pure subroutine image_recession(images, reach, recession, by_reach)
         !> The images of its place behind the ends of a flank, or of both flanks
         type(image_type), intent(in) :: images(:)
-        !> How far the contact reaches towards smaller and greater arc length of flank 1 [mm]
+        !> Extent of the contact towards smaller and greater arc length of flank 1 [mm]
         real(wp), intent(in) :: reach(2)
-        !> Recession [mm/N]
+        !> Displacement [mm/N]
         real(wp), intent(out) :: recession
-        !> Its derivative by both reaches [1/N]
+        !> Its derivatives with respect to both extents [1/N]
         real(wp), intent(out) :: by_reach(2)
 
         integer :: k, end
@@ -156,7 +156,7 @@ contains
                 slope = 0.5_wp*images(k)%sense(end)*[-1.0_wp, 1.0_wp]
                 distance = images(k)%distance(end) + sum(slope*reach)
                 if (distance < 0.5_wp*sum(reach)) then
-                    ! a contact ends in the corner at the latest
+                    ! a contact does not extend beyond the corner
                     slope = 0.5_wp
                     distance = 0.5_wp*sum(reach)
                 end if
@@ -178,7 +178,7 @@ contains
         type(compliance_type), intent(in) :: body
         !> 1: s_low; 2: s_high
         integer, intent(in) :: end
-        !> Arc length [mm], and the least distance: what lies there ends in the corner at the latest
+        !> Arc length [mm], and the least distance: a contact does not extend beyond the corner
         real(wp), intent(in) :: s
         real(wp), intent(in) :: least
         real(wp) :: place
@@ -190,7 +190,7 @@ contains
         end if
     end function from_end
 
-    !> Add what cells on a closed flank recede: the logarithm of the chord.
+    !> Add the near field of cells on a closed flank: the logarithm of the chord.
     pure subroutine add_closed(s, cell, length, kernel, first, matrix)
         !> Arc length and width of the cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
@@ -214,8 +214,8 @@ contains
         end do
     end subroutine add_closed
 
-    !> Add what the mirror images of cells behind an end of their flank do: their distance is the
-    !> sum of both distances from that end.
+    !> Add the mirror images of cells behind an end of their flank; their distance is the sum of
+    !> both distances from that end.
     pure subroutine add_images(place, cell, kernel, first, matrix)
         !> Distances of the cells from the end, all of one sign, and their widths [mm], shape (m)
         real(wp), contiguous, intent(in) :: place(:)
@@ -227,9 +227,9 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        !> So far beside even cells, over the distance of an image, four terms of a Taylor series
-        !> are enough: the fifth is below 1e-9. So many widths away the derivatives are those of a
-        !> logarithm, to 1e-6.
+        !> Largest offset from equal cells, relative to the distance of an image, for four terms of
+        !> a Taylor series: the fifth is below 1e-9. Distance in widths from which the derivatives
+        !> are those of a logarithm, to 1e-6.
         real(wp), parameter :: beside = 0.008_wp, widths = 20.0_wp
         integer :: i, j, m
         real(wp) :: step, limit, away(size(place)), of_even(0:2*size(place) - 2)
@@ -259,15 +259,15 @@ contains
         end if
     end subroutine add_images
 
-    !> Images of cells that stand nearly as even ones do: further than a limit by what those do and
-    !> its derivatives.
+    !> Images of cells at nearly equal distances: beyond a limit by the value of equal cells and its
+    !> derivatives.
     pure subroutine add_nearly_even_images(place, cell, step, away, limit, kernel, first, matrix)
         !> Distances of the cells from the corner, all of one sign, and their widths [mm], shape (m)
         real(wp), contiguous, intent(in) :: place(:)
         real(wp), contiguous, intent(in) :: cell(:)
-        !> Step of even ones [mm]
+        !> Width of equal cells [mm]
         real(wp), intent(in) :: step
-        !> What cells stand beside even ones [mm], shape (m)
+        !> Offsets from equal cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: away(:)
         !> Least distance of an image for the series [mm]
         real(wp), intent(in) :: limit
@@ -292,7 +292,7 @@ contains
         three = -kernel*one**3/3.0_wp
         one = -kernel*one
         do j = 1, m
-            ! places follow each other: far images of a cell stand side by side
+            ! cells are in order: the far images of a cell are consecutive
             low = j
             high = m
             do while (low <= high)
@@ -320,7 +320,7 @@ contains
         end do
     end subroutine add_nearly_even_images
 
-    !> True if cells of equal width stand side by side, as on flank 1 in a single zone.
+    !> True if adjacent cells have equal widths, as on flank 1 in a single zone.
     pure function is_even(s, cell) result(even)
         !> Arc length and width of the cells
         real(wp), contiguous, intent(in) :: s(:)
@@ -337,7 +337,7 @@ contains
         if (even) even = all(abs(s(2:) - s(:m - 1) - cell(1)) <= slack)
     end function is_even
 
-    !> True if neighbouring cells follow each other at nearly their widths, as on flank 2.
+    !> True if the distances of neighbouring cells are nearly their widths, as on flank 2.
     pure function is_nearly_even(s, cell) result(even)
         !> Arc length and width of the cells
         real(wp), contiguous, intent(in) :: s(:)
@@ -358,7 +358,7 @@ contains
         even = largest <= nearly_even*least
     end function is_nearly_even
 
-    !> Even cells: one value for each difference.
+    !> Equal cells: one value for each difference of cell numbers.
     pure subroutine add_even(cell, m, kernel, first, matrix)
         !> Width of the cells [mm], and their number
         real(wp), intent(in) :: cell
@@ -384,7 +384,7 @@ contains
         end do
     end subroutine add_even
 
-    !> Nearly even cells: from the logarithms of even ones.
+    !> Nearly equal cells: from the logarithms of equal ones.
     pure subroutine add_nearly_even(s, cell, kernel, first, matrix)
         !> Arc length and width of the cells [mm]
         real(wp), contiguous, intent(in) :: s(:)
@@ -444,7 +444,7 @@ contains
 
     !> Cells of any widths.
     pure subroutine add_uneven(s, loaded, cell, kernel, first, matrix)
-        !> Arc length of the cells, and where their loads stand [mm]
+        !> Arc lengths of the cells and of their loads [mm]
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: loaded(:)
         !> Width of the cells [mm]
@@ -456,7 +456,7 @@ contains
         !> K
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        !> From here on a mean width says nothing of two neighbours.
+        !> Ratio of widths from which a mean width does not represent two neighbours.
         real(wp), parameter :: graded = 10.0_wp
         integer :: i, j
         real(wp) :: strip

@@ -1,5 +1,5 @@
-!> Influence numbers from tables over the nodes of a flank, (21) and (22): no modes, no near field
-!> of its own, since a nodal load brings its near field along.
+!> Influence coefficients from tables between the nodes of a flank, Eqs. (21) and (22): the tables
+!> include the near field.
 module flankload_tabled_influence
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, strip_kernel
@@ -15,7 +15,7 @@ module flankload_tabled_influence
 
 contains
 
-    !> Add to K what a body with nodes recedes; to its lower triangle only.
+    !> Add the displacements of a body with nodes to the lower triangle of K.
     pure subroutine add_table(body, site, s, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
@@ -38,7 +38,7 @@ contains
         end do
     end subroutine add_table
 
-    !> Add to K what a body with nodes recedes under the friction forces of all pairs, (14).
+    !> Add the displacements of a body with nodes under the friction forces of all pairs, Eq. (14).
     pure subroutine add_tangential_table(body, site, s, friction, matrix)
         !> Compliance of the body, with tables of loads along the flank
         type(compliance_type), intent(in) :: body
@@ -64,8 +64,8 @@ contains
         end do
     end subroutine add_tangential_table
 
-    !> What tables hold beside the logarithm, between single places: an estimate by which contacts
-    !> are looked for, never part of K.
+    !> Tables without the logarithm, between single places: an estimate for the search of contacts,
+    !> not part of K.
     pure function table_remainder(body, site, s) result(matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
@@ -94,7 +94,7 @@ contains
         end do
     end function table_remainder
 
-    !> Where places are among the nodes.
+    !> Position of places between the nodes.
     pure function places_of(body, s) result(place)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body

@@ -1,10 +1,10 @@
-!> What a force that turns over a sharp corner adds to the influence numbers.
+!> Influence coefficients of forces that turn over a sharp corner.
 !>
 !> The force between a corner and the flank of its mate has the mean of both normals. It is turned
-!> by d from that of the corner's own flank, and so is the direction in which its place recedes:
+!> by d from that of the corner's own flank, and so is the direction of the displacement:
 !> with C_nt = n.u for a unit force along t, n' = n cos d + t sin d, and
 !> K_ij = C_nn + sin d_i C_tn + sin d_j C_nt, to the first order in d. Modes and the mirror image
-!> behind the corner, -c0 psi_nt ln(d + d'), carry C_nt; the jump of the half-plane cancels.
+!> behind the corner, -c0 psi_nt ln(d + d'), represent C_nt; the jump of the half-plane cancels.
 module flankload_turned_influence
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values
@@ -16,7 +16,7 @@ module flankload_turned_influence
 
 contains
 
-    !> Add what one body recedes because forces on its sharp corner are turned.
+    !> Add the displacements of one body due to turned forces on its sharp corner.
     pure subroutine add_turned(body, site, s, cell, turn, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body

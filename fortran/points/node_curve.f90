@@ -14,7 +14,6 @@ contains
     !> The ends are not-a-knot, so that the curve is of fourth order in the spacing up to its ends;
     !> three points give a parabola, two a line. Chord length replaces arc length: points and
     !> directions do not depend on it.
-    !> directions do not depend on it.
     pure function curve_through_points(points) result(curve)
         !> Points in order, no two neighbours equal [mm], shape (2, n), n >= 2
         real(wp), intent(in) :: points(:, :)

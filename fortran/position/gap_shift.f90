@@ -1,5 +1,5 @@
-!> Flanks that stand out of their place by a known load (growth, tension) before they touch: their
-!> displacement out of the material is taken off the gaps, g0 - V shift. It is no unknown.
+!> Displacement of the flanks by known loads (expansion, tension) before contact: displacement out
+!> of the material reduces the gaps, g0 - V shift.
 module flankload_gap_shift
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length, flank_curve_type, frame_type
@@ -12,12 +12,12 @@ module flankload_gap_shift
 
     public :: has_shift, shift_zones, zone_shift, shift_pairs
 
-    !> The place of least gap is found to this part of the flank's length.
+    !> Tolerance of the place of least gap, relative to the length of the flank.
     real(wp), parameter :: place_tolerance = 1.0e-10_wp
 
 contains
 
-    !> Whether any flank stands out of its place.
+    !> Whether any flank is displaced.
     pure function has_shift(body_1, body_2) result(has)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
@@ -27,7 +27,7 @@ contains
         has = allocated(body_1%shift) .or. allocated(body_2%shift)
     end function has_shift
 
-    !> How far the flanks of a site stand out at places [mm]; 0 for a body without shift.
+    !> Displacement of a flank at places [mm]; 0 for a body without shift.
     pure function shift_at(body, site, s) result(shift)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
@@ -52,7 +52,8 @@ contains
         real(wp), intent(in) :: s
         real(wp) :: slope
 
-        !> Of the modes' range: a difference of polynomials of low degree, exact to 1e-8.
+        !> Step of the difference quotient relative to the range of the modes: exact to 1e-8 for
+        !> polynomials of low degree.
         real(wp), parameter :: step = 1.0e-4_wp
         real(wp) :: beside(2)
 
@@ -79,12 +80,12 @@ contains
         end do
     end function zone_shift
 
-    !> Take the shift of both flanks off the gaps of pairs.
+    !> Subtract the shift of both flanks from the gaps of pairs.
     pure subroutine shift_pairs(body_1, body_2, first, pairs)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> First of the pairs, which are of one site
+        !> First of the pairs, all of one site
         integer, intent(in) :: first
         !> The pairs
         type(pairs_type), intent(inout) :: pairs
@@ -99,16 +100,16 @@ contains
             & + shift_at(body_2, site, pairs%s_2(first:last)))/pairs%lever(first:last)
     end subroutine shift_pairs
 
-    !> Move a zone to where the gap less the shift is least.
+    !> Move a zone to the place where the gap minus the shift is least.
     !>
     !> Between smooth flanks the place moves by the slope of the shift over the sum of both
-    !> curvatures, a part of the contact's width. Least gaps on corners stay on them, and zones of
-    !> even gap where they are: their cells reach beyond what a shift moves.
+    !> curvatures, a part of the contact's width. Least gaps on corners remain there, and zones of
+    !> constant gap are not moved: their cells extend further than any such displacement.
     pure subroutine shift_zones(flank_1, frames_1, flank_2, frames_2, body_1, body_2, zones)
-        !> Flank of body 1 and where it stands, shape (sites)
+        !> Flanks of body 1 and their placements, shape (sites)
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frames_1(:)
-        !> Flank of body 2 and where it stands, shape (sites)
+        !> Flanks of body 2 and their placements, shape (sites)
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frames_2(:)
         !> Compliances of the bodies
@@ -150,12 +151,12 @@ contains
             & + along_2*shift_slope(body_2, zone%site, pair%s_2))/zone%lever
     end function tilt_of
 
-    !> Move a zone of smooth flanks (secant method on the slope); where that finds no end it stays.
+    !> Move a zone of smooth flanks by the secant method on the slope; not if it does not converge.
     pure subroutine move_zone(flank_1, frame_1, flank_2, frame_2, body_1, body_2, zone)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its placement
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> Compliances of the bodies
@@ -174,7 +175,7 @@ contains
         low = max(zone%s_1_low, zone%nearest%s_1 - zone%to_corner_low)
         high = min(zone%s_1_high, zone%nearest%s_1 + zone%to_corner_high)
         pair = zone%nearest
-        ! at the least gap without shift its own slope is 0
+        ! without shift, the slope at the least gap is 0
         slope = pair%slope - tilt_of(body_1, body_2, zone, pair)
         bend = zone%curvature/zone%lever
         do step = 1, max_steps

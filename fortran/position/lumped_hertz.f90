@@ -1,9 +1,9 @@
-!> The cheapest level: one unknown for each place of contact, the near field by Hertz.
+!> Lumped contact: one unknown for each place of contact, with the near field of a Hertz contact.
 !>
 !> b_i (phi - eps_i) = sum_j S_ij F_j + [c (1/2 + ln(2/h_i)) + w_i] F_i for the places in contact,
 !> with the half-width h_i = sqrt(2 F_i c / kappa_i) and w_i from the mirror images behind free
-!> corners; all forces in N, c per face width. Here it tells how wide the contacts are and which
-!> flanks can touch, before cells are laid.
+!> corners; all forces in N, c per face width. It also gives the widths of the contacts and the
+!> flanks that can touch before cells are placed.
 module flankload_lumped_hertz
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
@@ -16,19 +16,19 @@ module flankload_lumped_hertz
     public :: lumped_contact, hertz_half_width
     public :: least_half_width
 
-    !> Half-width below which near fields are not followed, nor cells made, as a part of the flank's
-    !> length: gaps between these would drown in rounding (x²/(2 rho) of a tenth of it against 1e-16
-    !> of the radius).
+    !> Least half-width of near fields and cells, relative to the length of the flank: gaps between
+    !> narrower cells would be rounding errors (x²/(2 rho) of a tenth of it against 1e-16 of the
+    !> radius).
     real(wp), parameter :: least_part_of_flank = 1.0e-5_wp
-    !> The half-width stands under a logarithm: after three passes forces change by less than 1 %.
+    !> Passes for the half-width, which is inside a logarithm: then forces change by less than 1 %.
     integer, parameter :: n_passes = 3
-    !> Flanks flatter than this over their length against each other are treated as if they turned
-    !> away by it [rad].
+    !> Least angle between two flanks over their length [rad]; flatter ones are treated as if they
+    !> had this angle.
     real(wp), parameter :: least_turn = 3.0e-3_wp
 
 contains
 
-    !> Half-width below which near fields are not followed, nor cells made [mm].
+    !> Least half-width of near fields and cells [mm].
     elemental function least_half_width(flank_length) result(half_width)
         !> Length of flank 1 [mm]
         real(wp), intent(in) :: flank_length
@@ -58,12 +58,12 @@ contains
         !> Compliance of both bodies between the places, without their own near fields [mm/N],
         !> shape (n, n)
         real(wp), intent(in) :: coupling(:, :)
-        !> Turns of body 1 that close the gaps [rad], lever arms [mm] (negative on coast flanks),
-        !> sums of curvatures [1/mm], shape (n)
+        !> Rotations of body 1 that close the gaps [rad], lever arms [mm] (negative on coast
+        !> flanks), sums of curvatures [1/mm], shape (n)
         real(wp), intent(in) :: gap_angles(:)
         real(wp), intent(in) :: levers(:)
         real(wp), intent(in) :: curvatures(:)
-        !> Half the length of flank on which the contact can grow [mm], shape (n)
+        !> Half the length of flank over which the contact can extend [mm], shape (n)
         real(wp), intent(in) :: widest(:)
         !> Length of flank 1 [mm]
         real(wp), intent(in) :: flank_length
@@ -77,12 +77,12 @@ contains
         real(wp), allocatable, intent(out) :: forces(:)
         !> Rotation of body 1 [rad]
         real(wp), intent(out) :: rotation
-        !> Pivots spent
+        !> Number of pivots
         integer, intent(out) :: pivots
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        !> A place that carries less than this part of the whole load gets its width from it.
+        !> Least part of the load from which the width of a place is computed.
         real(wp), parameter :: least_part = 0.02_wp
         integer :: pass, i, n
         real(wp) :: near, image, unused(2)
@@ -119,13 +119,13 @@ contains
         end do
     end subroutine lumped_contact
 
-    !> Places nearer to each other than their contacts are wide carry as one: none recedes more
-    !> under the other's force than both do under their own.
+    !> Places closer to each other than the width of their contacts act as one: the displacement
+    !> under the force of the other is limited by that under the own force.
     pure subroutine keep_definite(matrix)
         !> Symmetric compliance [mm/N], shape (n, n)
         real(wp), intent(inout) :: matrix(:, :)
 
-        !> Of the geometric mean of both own compliances
+        !> Limit relative to the geometric mean of both own compliances
         real(wp), parameter :: largest_part = 0.999_wp
         integer :: i, j
 

@@ -1,5 +1,5 @@
-!> Forces of the pairs of a position: influence numbers and contact loop. Where influence numbers of
-!> finite forces are asked for they follow from the forces found, until these stand.
+!> Forces of the pairs of a position: influence coefficients and contact loop. Influence
+!> coefficients of finite forces follow from the forces, and both are iterated.
 module flankload_pair_forces
     use flankload_kinds, only: wp
     use flankload_status, only: invalid_scale, no_contact_state, code_forces_move
@@ -19,15 +19,15 @@ module flankload_pair_forces
 
     public :: solve_pairs
 
-    !> From so many pairs on the ladder chooses the loop, and uniqueness rests on K being elastic:
-    !> to factor all of it would cost more than the state.
+    !> Number of pairs from which the cascade chooses the loop, and uniqueness follows from K being
+    !> elastic: to factorise all of K would cost more than the state.
     integer, parameter :: many_pairs = 200
-    !> Influence numbers of finite forces are made anew so often at most, until no force moves by
-    !> more than this part of the largest; forces below another part of it count as small ones.
+    !> Largest number of iterations for finite forces, largest change of a force at convergence and
+    !> limit of small forces, both relative to the largest force.
     integer, parameter :: max_finite_passes = 120
     real(wp), parameter :: standing = 1.0e-8_wp, least_finite = 1.0e-6_wp
-    !> At sharp corners, where flanks move by more than a cell, two thirds of a change may be left
-    !> by the next pass; more than this part is not believed.
+    !> Largest accepted ratio of successive changes: at sharp corners, where flanks move by more
+    !> than a cell, it reaches two thirds.
     real(wp), parameter :: largest_part = 0.9_wp
 
 contains
@@ -37,15 +37,15 @@ contains
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position; only finite forces ask for it
+        !> The position; used for finite forces only
         type(position_type), intent(in) :: position
-        !> Pairs to begin with
+        !> Pairs of the start
         integer, intent(in) :: warm_pairs(:)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> Influence numbers of finite forces by so many steps of each; 0: of small ones
+        !> Number of steps for influence coefficients of finite forces; 0: of small ones
         integer, intent(in) :: finite_steps
-        !> The pairs on entry, then what is found
+        !> The pairs on entry, then the state
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
@@ -61,14 +61,14 @@ contains
             state%tangential_columns = state%tangential_columns + n
         end if
         structure = merge(definite_matrix, symmetric_matrix, n > many_pairs)
-        ! with friction several states may exist: all of K is looked at
+        ! with friction several states may exist: all of K is checked
         if (allocated(state%pairs%friction)) structure = general_matrix
         call solve_matrix(matrix, structure, warm_pairs, torque, state, error)
         if (finite_steps == 0 .or. allocated(error)) return
         call follow_forces(body_1, body_2, position, matrix, torque, finite_steps, state, error)
     end subroutine solve_pairs
 
-    !> Influence numbers of the forces found, and forces with these, until they stand.
+    !> Influence coefficients of the forces, and forces with these, until convergence.
     subroutine follow_forces(body_1, body_2, position, matrix, torque, n_steps, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
@@ -81,9 +81,9 @@ contains
         real(wp), intent(in) :: torque
         !> Number of steps of each force
         integer, intent(in) :: n_steps
-        !> What was found for small forces, then what is found
+        !> State for small forces, then that for finite ones
         type(position_state), intent(inout) :: state
-        !> Set if no state was found, or the forces do not come to rest
+        !> Set if no state was found, or the forces do not converge
         type(error_type), allocatable, intent(out) :: error
 
         integer :: pass, i
@@ -99,7 +99,7 @@ contains
             changed = matrix
             do i = 1, state%pairs%n
                 if (.not. before(i) > least_finite*maxval(before)) cycle
-                ! body 1 turns back from its mate, body 2 on
+                ! body 1 turns back from its mate, body 2 forward
                 changed(:, i) = changed(:, i) + state%pairs%lever(:state%pairs%n) &
                     & *(departures(points_2, state%pairs%site(:state%pairs%n), moves_2(:, :, i), &
                     & before(i), n_steps) - departures(points_1, &
@@ -115,7 +115,7 @@ contains
             if (maxval(abs(change)) <= standing*maxval(state%forces)) return
             before = state%forces
             if (mod(pass, 3) == 0) then
-                ! what is left shrinks by the same part each time: all of it at once (Aitken)
+                ! changes decrease by a constant ratio: extrapolation (Aitken)
                 part = dot_product(change, last_change)/dot_product(last_change, last_change)
                 part = max(-1.0_wp, min(largest_part, part))
                 before = max(0.0_wp, before + part/(1.0_wp - part)*change)
@@ -125,7 +125,7 @@ contains
             & 'influence numbers of finite forces and forces do not come to rest')
     end subroutine follow_forces
 
-    !> How the points of a body's flanks move under a unit force of each pair, with its friction.
+    !> Displacements of the points of a body under a unit force of each pair, with its friction.
     pure subroutine unit_displacements(body, position, pairs, number, points, moves)
         !> The body
         type(body_type), intent(in) :: body
@@ -151,7 +151,7 @@ contains
         s = merge(pairs%s_1(:n), pairs%s_2(:n), number == 1)
         cell = merge(pairs%cell_1(:n), pairs%cell_2(:n), number == 1)
         call normal_influences(body%compliance, pairs%site(:n), s, cell, across)
-        ! minus friction times displacement: of -1 the displacement itself
+        ! minus friction times displacement: with -1 the displacement itself
         call add_tangential(body%compliance, pairs%site(:n), s, cell, &
             & [(-1.0_wp, i=1, n)], skew)
         if (allocated(body%compliance%along)) then
@@ -169,7 +169,7 @@ contains
             end if
             out = [-t(2), t(1)]
             do j = 1, n
-                ! along the tangent under a normal force: the other way round (Betti)
+                ! along the tangent under a normal force: by reciprocity (Betti)
                 moves(:, i, j) = -across(i, j)*out - skew(j, i)*t
                 if (.not. allocated(pairs%friction)) cycle
                 moves(:, i, j) = moves(:, i, j) &
@@ -179,16 +179,16 @@ contains
         points = points - spread(position%frames_1(1)%origin, 2, n)
     end subroutine unit_displacements
 
-    !> Forces for given influence numbers.
+    !> Forces for given influence coefficients.
     subroutine solve_matrix(matrix, structure, warm_pairs, torque, state, error)
         !> K [mm/N], shape (n, n), and its structure
         real(wp), intent(in) :: matrix(:, :)
         integer, intent(in) :: structure
-        !> Pairs to begin with
+        !> Pairs of the start
         integer, intent(in) :: warm_pairs(:)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> The pairs on entry, then what is found
+        !> The pairs on entry, then the state
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
@@ -210,7 +210,7 @@ contains
             state%largest_part = contact%largest_part
             state%none_proven = contact%none_proven
             if (error%code == invalid_scale .and. allocated(state%pairs%friction)) then
-                ! friction turns every lever against the torque: nothing can be held
+                ! friction makes every lever act against the torque: no load can be carried
                 error%code = no_contact_state
                 state%largest_part = 0.0_wp
                 state%none_proven = .true.

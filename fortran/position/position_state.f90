@@ -1,4 +1,4 @@
-!> What is found at a position under a torque, whatever level of contact found it.
+!> State of a position under a torque, for all contact models.
 module flankload_position_state
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
@@ -12,41 +12,41 @@ module flankload_position_state
     public :: blank_state, unloaded_state, would_touch, count_lumped, note_ends
     public :: presses_across
 
-    !> Instead of a body whose corner works: the site that touches without torque, off corners; a
-    !> lumped contact that no parabola makes, since a kink, a rounding or an end lies beside it; an
-    !> end of a flank that is left out and would touch.
+    !> Instead of the body with contact on its corner: the site that touches without torque, off
+    !> corners; a lumped contact that is not parabolic, beside a kink, a rounding or an end; an
+    !> omitted end of a flank that would touch.
     integer, parameter :: touches_only = -1, other_shape = -2, end_would_touch = -3
 
-    !> What is found at a position under a torque.
+    !> State of a position under a torque.
     type :: position_state
         !> 0 … 3 of the contact loop, or a negative error code
         integer :: status = 0
-        !> Rotation of body 1 [rad] and its growth with the torque [rad/(N mm)]
+        !> Rotation of body 1 [rad] and its derivative with respect to the torque [rad/(N mm)]
         real(wp) :: rotation = 0.0_wp
         real(wp) :: tangent = 0.0_wp
         !> Pairs, their forces [N] and final gaps along the normal [mm], shape (pairs%n)
         type(pairs_type) :: pairs
         real(wp), allocatable :: forces(:), gaps(:)
-        !> Force [N], peak of force over cell width [N/mm], and body whose corner works (or one of
-        !> the numbers below), shape (sites)
+        !> Force [N], maximum of force over cell width [N/mm], and body with contact on its corner
+        !> (or one of the numbers above), shape (sites)
         real(wp), allocatable :: site_force(:), site_peak(:)
         integer, allocatable :: site_corner(:)
         !> Certificate of the contact loop
         real(wp) :: condition = 0.0_wp, backward_error = 0.0_wp, margin = 0.0_wp
         !> Counters: pivots, influence columns, passes over the grid, refactorisations
         integer :: pivots = 0, columns = 0, passes = 0, refactorisations = 0
-        !> More of them: influence columns of tangential forces, solutions with one unknown for each
-        !> place of contact, solutions with influence numbers of finite forces
+        !> Further counters: influence columns of tangential forces, solutions with one unknown for
+        !> each place of contact, solutions with influence numbers of finite forces
         integer :: tangential_columns = 0, lumped_solutions = 0, finite_passes = 0
-        !> Without a state: part of the torque that can be held, and whether there is none for
-        !> certain
+        !> Without a state: part of the torque that can be carried, and whether it is proven that
+        !> there is none
         real(wp) :: largest_part = 0.0_wp
         logical :: none_proven = .false.
     end type position_state
 
 contains
 
-    !> A state in which no site carries.
+    !> A state without force.
     pure subroutine blank_state(n_sites, state)
         !> Number of sites
         integer, intent(in) :: n_sites
@@ -57,8 +57,7 @@ contains
         allocate (state%site_corner(n_sites), source=0)
     end subroutine blank_state
 
-    !> Whether coast flanks leave working flanks no room: body 1 cannot turn back so far that
-    !> neither touches.
+    !> Whether working and coast flanks overlap in every angle of body 1.
     pure function presses_across(position) result(presses)
         !> The position
         type(position_type), intent(in) :: position
@@ -71,11 +70,11 @@ contains
         end associate
     end function presses_across
 
-    !> No torque: body 1 stands where the first pair touches.
+    !> State without torque: body 1 is at the angle at which the first pair touches.
     pure subroutine unloaded_state(position, state)
         !> The position
         type(position_type), intent(in) :: position
-        !> What is found; blank on entry
+        !> The state; empty on entry
         type(position_state), intent(inout) :: state
 
         integer :: z
@@ -90,11 +89,11 @@ contains
         allocate (state%forces(0), state%gaps(0))
     end subroutine unloaded_state
 
-    !> Note at which sites an end that is left out would touch: its gap closes.
+    !> Mark sites at which an omitted end would touch: its gap closes.
     pure subroutine note_ends(position, state)
         !> The position
         type(position_type), intent(in) :: position
-        !> What was found
+        !> The state
         type(position_state), intent(inout) :: state
 
         integer :: z, site
@@ -110,17 +109,17 @@ contains
 
     !> Count a solution with one unknown for each place of contact.
     pure subroutine count_lumped(pivots, state)
-        !> Pivots that it took
+        !> Number of its pivots
         integer, intent(in) :: pivots
-        !> Where it is counted
+        !> The state that counts it
         type(position_state), intent(inout) :: state
 
         state%pivots = state%pivots + pivots
         state%lumped_solutions = state%lumped_solutions + 1
     end subroutine count_lumped
 
-    !> Which zones close their gap: by the rotation, less what the forces of other sites push back
-    !> there (or pull near: where a rim is thin, a tooth may lean towards its mate).
+    !> Zones that close their gap: by the rotation, minus the displacement under the forces of other
+    !> sites (which can be negative: on a thin rim, a tooth may lean towards its mate).
     pure function would_touch(position, forces, rotation) result(touches)
         !> The position
         type(position_type), intent(in) :: position
@@ -134,7 +133,7 @@ contains
 
         associate (zones => position%zones)
             do z = 1, size(zones)
-                ! the own site pushes back at any place; how much the level itself will tell
+                ! displacements by the own site are left to the contact model
                 touches(z) = zones(z)%lever*(position%gap(z) - zones(z)%side*rotation) &
                     & + min(0.0_wp, sum(position%coupling(z, :)*forces, &
                     & mask=zones%site /= zones(z)%site)) < 0.0_wp

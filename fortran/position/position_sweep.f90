@@ -1,8 +1,8 @@
-!> All positions and all torques of a sweep in one call. A position is independent of the others,
-!> and a torque of the others at a position: threads share the positions, and every answer is
-!> bitwise the same whatever their number and whatever else is asked for.
+!> All positions and all torques of a sweep in one call. Positions are independent of each other,
+!> and so are torques: threads share the positions, and every result is bitwise the same for any
+!> number of threads and any other requested results.
 !>
-!> Memory: the numbers of the sites for all states, the pairs packed into the caller's room, and one
+!> Memory: results of the sites for all states, the pairs packed into the caller's arrays, and one
 !> position for each thread.
 module flankload_position_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
@@ -19,25 +19,26 @@ module flankload_position_sweep
     public :: sweep_positions
     public :: n_counters, pair_columns, pair_columns_with_friction
 
-    !> What is found in a sweep; NaN where there is no state.
+    !> Results of a sweep; NaN if there is no state.
     type :: sweep_type
         !> 0 … 3 of the contact loop, or a negative error code, shape (positions, torques)
         integer, allocatable :: status(:, :)
-        !> Rotation [rad] and its growth with the torque [rad/(N mm)], shape (positions, torques)
+        !> Rotation [rad] and its derivative with respect to the torque [rad/(N mm)], shape
+        !> (positions, torques)
         real(wp), allocatable :: rotation(:, :), tangent(:, :)
-        !> Backward error, condition, margin, shape (3, positions, torques); where contact has no
-        !> state, part of the torque that can be held and 1 if there is none for certain
+        !> Backward error, condition, margin, shape (3, positions, torques); without a state, the
+        !> part of the torque that can be carried and 1 if it is proven that there is none
         real(wp), allocatable :: certificate(:, :, :)
         !> Pivots, influence columns, passes over the grid, refactorisations, influence columns of
         !> tangential forces, lumped solutions, finite ones, shape (n_counters, positions, torques);
-        !> of states without an answer and of those that found no room, too
+        !> including states without an answer and those whose pairs exceed the room
         integer, allocatable :: counters(:, :, :)
-        !> Force [N], peak of force over cell width [N/mm], body whose sharp corner works (-1: the
-        !> site that touches without torque, -2: no parabola's contact at the lumped level, both off
-        !> corners), shape (sites, positions, torques)
+        !> Force [N], maximum of force over cell width [N/mm], body with contact on its sharp corner
+        !> (-1: the site that touches without torque, -2: a lumped contact that is not parabolic,
+        !> both off corners), shape (sites, positions, torques)
         real(wp), allocatable :: site_force(:, :, :), site_peak(:, :, :)
         integer, allocatable :: site_corner(:, :, :)
-        !> Number of pairs, and where the first of them stands in the caller's room (from 1), shape
+        !> Number of pairs, and index of the first of them in the caller's arrays (from 1), shape
         !> (positions, torques)
         integer, allocatable :: n_pairs(:, :), first_pair(:, :)
     end type sweep_type
@@ -73,7 +74,7 @@ contains
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> Turns of the bodies [rad], shape (positions)
+        !> Angles of the bodies [rad], shape (positions)
         real(wp), intent(in) :: angles_1(:)
         real(wp), intent(in) :: angles_2(:)
         !> Speeds of both bodies [rad per rad of the position], shape (2, positions), or (2, 0)
@@ -81,17 +82,17 @@ contains
         real(wp), intent(in) :: speeds(:, :)
         !> Torques on body 1 [N mm]
         real(wp), intent(in) :: torques(:)
-        !> How fine the cells are
+        !> Discretization into cells
         type(grid_settings), intent(in) :: settings
-        !> Shared with the caller while this runs. (1): anything but 0 asks to stop, positions not
-        !> yet begun are left out; (2): grows by one with each position that is done
+        !> Shared with the caller during the call. (1): a value other than 0 stops the sweep before
+        !> positions that have not begun; (2): number of completed positions
         integer, intent(inout) :: control(2)
         !> Site of each pair, and its columns, shape (room) and (pair_columns or
-        !> pair_columns_with_friction, room); the pairs of a state stand together. No room: pairs
-        !> are not wanted
+        !> pair_columns_with_friction, room); the pairs of a state are consecutive. Without room,
+        !> pairs are not stored
         integer, intent(inout) :: pair_site(:)
         real(wp), intent(inout) :: pair_table(:, :)
-        !> What is found
+        !> The results
         type(sweep_type), intent(out) :: found
 
         integer :: k, used, asked_to_stop
@@ -100,7 +101,7 @@ contains
         used = 0
         !$omp parallel do schedule(dynamic) private(asked_to_stop)
         do k = 1, size(angles_1)
-            ! Atomic: the caller's other thread writes it, so that each read goes to memory.
+            ! atomic: another thread of the caller writes it, so each read must access memory
             !$omp atomic read
             asked_to_stop = control(1)
             if (asked_to_stop == 0) call take_position(k)
@@ -109,7 +110,7 @@ contains
 
     contains
 
-        !> Solve one position, if there may still be room for its pairs.
+        !> Solve one position, unless the room is already exceeded.
         subroutine take_position(at)
             !> Number of the position
             integer, intent(in) :: at
@@ -145,9 +146,9 @@ contains
 
     end subroutine sweep_positions
 
-    !> Nothing found yet.
+    !> Empty results.
     pure subroutine reserve(found, n_sites, n_positions, n_torques)
-        !> What is found
+        !> The results
         type(sweep_type), intent(out) :: found
         !> Numbers of sites, positions and torques
         integer, intent(in) :: n_sites
@@ -169,13 +170,13 @@ contains
         allocate (found%first_pair(n_positions, n_torques), source=0)
     end subroutine reserve
 
-    !> Note what a position took, found or not.
+    !> Store the counters of a position, with or without a state.
     pure subroutine note_work(k, states, found)
         !> Number of the position
         integer, intent(in) :: k
         !> Its states, shape (torques)
         type(position_state), intent(in) :: states(:)
-        !> What is found
+        !> The results
         type(sweep_type), intent(inout) :: found
 
         integer :: t
@@ -189,13 +190,13 @@ contains
         end do
     end subroutine note_work
 
-    !> Note what was found at a position.
+    !> Store the states of a position.
     pure subroutine note_states(k, states, found)
         !> Number of the position
         integer, intent(in) :: k
         !> Its states, shape (torques)
         type(position_state), intent(in) :: states(:)
-        !> What is found
+        !> The results
         type(sweep_type), intent(inout) :: found
 
         integer :: t
@@ -219,18 +220,18 @@ contains
         end do
     end subroutine note_states
 
-    !> Pack the pairs of a position into the caller's room.
+    !> Pack the pairs of a position into the caller's arrays.
     pure subroutine pack_pairs(k, states, before, pair_site, pair_table, found)
         !> Number of the position
         integer, intent(in) :: k
         !> Its states, shape (torques)
         type(position_state), intent(in) :: states(:)
-        !> Pairs that stand in the room before those of this position
+        !> Number of pairs stored before those of this position
         integer, intent(in) :: before
         !> Sites and columns of the pairs
         integer, intent(inout) :: pair_site(:)
         real(wp), intent(inout) :: pair_table(:, :)
-        !> What is found
+        !> The results
         type(sweep_type), intent(inout) :: found
 
         integer :: t, first, last

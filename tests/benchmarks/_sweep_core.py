@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,7 +114,7 @@ def _numbers(job: Job, count: int, torque_Nmm: float, grid: Grid) -> NDArray[np.
     pair = job.bodies
     knobs = (grid.strips_per_half_width, grid.corner_strips_per_half_width, grid.zone_half_widths)
     head = [count, torque_Nmm, *knobs, pair.pairing.center_distance_mm]
-    parts: list[object] = [head, *pair.pairing.turns(job.positions(count))]
+    parts: list[Any] = [head, *pair.pairing.turns(job.positions(count))]
     for record in body_records(
         (pair.body_1, pair.body_2), job.compliances, pair.pairing, job.scene.pair.face_width_mm
     ):

@@ -155,7 +155,8 @@ def measure(friction: float, problem: Problem, core: CoreTimes) -> Row:
     exact = residual(problem, state.normal_forces, state.rotation)
     unlike = problem.levers * np.linspace(0.99, 1.01, n)
     calls = (angle_form(problem.levers), angle_form(unlike), call_general)
-    return Row(friction, core, *best_of_rounds(calls), exact)
+    angles, scaled, general = best_of_rounds(calls)
+    return Row(friction, core, angles, scaled, general, exact)
 
 
 def best_of_rounds(calls: Sequence[Callable[[], object]], rounds: int = 3) -> list[float]:

@@ -148,7 +148,10 @@ def merged(*changes: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any
 def _case(name: str, changes: Mapping[str, Mapping[str, Any]]) -> Case:
     """Solve the scene and take down how its sweep calls the core."""
     tables = tomllib.loads(SCENE.read_text(encoding="utf-8"))
-    plain = {"positions": {"count": POSITIONS}, "accuracy": {"estimate": False}}
+    plain: dict[str, dict[str, Any]] = {
+        "positions": {"count": POSITIONS},
+        "accuracy": {"estimate": False},
+    }
     for table, keys in merged(plain, changes).items():
         tables.setdefault(table, {}).update(keys)
     scene = fl.Scene.from_dict(tables)

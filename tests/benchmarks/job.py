@@ -15,7 +15,7 @@ import numpy as np
 
 import flankload as fl
 from flankload.contact.sweep import Sweep, sweep
-from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.paths import SCENES
 
@@ -56,7 +56,7 @@ def run() -> str:
     bodies = (pair.body_1, pair.body_2)
 
     def elements() -> list:
-        return [flank_compliance(body, n_modes=5, plane="strain") for body in bodies]
+        return [flank_compliance(body, JobOptions(n_modes=5, plane="strain")) for body in bodies]
 
     first = time.process_time()
     compliances = elements()

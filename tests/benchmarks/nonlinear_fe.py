@@ -15,9 +15,10 @@ import numpy as np
 
 import flankload as fl
 from flankload.contact.sweep import sweep
-from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.discretization import Grid
+from flankload.scene.gear import Gear
 from flankload.studies.verification.calculix import version_of
 from tests.support.paths import SCENES
 
@@ -43,6 +44,10 @@ def scene_of_positions() -> fl.Scene:
 
 def hertz_pressure(scene: fl.Scene) -> float:
     """Line contact of two involutes in the pitch point under the whole torque, MPa."""
+    assert isinstance(scene.body_1, Gear)
+    assert isinstance(scene.body_2, Gear)
+    assert scene.body_1.pressure_angle_deg is not None
+    assert scene.pair.axes_apart_mm is not None
     z_1, z_2 = scene.body_1.teeth, scene.body_2.teeth
     base = 0.5 * scene.body_1.module_mm * z_1 * np.cos(np.radians(scene.body_1.pressure_angle_deg))
     pitch = scene.pair.axes_apart_mm * z_1 / (z_1 + z_2)
@@ -58,7 +63,8 @@ def flankload_positions(scene: fl.Scene, strips: float) -> tuple[float, float]:
     """CPU seconds of a position (of 256, warm), and the pressure in the pitch point, MPa."""
     pair = build_bodies(scene)
     compliances = tuple(
-        flank_compliance(body, n_modes=5, plane="strain") for body in (pair.body_1, pair.body_2)
+        flank_compliance(body, JobOptions(n_modes=5, plane="strain"))
+        for body in (pair.body_1, pair.body_2)
     )
     position_rad = np.linspace(0.0, pair.pairing.period_rad, 256, endpoint=False)
     times = []

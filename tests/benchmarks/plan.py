@@ -10,6 +10,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -153,7 +154,7 @@ def _states(results: tuple[fl.Result, ...]) -> list[States]:
 
 def _part_of_run(scene: fl.Scene) -> float:
     """CPU seconds of the plan over those of the run, the shortest of several in turns."""
-    shortest = {fl.plan: np.inf, fl.solve: np.inf}
+    shortest: dict[Callable[[fl.Scene], object], float] = {fl.plan: np.inf, fl.solve: np.inf}
     for _ in range(RUNS):
         for work in shortest:
             start = time.process_time()

@@ -20,7 +20,7 @@ def run() -> str:
     """Counts of outcomes; a wrong one with the seed and place of its problem."""
     number = int(os.environ.get("FLANKLOAD_STRESS", "100000"))
     counts: Counter[str] = Counter()
-    lines = []
+    lines: list[str] = []
     start = time.perf_counter()
     for seed in range(-(-number // BATCH)):
         rng = np.random.default_rng(seed)

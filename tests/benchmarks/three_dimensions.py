@@ -30,7 +30,7 @@ RUNS = 3
 PLANE = {"effects": {"contact": "lumped"}}
 SPATIAL = {"effects": {"dimension": 3}}
 #: Elements of half a module, and few modes along the axis.
-COARSE = {
+COARSE: dict[str, dict[str, Any]] = {
     "effects": {"dimension": 3},
     "accuracy": {"flank_element_mm": 2.25, "modes": 3, "axial_degree": 6, "load_degree_z": 2},
 }

@@ -23,7 +23,7 @@ import numpy as np
 
 import flankload as fl
 from flankload.mechanisms import run_once
-from flankload.scene.discretization import Grid, choose_discretization
+from flankload.scene.discretization import Discretization, Grid, choose_discretization
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.scene.pair import Positions
 from flankload.studies.accuracy.quantities import quantities_of
@@ -136,7 +136,7 @@ class _Truth:
 
     def _solved(self, positions: Positions, strips: float) -> fl.Result:
         default = choose_discretization(self._scene)
-        fine = NamedDiscretization(
+        fine = Discretization(
             TRUE_PART * default.flank_element_parts, TRUE_MODES, Grid(strips, 3.0 * strips)
         )
         scene = replace(self._scene, positions=positions)

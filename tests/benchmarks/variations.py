@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from time import process_time
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -22,7 +23,7 @@ QUIET = {"accuracy.estimate": False, "accuracy.tangents": False}
 UNMODIFIED = QUIET | {"accuracy.unmodified_elements": True}
 RELIEF = {"body_1.tip_relief_um": 20.0, "body_1.tip_relief_start_diameter_mm": 80.0}
 #: Changes of each design by name: scene, keys beside, key, smallest and largest value, designs.
-STUDIES = {
+STUDIES: dict[str, tuple[str, dict[str, Any], str, float, float, int]] = {
     "relief": ("external_gear", UNMODIFIED | RELIEF, "body_1.tip_relief_um", 2.0, 50.0, RELIEFS),
     "relief, meshed": ("external_gear", QUIET | RELIEF, "body_1.tip_relief_um", 2.0, 50.0, 10),
     "crowning": ("external_gear", UNMODIFIED, "body_2.profile_crowning_um", 1.0, 20.0, 20),
@@ -61,6 +62,7 @@ def _lines() -> list[str]:
             begin = process_time()
             result = prepared.solve({key: x})
             spent += process_time() - begin
+            assert isinstance(result, fl.Result)
             solved += result.cost["fe_factorisations"]
         if name == "relief":
             of_reliefs = spent

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 import flankload as fl
 from flankload import _core
 from flankload.contact.sweep import sweep
-from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.compliance import BodyCompliance, Expansion, FlankModes, NearField
 from flankload.scene.discretization import Grid
 from tests.support.nodal_position import NodalPosition
 from tests.support.nodal_sweep import NodalSweep
@@ -116,8 +116,14 @@ def rollers(text: str) -> None:
     kernel = 2.0 * 0.91 / (np.pi * 2.06e5)
     one = arc((36.0, -20.0), 20.0, 0.5 * np.pi + 0.3, 0.5 * np.pi - 0.3)
     two = arc((-54.0, 30.0), 30.0, 0.3 - 0.5 * np.pi, -0.3 - 0.5 * np.pi)
-    compliance = BodyCompliance(np.full((1, 1, 1), bends * width), kernel, (0.0, 12.0))
-    warm = replace(compliance, mode_range_mm=(0.0, 18.0), shifts={"heat": np.full((1, 1), 5e-3)})
+    compliance = BodyCompliance(
+        np.full((1, 1, 1), bends * width), NearField(kernel), FlankModes((0.0, 12.0))
+    )
+    warm = replace(
+        compliance,
+        modes=FlankModes((0.0, 18.0)),
+        expansion=Expansion(0.0, {"heat": np.full((1, 1), 5e-3)}),
+    )
     found = sweep(
         cylinders(one, two),
         compliances=(compliance, warm),

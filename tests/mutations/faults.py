@@ -185,7 +185,7 @@ _FORTRAN = (
     *_in(
         "elasticity/compliance/modes.py",
         "physics/test_corner_image.py",
-        ("[own, :n, :n] += self.kernel * near", "[own, :n, :n] += self.kernel * 0.9 * near"),
+        ("[own, :n, :n] += field.kernel * near", "[own, :n, :n] += self.kernel * 0.9 * near"),
     ),
     *_in(
         "bodies/free_corner.py",

@@ -12,7 +12,7 @@ import flankload as fl
 from flankload.analysis.error_rules import STRIPS, Left, peak_of_cells, what_is_left
 from flankload.analysis.estimate import OVERALL, POINTWISE, Estimate, estimate_errors
 from flankload.contact.sweep import Sweep
-from flankload.elasticity.compliance import BodyCompliance, flank_compliance
+from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
 from flankload.mechanisms import run_once
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -46,7 +46,7 @@ def _built(k: int) -> fl.Scene:
 def _compliance(k: int, finer: float) -> BodyCompliance:
     parts = DEFAULT.flank_element_parts / finer
     body = build_bodies(_built(k), Discretization(parts, 5, Grid())).body_2
-    return flank_compliance(body, n_modes=5, plane="strain", estimate=True)
+    return flank_compliance(body, JobOptions(n_modes=5, plane="strain", estimate=True))
 
 
 @pytest.mark.parametrize("k", [6, 13])
@@ -54,9 +54,9 @@ def test_smoothed_stresses_tell_what_elements_miss(k: int) -> None:
     """Under a unit force anywhere on the flank, in the mean over it."""
     coarse, fine = _compliance(k, 1.0), _compliance(k, 3.0)
     assert coarse.missed is not None
-    low, high = coarse.mode_range_mm
+    low, high = coarse.modes.range_mm
     places, count = np.linspace(low, high, 41), len(coarse.smooth[0])
-    at = mode_values(places, (low, high), count, tip=coarse.tip)
+    at = mode_values(places, (low, high), count, tip=coarse.modes.tip)
     true = np.einsum("xa,ab,xb->x", at, fine.smooth[0] - coarse.smooth[0], at)
     told = np.einsum("xa,ab,xb->x", at, coarse.missed[0], at)
     assert np.linalg.eigvalsh(coarse.missed[0]).min() > 0
@@ -70,7 +70,7 @@ def test_corners_of_a_follower_shrink_with_its_elements() -> None:
     def compliance(finer: float) -> BodyCompliance:
         parts = DEFAULT.flank_element_parts / finer
         body = build_bodies(scene, Discretization(parts, 5, Grid())).body_1
-        return flank_compliance(body, n_modes=6, plane="strain", estimate=finer == 1)
+        return flank_compliance(body, JobOptions(n_modes=6, plane="strain", estimate=finer == 1))
 
     coarse = compliance(1.0)
     assert coarse.missed is not None
@@ -268,7 +268,7 @@ def test_secant_stiffness_is_estimated_where_body_1_stands_behind() -> None:
 
 def test_without_an_estimate_nothing_is_smoothed() -> None:
     body = build_bodies(_built(6)).body_1
-    assert flank_compliance(body, n_modes=4, plane="strain").missed is None
+    assert flank_compliance(body, JobOptions(n_modes=4, plane="strain")).missed is None
 
 
 def test_single_angles_claim_nothing_of_what_is_between() -> None:

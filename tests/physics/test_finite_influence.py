@@ -80,8 +80,8 @@ class Flank:
         assert found.tangential is not None
         teeth = pair.pairing.site_teeth[z][sites]
         block = found.block_of(teeth[:, None], teeth[None, :], body.teeth)
-        assert found.nodes is not None
-        values = hat_values(s, found.nodes)
+        assert found.modes.nodes is not None
+        values = hat_values(s, found.modes.nodes)
         self.normal, self.tangential = (
             np.einsum("ia,ijab,jb->ij", values, part[block], values)
             for part in (found.smooth, found.tangential)

@@ -156,16 +156,16 @@ def test_one_position_is_that_of_the_plain_door(nodes: fl.Result) -> None:
     points, tables, sizes = [], [], []
     for z, body in enumerate((pair.body_1, pair.body_2)):
         compliance = compliance_of(body, scene)
-        assert compliance.nodes is not None
+        assert compliance.modes.nodes is not None
         angles = turns[z][0] + pair.pairing.site_angles_rad[z][sites]
         points.append(
             np.concatenate(
-                [axes[z] + body.curve.rotated(a).point(compliance.nodes) for a in angles]
+                [axes[z] + body.curve.rotated(a).point(compliance.modes.nodes) for a in angles]
             )
         )
         teeth = pair.pairing.site_teeth[z][sites]
         block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
-        n = compliance.nodes.size
+        n = compliance.modes.nodes.size
         tables.append(compliance.smooth[block].transpose(0, 2, 1, 3).reshape(2 * n, 2 * n) / width)
         sizes.append(np.full(2, n, dtype=np.intc))
     plain = NodalPosition(

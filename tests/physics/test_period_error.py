@@ -14,7 +14,7 @@ from flankload.analysis.period_error import teeth_until_alike
 from flankload.base.array_archive import archive_of
 from flankload.bodies.imported.body_file import write_body
 from flankload.cost import Account
-from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.elasticity.modal_arrays import modal_arrays
 from flankload.mechanisms import run_once
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -249,7 +249,9 @@ def test_period_of_a_compliance_is_that_of_what_teeth_do_to_each_other_too() -> 
     """Alike by themselves; of three teeth the first two are coupled more than the others."""
     own, coupled = np.eye(1), 0.3 * np.eye(1)
     blocks = np.array([[own if i == j else coupled for j in range(3)] for i in range(3)])
-    alike = BodyCompliance(blocks.reshape(9, 1, 1), 0.0, (0.0, 1.0), flanks=(0, 1, 2))
+    alike = BodyCompliance(
+        blocks.reshape(9, 1, 1), NearField(0.0), FlankModes((0.0, 1.0)), flanks=(0, 1, 2)
+    )
     assert teeth_until_alike(alike, 3, 1e-3) == 1
     blocks[0, 1] = blocks[1, 0] = 0.31
     unlike = dataclasses.replace(alike, smooth=blocks.reshape(9, 1, 1))

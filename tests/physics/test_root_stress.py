@@ -11,7 +11,7 @@ import flankload as fl
 from flankload.bodies import Body
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
-from flankload.elasticity.compliance import RootResponse, flank_compliance
+from flankload.elasticity.compliance import JobOptions, RootResponse, flank_compliance
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.near_field import mode_norms, mode_values
 from flankload.elasticity.sector_closure import close_ring, condense
@@ -52,7 +52,7 @@ def body_of(name: str, size_mm: float) -> Body:
 def response_of(body: Body, n_modes: int = 5, *, friction: bool = False) -> RootResponse:
     fillets = root_fillets(body, "body_1")
     found = flank_compliance(
-        body, n_modes=n_modes, plane="strain", fillets=fillets, friction=friction
+        body, JobOptions(n_modes=n_modes, plane="strain", fillets=fillets, friction=friction)
     )
     assert found.root is not None
     return found.root
@@ -161,7 +161,7 @@ def plain_stress(
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
     columns, places = nodal_stress_columns(body)
     loads = hat_loads(mesh, along_flank=along_flank)
-    sector, _ = condense(matrix, loads, mesh, readings=columns)
+    sector, _ = condense(matrix, loads, mesh, {"stress_recoveries": columns})
     response = close_ring(sector, mesh.teeth)[:, loads.shape[1] :]
     ends = np.append(mesh.flank_edges[:, 0], mesh.flank_edges[-1, 1])
     return response, places, mesh.flank_arc_length[ends]

@@ -11,7 +11,7 @@ import pytest
 
 import flankload as fl
 from flankload.contact.sweep import Sweep, sweep
-from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.compliance import AxialModes, BodyCompliance
 from flankload.errors import InputError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
@@ -68,12 +68,17 @@ def run(
     return found
 
 
+def with_axial(compliance: BodyCompliance, axial: AxialModes) -> BodyCompliance:
+    """The compliance with other modes along the axis."""
+    return replace(compliance, modes=replace(compliance.modes, axial=axial))
+
+
 def over_width(compliance: BodyCompliance, width: float, count: int = 1) -> BodyCompliance:
     """The plane compliance as one of a wide body: constant along z, soft across it."""
     smooth = compliance.smooth / width
     # a line of length w beside itself: c/w (ln(2 w/x) - 1); so each image
-    images = 1.0 + sum(compliance.wedge)
-    smooth[0, 0, 0] -= images * compliance.kernel / width * (np.log(2.0 * width) - 1.0)
+    images = 1.0 + sum(compliance.near.wedge)
+    smooth[0, 0, 0] -= images * compliance.near.kernel / width * (np.log(2.0 * width) - 1.0)
     n = smooth.shape[1]
     wide = np.zeros((len(smooth), n * count, n * count))
     wide[:, ::count, ::count] = smooth
@@ -105,7 +110,7 @@ def test_one_long_slice_is_the_plane() -> None:
     wanted = run(None, compliances, width=WIDTH)
     half = 0.5 * WIDTH
     ends = axial(-half, half)
-    one, two = (replace(over_width(part, WIDTH), axial=ends) for part in compliances)
+    one, two = (with_axial(over_width(part, WIDTH), ends) for part in compliances)
     found = run(cut(np.array([-half, half]), (ends, ends)), (one, two))
     for name in ("rotation_rad", "site_force_N", "tangent_rad_per_Nmm"):
         scale = np.abs(getattr(wanted, name)).max()
@@ -138,7 +143,7 @@ def short(
         for z in (0, 1)
     ]
     one, two = (
-        replace(over_width(part, 14.0, 3), axial=modes)
+        with_axial(over_width(part, 14.0, 3), modes)
         for part, modes in zip(compliances, along, strict=True)
     )
     return run(cut(edges, (along[0], along[1]), gap), (one, two), **keywords), edges
@@ -188,7 +193,7 @@ def test_pressures_are_those_of_hertz_in_the_normal_plane(twist: float) -> None:
     found, edges = short(twist=twist)
     cosine = 1.0 / np.hypot(1.0, twist * BASE_RADIUS)
     line = pair.pairing.center_distance_mm**2 - (BASE_RADIUS * (1.0 + 24 / 16)) ** 2
-    kernel = sum(part.kernel for part in compliances)
+    kernel = sum(part.near.kernel for part in compliances)
     compared = 0
     for k in range(len(found.status)):
         sites, columns = found.pairs.at(k)
@@ -243,14 +248,18 @@ def test_tangent_is_the_derivative(twist: float) -> None:
 
 def test_cells_and_friction_are_refused() -> None:
     _, compliances = plane()
-    one, two = (replace(part, axial=axial(-1.0, 1.0)) for part in compliances)
+    one, two = (with_axial(part, axial(-1.0, 1.0)) for part in compliances)
     with pytest.raises(InputError, match="slices"):
-        run(cut(np.array([-1.0, 1.0]), (one.axial, two.axial)), (one, two), level="pairs")
+        run(
+            cut(np.array([-1.0, 1.0]), (one.modes.axial, two.modes.axial)),
+            (one, two),
+            level="pairs",
+        )
 
 
 def test_slices_beyond_a_body_are_refused() -> None:
     _, compliances = plane()
-    one = replace(compliances[0], axial=axial(-1.0, 1.0))
-    two = replace(compliances[1], axial=axial(-1.0, 0.9))
+    one = with_axial(compliances[0], axial(-1.0, 1.0))
+    two = with_axial(compliances[1], axial(-1.0, 0.9))
     with pytest.raises(InputError, match="argument"):
-        run(cut(np.array([-1.0, 1.0]), (one.axial, two.axial)), (one, two))
+        run(cut(np.array([-1.0, 1.0]), (one.modes.axial, two.modes.axial)), (one, two))

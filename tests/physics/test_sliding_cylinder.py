@@ -16,7 +16,7 @@ import pytest
 
 from flankload.bodies.body import Material
 from flankload.contact.sweep import sweep
-from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.elasticity.near_field import jump_strength, logarithm_strength
 from flankload.pairing.friction import Friction
 from flankload.pairing.pairing import Pairing
@@ -39,12 +39,13 @@ def sliding_contact(mu: float, *, elastic: tuple[bool, bool], sense: int = 1) ->
     two = arc((LEVER - DISTANCE, ASIDE + RADII[1]), RADII[1], -np.pi / 2 + 0.2, -np.pi / 2 - 0.2)
     yielding = BodyCompliance(
         smooth=np.zeros((1, 1, 1)),
-        kernel=logarithm_strength(MATERIAL, "strain"),
-        mode_range_mm=(0.0, 1.0),
+        near=NearField(
+            logarithm_strength(MATERIAL, "strain"), jump=jump_strength(MATERIAL, "strain")
+        ),
+        modes=FlankModes((0.0, 1.0)),
         tangential=np.zeros((1, 1, 1)),
-        jump=jump_strength(MATERIAL, "strain"),
     )
-    rigid = BodyCompliance(np.zeros((1, 1, 1)), 0.0, (0.0, 1.0))
+    rigid = BodyCompliance(np.zeros((1, 1, 1)), NearField(0.0), FlankModes((0.0, 1.0)))
     none = np.zeros(1)
     pairing = Pairing(
         center_distance_mm=DISTANCE,

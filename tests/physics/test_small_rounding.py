@@ -18,7 +18,7 @@ import pytest
 from scipy.optimize import brentq
 
 from flankload.contact.sweep import sweep
-from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.flank import CurvePiece, fit_flank_curve
 from flankload.pairing.pairing import Pairing
 from flankload.pairing.period import Period
@@ -136,7 +136,9 @@ def solved(shape: Shape, strips: float) -> Found:
     (found,) = sweep(
         (bodies[0], bodies[1]),
         compliances=tuple(
-            BodyCompliance(np.full((1, 1, 1), 3 * kernel), kernel, (0.0, 1.0))
+            BodyCompliance(
+                np.full((1, 1, 1), 3 * kernel), NearField(kernel), FlankModes((0.0, 1.0))
+            )
             for kernel in (0.0, KERNEL)
         ),
         pairing=Pairing(

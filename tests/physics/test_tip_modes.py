@@ -6,6 +6,7 @@ elements carry them as they are: neither modes nor a near field.
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import Any
 from unittest import mock
 
@@ -16,8 +17,8 @@ from numpy.polynomial.legendre import leggauss
 from flankload.bodies import Body
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.tip_modes import Tip
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.compliance.body_compliance import BodyCompliance
-from flankload.elasticity.compliance.job import flank_compliance
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.near_field import (
     carrying_edges,
@@ -82,19 +83,21 @@ def plainly(body: Body, places: np.ndarray) -> np.ndarray:
         edges=carrying_edges(mesh),
     )
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
-    return tooth_response(matrix, loads, mesh, lambda step: None)[0][0]
+    return tooth_response(matrix, loads, mesh)[0][0]
 
 
 def by_modes(body: Body, places: np.ndarray) -> np.ndarray:
     """The same by modes and logarithm, on strips."""
-    found = flank_compliance(body, n_modes=5, plane="strain", sectors=1)
+    found = flank_compliance(body, JobOptions(n_modes=5, plane="strain"), sectors=1)
     half = HALF_WIDTH * MODULE
     edges = np.linspace(places.min() - half, places.max() + half, STRIPS + 1)
     s, width = 0.5 * (edges[1:] + edges[:-1]), edges[1] - edges[0]
     force = bumps(s, places)
     force /= force.sum(axis=0)
-    modes = force.T @ mode_values(s, found.mode_range_mm, found.smooth.shape[1], tip=found.tip)
-    near = strip_kernel(s[:, None] - s, width, found.kernel)
+    modes = force.T @ mode_values(
+        s, found.modes.range_mm, found.smooth.shape[1], tip=found.modes.tip
+    )
+    near = strip_kernel(s[:, None] - s, width, found.near.kernel)
     return modes @ found.smooth[0] @ modes.T + force.T @ near @ force
 
 
@@ -113,7 +116,9 @@ def test_places_on_a_tip(tips: dict[str, float], ring: bool, left: float) -> Non
     start = coarse.mode_range_mm[1]
     length = tip.end_mm - start
     places = start + np.append([-0.2 * MODULE, -HALF_WIDTH * MODULE, 0.0], [length / 3, length / 2])
-    strength = flank_compliance(coarse, n_modes=1, plane="strain", sectors=1).kernel
+    strength = flank_compliance(
+        coarse, JobOptions(n_modes=1, plane="strain"), sectors=1
+    ).near.kernel
     apart = (by_modes(coarse, places) - plainly(fine, places)) / strength
     assert np.abs(apart).max() < left
 
@@ -122,8 +127,8 @@ def test_a_turned_force_at_the_corner_of_a_chamfer() -> None:
     """It takes parts of the modes of flank and chamfer; fine elements take it as it is."""
     tips = {"tip_chamfer_mm": 0.08 * MODULE}
     fine, coarse = made(tips, NODES * MODULE), made(tips)
-    found = flank_compliance(coarse, n_modes=5, plane="strain", sectors=1)
-    tip, start = found.tip, coarse.mode_range_mm[1]
+    found = flank_compliance(coarse, JobOptions(n_modes=5, plane="strain"), sectors=1)
+    tip, start = found.modes.tip, coarse.mode_range_mm[1]
     assert tip is not None
     turns = tip.turn_rad * np.array([0.0, 0.3, 0.7])
     place = np.array([start - HALF_WIDTH * MODULE])
@@ -141,10 +146,10 @@ def test_a_turned_force_at_the_corner_of_a_chamfer() -> None:
     )
     loads = np.cos(turns) * normal + np.sin(turns) * along
     matrix = stiffness(mesh.nodes, mesh.cells, fine.material, "strain")
-    exact = np.diag(tooth_response(matrix, loads, mesh, lambda step: None)[0][0])
+    exact = np.diag(tooth_response(matrix, loads, mesh)[0][0])
     n = found.smooth.shape[1]
     on_flank, on_chamfer = (
-        mode_values(np.array([s]), found.mode_range_mm, n, tip=tip)[0]
+        mode_values(np.array([s]), found.modes.range_mm, n, tip=tip)[0]
         for s in (place[0], start + 1e-9)
     )
     parts = np.stack([np.sin(tip.turn_rad - turns), np.sin(turns)]) / np.sin(tip.turn_rad)
@@ -152,7 +157,7 @@ def test_a_turned_force_at_the_corner_of_a_chamfer() -> None:
     yields = np.einsum("ka,ab,kb->k", modes, found.smooth[0], modes)
     apart = (yields - yields[0]) - (exact - exact[0])
     assert exact[2] < 0.7 * exact[0]
-    assert np.abs(apart).max() < CHAMFERED * found.kernel
+    assert np.abs(apart).max() < CHAMFERED * found.near.kernel
 
 
 def modes_by_gauss(mode_range: tuple[float, float], tip: Tip, n: int) -> tuple[np.ndarray, ...]:
@@ -215,10 +220,11 @@ def test_fewer_modes_are_those_of_a_smaller_job() -> None:
     """The tip keeps its own; what the flank's highest carried goes to the others."""
     body = made({"tip_radius_mm": 0.2 * MODULE})
     more, fewer = (
-        flank_compliance(body, n_modes=n, plane="strain", friction=True, sectors=1) for n in (6, 4)
+        flank_compliance(body, JobOptions(n_modes=n, plane="strain", friction=True), sectors=1)
+        for n in (6, 4)
     )
     left = more.fewer_modes(2)
-    assert left.tip == fewer.tip
+    assert left.modes.tip == fewer.modes.tip
     for name in ("smooth", "tangential"):
         one, other = getattr(left, name), getattr(fewer, name)
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-8 * np.abs(other).max())
@@ -230,7 +236,7 @@ def test_far_from_the_tip_its_modes_change_nothing() -> None:
 
     def job() -> BodyCompliance:
         keys = {"n_modes": 6, "plane": "strain", "friction": True, "along": True}
-        return flank_compliance(body, coast_flanks=True, **keys)
+        return flank_compliance(body, JobOptions(coast_flanks=True, **keys))
 
     found = job()
     with mock.patch.object(Body, "tip", None):
@@ -240,11 +246,11 @@ def test_far_from_the_tip_its_modes_change_nothing() -> None:
 
     def values(compliance: BodyCompliance) -> np.ndarray:
         count = compliance.smooth.shape[1]
-        return mode_values(s, compliance.mode_range_mm, count, tip=compliance.tip)
+        return mode_values(s, compliance.modes.range_mm, count, tip=compliance.modes.tip)
 
-    for name in ("smooth", "tangential", "along", "crossing", "crossing_tangential"):
+    for name in ("smooth", "tangential", "along", "coast.normal", "coast.tangential"):
         one, other = (
-            modes @ getattr(compliance, name)[:2] @ modes.T
+            modes @ attrgetter(name)(compliance)[:2] @ modes.T
             for compliance, modes in ((found, values(found)), (without, values(without)))
         )
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-3 * np.abs(other).max())

@@ -15,7 +15,7 @@ import numpy as np
 
 import flankload as fl
 from flankload.contact.sweep import Sweep, sweep
-from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -101,7 +101,9 @@ class Job:
         pair = build_bodies(self.scene)
         self.bodies, self.pairing = (pair.body_1, pair.body_2), pair.pairing
         plane = self.scene.accuracy.plane
-        self.fields = tuple(flank_compliance(b, n_modes=5, plane=plane) for b in self.bodies)
+        self.fields = tuple(
+            flank_compliance(b, JobOptions(n_modes=5, plane=plane)) for b in self.bodies
+        )
         self.torque = 1000.0 * scene["load"]["torque_Nm"]
         self.width = scene["pair"]["face_width_mm"]
         self.period = pair.pairing.pitch_rad
@@ -163,10 +165,10 @@ def reference(job: Job, position: float, cell: float, rotation: float) -> tuple[
     matrix = np.zeros(same.shape)
     for z, (s, d) in enumerate(((s_1, width_1), (s_2, width_2))):
         field = job.fields[z]
-        low, high = field.mode_range_mm
-        end = high if field.tip is None else field.tip.end_mm
+        low, high = field.modes.range_mm
+        end = high if field.modes.tip is None else field.modes.tip.end_mm
         count = field.smooth.shape[1]
-        modes = mode_values(np.clip(s, low, end), (low, high), count, tip=field.tip)
+        modes = mode_values(np.clip(s, low, end), (low, high), count, tip=field.modes.tip)
         teeth = job.pairing.site_teeth[z][site.astype(int)]
         offset = (teeth[:, None] - teeth[None, :]) % job.bodies[z].teeth
         for t in np.unique(offset):

@@ -24,8 +24,8 @@ def cells_near_field(
     -------
     (n, n) array
     """
-    near = strip_kernel(s[:, None] - s, cell, compliance.kernel)
-    for psi, corner in zip(compliance.wedge, compliance.mode_range_mm, strict=True):
+    near = strip_kernel(s[:, None] - s, cell, compliance.near.kernel)
+    for psi, corner in zip(compliance.near.wedge, compliance.modes.range_mm, strict=True):
         away = np.maximum(np.abs(s - corner), 0.5 * np.min(cell))  # a cell ends in the corner
-        near = near + psi * strip_kernel(away[:, None] + away, cell, compliance.kernel)
+        near = near + psi * strip_kernel(away[:, None] + away, cell, compliance.near.kernel)
     return np.asarray(near)

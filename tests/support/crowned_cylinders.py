@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from flankload.contact.sweep import Sweep, sweep
-from flankload.elasticity.compliance import AxialModes, BodyCompliance
+from flankload.elasticity.compliance import AxialModes, BodyCompliance, FlankModes, NearField
 from flankload.pairing.pairing import Pairing
 from flankload.pairing.period import Period
 from flankload.pairing.slices import Slices
@@ -77,9 +77,9 @@ def press(force: float, radius: float, edges: np.ndarray, gap: np.ndarray) -> Sw
     bodies = [
         SimpleNamespace(curve=c, teeth=1, active_range_mm=None, axial=None) for c in (one, two)
     ]
-    half_space = BodyCompliance(np.zeros((1, 1, 1)), KERNEL, (0.0, 1.0))
     ends = axial(float(edges[0]), float(edges[-1]))
-    half_space = replace(half_space, axial=ends)
+    modes = FlankModes((0.0, 1.0), axial=ends)
+    half_space = BodyCompliance(np.zeros((1, 1, 1)), NearField(KERNEL), modes)
     none = np.zeros(1)
     pairing = Pairing(
         center_distance_mm=DISTANCE,

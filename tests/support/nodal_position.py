@@ -85,7 +85,7 @@ def compliance_between(
     Each load is distributed evenly over a strip as wide as the spacing of the points.
     """
     compliance = compliance_of(body, scene)
-    values = [mode_values(s, compliance.mode_range_mm, compliance.smooth.shape[1]) for s in places]
+    values = [mode_values(s, compliance.modes.range_mm, compliance.smooth.shape[1]) for s in places]
     blocks = [
         [
             v_i @ compliance.smooth[int(compliance.block_of(tooth_i, tooth_j, body.teeth))] @ v_j.T

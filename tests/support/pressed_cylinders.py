@@ -9,7 +9,7 @@ import numpy as np
 
 from flankload.contact.core_call import Level
 from flankload.contact.sweep import sweep
-from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
 from flankload.pairing.pairing import Pairing
 from flankload.pairing.period import Period
@@ -61,7 +61,7 @@ def contact(force_N_per_mm: float, grid: Grid, level: Level = "pairs"):
     # body 2 in its own frame about O2 = (DISTANCE, 0): centre above, its tip side towards O1.
     two = arc((LEVER - DISTANCE, RADIUS_2), RADIUS_2, -np.pi / 2 + 0.2, -np.pi / 2 - 0.2)
     kernel = 2 * (1 - CASE["poisson_ratio"] ** 2) / (np.pi * CASE["young_modulus_MPa"])
-    half_plane = BodyCompliance(np.zeros((1, 1, 1)), kernel, (0.0, 1.0))
+    half_plane = BodyCompliance(np.zeros((1, 1, 1)), NearField(kernel), FlankModes((0.0, 1.0)))
     (found,) = sweep(
         cylinders(one, two),
         compliances=(half_plane, half_plane),

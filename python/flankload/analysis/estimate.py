@@ -244,8 +244,8 @@ def _of_compliances(
     compliances: tuple[BodyCompliance, BodyCompliance],
 ) -> dict[str, dict[str, Left]]:
     """Errors of modes and elements, from sweeps on coarse cells with other compliances."""
-    nodal = any(compliance.nodes is not None for compliance in compliances)
-    imaged = all(any(compliance.wedge) or compliance.is_rigid for compliance in compliances)
+    nodal = any(compliance.modes.nodes is not None for compliance in compliances)
+    imaged = all(any(compliance.near.wedge) or compliance.is_rigid for compliance in compliances)
     of_modes = MODES_WITH_IMAGES if imaged else MODES
     rules = {
         "modes": NODES if nodal else of_modes,
@@ -278,7 +278,7 @@ def lumped_error(
     """
     loaded = found.pairs.column("force") > 0
     half_width = np.max(found.pairs.column("cell") * (2.0 / np.pi), initial=0.0, where=loaded)
-    length = min(high - low for low, high in (c.mode_range_mm for c in compliances))
+    length = min(high - low for low, high in (c.modes.range_mm for c in compliances))
     ratio = float(half_width / length)
     shaped = _shaped_part(found)
     errors = {

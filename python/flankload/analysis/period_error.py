@@ -77,14 +77,14 @@ def teeth_until_alike(compliance: BodyCompliance, teeth: int, part: float) -> in
 
 def _of_even_pressure(compliance: BodyCompliance) -> Floats:
     """Mean displacement (f * f,) of flanks under a uniformly distributed unit force."""
-    low, high = compliance.mode_range_mm
+    low, high = compliance.modes.range_mm
     length, f = high - low, len(compliance.flanks)
-    if compliance.nodes is not None:
-        evenly = hat_widths(compliance.nodes) / length
+    if compliance.modes.nodes is not None:
+        evenly = hat_widths(compliance.modes.nodes) / length
         return np.asarray(evenly @ compliance.smooth @ evenly)
     moved = compliance.smooth[:, 0, 0].copy()
-    near = projected_near_field(1, length, wedge=compliance.wedge)[0, 0]
-    moved[np.arange(f) * (f + 1)] -= compliance.kernel * near / length**2
+    near = projected_near_field(1, length, wedge=compliance.near.wedge)[0, 0]
+    moved[np.arange(f) * (f + 1)] -= compliance.near.kernel * near / length**2
     return moved
 
 
@@ -180,18 +180,18 @@ def _loads(
     Positions with fewer loaded teeth have entries without load.
     """
     pairs = found.pairs
-    low, high = compliance.mode_range_mm
-    end = high if compliance.tip is None else compliance.tip.end_mm
+    low, high = compliance.modes.range_mm
+    end = high if compliance.modes.tip is None else compliance.modes.tip.end_mm
     s = np.clip(pairs.column(f"s_{z + 1}"), low, end)
-    if compliance.nodes is not None:
-        values = hat_values(s, compliance.nodes)
+    if compliance.modes.nodes is not None:
+        values = hat_values(s, compliance.modes.nodes)
     else:
         values = mode_values(
             s,
-            compliance.mode_range_mm,
+            compliance.modes.range_mm,
             compliance.smooth.shape[1],
-            closed=compliance.closed,
-            tip=compliance.tip,
+            closed=compliance.modes.closed,
+            tip=compliance.modes.tip,
         )
     values *= pairs.column("force")[:, None]
     carries = found.site_force_N > 0

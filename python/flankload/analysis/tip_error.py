@@ -1,20 +1,20 @@
-"""What is left where a contact works on a sharp corner: the force turns for both bodies.
+"""Error of contacts on a sharp corner: one body is computed with the normal of its own flank.
 
-Over a sharp corner the force has the mean of both flanks' normals. The body with the corner knows
-what a force along its flank at the tip moves (`BodyCompliance.turned`); its mate, whose flank goes
-on, pushes and recedes along its own normal, and so does a body from a file without that response.
-By how much they yield too much follows in closed form: what moves a place, bending of the tooth and
-turning of the rim, moves it along its circle; with n the normal of the flank at the contact, n'
-that of the force and u the direction of the circle, places i and j yield to each other k_i k_j
-times as much, k = (n'·u)/(n·u), 1 where the flank itself touches. Of the place's own yielding the
-near field has no preferred direction; it reaches as far as the contact.
+At a sharp corner the force has the mean of the normals of both flanks. The body with the corner
+includes the response along its flank (`BodyCompliance.turned`). Its mate is computed with its own
+normal, as is a body from a file without that response; both are then too compliant. The excess has
+a closed form: bending of the tooth and rotation of the rim displace a place along its circle about
+the axis. With the normal n of the flank, the direction n' of the force and the direction u of that
+circle, the compliance between places i and j is multiplied by k_i k_j, k = (n'·u)/(n·u). The near
+field has no preferred direction.
 
-All of it is in doubt: its sign is known, but what it may cancel of other sources holds for one
-torque and position, and is not counted on.
+The sign of this error is known, but it is reported as an uncertainty: that it cancels errors of
+other sources at one torque and position is no general rule.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,8 +65,8 @@ def tip_error(
     none = np.zeros_like(found.site_force_N)
     turned, between = none.copy(), np.zeros((*none.shape, none.shape[1]))
     for z in (0, 1):
-        if compliances[z].nodes is None:
-            on_body = _yields(found, bodies[z], compliances[z], pairing, z)
+        if compliances[z].modes.nodes is None:
+            on_body = _lost_displacement(found, bodies[z], compliances[z], pairing, z)
             for whole, part in zip((turned, between), on_body, strict=True):
                 whole += part / face_width_mm
     if not turned.any():
@@ -130,7 +130,38 @@ def _answer(found: Sweep, lost: Floats, between: Floats) -> tuple[Floats, Floats
     return rotation, forces
 
 
-def _yields(
+@dataclass(frozen=True, eq=False)
+class _Loads:
+    """Loaded pairs of a sweep.
+
+    Attributes
+    ----------
+    at : two (n,) arrays
+        Position and site of each.
+    force : (n,) array
+    shape : (int, int)
+        Numbers of positions and sites.
+    """
+
+    at: tuple[NDArray[np.integer], NDArray[np.integer]]
+    force: Floats
+    shape: tuple[int, ...]
+
+    def total(self, values: Floats) -> Floats:
+        """Sums (P, S, …) of values (n, …) of the pairs of each site."""
+        sums = np.zeros((*self.shape, *values.shape[1:]))
+        np.add.at(sums, self.at, values)
+        return sums
+
+    def mean(self, values: Floats) -> Floats:
+        """Means (P, S, …) of values (n, …), weighted by force; 0 without force."""
+        more = [1] * (values.ndim - 1)
+        whole = self.total(self.force)
+        whole = np.where(whole > 0, whole, 1.0).reshape(*self.shape, *more)
+        return np.asarray(self.total(values * self.force.reshape(-1, *more)) / whole)
+
+
+def _lost_displacement(
     found: Sweep, body: Body, compliance: BodyCompliance, pairing: Pairing, z: int
 ) -> tuple[Floats, Floats]:
     """Loss of displacement at each site under all forces, and compliance between sites.
@@ -142,59 +173,58 @@ def _yields(
     between : (P, S, S) array
         By the modes; mm²/N (per width).
     """
-    none = np.zeros_like(found.site_force_N)
     pairs = found.pairs
     loaded = pairs.column("force") > 0
-    at = pairs.position[loaded], pairs.sites[loaded]
-    force, s = (pairs.column(name)[loaded] for name in ("force", f"s_{z + 1}"))
-    low, high = body.mode_range_mm
-    turned = found.site_corner[at] == 2 - z  # the mate's corner
-    if compliance.turned is None and compliance.tip is None:
-        turned |= found.site_corner[at] == z + 1
-    if body.involute is None:
-        turned[:] = False
+    loads = _Loads(
+        (pairs.position[loaded], pairs.sites[loaded]),
+        pairs.column("force")[loaded],
+        found.site_force_N.shape,
+    )
+    (low, high), tip = body.mode_range_mm, compliance.modes.tip
+    s, n = pairs.column(f"s_{z + 1}")[loaded], compliance.smooth.shape[1]
+    turn = loads.mean(_turn_of_force(found, body, compliance, pairing, z))
+    within = s.clip(low, tip.end_mm if tip else high)
+    modes = loads.mean(mode_values(within, body.mode_range_mm, n, tip=tip))
+    teeth = pairing.site_teeth[z]
+    block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
+    between = np.einsum("pia,ijab,pjb->pij", modes, compliance.smooth[block], modes)
+    width = loads.total(pairs.column("cell")[loaded])
+    near = np.log(np.where(width > 0, width, 1.0))
+    for psi, corner in zip(compliance.near.wedge, body.mode_range_mm, strict=True):
+        away = np.maximum(loads.mean(np.abs(s - corner)), 0.5 * width)
+        near += psi * np.log(np.where(width > 0, 2.0 * away, 1.0))
+    sites = np.arange(teeth.size)
+    whole = between.copy()
+    whole[:, sites, sites] -= compliance.near.kernel * near
+    less = 1.0 - turn[:, :, None] * turn[:, None, :]
+    less *= (width > 0)[:, :, None] & (width > 0)[:, None, :]
+    lost = ((less * whole) @ found.site_force_N[:, :, None])[..., 0]
+    return lost, between
 
-    def mean(values: Floats) -> Floats:
-        """Over the forces of each site: (P, S, …)."""
-        columns = values.reshape(force.size, -1)
-        sums = np.zeros((*none.shape, columns.shape[1]))
-        np.add.at(sums, at, columns * force[:, None])
-        whole = np.zeros_like(none)
-        np.add.at(whole, at, force)
-        sums /= np.where(whole > 0, whole, 1.0)[..., None]
-        return sums if values.ndim > 1 else sums[..., 0]
 
+def _turn_of_force(
+    found: Sweep, body: Body, compliance: BodyCompliance, pairing: Pairing, z: int
+) -> Floats:
+    """k = (n'·u)/(n·u) of each loaded pair (n,); 1 where the force has the normal of the body."""
+    pairs = found.pairs
+    loaded = pairs.column("force") > 0
+    corner = found.site_corner[pairs.position[loaded], pairs.sites[loaded]]
+    turned = corner == 2 - z  # the mate's corner
+    if compliance.turned is None and compliance.modes.tip is None:
+        turned |= corner == z + 1
+    turn = np.ones(turned.size)
+    if body.involute is None or not turned.any():
+        return turn
     place, normal = (
-        np.stack([pairs.column(f"{name}{axis}")[loaded] for axis in "xy"], axis=1)
+        np.stack([pairs.column(f"{name}{axis}")[loaded] for axis in "xy"], axis=1)[turned]
         for name in ("", "normal_")
     )
     place[:, 0] -= z * pairing.center_distance_mm
-    turn = np.ones_like(s)
-    if turned.any():
-        pushed = _along_circle((1 - 2 * z) * normal[turned], place[turned])
-        own = np.minimum(s[turned], high - SHORT * (high - low))
-        meant = _along_circle(body.curve.normal(own), body.curve.point(own))
-        turn[turned] = pushed / meant
-    turn = mean(turn)
-    n = compliance.smooth.shape[1]
-    within = s.clip(low, compliance.tip.end_mm if compliance.tip else high)
-    modes = mean(mode_values(within, body.mode_range_mm, n, tip=compliance.tip))
-    teeth = pairing.site_teeth[z]
-    block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
-    yields = np.einsum("pia,ijab,pjb->pij", modes, compliance.smooth[block], modes)
-    between = yields.copy()
-    width = np.zeros_like(none)
-    np.add.at(width, at, pairs.column("cell")[loaded])
-    sites = np.arange(teeth.size)
-    near = np.log(np.where(width > 0, width, 1.0))
-    for psi, corner in zip(compliance.wedge, body.mode_range_mm, strict=True):
-        away = np.maximum(mean(np.abs(s - corner)), 0.5 * width)
-        near += psi * np.log(np.where(width > 0, 2.0 * away, 1.0))
-    yields[:, sites, sites] -= compliance.kernel * near
-    less = 1.0 - turn[:, :, None] * turn[:, None, :]
-    less *= (width > 0)[:, :, None] & (width > 0)[:, None, :]
-    lost = ((less * yields) @ found.site_force_N[:, :, None])[..., 0]
-    return lost, between
+    low, high = body.mode_range_mm
+    s = np.minimum(pairs.column(f"s_{z + 1}")[loaded][turned], high - SHORT * (high - low))
+    pushed = _along_circle((1 - 2 * z) * normal, place)
+    turn[turned] = pushed / _along_circle(body.curve.normal(s), body.curve.point(s))
+    return turn
 
 
 def _along_circle(normal: Floats, place: Floats) -> Floats:

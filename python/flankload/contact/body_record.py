@@ -105,14 +105,12 @@ def body_records(
 
 def _of_width(compliance: BodyCompliance, face_width_mm: float) -> BodyCompliance:
     """Compliance of a body of a width, mm/N instead of mm²/N: the only division by the width."""
-    names = ("smooth", "turned", "tangential", "along", "crossing", "crossing_tangential")
-    blocks = {name: getattr(compliance, name) for name in names}
-    return replace(
-        compliance,
-        kernel=compliance.kernel / face_width_mm,
-        jump=compliance.jump / face_width_mm,
-        **{name: part / face_width_mm for name, part in blocks.items() if part is not None},
+    near = replace(
+        compliance.near,
+        kernel=compliance.near.kernel / face_width_mm,
+        jump=compliance.near.jump / face_width_mm,
     )
+    return replace(compliance.with_blocks(lambda part: part / face_width_mm), near=near)
 
 
 def _teeth(pairing: Pairing, z: int) -> NDArray[np.int64]:
@@ -151,8 +149,8 @@ def _main_arguments(
         corners,
         angles,
         deviations,
-        np.array(compliance.mode_range_mm, dtype=float),
-        compliance.kernel,
+        np.array(compliance.modes.range_mm, dtype=float),
+        compliance.near.kernel,
         np.asfortranarray(compliance.all_blocks()[0].transpose(1, 2, 0)),
         np.asfortranarray(block + 1, dtype=np.intc),
     )
@@ -179,18 +177,18 @@ def _powers_first(curve: FlankCurve) -> NDArray[np.float64]:
 def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> list[Part]:
     """Parts of a compliance under loads along the normal; those that it lacks are left out."""
     parts: list[Part] = []
-    if compliance.tip is not None:
-        parts.append(("tip", np.array(compliance.tip, dtype=float)))
-    if any(compliance.wedge):
-        parts.append(("wedge", np.array(compliance.wedge, dtype=float)))
-    if any(compliance.wedge_along):
-        parts.append(("wedge_along", np.array(compliance.wedge_along, dtype=float)))
+    if compliance.modes.tip is not None:
+        parts.append(("tip", np.array(compliance.modes.tip, dtype=float)))
+    if any(compliance.near.wedge):
+        parts.append(("wedge", np.array(compliance.near.wedge, dtype=float)))
+    if any(compliance.near.wedge_along):
+        parts.append(("wedge_along", np.array(compliance.near.wedge_along, dtype=float)))
     turned = compliance.turned_blocks()
     if turned is not None:
         parts.append(("turned", turned.ravel()))
-    if compliance.nodes is not None:
-        parts.append(("nodes", compliance.nodes))
-    if compliance.shifts:
+    if compliance.modes.nodes is not None:
+        parts.append(("nodes", compliance.modes.nodes))
+    if compliance.expansion.shifts:
         parts.append(("shift", compliance.shift_of(teeth).ravel()))
     return parts
 
@@ -201,7 +199,7 @@ def _slice_parts(body: Body, compliance: BodyCompliance, slices: Slices, z: int)
     shaft = None if body.axial is None else body.axial.shaft
     if shaft is not None:
         parts.append(("shaft", np.append(shaft.compliance.ravel(), shaft.z_mm)))
-    axial = compliance.axial
+    axial = compliance.modes.axial
     if axial is None:  # refused by the core
         return parts
     numbers = [axial.count, *axial.range_mm, axial.twist, *axial.end]
@@ -225,8 +223,8 @@ def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:
     for name, values in blocks.items():
         if values is not None:
             parts.append((name, values.transpose(1, 2, 0).ravel(order="F")))
-    if compliance.jump:
-        parts.append(("jump", np.array([compliance.jump])))
+    if compliance.near.jump:
+        parts.append(("jump", np.array([compliance.near.jump])))
     return parts
 
 

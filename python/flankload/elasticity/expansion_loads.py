@@ -1,4 +1,4 @@
-"""The loads of growth on finite elements, and what the flanks do under them."""
+"""Loads of an expansion on finite elements, and the displacements of the flanks under them."""
 
 from __future__ import annotations
 
@@ -23,12 +23,11 @@ if TYPE_CHECKING:
 def growth_loads(
     matrix: csc_array, mesh: SectorMesh | WholeMesh, growth: Growth | None, *, lumped: bool = False
 ) -> dict[str, NDArray[np.float64]]:
-    """Nodal loads by which a body grows beside what holds it, by their names.
+    """Nodal loads of an expansion relative to the support, by cause.
 
-    The displacement is e_s x plus what these loads do with the held surface at rest. The stiffness
-    times the places of the nodes is the load that a strain of 1 in the plane asks for. That the
-    body may grow along its axis is in it: in plane strain, too, e is a strain that no stress
-    hinders.
+    The displacement is e_s x plus the response to these loads with the held surface at rest. The
+    stiffness matrix times the coordinates of the nodes is the load of a strain of 1 in the plane.
+    The body expands freely along its axis, in plane strain as well.
 
     Parameters
     ----------
@@ -37,12 +36,12 @@ def growth_loads(
     mesh : SectorMesh or WholeMesh
     growth : Growth or None
     lumped : bool
-        As of `place_load`.
+        As in `place_load`.
 
     Returns
     -------
     dict of str to (2N,) array
-        "temperature" and "speed", those that there are; N per mm of width.
+        "temperature" and "speed", as far as they act; N per mm of width.
     """
     loads: dict[str, NDArray[np.float64]] = {}
     if growth is None:
@@ -58,11 +57,11 @@ def growth_loads(
 def growth_of_flanks(
     body: Body, growth: Growth | None, n_modes: int, moved: Mapping[str, NDArray[np.float64]]
 ) -> tuple[float, dict[str, NDArray[np.float64]]]:
-    """Growth of a body as a whole, and how far its flanks stand out beside that.
+    """Uniform expansion of a body, and the displacements of its flanks beyond that.
 
-    Only displacements along the normal are known, and gaps want no others, except on edges: a tip
-    that moves outwards meets its mate elsewhere. Most of a tooth's growth is that of a larger
-    figure; the strain that comes nearest to all flanks, by least squares, is taken for that.
+    Displacements are known along the normal only, as gaps require; at an edge this is not enough: a
+    tip that moves outwards touches its mate elsewhere. Most of the expansion of a tooth is uniform:
+    the strain that fits all flanks best, by least squares, scales the whole body.
 
     Parameters
     ----------
@@ -71,7 +70,7 @@ def growth_of_flanks(
     growth : Growth or None
     n_modes : int
     moved : mapping of str to (f, p) array
-        What the modes on each flank read under each of `growth_loads`, pressure modes first, mm².
+        Readings of the modes on each flank under each of `growth_loads`, pressure modes first, mm².
 
     Returns
     -------

@@ -1,8 +1,7 @@
-"""Plane elements: assembly of the stiffness of a mesh, per mm of width, and its supports.
+"""Plane finite elements: stiffness matrix, loads and factorisation, per mm of width.
 
-scikit-fem has the shapes and the points of integration; the products of all elements are summed at
-once. Degree of freedom 2*node + component belongs to the mesh's own nodes, so that every other room
-speaks of nodes only.
+Shape functions and quadrature are those of scikit-fem. Degrees of freedom are numbered by the nodes
+of the mesh: 2*node + component.
 """
 
 from __future__ import annotations
@@ -23,16 +22,15 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Material
 
-#: Gauss points exact to this degree: quadratic elements on curved edges need no more (measured:
-#: degree 6 changes the compliance of a gear by 1e-9).
+#: Degree of exactness of the quadrature; degree 6 changes the compliance of a gear by 1e-9.
 INTEGRATION_DEGREE = {"quad9": 4, "triangle6": 4, "quad4": 2, "triangle3": 1}
-#: The same for loads that are linear in the place.
+#: The same for loads that are linear in the coordinates.
 LOAD_DEGREE = 6
-#: Where a cell's middles of edges begin, and its centre.
+#: Index of the first mid-edge node of a cell, and of its centre.
 CORNERS = {"quad9": (4, 8), "triangle6": (3, 6)}
-#: Right-hand sides solved at once: half the time of all together (cache).
+#: Right-hand sides solved at once; all at once take twice the time (cache).
 BLOCK = 16
-#: From so many kept unknowns on a second factorisation costs less than their solutions.
+#: Number of kept unknowns above which a second factorisation is cheaper than their solutions.
 MANY_KEPT = 150
 
 
@@ -119,7 +117,7 @@ def assembled(
     columns: NDArray[np.int64],
     shape: tuple[int, int],
 ) -> csc_array:
-    """Sparse matrix of entries; those at one place add up.
+    """Sparse matrix of entries; duplicates are summed.
 
     Parameters
     ----------
@@ -129,7 +127,7 @@ def assembled(
     Returns
     -------
     csc_array
-        With the short indices that SuperLU takes.
+        With the 32-bit indices of SuperLU.
     """
     places = (rows.astype(np.int32), columns.astype(np.int32))
     return coo_array((values, places), shape=shape).tocsc()
@@ -138,7 +136,7 @@ def assembled(
 def linear_cells(
     cells: tuple[tuple[str, NDArray[np.int64]], ...],
 ) -> tuple[tuple[str, NDArray[np.int64]], ...]:
-    """The same cells by their corners alone, as linear elements."""
+    """Linear elements with the corners of the given cells."""
     linear = {"quad9": "quad4", "triangle6": "triangle3"}
     return tuple(
         (linear[kind], connectivity[:, : CORNERS[kind][0]]) for kind, connectivity in cells
@@ -148,9 +146,9 @@ def linear_cells(
 def linear_edges(
     nodes: NDArray[np.float64], cells: tuple[tuple[str, NDArray[np.int64]], ...]
 ) -> csc_array:
-    """Displacements of all nodes from those of the corners, where elements are linear.
+    """Displacements of all nodes from those of the corners, for linear elements.
 
-    A quarter of the unknowns is left; T' carries the loads of all nodes to the corners.
+    A quarter of the unknowns remains; T' reduces the loads of all nodes to the corners.
 
     Parameters
     ----------
@@ -187,14 +185,14 @@ def place_load(
     *,
     lumped: bool = False,
 ) -> NDArray[np.float64]:
-    """Consistent nodal loads of a force per area that is the place itself: what rotation pulls by.
+    """Consistent nodal loads of a force per area equal to the coordinates: centrifugal force.
 
     Parameters
     ----------
     nodes, cells
         As in `stiffness`.
     lumped : bool
-        All of an element's force in equal parts on its corners, its edges being straight.
+        The force of an element acts in equal parts on its corners; its edges are straight.
 
     Returns
     -------
@@ -250,7 +248,7 @@ def factored(
     ----------
     matrix : csc_array, (n, n)
     account : Account, optional
-        Where the factorisation and every solution are counted.
+        Account for the factorisation and its solutions.
 
     Returns
     -------
@@ -270,9 +268,9 @@ def condensed(
 ) -> tuple[Callable[[NDArray[np.float64]], NDArray[np.float64]], NDArray[np.float64]]:
     """Factorise the inner part of a symmetric positive definite matrix and condense it to the rest.
 
-    Few kept unknowns take a solution each. For many a second factorisation is cheaper, with the
-    kept unknowns last: what is condensed then stands in the last block of its factors (588 of 21044
-    unknowns: a sixth of the time).
+    A few kept unknowns need a solution each. For many, a second factorisation with the kept
+    unknowns last is cheaper: its last block is the Schur complement (588 of 21044 unknowns: a sixth
+    of the time).
 
     Parameters
     ----------
@@ -280,12 +278,12 @@ def condensed(
     inner, kept : arrays
         Unknowns; others are held.
     account : Account, optional
-        Where factorisations and solutions are counted.
+        Account for factorisations and solutions.
 
     Returns
     -------
     solve : callable
-        Right-hand sides of the inner unknowns (i, k) to their solutions, those kept held at 0.
+        Right-hand sides of the inner unknowns (i, k) to their solutions, with the kept ones at 0.
     complement : (m, m) array
         Schur complement of the kept unknowns.
     """
@@ -329,7 +327,7 @@ def _last_block(
     kept: NDArray[np.int64],
     account: Account,
 ) -> NDArray[np.float64] | None:
-    """L22 U22 of the factors with the kept unknowns last; None where the factors mix them up."""
+    """L22 U22 of the factors with the kept unknowns last; None if pivoting mixes them."""
     order = np.concatenate([inner, kept])
     factor = _factor(matrix[order][:, order].tocsc(), "NATURAL", account)
     place = factor.perm_c

@@ -1,4 +1,4 @@
-"""Compliance that comes with a body, brought to the form that the sweep takes; no elements."""
+"""Compliance of a body from a compliance file, converted to pressure modes or tables."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from flankload.bodies.flank_elements import gauss_places
 from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.imported.given import ModalCompliance, NodalCompliance
 from flankload.bodies.tip_modes import TIP_MODES
-from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
+from flankload.elasticity.job_log import JobCost
 from flankload.elasticity.near_field import (
     logarithm_strength,
     mode_norms,
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
 
-#: Largest difference of a response and the one the other way round, relative to the largest.
+#: Largest difference between a response and its transpose, relative to the largest response.
 LARGEST_ASYMMETRY = 1e-6
 
 
@@ -41,28 +42,28 @@ def given_compliance(
     tangential: str | None = None,
     nodal: bool = False,
 ) -> BodyCompliance:
-    """Compliance of a body that has brought it along.
+    """Compliance of a body from its compliance file.
 
     Parameters
     ----------
     body : Body
         With `given`.
     modes : int or None
-        Pressure modes that the scene names. A file that holds modes has no more than it holds.
+        Number of pressure modes set by the scene; at most that of a file with modes.
     default_modes : int
-        Where the scene names none: for a matrix between nodes, as far as the nodes are enough; a
-        file that holds modes gives them all.
+        Number otherwise, for a matrix between nodes, limited by the number of nodes; a file with
+        modes gives all of them.
     plane : {"strain", "stress"}
-        Of the scene: the same as in the file.
+        Plane state of the scene, which must be that of the file.
     tangential : str, optional
-        The key that asks for the response to loads along the flank, too.
+        Key of the scene that needs the response to loads along the flank.
     nodal : bool
-        Tables between the nodes of the file in place of pressure modes.
+        Tables between the nodes of the file instead of pressure modes.
 
     Returns
     -------
     BodyCompliance
-        Its counters of elements are 0.
+        No finite elements are counted.
 
     Raises
     ------
@@ -99,7 +100,7 @@ def given_compliance(
 def _of_modes(
     body: Body, given: ModalCompliance, n_modes: int, *, friction: bool
 ) -> BodyCompliance:
-    """As it stands in the file, symmetric and positive, or the lower modes of it."""
+    """Modes of the file, checked for symmetry and positive definiteness, or the lower ones."""
     smooth, f = given.smooth, len(given.flanks)
     own = np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
     across = np.arange(f * f).reshape(f, f).T.ravel() if f else -np.arange(len(smooth))
@@ -137,37 +138,38 @@ def _of_modes(
         )
     found = BodyCompliance(
         smooth=0.5 * (smooth + mirrored),
-        kernel=given.kernel,
-        mode_range_mm=body.mode_range_mm,
-        wedge=wedge,
+        near=NearField(
+            given.kernel,
+            jump=given.jump if friction else 0.0,
+            wedge=wedge,
+            wedge_along=along_strengths(body),
+        ),
+        modes=FlankModes(body.mode_range_mm, tip=tip),
         flanks=given.flanks,
         tangential=given.tangential if friction else None,
-        jump=given.jump if friction else 0.0,
         turned=given.turned,
-        wedge_along=along_strengths(body),
-        asymmetry=max(given.asymmetry, asymmetry),
-        tip=tip,
+        job=JobCost(max(given.asymmetry, asymmetry)),
     )
     spare = n - n_modes - (0 if tip is None else TIP_MODES)
     return found.fewer_modes(spare) if spare > 0 else found
 
 
 def _least_eigenvalue(whole: NDArray[np.float64], flanks: int) -> float:
-    """Of the matrix of all flanks, from its blocks by tooth or by pairs of flanks."""
+    """Least eigenvalue of the matrix of all flanks, from blocks by tooth or by pairs of flanks."""
     if flanks:
         p = whole.shape[1]
         matrix = whole.reshape(flanks, flanks, p, p).transpose(0, 2, 1, 3)
         return float(np.linalg.eigvalsh(matrix.reshape(flanks * p, -1)).min())
-    # equal teeth: a Fourier transform over them takes the matrix of the whole body apart
+    # equal teeth: the matrix is block-circulant, and a Fourier transform over the teeth splits it
     waves = np.fft.fft(whole, axis=0)
     return float(np.linalg.eigvalsh(0.5 * (waves + waves.conj().transpose(0, 2, 1))).min())
 
 
 def _of_nodes(body: Body, given: NodalCompliance, n_modes: int, plane: str) -> BodyCompliance:
-    """Project nodal loads on the pressure modes, and take out what the kernel brings back.
+    """Projection of nodal forces on the pressure modes, without the near field.
 
     With the consistent nodal forces B_qa = integral of N_q P_a ds of the modes, the response is
-    B' C B, with their nodal pressures P' M C P; without the logarithm and in coefficients,
+    B' C B, with their nodal pressures P' M C P; without the logarithm and as coefficients,
     D^-1 (B' C B - <P, K P>) D^-1.
     """
     if given.of_pressures:
@@ -182,17 +184,16 @@ def _of_nodes(body: Body, given: NodalCompliance, n_modes: int, plane: str) -> B
     norms = mode_norms(body.mode_range_mm, n_modes)
     return BodyCompliance(
         smooth=response / (norms[:, None] * norms[None, :]),
-        kernel=strength,
-        mode_range_mm=body.mode_range_mm,
-        wedge=wedge,
-        asymmetry=given.asymmetry,
+        near=NearField(strength, wedge=wedge),
+        modes=FlankModes(body.mode_range_mm),
+        job=JobCost(given.asymmetry),
     )
 
 
 def _responses(
     body: Body, given: NodalCompliance, loads: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Response (z, p, p) of all teeth to p loads of tooth 0, read by the same loads."""
+    """Response (z, p, p) of all teeth to p loads on tooth 0, read by the same loads."""
     response = np.zeros((body.teeth, loads.shape[1], loads.shape[1]))
     for offset, block in zip(given.offsets.tolist(), given.matrix, strict=True):
         response[offset] = loads.T @ block @ loads
@@ -202,7 +203,7 @@ def _responses(
 
 
 def _tables(body: Body, given: NodalCompliance, plane: str) -> BodyCompliance:
-    """Tables between the nodes: of quadratic elements the ends, since middles yield otherwise."""
+    """Tables between nodes; of quadratic elements only the ends of edges (see `nodal_loads`)."""
     nodes = given.arc_length_mm[:: 2 if given.quadratic else 1]
 
     def pressures(s: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -214,10 +215,9 @@ def _tables(body: Body, given: NodalCompliance, plane: str) -> BodyCompliance:
         loads = consistent_forces(given, pressures)
     return BodyCompliance(
         smooth=_responses(body, given, loads),
-        kernel=logarithm_strength(body.material, plane),
-        mode_range_mm=body.mode_range_mm,
-        nodes=nodes,
-        asymmetry=given.asymmetry,
+        near=NearField(logarithm_strength(body.material, plane)),
+        modes=FlankModes(body.mode_range_mm, nodes=nodes),
+        job=JobCost(given.asymmetry),
     )
 
 

@@ -1,4 +1,4 @@
-"""flankload's own compliance file, written: what `bodies.imported.modal_file` reads."""
+"""Contents of a flankload compliance file (read by `bodies.imported.modal_file`)."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 def modal_arrays(
     body: Body, compliance: BodyCompliance, *, plane: str
 ) -> Mapping[str, NDArray[Any]]:
-    """What the file of a body holds.
+    """Arrays of the compliance file of a body.
 
     Parameters
     ----------
     body : Body
     compliance : BodyCompliance
-        Of an elastic body.
+        Compliance of an elastic body.
     plane : {"strain", "stress"}
 
     Returns
@@ -48,10 +48,10 @@ def modal_arrays(
         "curve_coefficients": curve.coefficients,
         "curve_labels": np.array(curve.labels, dtype=np.str_),
         "curve_corners": curve.corners,
-        "mode_range_mm": compliance.mode_range_mm,
+        "mode_range_mm": compliance.modes.range_mm,
         "smooth": compliance.smooth,
-        "kernel": compliance.kernel,
-        "asymmetry": compliance.asymmetry,
+        "kernel": compliance.near.kernel,
+        "asymmetry": compliance.job.asymmetry,
         "reference_radius_mm": body.reference_radius_mm,
         "flank_angle_known": int(body.flank_angle_known),
         "pitch_errors_um": np.array(body.pitch_errors_um, dtype=float),
@@ -62,14 +62,14 @@ def modal_arrays(
         "bore_radius_mm": body.bore_radius_mm,
         "notes": np.array(body.notes, dtype=np.str_),
     }
-    if any(compliance.wedge):
+    if any(compliance.near.wedge):
         arrays |= dict(zip(CORNER_ANGLES, corner_angles(body), strict=True))
-    if compliance.tip is not None:
-        arrays["tip_modes"] = compliance.tip
+    if compliance.modes.tip is not None:
+        arrays["tip_modes"] = compliance.modes.tip
     if compliance.turned is not None:
         arrays["turned"] = compliance.turned
     if compliance.tangential is not None:
-        arrays |= {"smooth_nt": compliance.tangential, "kernel_nt": compliance.jump}
+        arrays |= {"smooth_nt": compliance.tangential, "kernel_nt": compliance.near.jump}
     if body.involute is not None:
         for name, part in INVOLUTE.items():
             arrays[name] = getattr(body.involute, part.name)
@@ -77,7 +77,7 @@ def modal_arrays(
 
 
 def _version(compliance: BodyCompliance) -> int:
-    """The least version that holds all of a compliance."""
-    if any(compliance.wedge) or compliance.tip is not None:
+    """Lowest version of the format that holds a compliance."""
+    if any(compliance.near.wedge) or compliance.modes.tip is not None:
         return 3
     return 1 if compliance.tangential is None else 2

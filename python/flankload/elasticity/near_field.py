@@ -1,15 +1,15 @@
-"""Pressure modes on a flank, their consistent loads, and the analytic near field they leave out.
+"""Pressure modes on a flank, their consistent loads, and the analytic near field.
 
-The compliance of a flank is split: a half-plane's
-logarithm K(s, s') = -c0 ln|s - s'| on the same flank, and a smooth remainder that a few Legendre
-modes over the flank's arc length carry. The unit loads of the finite elements are these modes,
-never forces on nodes: the self term of a nodal load has no limit under refinement.
+The compliance of a flank has two parts: the logarithm of a half-plane,
+K(s, s') = -c0 ln|s - s'|, on the same flank, and a smooth remainder, which a few Legendre modes
+over the arc length of the flank represent. These modes are the unit loads of the finite elements.
+Forces at nodes are not: the displacement under a nodal force has no limit under refinement.
 
-Where flanks rub, loads along the flank move it along its normal, too: there the half-plane has a
-jump, -j sign(s - s') (the surface in front of the load sinks, that behind it rises), and the modes
-carry the smooth remainder as before.
+With friction, loads along the flank also displace it along its normal: the half-plane has a jump,
+-j sign(s - s') (the surface in front of the load moves inwards, the surface behind it outwards),
+and modes represent the smooth remainder.
 
-Where a free corner ends the modes, the near field has a mirror image behind it, too,
+At a free corner at the end of the modes, the near field has a mirror image behind the corner,
 -c0 psi ln(d + d') (`bodies.free_corner`).
 
 On a closed flank (a cam) of length L the modes are the harmonics of a turn, and the logarithm is
@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Material, SectorMesh
 
-#: A node and the mirror image of another are one to this part of the mesh's size.
+#: Distance between a node and the mirror image of another one, relative to the size of the mesh.
 SAME_NODE = 1e-9
-#: Gauss's rule for ln(1 + t) on [0, 1] times modes: its error falls by 30 with each point.
+#: Gauss points for ln(1 + t) on [0, 1], beyond those for the modes: each reduces the error by 30.
 MORE_POINTS = 14
 
 
@@ -179,7 +179,7 @@ def mode_loads(
     tip: Tip | None = None,
     twist: float | None = None,
 ) -> NDArray[np.float64]:
-    """Consistent nodal loads of the modes along the normal out of the material, or the tangent.
+    """Consistent nodal loads of the modes, along the outward normal or the tangent.
 
     B_qa = integral of N_q P_a n ds over the mesh's flank edges, with the edges' own quadratic
     geometry and shape functions; s is interpolated like the place.
@@ -194,7 +194,7 @@ def mode_loads(
     closed : bool
         The range is a turn.
     tip : Tip, optional
-        Behind the range; its edges carry, too.
+        Behind the range; its edges are loaded, too.
     twist : float, optional
         As in `consistent_loads`.
 
@@ -219,7 +219,7 @@ def mode_loads(
 def carrying_edges(
     flank: SectorMesh | MeshedFlank,
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Nodes (m, 3) of the edges that carry and their arc lengths, mm: tip roundings with them."""
+    """Nodes (m, 3) and arc lengths (mm) of the loaded edges, including those of tip roundings."""
     edges, s = flank.flank_edges, flank.flank_arc_length[flank.flank_edges]
     if isinstance(flank, MeshedFlank) or not flank.tip_edges.size:
         return edges, s
@@ -253,12 +253,10 @@ def consistent_loads(
     gauss_points : int
         On each edge.
     edges : (m, 3) arrays, optional
-        Nodes of the edges that carry and their arc lengths, where these are not those that carry
-        modes.
+        Nodes and arc lengths of the loaded edges; by default those of the flank.
     twist : float, optional
-        kappa, rad/mm: how fast the section turns along the axis. There is an axial component then:
-        a pressure on the flank of a prism pulls by (n, -kappa l) per arc length and width, l the
-        lever of n about the axis.
+        kappa, rad/mm, by which the section turns along the axis. A pressure on the flank of a prism
+        then has an axial component: (n, -kappa l) per arc length and width, l the lever of n.
 
     Returns
     -------
@@ -273,14 +271,14 @@ def consistent_loads(
     numbers, ends = edges or (mesh.flank_edges, mesh.flank_arc_length[mesh.flank_edges])
     place = mesh.nodes[numbers]  # (m, 3, 2)
     tangent = np.einsum("gk,mkd->mgd", slope, place)
-    direction = tangent  # times ds, as the normal is
+    direction = tangent  # times ds, like the normal
     if along == "normal":
         direction = np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)
     if twist is not None:
         x, y = np.einsum("gk,mkd->dmg", shape, place)
         lever = x * direction[..., 1] - y * direction[..., 0]
         direction = np.concatenate([direction, -twist * lever[..., None]], axis=-1)
-    if turn is not None:  # the node at which a turn begins ends it, too
+    if turn is not None:  # a turn begins and ends at the same node
         ends = ends - turn * np.round((ends - ends[:, 2:]) / turn)
     s = ends @ shape.T  # (m, g)
     pressures = values(s.ravel()).reshape(*s.shape, count)
@@ -308,7 +306,7 @@ def mirrored_loads(
     loads : (2 N, p) array
         Each force at the mirrored node, mirrored.
     tooth : int
-        Whose coast flank that is: a sector may hold a tooth that stands between two spaces.
+        Tooth of this coast flank: a sector may contain a tooth or a space.
 
     Raises
     ------
@@ -374,17 +372,18 @@ def projected_logarithm(
     half = 0.5 * length_mm
     result = half**2 * on_unit
     if n_modes:
-        # ln of the length itself meets only the constant mode: (int P_0)² = length²
+        # the logarithm of the length couples to the constant mode only: (int P_0)² = length²
         result[0, 0] += np.log(half) * length_mm**2
     return result
 
 
 def projected_image(n_modes: int, length_mm: float, *, at_high_end: bool) -> NDArray[np.float64]:
-    """<P_a, ln(d + d') P_b> over a flank, d the distances from one of its ends.
+    """<P_a, ln(d + d') P_b> over a flank, with d the distance from one of its ends.
 
-    With x and x' = x t in [0, 1] from that end, on both halves of the square, ln(x + x') =
-    ln x + ln(1 + t): the first against a polynomial by its shifted Legendre coefficients, of which
-    int P~_n ln x = (-1)^(n+1)/(n (n + 1)), and -1 for n = 0; the second by Gauss's rule.
+    On both halves of the square, with x and x' = x t in [0, 1] from that end, ln(x + x') =
+    ln x + ln(1 + t). The first term times a polynomial is integrated by its shifted Legendre
+    coefficients, int P~_n ln x = (-1)^(n+1)/(n (n + 1)), and -1 for n = 0; the second by Gauss
+    quadrature.
 
     Parameters
     ----------
@@ -392,7 +391,7 @@ def projected_image(n_modes: int, length_mm: float, *, at_high_end: bool) -> NDA
     length_mm : float
         Length of the modes' range.
     at_high_end : bool
-        The corner stands where the arc length is greatest.
+        The corner is at the greatest arc length.
 
     Returns
     -------
@@ -413,7 +412,7 @@ def projected_image(n_modes: int, length_mm: float, *, at_high_end: bool) -> NDA
     inner_log = np.einsum("t,xtb->xb", t_weights * np.log1p(t), further)
     half = (near * x[:, None]).T @ (log_weights[:, None] * inner + weights[:, None] * inner_log)
     result = np.asarray(length_mm**2 * (half + half.T))
-    # ln of the length itself meets only the constant mode: (int P_0)² = length²
+    # the logarithm of the length couples to the constant mode only: (int P_0)² = length²
     result[:1, :1] += np.log(length_mm) * length_mm**2
     return result
 
@@ -438,7 +437,7 @@ def projected_near_field(
     closed : bool
         The range is a turn.
     tip : Tip, optional
-        Behind the range; its end so far from the range's low end. The high end has no image then.
+        Behind the range, measured from the low end of the range. The high end then has no image.
 
     Returns
     -------
@@ -465,7 +464,7 @@ def projected_sign(
     """<P_a, sign(s - s') P_b> over a flank, in closed form; antisymmetric.
 
     With x in [-1, 1], int P_n(y) sign(x - y) dy = 2 (P_(n+1) - P_(n-1))/(2n + 1) for n >= 1 and
-    2 P_1 for n = 0: only neighbouring modes meet.
+    2 P_1 for n = 0: only modes of neighbouring degrees are coupled.
 
     Parameters
     ----------
@@ -493,9 +492,9 @@ def projected_sign(
 def strip_kernel(
     distance: NDArray[np.float64], cell: NDArray[np.float64] | float, strength: float
 ) -> NDArray[np.float64]:
-    """Displacement at a distance from the centre of a strip that carries a unit load evenly.
+    """Displacement at a distance from the centre of a strip under a uniform unit load.
 
-    -(c0/d) [(x + d/2) ln|x + d/2| - (x - d/2) ln|x - d/2| - d]; the reference for the core's own.
+    -(c0/d) [(x + d/2) ln|x + d/2| - (x - d/2) ln|x - d/2| - d]; the reference for the core.
     """
     right = np.asarray(distance) + 0.5 * np.asarray(cell)
     left = np.asarray(distance) - 0.5 * np.asarray(cell)

@@ -1,10 +1,9 @@
-"""Unit loads at the nodes of a flank, and tables between them: the near field as the paper has it.
+"""Unit forces at the nodes of a flank, and tables between them: the near field of the paper.
 
-The load of a node falls off to its neighbours by a straight line, and what it moves is read as the
-mean with the same weights, so that a table between the nodes is symmetric and all its nodes are
-alike: forces on single nodes of quadratic elements would make ends and middles of edges differ.
-The nodes are the ends of the edges of the elements; tables are read between them by straight lines,
-(21) and (22).
+The force of a node is distributed by the linear shape function of the node, and displacements are
+averaged with the same weights: tables between the nodes are symmetric and treat all nodes equally,
+whereas forces on single nodes of quadratic elements distinguish ends and middles of edges. The
+nodes are the ends of the edges; tables are interpolated linearly between them, Eqs. (21) and (22).
 """
 
 from __future__ import annotations
@@ -34,19 +33,19 @@ def flank_nodes(flank: SectorMesh | MeshedFlank) -> Floats:
     Returns
     -------
     (n,) array
-        Of the ends of the flank's edges, ascending, mm.
+        Arc lengths of the ends of the edges, ascending, mm.
     """
     _, s = carrying_edges(flank)
     return np.append(s[:, 0], s[-1, 1])
 
 
 def nodes_of(mesh: SectorMesh | WholeMesh) -> Floats:
-    """The same of a body: those of the first flank, for all, since loads are functions along it."""
+    """Arc lengths of the nodes of the first flank; they apply to all flanks of the body."""
     return flank_nodes(mesh.flanks[0] if isinstance(mesh, WholeMesh) else mesh)
 
 
 def hat_values(s: Floats, nodes: Floats) -> Floats:
-    """Values (k, n) at places s (k,) of the functions that fall from 1 at a node to 0 at the next.
+    """Values (k, n) of the linear shape functions of the nodes at places s (k,).
 
     Beyond the first and the last node they keep their end values.
     """
@@ -60,7 +59,7 @@ def hat_values(s: Floats, nodes: Floats) -> Floats:
 
 
 def hat_widths(nodes: Floats) -> Floats:
-    """Integrals of these functions, mm: for how much of the flank each node stands."""
+    """Integrals of the linear shape functions of the nodes, mm."""
     around = np.concatenate([nodes[:1], nodes, nodes[-1:]])
     return np.asarray(0.5 * (around[2:] - around[:-2]))
 
@@ -77,7 +76,7 @@ def hat_loads(
     ----------
     flank : SectorMesh or MeshedFlank
     nodes : (n,) array
-        Arc lengths, mm; of whole bodies the same on every flank.
+        Arc lengths, mm; the same on every flank of a body.
     along : {"normal", "tangent"}
 
     Returns
@@ -96,7 +95,7 @@ def hat_loads(
 
 
 def every_second(nodes: Floats) -> tuple[Floats, Floats]:
-    """Half as many nodes, and what their unit loads are in those of all.
+    """Half as many nodes, and their unit forces as sums of those of all nodes.
 
     Parameters
     ----------
@@ -106,9 +105,9 @@ def every_second(nodes: Floats) -> tuple[Floats, Floats]:
     Returns
     -------
     fewer : (m,) array
-        Every second one and the last.
+        Every second node and the last.
     parts : (n, m) array
-        Forces of all nodes that make the unit force of each; columns sum up to 1.
+        Forces at all nodes that replace the unit force at each of these; columns sum to 1.
     """
     fewer = nodes[::2] if nodes.size % 2 else np.append(nodes[::2], nodes[-1])
     return fewer, hat_values(nodes, fewer) * hat_widths(nodes)[:, None] / hat_widths(fewer)

@@ -1,13 +1,12 @@
-"""One sector of a body condensed to its loads and cuts, and equal sectors put together again.
+"""Static condensation of one sector of a body to its loads and cuts, and assembly of equal sectors.
 
-Of a sector the response to its loads with both cuts held, the forces G that these loads carry to
-the cuts and the condensed stiffness S of the cuts are all that is needed: the ring of all sectors
-closes by Fourier, sector harmonic by sector harmonic, an open row is solved from one end to the
-other. Nothing is approximated.
+A condensed sector consists of the response to its loads with both cuts held, the forces G of these
+loads on the cuts, and the stiffness S of the cuts. A ring of equal sectors is block-circulant and
+solved one sector harmonic at a time; an open row is solved by block elimination. Both are exact.
 
-Readings are kept by kind: displacements by the loads themselves, of the coast flank, stress. Each
-kind is multiplied by itself, since BLAS sums a product of more columns in another order: what one
-kind reads is the same to the last bit whichever others are read, too.
+A product is formed for each kind of reading (displacements under the loads, coast flank, stress,
+…), since BLAS sums a product of more columns in another order: each reading has the same bits,
+whichever others there are.
 """
 
 from __future__ import annotations
@@ -18,11 +17,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.cost import Account
 from flankload.elasticity.finite_elements import condensed, degrees_of, factored
+from flankload.elasticity.job_log import JobLog
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
@@ -39,16 +38,16 @@ class CondensedSector:
     Attributes
     ----------
     local : tuple of (r, p) arrays
-        By kind of reading, the loads first: response of its r readings to the p loads with both
-        cuts held.
+        By kind of reading, beginning with the loads: response of its r readings to the p loads with
+        both cuts held.
     carried : tuple of (2 m, r) arrays
-        By kind of reading: forces that the readings, taken as loads, send to the cuts; first the
-        left cut, then the right one.
+        By kind of reading: forces on the cuts when the readings act as loads; first the left cut,
+        then the right one.
     stiffness : (2 m, 2 m) array
         Of the cuts.
     components : int
-        Of a displacement: 2, or 3 with the axial one last. Each point of a cut has so many
-        unknowns in a row; a turn about the axis leaves the axial one alone.
+        Components of a displacement: 2, or 3 with the axial one last. The unknowns of a point of a
+        cut are consecutive; a rotation about the axis does not change the axial component.
     """
 
     local: tuple[Floats, ...]
@@ -61,14 +60,8 @@ def condense(
     matrix: csc_array,
     loads: Floats,
     mesh: SectorMesh,
-    lap: Callable[[str], None] | None = None,
-    *,
-    coast: Floats | None = None,
-    readings: Floats | None = None,
-    corner: Floats | None = None,
-    forces: Floats | None = None,
-    account: Account | None = None,
-    look: Callable[[Floats], None] | None = None,
+    readings: Mapping[str, Floats] | None = None,
+    log: JobLog | None = None,
 ) -> tuple[CondensedSector, int]:
     """Condense a sector to its loads and cuts.
 
@@ -79,55 +72,33 @@ def condense(
     loads : (2N, p) array
         Load columns; the same columns read the displacements.
     mesh : SectorMesh
-    lap : callable, optional
-        Told the name of each step when it is done.
-    coast : (2N, c) array, optional
-        Columns that only read the displacements, of the coast flank.
-    readings : (2N, q) array, optional
-        The same, of stress.
-    corner : (2N, 1) array, optional
-        The same, of a sharp tip.
-    forces : (2N, k) array, optional
-        Known loads; they read, too, which says what they do themselves (Betti).
-    account : Account, optional
-        Where factorisations and solutions are counted.
-    look : callable, optional
-        Shown the displacements (2N, p) under the loads, both cuts held.
+    readings : mapping of str to (2N, q) array, optional
+        Further columns that read the displacements, by the counter of their solutions
+        (`cost.COUNTERS`). A known load is also a reading: by reciprocity (Betti) it reads the
+        displacements that it causes itself.
+    log : JobLog, optional
 
     Returns
     -------
     sector : CondensedSector
+        Its kinds of readings are the loads, then `readings` in their order.
     degrees_of_freedom : int
-        Those that are not held.
+        Number of unknowns that are not held.
     """
-    tell = lap if lap is not None else (lambda step: None)
-    if account is None:
-        account = Account()
+    log = JobLog() if log is None else log
     cut = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
-    held = degrees_of(mesh.fixed_nodes)
-    inner = np.ones(matrix.shape[0], dtype=bool)
-    inner[cut] = False
-    inner[held] = False
-    inside = np.flatnonzero(inner)
-    solve, complement = condensed(matrix, inside, cut, account)
-    tell("factorisation")
+    inside = np.setdiff1d(
+        np.arange(matrix.shape[0]), np.concatenate([cut, degrees_of(mesh.fixed_nodes)])
+    )
+    solve, complement = condensed(matrix, inside, cut, log.account)
+    log.end_step("factorisation")
     kinds, solved = [loads], [solve(loads[inside])]
-    if look is not None:
-        moved = np.zeros_like(loads)
-        moved[inside] = solved[0]
-        tell("solution")
-        look(moved)
-    for name, columns in (
-        ("coast_readings", coast),
-        ("stress_recoveries", readings),
-        ("corner_readings", corner),
-        ("fe_load_cases_growth", forces),
-    ):
-        if columns is not None:
-            account.count(**{name: columns.shape[1]})
-            kinds.append(columns)
-            solved.append(solve(columns[inside]))
-    account.workspace_bytes += sum(part.nbytes for part in (*kinds, *solved))
+    log.solution(inside, solved[0], matrix.shape[0])
+    for name, columns in (readings or {}).items():
+        log.account.count(**{name: columns.shape[1]})
+        kinds.append(columns)
+        solved.append(solve(columns[inside]))
+    log.account.workspace_bytes += sum(part.nbytes for part in (*kinds, *solved))
     coupling = matrix[cut][:, inside]
     sector = CondensedSector(
         local=tuple(columns[inside].T @ solved[0] for columns in kinds),
@@ -136,16 +107,16 @@ def condense(
         ),
         stiffness=complement,
     )
-    tell("solution")
+    log.end_step("solution")
     return sector, inside.size + cut.size // 2
 
 
 def close_ring(sector: CondensedSector, teeth: int) -> Floats:
-    """Response of all teeth to the loads on tooth 0, the ring of equal sectors closed.
+    """Response of all teeth of a closed ring to the loads on tooth 0.
 
-    The left cut of sector k is the right cut of sector k - 1; its unknowns are written in the frame
-    of sector k, so what sector k - 1 holds on its right is turned by one pitch. The ring is
-    block-circulant: a Fourier transform over the sectors takes it apart.
+    The left cut of sector k is the right cut of sector k - 1; its unknowns are in the frame of
+    sector k, so the right cut of sector k - 1 is rotated by one pitch. The ring is block-circulant:
+    a Fourier transform over the sectors separates its harmonics.
 
     Parameters
     ----------
@@ -182,7 +153,7 @@ def close_ring(sector: CondensedSector, teeth: int) -> Floats:
 
 
 def alike_response(sector: CondensedSector, teeth: int) -> Floats:
-    """Response of any tooth of the closed ring when all carry the same loads: its harmonic 0.
+    """Response of any tooth of a closed ring under the same loads on all teeth: harmonic 0.
 
     Parameters
     ----------
@@ -205,15 +176,14 @@ def alike_response(sector: CondensedSector, teeth: int) -> Floats:
 
 @dataclass(frozen=True)
 class RowCell:
-    """A condensed cell of a row; cuts as the next cell on each side sees them.
+    """A condensed cell of a row; its cuts are in the frames of the neighbouring cells.
 
     Attributes
     ----------
     local : tuple of (r, p) arrays
-        As of `CondensedSector`; the first p of all readings are the loads.
+        As in `CondensedSector`; the first p readings are the loads.
     carried : tuple of (left, right)
-        By kind of reading, forces on the two cuts, (m, r) each; on an outer end of a row they are
-        not looked at.
+        By kind of reading, forces on the two cuts, (m, r) each; not used at the ends of a row.
     stiffness : (left-left, left-right, right-left, right-right)
     """
 
@@ -227,21 +197,21 @@ class RowCell:
         return self.local[0].shape[1]
 
     def seen(self, side: int, moved: Floats) -> Floats:
-        """What all readings see of displacements of the left cut (side 0) or the right one (1)."""
+        """All readings of displacements of the left cut (side 0) or the right one (1)."""
         return np.concatenate([both[side].T @ moved for both in self.carried])
 
 
 def row_response(cells: Sequence[RowCell]) -> Floats:
     """Response of all cells of an open row to the loads on each.
 
-    Interface k lies between cells k and k + 1. Their stiffness is block-tridiagonal: eliminated
-    from one end to the other, solved backwards. What holds the outer ends of the first and the last
-    cell, or pulls there, is their own matter.
+    Interface k lies between cells k and k + 1. The stiffness of the interfaces is block-tridiagonal
+    and is eliminated from one end to the other. Supports and loads at the two ends of the row are
+    part of the first and the last cell.
 
     Parameters
     ----------
     cells : sequence of RowCell
-        They may differ in their loads and readings.
+        Their loads and readings may differ.
 
     Returns
     -------
@@ -280,7 +250,7 @@ def row_response(cells: Sequence[RowCell]) -> Floats:
 
 
 def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
-    """Response of all sectors of an open row to the loads on each, the row's two ends held.
+    """Response of all sectors of an open row with held ends to the loads on each.
 
     Parameters
     ----------
@@ -288,7 +258,7 @@ def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
     cells : int
         Number n of sectors.
     turn_rad : float
-        By how much each sector is turned against the one before it, counter-clockwise.
+        Rotation of each sector relative to the previous one, counter-clockwise.
 
     Returns
     -------
@@ -302,13 +272,13 @@ def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
 
 
 def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:
-    """Response of the teeth of a body that is no more than a segment around each pair of teeth.
+    """Response of the teeth of a body that is reduced to a segment around each pair of teeth.
 
-    A segment that stood still would hold the teeth near its ends more than those in its middle, and
-    nothing would repeat when the mesh rolls on. So two teeth respond as those two of the segment
-    that stand as far apart and nearest to its middle; where two such places are equally near, as
-    the mean of both. That is symmetric (Betti) and depends on the distance of the teeth alone.
-    Teeth further apart than the segment is long do not move each other.
+    In a fixed segment, teeth near its ends would be stiffer than those in its middle, and results
+    would not repeat with the tooth pitch. Therefore the response between two teeth is that of the
+    two sectors of the segment at the same distance that are nearest to its middle, or the mean of
+    two such pairs. It is symmetric (Betti) and depends on the distance of the teeth only. Teeth at
+    a greater distance than the length of the segment do not affect each other.
 
     Parameters
     ----------
@@ -321,7 +291,7 @@ def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:
     Returns
     -------
     (z, r, p) array
-        As of `close_ring`.
+        As in `close_ring`.
     """
     row = open_row(sector, cells, 2 * np.pi / teeth)
     response = np.zeros((teeth, *row.shape[2:]))
@@ -338,41 +308,36 @@ def tooth_response(
     matrix: csc_array,
     loads: Floats,
     mesh: SectorMesh,
-    lap: Callable[[str], None],
-    *,
     readings: Sequence[Floats] = (),
-    account: Account | None = None,
-    look: Callable[[Floats], None] | None = None,
+    log: JobLog | None = None,
 ) -> tuple[Floats, int]:
-    """Response of a tooth whose cuts are held, all others being at rest: nothing to condense.
+    """Response of a single tooth whose cuts are held while all other teeth are at rest.
 
     Parameters
     ----------
-    matrix, loads, mesh, lap, account, look
+    matrix, loads, mesh, log
         As in `condense`.
     readings : sequence of (2N, q) arrays
-        By kind, columns that only read the displacements; they take no solutions here.
+        By kind, columns that read the displacements; they need no solutions here.
 
     Returns
     -------
     response : (z, r, p) array
-        As of `close_ring`; 0 but for the tooth itself.
+        As in `close_ring`; 0 except for the tooth itself.
     degrees_of_freedom : int
-        Those that are not held.
+        Number of unknowns that are not held.
     """
+    log = JobLog() if log is None else log
     held = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes, mesh.fixed_nodes]))
     inside = np.setdiff1d(np.arange(matrix.shape[0]), held)
-    solve = factored(matrix[inside][:, inside].tocsc(), account)
-    lap("factorisation")
+    solve = factored(matrix[inside][:, inside].tocsc(), log.account)
+    log.end_step("factorisation")
     solved = solve(loads[inside])
     own = np.concatenate([columns[inside].T @ solved for columns in (loads, *readings)])
     response = np.zeros((mesh.teeth, *own.shape))
     response[0] = own
-    lap("solution")
-    if look is not None:
-        moved = np.zeros_like(loads)
-        moved[inside] = solved
-        look(moved)
+    log.end_step("solution")
+    log.solution(inside, solved, matrix.shape[0])
     return response, inside.size
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.bodies import Body
-    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.elasticity.job_log import JobCost
 
 #: Cost of smoothing stresses relative to an assembly, for each flank and for each group of this
 #: many columns: smoothing evaluates the same gradients, but not their products.
@@ -49,16 +49,16 @@ class ElementRates:
     body : Body
     assembly_s : float
         CPU seconds for the stiffness matrix of its own elements.
-    job : BodyCompliance
+    job : JobCost
         On linear elements, or its own.
     """
 
     body: Body
     assembly_s: float
-    job: BodyCompliance
+    job: JobCost
 
     @classmethod
-    def of_linear(cls, body: Body, linear_s: float, job: BodyCompliance) -> ElementRates:
+    def of_linear(cls, body: Body, linear_s: float, job: JobCost) -> ElementRates:
         """Rates from the seconds for the stiffness matrix of linear elements."""
         assert body.mesh is not None
         linear, quadratic = (

@@ -132,26 +132,11 @@ def gear_mesh(
     backlash = _backlash(pair, radius_1, radius_2, warnings, coast_flanks=coast_flanks)
     _check_clearances(pair)
     tangent_1, tangent_2 = (r * tan(angle) for r in (one.base_radius_mm, two.base_radius_mm))
-    start = pair.sense * (tangent_2 - _length_at_tip(two))
-    end = _length_at_tip(one) - tangent_1
-    if end <= start:
-        raise SceneError(
-            key=DISTANCE,
-            expected="a distance at which the tip circles overlap along the line of action",
-            found=f"{distance:g} mm: the path of contact is {end - start:.4f} mm long",
-        )
+    start, end = _path_of_contact(pair, (tangent_1, tangent_2))
     contact_ratio = (end - start) / pair.base_pitch
-    if contact_ratio < 1.0:
-        warnings.append(
-            f"the contact ratio is {contact_ratio:.3f}: between two flanks a tip corner carries"
-        )
     usable = _usable_path(pair.sense, body_1, body_2, (tangent_1, tangent_2)) / pair.base_pitch
     usable = min(usable, contact_ratio)
-    if usable < 1.0 <= contact_ratio:
-        warnings.append(
-            f"both flanks are involutes over {usable:.3f} of the contact ratio of "
-            f"{contact_ratio:.3f}: between two flanks a fillet or a tip rounding carries"
-        )
+    _warn_of_short_path(contact_ratio, usable, warnings)
     deepest = (tangent_1 + start, tangent_2 - pair.sense * end)
     warnings += [
         *root_contacts((one, two), deepest),
@@ -168,6 +153,32 @@ def gear_mesh(
         usable_contact_ratio=usable,
         backlash_mm=backlash,
     )
+
+
+def _path_of_contact(pair: _Pair, tangents_mm: tuple[float, float]) -> tuple[float, float]:
+    """Ends of the path of contact from the pitch point, mm; `tangents_mm` as in `_usable_path`."""
+    start = pair.sense * (tangents_mm[1] - _length_at_tip(pair.two))
+    end = _length_at_tip(pair.one) - tangents_mm[0]
+    if end <= start:
+        raise SceneError(
+            key=DISTANCE,
+            expected="a distance at which the tip circles overlap along the line of action",
+            found=f"{pair.distance:g} mm: the path of contact is {end - start:.4f} mm long",
+        )
+    return start, end
+
+
+def _warn_of_short_path(contact_ratio: float, usable: float, warnings: list[str]) -> None:
+    """Warn if less than a base pitch of the path of contact is usable."""
+    if contact_ratio < 1.0:
+        warnings.append(
+            f"the contact ratio is {contact_ratio:.3f}: between two flanks a tip corner carries"
+        )
+    elif usable < 1.0:
+        warnings.append(
+            f"both flanks are involutes over {usable:.3f} of the contact ratio of "
+            f"{contact_ratio:.3f}: between two flanks a fillet or a tip rounding carries"
+        )
 
 
 def _length_at_tip(involute: Involute) -> float:

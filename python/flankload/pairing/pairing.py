@@ -180,15 +180,9 @@ def pair_bodies(
     )
     sites = _sites(mesh, body_1.teeth, body_2.teeth, position_rad, coast_flanks=coast_flanks)
     sites = _with_flanks(sites, body_1, body_2)
-    # Body 1 turns counter-clockwise: a tooth further towards recess has a larger angle on body 1;
-    # on body 2 it has a smaller one, or a larger one if body 2 turns in the same sense.
-    teeth = (sites % body_1.teeth, -sense * sites % body_2.teeth)
-    angles = (
-        # the tooth after pair 0 meets as pair -1
-        2 * pi * sites / body_1.teeth + _pitch_turns(body_1, -sites) + _own_turns(body_1, teeth[0]),
-        -sense * 2 * pi * sites / body_2.teeth
-        + _pitch_turns(body_2, -sites)
-        + _own_turns(body_2, teeth[1]),
+    (teeth_1, angles_1), (teeth_2, angles_2) = (
+        _at_sites(body_1, sites, 1),
+        _at_sites(body_2, sites, -sense),
     )
     return Pairing(
         center_distance_mm=center_distance_mm,
@@ -196,8 +190,8 @@ def pair_bodies(
         ratio=sense * body_1.teeth / body_2.teeth,
         period=period_of(body_1, body_2),
         sites=sites,
-        site_teeth=teeth,
-        site_angles_rad=angles,
+        site_teeth=(teeth_1, teeth_2),
+        site_angles_rad=(angles_1, angles_2),
         site_deviations_mm=(np.zeros(sites.size), np.zeros(sites.size)),
         mesh=mesh,
         warnings=tuple(warnings),
@@ -301,6 +295,20 @@ def _with_flanks(sites: NDArray[np.int64], body_1: Body, body_2: Body) -> NDArra
             found="teeth without a flank at all of them",
         )
     return sites[there]
+
+
+def _at_sites(
+    body: Body, sites: NDArray[np.int64], sense: int
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Teeth (S,) of a body at its sites, and their angles (S,) in its frame, rad.
+
+    Body 1 turns counter-clockwise: a tooth further towards recess has a larger angle on body 1
+    (sense 1). On body 2 it has a smaller one (-1), or a larger one if body 2 turns in the same
+    sense. The tooth after that of pair 0 meets as pair -1.
+    """
+    teeth = sense * sites % body.teeth
+    angles = sense * 2 * pi * sites / body.teeth
+    return teeth, angles + _pitch_turns(body, -sites) + _own_turns(body, teeth)
 
 
 def _own_turns(body: Body, teeth: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -98,26 +98,9 @@ def spline_fit(
     one, two = shaft.involute, hub.involute
     _check_teeth(shaft, hub)
     _check_circles(one, two, offset)
-    angle = np.arccos(one.base_radius_mm / one.reference_radius_mm)
-    room = two.base_half_angle_rad - one.base_half_angle_rad
-    wider = -2 * room * one.reference_radius_mm
-    widest = LARGEST_OVERLAP * 2 * np.pi * one.base_radius_mm / shaft.teeth
-    if coast_flanks and wider > widest:
-        raise SceneError(
-            key="body_1.profile_shift",
-            expected=f"a tooth wider than its space by at most {widest:.4f} mm on the pitch circle "
-            f"({LARGEST_OVERLAP:g} of the base pitch), even with effects.coast_flank",
-            found=f"{wider:.4f} mm",
-        )
-    if room < -ROUNDING and not coast_flanks:
-        raise SceneError(
-            key="body_1.profile_shift",
-            expected="at most that of body_2, so that the tooth is no wider than the space (or "
-            "effects.coast_flank = true)",
-            found=f"a tooth that is {wider:.4f} mm wider on the pitch circle",
-        )
+    room = _room(one, two, shaft.teeth, coast_flanks=coast_flanks)
     fit = SplineFit(
-        pressure_angle_rad=float(angle),
+        pressure_angle_rad=float(np.arccos(one.base_radius_mm / one.reference_radius_mm)),
         pitch_radius_mm=one.reference_radius_mm,
         base_radius_mm=one.base_radius_mm,
         active_radii_mm=(two.tip_radius_mm, one.tip_radius_mm),
@@ -158,6 +141,28 @@ def _check_teeth(shaft: Body, hub: Body) -> None:
             expected=f"{angle_1:g}, as in body_1.pressure_angle_deg",
             found=f"{angle_2:g}",
         )
+
+
+def _room(one: Involute, two: Involute, teeth: int, *, coast_flanks: bool) -> float:
+    """Angle by which a space is wider than its tooth, rad, checked."""
+    room = two.base_half_angle_rad - one.base_half_angle_rad
+    wider = -2 * room * one.reference_radius_mm
+    widest = LARGEST_OVERLAP * 2 * np.pi * one.base_radius_mm / teeth
+    if coast_flanks and wider > widest:
+        raise SceneError(
+            key="body_1.profile_shift",
+            expected=f"a tooth wider than its space by at most {widest:.4f} mm on the pitch circle "
+            f"({LARGEST_OVERLAP:g} of the base pitch), even with effects.coast_flank",
+            found=f"{wider:.4f} mm",
+        )
+    if room < -ROUNDING and not coast_flanks:
+        raise SceneError(
+            key="body_1.profile_shift",
+            expected="at most that of body_2, so that the tooth is no wider than the space (or "
+            "effects.coast_flank = true)",
+            found=f"a tooth that is {wider:.4f} mm wider on the pitch circle",
+        )
+    return room
 
 
 def _module_and_angle(involute: Involute | None, teeth: int) -> tuple[float, float]:

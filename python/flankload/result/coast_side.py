@@ -104,7 +104,7 @@ def coast_side(
     for z, involute in enumerate((one, two)):
         if involute is None:
             return None, f"body_{z + 1} has no known coast flank"
-        if any(len(shift) > 1 for shift in compliances[z].shifts.values()):
+        if any(len(shift) > 1 for shift in compliances[z].expansion.shifts.values()):
             return None, f"the expansion of body_{z + 1} is known on the working flanks only"
     assert one is not None
     coast = CoastSide(

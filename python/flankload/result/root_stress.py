@@ -141,10 +141,10 @@ def root_reading(
         points=compliance.root.points,
         n_modes=compliance.smooth.shape[1],
         response=compliance.root.response[block],
-        mode_range_mm=compliance.mode_range_mm,
-        tip=compliance.tip,
+        mode_range_mm=compliance.modes.range_mm,
+        tip=compliance.modes.tip,
         face_width_mm=face_width_mm,
-        nodes=compliance.nodes,
+        nodes=compliance.modes.nodes,
     )
 
 

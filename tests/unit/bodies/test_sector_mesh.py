@@ -12,7 +12,7 @@ from flankload.bodies import build_body
 from flankload.bodies.body import Body, SectorMesh
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.profile.gear_profile import gear_profile
-from flankload.elasticity.compliance import flank_compliance, modes
+from flankload.elasticity.compliance import JobOptions, flank_compliance, modes
 from flankload.errors import SceneError
 from flankload.meshes.blocks import growing_breaks, symmetric_breaks
 from flankload.meshes.plane_mesh import scaled_jacobians
@@ -215,8 +215,10 @@ def test_compliance_of_a_ring_converges_under_refinement(monkeypatch: pytest.Mon
     """
     monkeypatch.setattr(modes, "image_strengths", lambda _: (0.0, 0.0))
     sizes = np.array([2.0, 1.0, 0.5])
-    smooth = [flank_compliance(ring_built(h), n_modes=4, plane="strain").smooth for h in sizes]
-    finest = flank_compliance(ring_built(0.25), n_modes=4, plane="strain").smooth
+    smooth = [
+        flank_compliance(ring_built(h), JobOptions(n_modes=4, plane="strain")).smooth for h in sizes
+    ]
+    finest = flank_compliance(ring_built(0.25), JobOptions(n_modes=4, plane="strain")).smooth
     errors = [np.abs(s - finest).max() / np.abs(finest).max() for s in smooth]
     assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] > 1.8
     even = [abs(s[0, 0, 0] / finest[0, 0, 0] - 1) for s in smooth]
@@ -243,8 +245,10 @@ def test_parts_grow_by_no_more_than_they_may() -> None:
 def test_compliance_converges_under_refinement() -> None:
     """The finite elements' smooth compliance: at least second order (slope 1.8 over four sizes)."""
     sizes = np.array([2.0, 1.0, 0.5])
-    smooth = [flank_compliance(built(h), n_modes=4, plane="strain").smooth for h in sizes]
-    finest = flank_compliance(built(0.25), n_modes=4, plane="strain").smooth
+    smooth = [
+        flank_compliance(built(h), JobOptions(n_modes=4, plane="strain")).smooth for h in sizes
+    ]
+    finest = flank_compliance(built(0.25), JobOptions(n_modes=4, plane="strain")).smooth
     errors = [np.abs(s - finest).max() / np.abs(finest).max() for s in smooth]
     slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
     assert slope > 1.8

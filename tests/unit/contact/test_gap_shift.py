@@ -13,7 +13,7 @@ from flankload import _core
 from flankload.bodies import Body
 from flankload.bodies.profile_deviation import deviation_at
 from flankload.contact.sweep import Sweep, sweep
-from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.compliance import BodyCompliance, Expansion, FlankModes, NearField
 from flankload.elasticity.near_field import mode_norms, mode_values
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
@@ -77,7 +77,7 @@ def gauss(body: Body) -> tuple[np.ndarray, np.ndarray]:
 
 
 def shifted(compliance: BodyCompliance, modes: np.ndarray) -> BodyCompliance:
-    return replace(compliance, shifts={"test": np.atleast_2d(modes)})
+    return replace(compliance, expansion=Expansion(0.0, {"test": np.atleast_2d(modes)}))
 
 
 @pytest.mark.parametrize("torque", [0.0, 302.0])
@@ -141,8 +141,10 @@ def test_a_body_that_grows_turns_its_mate_back() -> None:
     pair, _ = job()
     body = pair.body_2
     s, weights = gauss(body)
-    rigid = BodyCompliance(np.zeros((1, MODES, MODES)), 0.0, pair.body_1.mode_range_mm)
-    mate = replace(rigid, mode_range_mm=body.mode_range_mm)
+    rigid = BodyCompliance(
+        np.zeros((1, MODES, MODES)), NearField(0.0), FlankModes(pair.body_1.mode_range_mm)
+    )
+    mate = replace(rigid, modes=FlankModes(body.mode_range_mm))
     plain = swept(pair, (rigid, mate), 0.0)
     apart = []
     for strain in (5e-4, 1e-3):
@@ -163,7 +165,7 @@ def test_each_flank_has_its_own_shift() -> None:
     _, (one, _) = job()
     rows = np.zeros((3, MODES))
     rows[:, 0] = [0.1, 0.2, 0.3]
-    named = replace(one, flanks=(2, 5, 7), shifts={"a": rows, "b": 10.0 * rows})
+    named = replace(one, flanks=(2, 5, 7), expansion=Expansion(0.0, {"a": rows, "b": 10.0 * rows}))
     found = named.shift_of(np.array([5, 2, 7, 5]))
     np.testing.assert_allclose(found[:, 0], [2.2, 1.1, 3.3, 2.2], rtol=1e-15)
     fewer = named.fewer_modes()

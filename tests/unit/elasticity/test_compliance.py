@@ -8,11 +8,18 @@ import pytest
 from flankload.bodies.body import Body, MeshedFlank, WholeMesh
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
-from flankload.elasticity.compliance import BodyCompliance, flank_compliance, flank_compliances
+from flankload.elasticity.compliance import (
+    BodyCompliance,
+    JobOptions,
+    flank_compliance,
+    flank_compliances,
+)
+from flankload.elasticity.compliance.modes import ModeLoads
+from flankload.elasticity.compliance.response import Job, of_whole
 from flankload.elasticity.finite_elements import place_load, stiffness
+from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.sector_closure import close_ring, condense
-from flankload.elasticity.whole_body import whole_response
 from flankload.pairing.expansion import Growth
 from flankload.scene import Gear, Ring
 from tests.support.plane_sectors import STEEL, ring_sector
@@ -73,17 +80,20 @@ def test_ring_closure_of_teeth_that_stand_inwards_equals_the_meshed_ring() -> No
 
 def test_compliance_of_a_gear_is_symmetric_and_counted() -> None:
     """Before both halves are averaged: displacement at a under load b = at b under load a."""
-    found = flank_compliance(gear_body(16, 1.0), n_modes=5, plane="strain")
-    assert found.asymmetry < 1e-12
-    assert (found.counters["fe_factorisations"], found.counters["unit_loads_normal"]) == (1, 5)
+    found = flank_compliance(gear_body(16, 1.0), JobOptions(n_modes=5, plane="strain"))
+    assert found.job.asymmetry < 1e-12
+    assert (found.job.counters["fe_factorisations"], found.job.counters["unit_loads_normal"]) == (
+        1,
+        5,
+    )
     assert found.smooth.shape == (16, 5, 5)
-    assert 1500 < found.degrees_of_freedom < 6000
+    assert 1500 < found.job.degrees_of_freedom < 6000
 
 
 def test_fewer_modes_are_the_leading_block() -> None:
     """What an own finite-element job with a mode less gives, without it."""
     body = gear_body(16, 2.0)
-    five, four = (flank_compliance(body, n_modes=n, plane="strain") for n in (5, 4))
+    five, four = (flank_compliance(body, JobOptions(n_modes=n, plane="strain")) for n in (5, 4))
     np.testing.assert_allclose(
         five.fewer_modes().smooth,
         four.smooth,
@@ -93,11 +103,16 @@ def test_fewer_modes_are_the_leading_block() -> None:
 
 
 def test_even_pressure_converges_with_the_square_of_the_elements() -> None:
-    finest = flank_compliance(gear_body(16, 0.25), n_modes=4, plane="strain").smooth[0, 0, 0]
+    finest = flank_compliance(gear_body(16, 0.25), JobOptions(n_modes=4, plane="strain")).smooth[
+        0, 0, 0
+    ]
     sizes = np.array([2.0, 1.0, 0.5])
     errors = [
         abs(
-            flank_compliance(gear_body(16, h), n_modes=4, plane="strain").smooth[0, 0, 0] / finest
+            flank_compliance(gear_body(16, h), JobOptions(n_modes=4, plane="strain")).smooth[
+                0, 0, 0
+            ]
+            / finest
             - 1
         )
         for h in sizes
@@ -110,39 +125,46 @@ def test_even_pressure_converges_with_the_square_of_the_elements() -> None:
 def test_rigid_body_has_no_compliance_and_no_elements() -> None:
     spec = Gear(teeth=16, module_mm=4.5, tip_diameter_mm=81.0, bore_diameter_mm=30.0, rigid=True)
     found = flank_compliance(
-        build_involute_body(spec, "body_1", flank_element_mm=1.0), n_modes=5, plane="strain"
+        build_involute_body(spec, "body_1", flank_element_mm=1.0),
+        JobOptions(n_modes=5, plane="strain"),
     )
-    assert found.kernel == 0.0
+    assert found.near.kernel == 0.0
     assert not found.smooth.any()
-    assert (found.counters, found.workspace_bytes) == ({}, 0)
+    assert (found.job.counters, found.job.workspace_bytes) == ({}, 0)
 
 
 def test_compliances_of_one_job_are_those_of_their_own() -> None:
     """A ring, a segment, a single tooth, and a ring that turns fast: closures of one sector."""
     body, fast = gear_body(16, 2.0), Growth(speed_rad_per_s=500.0, density_Ns2_per_mm4=7.85e-9)
     asked = ((None, None), (5, None), (1, None), (None, fast))
-    together = flank_compliances(body, asked, n_modes=4, plane="strain")
-    assert together[0].counters["fe_factorisations"] == 1
+    together = flank_compliances(body, asked, JobOptions(n_modes=4, plane="strain"))
+    assert together[0].job.counters["fe_factorisations"] == 1
     for (sectors, growth), found in zip(asked, together, strict=True):
-        alone = flank_compliance(body, n_modes=4, plane="strain", sectors=sectors, growth=growth)
+        alone = flank_compliance(
+            body, JobOptions(n_modes=4, plane="strain"), sectors=sectors, growth=growth
+        )
         scale = np.abs(alone.smooth).max()
         np.testing.assert_allclose(found.smooth, alone.smooth, rtol=0, atol=1e-10 * scale)
-        np.testing.assert_allclose(found.expansion, alone.expansion, rtol=1e-9, atol=0)
+        np.testing.assert_allclose(
+            found.expansion.strain, alone.expansion.strain, rtol=1e-9, atol=0
+        )
 
 
 def test_linear_elements_take_a_quarter_and_are_some_percent_too_stiff() -> None:
     body, fast = gear_body(16, 1.0), Growth(speed_rad_per_s=500.0, density_Ns2_per_mm4=7.85e-9)
     linear, quadratic = (
         flank_compliances(
-            body, ((None, fast),), n_modes=3, plane="strain", friction=True, linear=each
+            body, ((None, fast),), JobOptions(n_modes=3, plane="strain", friction=True, linear=each)
         )[0]
         for each in (True, False)
     )
-    assert 3.5 < quadratic.degrees_of_freedom / linear.degrees_of_freedom < 4.5
+    assert 3.5 < quadratic.job.degrees_of_freedom / linear.job.degrees_of_freedom < 4.5
     # an even pressure on the tooth itself and on the next one
     stiffer = linear.smooth[:2, 0, 0] / quadratic.smooth[:2, 0, 0]
     assert np.all((stiffer > 0.97) & (stiffer < 1.0))
-    np.testing.assert_allclose(linear.expansion, quadratic.expansion, rtol=0.01, atol=0)
+    np.testing.assert_allclose(
+        linear.expansion.strain, quadratic.expansion.strain, rtol=0.01, atol=0
+    )
     scale = np.abs(quadratic.tangential).max()
     np.testing.assert_allclose(linear.tangential, quadratic.tangential, rtol=0, atol=0.05 * scale)
 
@@ -164,11 +186,13 @@ READINGS = ("stress", "coast", "growth")
 def read_with(body: Body, *asked: str, sectors: int | None = None) -> BodyCompliance:
     return flank_compliance(
         body,
-        n_modes=7,
-        plane="strain",
-        friction=True,
-        fillets=root_fillets(body, "body_1") if "stress" in asked else None,
-        coast_flanks="coast" in asked,
+        JobOptions(
+            n_modes=7,
+            plane="strain",
+            friction=True,
+            fillets=root_fillets(body, "body_1") if "stress" in asked else None,
+            coast_flanks="coast" in asked,
+        ),
         growth=Growth(speed_rad_per_s=300.0, density_Ns2_per_mm4=7.85e-9)
         if "growth" in asked
         else None,
@@ -187,10 +211,10 @@ def test_what_is_read_besides_changes_no_bit(sectors: int | None) -> None:
         np.testing.assert_array_equal(some.tangential, every.tangential)
         if some.root is not None:
             np.testing.assert_array_equal(some.root.response, every.root.response)
-        if some.crossing is not None:
-            np.testing.assert_array_equal(some.crossing, every.crossing)
-        for name, shift in some.shifts.items():
-            np.testing.assert_array_equal(shift, every.shifts[name])
+        if some.coast is not None:
+            np.testing.assert_array_equal(some.coast.normal, every.coast.normal)
+        for name, shift in some.expansion.shifts.items():
+            np.testing.assert_array_equal(shift, every.expansion.shifts[name])
 
 
 def test_what_is_read_of_a_whole_mesh_changes_no_bit_of_its_compliance() -> None:
@@ -200,11 +224,12 @@ def test_what_is_read_of_a_whole_mesh_changes_no_bit_of_its_compliance() -> None
     whole = WholeMesh(mesh.nodes, mesh.cells, mesh.fixed_nodes, (flank,))
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
     stress = root_fillets(body, "body_1").columns(0, matrix.shape[0])
-    plain, asked = (
-        whole_response(
-            matrix, whole, body.mode_range_mm, 7, lambda step: None, friction=True, readings=read
-        )[0]
-        for read in (None, lambda flank: (stress, None))
-    )
+
+    def response(readings: dict[str, np.ndarray]) -> np.ndarray:
+        loads = ModeLoads(body, 7, "strain", friction=True)
+        job = Job(body, matrix, loads, True, lambda _: readings, None, JobLog())
+        return of_whole(job, whole).response
+
+    plain, asked = response({}), response({"stress_recoveries": stress})
     np.testing.assert_array_equal(asked[:, : plain.shape[1]], plain)
     assert asked.shape[1] == plain.shape[1] + stress.shape[1]

@@ -14,7 +14,7 @@ import flankload as fl
 from flankload.bodies import Body
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
-from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.sector_closure import close_ring, condense
@@ -133,7 +133,7 @@ def test_readings_of_the_closed_ring_equal_those_of_the_meshed_ring() -> None:
     more = root_fillets(body, "body_1").columns(0, 2 * len(mesh.nodes))
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
     loads = mode_loads(mesh, body.mode_range_mm, 3)
-    sector, _ = condense(matrix, loads, mesh, readings=more)
+    sector, _ = condense(matrix, loads, mesh, {"stress_recoveries": more})
     found = close_ring(sector, mesh.teeth)
     expected = full_ring(mesh, body.mode_range_mm, 3, more)
     for rows in (slice(None, 3), slice(3, None)):
@@ -143,21 +143,25 @@ def test_readings_of_the_closed_ring_equal_those_of_the_meshed_ring() -> None:
 
 def test_asking_for_stress_leaves_the_compliance_as_it_is() -> None:
     body = gear_body()
-    plain = flank_compliance(body, n_modes=4, plane="strain")
-    asked = flank_compliance(body, n_modes=4, plane="strain", fillets=root_fillets(body, "b"))
+    plain = flank_compliance(body, JobOptions(n_modes=4, plane="strain"))
+    asked = flank_compliance(
+        body, JobOptions(n_modes=4, plane="strain", fillets=root_fillets(body, "b"))
+    )
     np.testing.assert_array_equal(plain.smooth, asked.smooth)
     assert plain.root is None
     assert asked.root is not None
     assert asked.root.response.shape == (16, asked.root.points.working.size, 4)
-    assert asked.counters["fe_factorisations"] == plain.counters["fe_factorisations"]
-    assert asked.counters["unit_loads_normal"] == plain.counters["unit_loads_normal"]
+    assert asked.job.counters["fe_factorisations"] == plain.job.counters["fe_factorisations"]
+    assert asked.job.counters["unit_loads_normal"] == plain.job.counters["unit_loads_normal"]
 
 
 def test_stress_is_nearly_the_same_in_plane_strain_and_plane_stress() -> None:
     """Where forces are given, plane stresses do not hang on Poisson's ratio (Michell)."""
     body = gear_body()
     strain, stress = (
-        flank_compliance(body, n_modes=3, plane=plane, fillets=root_fillets(body, "b")).root
+        flank_compliance(
+            body, JobOptions(n_modes=3, plane=plane, fillets=root_fillets(body, "b"))
+        ).root
         for plane in ("strain", "stress")
     )
     assert strain is not None

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 import flankload as fl
 from flankload.bodies.body import Body
 from flankload.bodies.involute.involute_body import build_involute_body
-from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.near_field import (
     mirrored_loads,
     mode_loads,
@@ -250,8 +250,8 @@ def _gap_and_lever(pair: BodyPair, p: int, site: int, side: int, s_1: float) -> 
 
 def _compliance(body: Body, z: int, sides: np.ndarray, joined: dict[str, np.ndarray]) -> np.ndarray:
     """Recession of one body at all pairs under forces at all pairs, mm²/N."""
-    found = flank_compliance(body, n_modes=5, plane="strain", coast_flanks=True)
-    assert found.crossing is not None
+    found = flank_compliance(body, JobOptions(n_modes=5, plane="strain", coast_flanks=True))
+    assert found.coast is not None
     s = joined[f"arc_length_{z + 1}_mm"]
     low, high = body.mode_range_mm
     values = mode_values(s, (low, high), 5)
@@ -260,7 +260,7 @@ def _compliance(body: Body, z: int, sides: np.ndarray, joined: dict[str, np.ndar
     for i in range(s.size):
         for j in range(s.size):
             apart = int(tooth[i] - tooth[j])
-            block = found.smooth if sides[i] == sides[j] else found.crossing
+            block = found.smooth if sides[i] == sides[j] else found.coast.normal
             # seen from a coast flank teeth count the other way
             block = block[(apart if sides[j] > 0 else -apart) % body.teeth]
             result[i, j] = values[i] @ block @ values[j]
@@ -293,8 +293,10 @@ def test_what_crosses_a_tooth_is_that_of_the_meshed_ring(body: Body) -> None:
     whole = full_ring(mesh, span, n_modes, other)[:, n_modes:]
     norms = mode_norms(span, n_modes)
     expected = np.roll(whole, tooth, axis=0) / (norms[:, None] * norms)
-    found = flank_compliance(body, n_modes=n_modes, plane="strain", coast_flanks=True).crossing
-    assert found is not None
+    options = JobOptions(n_modes=n_modes, plane="strain", coast_flanks=True)
+    coast = flank_compliance(body, options).coast
+    assert coast is not None
+    found = coast.normal
     assert np.abs(found - expected).max() <= CLOSURE * np.abs(expected).max()
     # a force on a working flank pushes the coast flank of its own tooth out, wherever both are
     nearest = np.abs(found[:, 0, 0]).argmax()

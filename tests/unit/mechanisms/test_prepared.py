@@ -14,6 +14,7 @@ import pytest
 import flankload as fl
 from flankload.base.digest import digest_of
 from flankload.bodies import Body
+from flankload.elasticity.job_log import JobCost
 from flankload.flank import fit
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.parts import MOST_PARTS, Parts, made_once
@@ -100,8 +101,7 @@ def without_cost(result: fl.Result) -> fl.Result:
     """A result without what was spent on it and on its compliances."""
     geometry = result.geometry
     if geometry is not None and geometry.coast is not None:
-        free = {"seconds": {}, "counters": {}, "workspace_bytes": 0}
-        compliances = tuple(replace(part, **free) for part in geometry.coast.compliances)
+        compliances = tuple(replace(part, job=JobCost()) for part in geometry.coast.compliances)
         geometry = replace(geometry, coast=replace(geometry.coast, compliances=compliances))
     return replace(result, cost={}, geometry=geometry)
 

@@ -13,11 +13,11 @@ from scipy.integrate import dblquad
 import flankload as fl
 from flankload.bodies.body import Material
 from flankload.cli import main
-from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import degrees_of, factored, stiffness
 from flankload.elasticity.near_field import jump_strength, mode_loads, mode_norms, projected_sign
 from flankload.elasticity.sector_closure import close_ring, condense
-from flankload.elasticity.whole_body import unit_loads
+from flankload.elasticity.unit_loads import unit_loads
 from flankload.errors import ComplianceFileError, SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.meshes.io import read_mesh, write_mesh
@@ -93,21 +93,23 @@ def test_modes_along_the_flank_obey_betti_and_leave_the_normal_ones_alone() -> N
 def test_smooth_part_along_the_flank_fades_with_the_modes() -> None:
     """With the jump taken out of the right side; on the wrong side it would be doubled."""
     body = build_bodies(scene_of()).body_1
-    found = flank_compliance(body, n_modes=5, plane="strain", friction=True)
-    assert found.counters["unit_loads_tangential"] == found.counters["unit_loads_normal"] == 5
-    assert found.counters["fe_factorisations"] == 1
+    found = flank_compliance(body, JobOptions(n_modes=5, plane="strain", friction=True))
+    assert (
+        found.job.counters["unit_loads_tangential"] == found.job.counters["unit_loads_normal"] == 5
+    )
+    assert found.job.counters["fe_factorisations"] == 1
     assert found.tangential.shape == found.smooth.shape
     low, high = body.mode_range_mm
     norms = mode_norms(body.mode_range_mm, 5)
-    jump = found.jump * projected_sign(5, high - low) / np.outer(norms, norms)
+    jump = found.near.jump * projected_sign(5, high - low) / np.outer(norms, norms)
     smooth = found.tangential[0]
     assert abs(smooth[4, 3]) < 0.5 * abs(jump[4, 3]) < 0.5 * abs(smooth - 2 * jump)[4, 3]
     fewer = found.fewer_modes()
     np.testing.assert_array_equal(fewer.tangential, found.tangential[:, :4, :4])
-    plain = flank_compliance(body, n_modes=5, plane="strain")
+    plain = flank_compliance(body, JobOptions(n_modes=5, plane="strain"))
     assert plain.tangential is None
-    assert plain.jump == 0.0
-    assert "unit_loads_tangential" not in plain.counters
+    assert plain.near.jump == 0.0
+    assert "unit_loads_tangential" not in plain.job.counters
     np.testing.assert_allclose(
         plain.smooth, found.smooth, rtol=0, atol=1e-12 * np.abs(plain.smooth).max()
     )

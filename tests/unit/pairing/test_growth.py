@@ -13,7 +13,7 @@ import pytest
 
 import flankload as fl
 from flankload.bodies.body import Body, MeshedFlank, WholeMesh
-from flankload.elasticity.compliance import BodyCompliance, flank_compliance
+from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import place_load, stiffness
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.sector_closure import alike_response, close_ring, condense
@@ -58,8 +58,8 @@ def on_rim(compliance: BodyCompliance, body: Body) -> np.ndarray:
     out = columns.T @ body.mesh.nodes.ravel()
     low, high = body.mode_range_mm
     norms = (high - low) / (2 * np.arange(out.size) + 1)
-    total = compliance.expansion * out / norms
-    return np.asarray(total + sum(part[0] for part in compliance.shifts.values()))
+    total = compliance.expansion.strain * out / norms
+    return np.asarray(total + sum(part[0] for part in compliance.expansion.shifts.values()))
 
 
 def plane_numbers(plane: str) -> tuple[float, float]:
@@ -79,8 +79,7 @@ def test_rotating_annulus_on_a_stiff_shaft(plane: str) -> None:
     body, speed, density = annulus(), 1200.0, 7.85e-9
     found = flank_compliance(
         body,
-        n_modes=3,
-        plane=plane,
+        JobOptions(n_modes=3, plane=plane),
         growth=Growth(speed_rad_per_s=speed, density_Ns2_per_mm4=density),
     )
     modulus, ratio = plane_numbers(plane)
@@ -94,7 +93,7 @@ def test_rotating_annulus_on_a_stiff_shaft(plane: str) -> None:
     displacement = on_rim(found, body)
     assert displacement[0] == pytest.approx(exact, rel=ELEMENTS)
     np.testing.assert_allclose(displacement[1:], 0.0, rtol=0, atol=ELEMENTS * exact)
-    assert found.counters["fe_load_cases_growth"] == 1
+    assert found.job.counters["fe_load_cases_growth"] == 1
 
 
 @pytest.mark.parametrize("plane", ["strain", "stress"])
@@ -103,7 +102,7 @@ def test_warm_annulus_on_a_shaft_of_another_expansion(plane: str, held: float) -
     """u = A r + B/r with u = e_s a in the bore, no stress at the rim; free to grow axially."""
     body, strain = annulus(), 7e-4
     found = flank_compliance(
-        body, n_modes=3, plane=plane, growth=Growth(strain=strain, held_strain=held)
+        body, JobOptions(n_modes=3, plane=plane), growth=Growth(strain=strain, held_strain=held)
     )
     _, ratio = plane_numbers(plane)
     # stress at b: (1 + nu) A - (1 - nu) B/b² = (1 + nu) e
@@ -118,15 +117,19 @@ def test_warm_annulus_on_a_shaft_of_another_expansion(plane: str, held: float) -
 def test_growth_without_hindrance_is_exact_and_takes_no_elements() -> None:
     body, strain = annulus(), 7e-4
     found = flank_compliance(
-        body, n_modes=3, plane="strain", growth=Growth(strain=strain, held_strain=strain)
+        body,
+        JobOptions(n_modes=3, plane="strain"),
+        growth=Growth(strain=strain, held_strain=strain),
     )
     # the circle is one of quadratic edges
     assert on_rim(found, body)[0] == pytest.approx(strain * OUTER, rel=ELEMENTS)
-    assert found.expansion == strain
-    assert not found.shifts
-    assert "fe_load_cases_growth" not in found.counters
+    assert found.expansion.strain == strain
+    assert not found.expansion.shifts
+    assert "fe_load_cases_growth" not in found.job.counters
     almost = flank_compliance(
-        body, n_modes=3, plane="strain", growth=Growth(strain=strain, held_strain=strain * 0.9999)
+        body,
+        JobOptions(n_modes=3, plane="strain"),
+        growth=Growth(strain=strain, held_strain=strain * 0.9999),
     )
     np.testing.assert_allclose(on_rim(almost, body), on_rim(found, body), rtol=0, atol=3e-6)
 
@@ -134,7 +137,9 @@ def test_growth_without_hindrance_is_exact_and_takes_no_elements() -> None:
 def test_displacement_converges_as_elements_get_smaller() -> None:
     growth = Growth(speed_rad_per_s=1200.0, density_Ns2_per_mm4=7.85e-9)
     found = [
-        on_rim(flank_compliance(body, n_modes=3, plane="strain", growth=growth), body)[0]
+        on_rim(flank_compliance(body, JobOptions(n_modes=3, plane="strain"), growth=growth), body)[
+            0
+        ]
         for body in (annulus(rows=2), annulus(rows=4), annulus(rows=8))
     ]
     assert abs(found[2] - found[1]) < 0.3 * abs(found[1] - found[0])
@@ -153,9 +158,8 @@ def test_pull_of_rotation_is_the_mass_times_its_place() -> None:
 def test_harmonic_0_is_the_sum_over_the_ring() -> None:
     mesh, span = ring_sector(7)
     matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
-    sector, _ = condense(
-        matrix, mode_loads(mesh, span, 3), mesh, forces=place_load(mesh.nodes, mesh.cells)[:, None]
-    )
+    pull = {"fe_load_cases_growth": place_load(mesh.nodes, mesh.cells)[:, None]}
+    sector, _ = condense(matrix, mode_loads(mesh, span, 3), mesh, pull)
     ring = close_ring(sector, 7)
     scale = np.abs(ring).max()
     np.testing.assert_allclose(
@@ -196,24 +200,33 @@ def test_a_whole_mesh_grows_as_its_sectors_do() -> None:
         strain=7e-4, held_strain=2e-4, speed_rad_per_s=1200.0, density_Ns2_per_mm4=7.85e-9
     )
     one, other = (
-        flank_compliance(each, n_modes=3, plane="strain", growth=growth) for each in (body, whole)
+        flank_compliance(each, JobOptions(n_modes=3, plane="strain"), growth=growth)
+        for each in (body, whole)
     )
-    assert other.expansion == pytest.approx(one.expansion, rel=SOLVER)
-    assert one.counters["fe_load_cases_growth"] == other.counters["fe_load_cases_growth"] == 2
+    assert other.expansion.strain == pytest.approx(one.expansion.strain, rel=SOLVER)
+    assert (
+        one.job.counters["fe_load_cases_growth"] == other.job.counters["fe_load_cases_growth"] == 2
+    )
     for name in ("temperature", "speed"):
-        for row in other.shifts[name]:
-            np.testing.assert_allclose(row, one.shifts[name][0], rtol=0, atol=SOLVER * 0.02)
+        for row in other.expansion.shifts[name]:
+            np.testing.assert_allclose(
+                row, one.expansion.shifts[name][0], rtol=0, atol=SOLVER * 0.02
+            )
 
 
 def test_a_segment_grows_as_the_whole_body() -> None:
     growth = Growth(strain=7e-4)
     body = gear_body(17, 2.5)
     one, other = (
-        flank_compliance(body, n_modes=4, plane="strain", growth=growth, sectors=sectors)
+        flank_compliance(
+            body, JobOptions(n_modes=4, plane="strain"), growth=growth, sectors=sectors
+        )
         for sectors in (None, 3)
     )
-    assert one.expansion == other.expansion
-    np.testing.assert_array_equal(one.shifts["temperature"], other.shifts["temperature"])
+    assert one.expansion.strain == other.expansion.strain
+    np.testing.assert_array_equal(
+        one.expansion.shifts["temperature"], other.expansion.shifts["temperature"]
+    )
 
 
 # --- gears ----------------------------------------------------------------------------------------
@@ -413,10 +426,10 @@ def test_compliance_holds_the_parts_of_the_growth_by_name() -> None:
     )
     pair = build_bodies(scene)
     found = compliance_of(pair.body_1, scene, growth=pair.growth[0])
-    assert sorted(found.shifts) == ["speed", "temperature"]
+    assert sorted(found.expansion.shifts) == ["speed", "temperature"]
     # most of it is that of a larger figure
     lift = np.abs(found.shift_of(np.array([0]))).max()
-    assert lift < 0.2 * abs(found.expansion) * pair.body_1.reference_radius_mm
+    assert lift < 0.2 * abs(found.expansion.strain) * pair.body_1.reference_radius_mm
 
 
 # --- what has no meaning --------------------------------------------------------------------------

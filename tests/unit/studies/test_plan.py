@@ -15,7 +15,7 @@ from msgspec import structs
 
 import flankload as fl
 from flankload.cli import main
-from flankload.elasticity.compliance import flank_compliance
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.mechanisms.effect_size import States, size_of
 from flankload.mechanisms.flank_pair import screening
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -359,7 +359,7 @@ def test_the_third_dimension_is_the_difference_of_two_sweeps_on_the_coarse_eleme
     row = fl.plan(scene, dimension=True).effect("three_dimensions")
     other = in_three_dimensions(scene)
     coarse = [coarse_compliance(other, z) for z in (0, 1)]
-    plane = [flank_compliance(body, n_modes=3, plane="strain") for body, _ in coarse]
+    plane = [flank_compliance(body, JobOptions(3, "strain")) for body, _ in coarse]
     curves = []
     for each, compliances in ((scene, plane), (other, [found for _, found in coarse])):
         pair = build_bodies(each)

@@ -203,22 +203,8 @@ def basic_rack(
     SceneError
         If the rack is pointed, its rounding does not fit, or no gear remains.
     """
+    _check_tip(pressure_angle_rad, dedendum_factor, fillet_radius_factor, key)
     slant = tan(pressure_angle_rad)
-    room = 0.25 * pi - dedendum_factor * slant
-    if room <= 0.0:
-        raise SceneError(
-            key=f"{key}.dedendum_factor",
-            expected=f"less than {0.25 * pi / slant:.4f}, where the rack of this pressure angle "
-            "is pointed",
-            found=f"{dedendum_factor:g}",
-        )
-    largest = room * cos(pressure_angle_rad) / (1.0 - sin(pressure_angle_rad))
-    if fillet_radius_factor > largest:
-        raise SceneError(
-            key=f"{key}.fillet_radius_factor",
-            expected=f"at most {largest:.6f}, the full rounding of a rack with this dedendum",
-            found=f"{fillet_radius_factor:g}",
-        )
     rounding = fillet_radius_factor * module_mm
     xi = -(dedendum_factor - profile_shift) * module_mm + rounding
     half_thickness = module_mm * (0.25 * pi + profile_shift * slant)
@@ -242,3 +228,25 @@ def basic_rack(
             found=f"{profile_shift:g} with dedendum_factor {dedendum_factor:g}",
         )
     return rack
+
+
+def _check_tip(
+    pressure_angle_rad: float, dedendum_factor: float, fillet_radius_factor: float, key: str
+) -> None:
+    """Check that the rack is not pointed and that its tip rounding fits."""
+    slant = tan(pressure_angle_rad)
+    room = 0.25 * pi - dedendum_factor * slant
+    if room <= 0.0:
+        raise SceneError(
+            key=f"{key}.dedendum_factor",
+            expected=f"less than {0.25 * pi / slant:.4f}, where the rack of this pressure angle "
+            "is pointed",
+            found=f"{dedendum_factor:g}",
+        )
+    largest = room * cos(pressure_angle_rad) / (1.0 - sin(pressure_angle_rad))
+    if fillet_radius_factor > largest:
+        raise SceneError(
+            key=f"{key}.fillet_radius_factor",
+            expected=f"at most {largest:.6f}, the full rounding of a rack with this dedendum",
+            found=f"{fillet_radius_factor:g}",
+        )

@@ -1,16 +1,22 @@
-"""One body's compliance at its flanks, from one finite-element job or from none."""
+"""Compliance of the flanks of one body."""
 
-from flankload.elasticity.compliance.body_compliance import (
+from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
+from flankload.elasticity.compliance.job import JobOptions, flank_compliance, flank_compliances
+from flankload.elasticity.compliance.parts import (
     AxialModes,
-    BodyCompliance,
+    Expansion,
+    FlankModes,
+    NearField,
     RootResponse,
-    no_compliance,
 )
-from flankload.elasticity.compliance.job import flank_compliance, flank_compliances
 
 __all__ = [
     "AxialModes",
     "BodyCompliance",
+    "Expansion",
+    "FlankModes",
+    "JobOptions",
+    "NearField",
     "RootResponse",
     "flank_compliance",
     "flank_compliances",

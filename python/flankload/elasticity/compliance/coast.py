@@ -1,4 +1,4 @@
-"""What loads on working flanks move on the coast flanks, across the teeth of a sector's ring."""
+"""Displacements of the coast flanks under loads on the working flanks of a sector mesh."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ class CoastReadings:
     ----------
     columns : (2 N, p) array
     tooth : int
-        Whose coast flank that is.
+        Tooth of this coast flank.
     """
 
     columns: Floats
     tooth: int
 
     def taken_from(self, response: Floats, modes: ModeLoads) -> tuple[Floats, Floats]:
-        """Part what they read from a response.
+        """Separate the readings of the coast flank from a response.
 
         Parameters
         ----------
         response : (z, r, p) array
-            Their readings stand behind those of the working flank.
+            These readings follow those of the working flank.
         modes : ModeLoads
 
         Returns
         -------
         response : (z, r - n, p) array
-            Without them.
+            Without these readings.
         crossing : (z, n, p) array
             From the coefficients of loads on the working flank of tooth 0 to those of displacements
             on the coast flank of tooth t.
@@ -52,8 +52,8 @@ class CoastReadings:
         first, n = response.shape[2], modes.count
         crossing = np.roll(response[:, first : first + n], self.tooth, axis=0)
         crossing = modes.between(crossing)
-        # what the load on the working flank moves on the coast flank of another tooth, the load
-        # there moves on the working flank here (Betti), and that is the same in a mirror
+        # reciprocity (Betti): exchanging load and reading gives a load on the coast flank, which
+        # is the mirror image of a load on the working flank
         pressures = crossing[..., :n]
         crossing[..., :n] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
         return np.delete(response, slice(first, first + n), axis=1), crossing

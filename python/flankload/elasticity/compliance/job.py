@@ -1,29 +1,29 @@
-"""The finite-element job of a body: unit loads on one sector, the ring closed by Fourier.
+"""The finite-element job of a body: compliances of its flanks from one factorisation.
 
-A body meshed as a whole takes the plain way (`whole_body`): all flanks loaded one after the other.
-A body of z equal sectors needs the mesh of one (`sector_closure`). Its stiffness is factorised
-once; on the right stand the pressure modes of the flank and the columns of the cut faces.
+A body that is meshed as a whole has all its flanks loaded one after the other. A body of z equal
+sectors needs the mesh of one: the stiffness matrix of the sector is factorised once, with the
+pressure modes of the flank and the unknowns of the cuts as right-hand sides
+(`sector_closure`).
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.bodies.body import WholeMesh
 from flankload.bodies.tip_modes import TIP_MODES
-from flankload.cost import Account
-from flankload.elasticity.compliance.body_compliance import (
-    BodyCompliance,
-    RootResponse,
-    no_compliance,
-)
-from flankload.elasticity.compliance.laps import Laps
+from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
 from flankload.elasticity.compliance.modes import ModeLoads
 from flankload.elasticity.compliance.nodes import node_loads
+from flankload.elasticity.compliance.parts import (
+    CoastCompliance,
+    Expansion,
+    FlankModes,
+    RootResponse,
+)
 from flankload.elasticity.compliance.response import Job, Response, of_sector, of_whole
 from flankload.elasticity.compliance.turned import (
     has_turned_forces,
@@ -33,6 +33,7 @@ from flankload.elasticity.compliance.turned import (
 from flankload.elasticity.expansion_loads import growth_loads, growth_of_flanks
 from flankload.elasticity.fe_error import missed_compliance
 from flankload.elasticity.finite_elements import linear_cells, linear_edges, stiffness
+from flankload.elasticity.job_log import JobLog
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -42,102 +43,94 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body, SectorMesh
     from flankload.bodies.root_fillet import RootFillets
+    from flankload.elasticity.compliance.nodes import NodeLoads
     from flankload.pairing.expansion import Growth
 
     Floats = NDArray[np.float64]
 
 
+@dataclass(frozen=True, eq=False)
+class JobOptions:
+    """Loads and readings of a finite-element job.
+
+    Attributes
+    ----------
+    n_modes : int
+        Number of pressure modes of a flank; their degree should be at most half the number of
+        flank elements. A tip rounding or chamfer has two more. Ignored with `nodal`.
+    plane : {"strain", "stress"}
+    friction : bool
+        Loads along the flank are solved, as many as along the normal.
+    along : bool
+        Displacements along the flank under these loads are returned.
+    nodal : bool
+        The loads are unit forces at the nodes of the flank instead of modes.
+    coast_flanks : bool
+        Displacements of the coast flanks are read; of a sector mesh only.
+    fillets : RootFillets or None
+        Places where the stress is read.
+    estimate : bool
+        The discretization error of the elements is estimated; with modes only.
+    linear : bool
+        Edges of elements are straight: a quarter of the unknowns, a few percent too stiff.
+    """
+
+    n_modes: int
+    plane: str
+    friction: bool = False
+    along: bool = False
+    nodal: bool = False
+    coast_flanks: bool = False
+    fillets: RootFillets | None = None
+    estimate: bool = False
+    linear: bool = False
+
+
 def flank_compliance(
     body: Body,
+    options: JobOptions,
     *,
-    n_modes: int,
-    plane: str,
-    friction: bool = False,
-    along: bool = False,
-    nodal: bool = False,
-    coast_flanks: bool = False,
-    fillets: RootFillets | None = None,
     sectors: int | None = None,
     growth: Growth | None = None,
     matrix: csc_array | None = None,
-    estimate: bool = False,
 ) -> BodyCompliance:
-    """Compliance of a body's flanks from one finite-element job.
+    """Compliance of the flanks of a body from one finite-element job.
 
     Parameters
     ----------
     body : Body
         With a mesh, or rigid.
-    n_modes : int
-        Pressure modes of a flank; their degree should be at most half the number of flank elements.
-        A tip rounding or chamfer has two more.
-    plane : {"strain", "stress"}
-    friction : bool
-        As many modes of load along the flank are solved, too.
-    along : bool
-        Their displacements along the flank are wanted, too.
-    nodal : bool
-        Unit forces at the nodes of the flank in place of modes; n_modes is not asked for then.
-    coast_flanks : bool
-        Displacements of the coast flanks are read, too; of a sector alone.
-    fillets : RootFillets, optional
-        Where stress is wanted, too.
+    options : JobOptions
     sectors : int, optional
-        Only a segment of so many equal sectors, an odd number, its two ends held; 1: a single
-        tooth. A body meshed as a whole has none.
+        Only a segment of an odd number of equal sectors with both ends held; 1: a single tooth.
+        By default the whole body; a body meshed as a whole has no segments.
     growth : Growth, optional
-        By what the body grows; of a single tooth only as a whole.
+        Expansion of the body; a single tooth expands uniformly only.
     matrix : csc_array, optional
-        Stiffness of its mesh, where it is there already.
-    estimate : bool
-        What the elements miss is estimated, too; not of nodes.
+        Stiffness matrix of the mesh, if available.
 
     Returns
     -------
     BodyCompliance
     """
-    (found,) = flank_compliances(
-        body,
-        ((sectors, growth),),
-        n_modes=n_modes,
-        plane=plane,
-        friction=friction,
-        along=along,
-        nodal=nodal,
-        coast_flanks=coast_flanks,
-        fillets=fillets,
-        matrix=matrix,
-        estimate=estimate,
-    )
-    return found
+    return flank_compliances(body, ((sectors, growth),), options, matrix)[0]
 
 
 def flank_compliances(
     body: Body,
     variants: Sequence[tuple[int | None, Growth | None]],
-    *,
-    n_modes: int,
-    plane: str,
-    friction: bool = False,
-    along: bool = False,
-    nodal: bool = False,
-    coast_flanks: bool = False,
-    fillets: RootFillets | None = None,
+    options: JobOptions,
     matrix: csc_array | None = None,
-    estimate: bool = False,
-    linear: bool = False,
 ) -> tuple[BodyCompliance, ...]:
-    """Compliances of a body that differ in what is built of one sector, from one job.
+    """Compliances of a body that differ in sectors and expansion, from one job.
 
     Parameters
     ----------
     body : Body
     variants : sequence of (int or None, Growth or None)
-        `sectors` and `growth` of each, as of `flank_compliance`.
-    n_modes, plane, friction, along, nodal, coast_flanks, fillets, matrix, estimate
-        As of `flank_compliance`.
-    linear : bool
-        Edges stay straight: a quarter of the unknowns, some percent too stiff.
+        `sectors` and `growth` of each, as in `flank_compliance`.
+    options, matrix
+        As in `flank_compliance`.
 
     Returns
     -------
@@ -146,108 +139,154 @@ def flank_compliances(
     """
     if body.rigid or body.mesh is None:
         return tuple(no_compliance(body, growth) for _, growth in variants)
-    laps, mesh, onto = Laps(), body.mesh, None
-    loads = (
-        node_loads(body, plane)
-        if nodal
-        else ModeLoads(body, n_modes + TIP_MODES * (body.tip is not None), plane, friction=friction)
-    )
-    n_modes = loads.count
-    if matrix is None:
-        cells = linear_cells(mesh.cells) if linear else mesh.cells
-        matrix = stiffness(mesh.nodes, cells, body.material, plane)
-    if linear:
-        laps("assembly")
-        onto = linear_edges(mesh.nodes, mesh.cells)
-        mesh = _of_corners(mesh, onto)
-    account = Account(workspace_bytes=_sparse_bytes(matrix))
     missed: list[Floats] = []
+    job, mesh, growing = _job(body, variants, options, matrix, missed)
+    if isinstance(mesh, WholeMesh):
+        responses = dict.fromkeys((sectors for sectors, _ in variants), of_whole(job, mesh))
+    else:
+        responses = of_sector(
+            job, mesh, [n for n, _ in variants], coast_flanks=options.coast_flanks
+        )
+    settled = {n: _settled(job, found, options) for n, found in responses.items()}
+    compliances = [
+        _expanded(settled[n], job, growth, _by_name(growing, growth, responses[n].by_force))
+        for n, growth in variants
+    ]
+    job.log.end_step("ring")
+    modes = job.loads
+    miss = modes.missed(np.stack(missed)) if missed and isinstance(modes, ModeLoads) else None
+    seconds = job.log.seconds()
+    return tuple(
+        replace(each, missed=miss, job=replace(each.job, seconds=seconds)) for each in compliances
+    )
 
-    def look(moved: Floats) -> None:
-        missed.append(missed_compliance(mesh.nodes, mesh.cells, body.material, plane, moved))
-        laps("estimate")
 
-    growing = {growth: growth_loads(matrix, mesh, growth, lumped=linear) for _, growth in variants}
+def _job(
+    body: Body,
+    variants: Sequence[tuple[int | None, Growth | None]],
+    options: JobOptions,
+    matrix: csc_array | None,
+    missed: list[Floats],
+) -> tuple[Job, SectorMesh | WholeMesh, dict[Growth | None, dict[str, Floats]]]:
+    """The job of a body, its mesh, and the loads of each expansion by name.
+
+    `missed` receives the estimated error of the displacements under the loads of each flank.
+    """
+    plane, onto = options.plane, None
+    assert body.mesh is not None
+    mesh, nodes, cells = body.mesh, body.mesh.nodes, body.mesh.cells
+
+    def estimate(moved: Floats) -> None:
+        missed.append(missed_compliance(nodes, cells, body.material, plane, moved))
+
+    log = JobLog(on_solution=estimate if options.estimate and not options.nodal else None)
+    loads = _loads(body, options)
+    if matrix is None:
+        kept = linear_cells(cells) if options.linear else cells
+        matrix = stiffness(nodes, kept, body.material, plane)
+    if options.linear:
+        log.end_step("assembly")
+        onto = linear_edges(nodes, cells)
+        mesh = _of_corners(mesh, onto)
+    log.account.workspace_bytes += _sparse_bytes(matrix)
+    growing = {
+        growth: growth_loads(matrix, mesh, growth, lumped=options.linear) for _, growth in variants
+    }
     forces = [load for named in growing.values() for load in named.values()]
     job = Job(
         body=body,
         matrix=matrix,
         loads=loads,
-        friction=friction,
-        stress=_stress_columns(fillets, body, plane, matrix.shape[0]),
-        corner=None if nodal or not has_turned_forces(body) else partial(turned_columns, body),
+        friction=options.friction,
+        readings=_readings(body, options, matrix.shape[0], onto),
         forces=np.stack(forces, axis=1) if forces else None,
-        account=account,
-        laps=laps,
-        look=look if estimate and not nodal else None,
+        log=log,
         onto=onto,
     )
-    if isinstance(mesh, WholeMesh):
-        responses = dict.fromkeys((sectors for sectors, _ in variants), of_whole(job, mesh))
-    else:
-        responses = of_sector(job, mesh, [n for n, _ in variants], coast_flanks=coast_flanks)
-    settled = {
-        n: _settled(job, found, fillets, plane, along=along) for n, found in responses.items()
-    }
-    known = [(growth, name) for growth, named in growing.items() for name in named]
-    compliances = []
-    for sectors, growth in variants:
-        by_growth = responses[sectors].by_growth.swapaxes(0, 1)
-        moved = {
-            name: part
-            for (cause, name), part in zip(known, by_growth, strict=True)
-            if cause == growth
-        }
-        expansion, shifts = growth_of_flanks(body, growth, loads.count, moved)
-        compliances.append(replace(settled[sectors], shifts=shifts, expansion=expansion))
-    laps("ring")
-    miss = loads.missed(np.stack(missed)) if isinstance(loads, ModeLoads) and missed else None
-    seconds = laps.whole()
-    return tuple(replace(each, missed=miss, seconds=seconds) for each in compliances)
+    return job, mesh, growing
 
 
-def _settled(
-    job: Job, found: Response, fillets: RootFillets | None, plane: str, *, along: bool
-) -> BodyCompliance:
-    """What is left of a response without the near field, as mode coefficients."""
-    body, loads, friction = job.body, job.loads, job.friction
-    response, root, n_modes = found.response, None, loads.count
-    turned, below = None, response.shape[2]
-    if fillets is not None:
-        places = fillets.points.arc_length_mm.size
-        root = RootResponse(fillets.points, response[:, below : below + places])
-        below += places
-    if job.corner is not None:
-        turned = turned_coefficients(body, response[:, below, :n_modes], found.own, plane)
-    response = response[:, : response.shape[2]]
-    loads.settle(response, found.own, job.account)
-    # the response the other way is the transposed one (Betti); the halves of rounding are shared
+def _loads(body: Body, options: JobOptions) -> ModeLoads | NodeLoads:
+    """Unit loads of a flank."""
+    if options.nodal:
+        return node_loads(body, options.plane)
+    count = options.n_modes + TIP_MODES * (body.tip is not None)
+    return ModeLoads(body, count, options.plane, friction=options.friction)
+
+
+def _readings(
+    body: Body, options: JobOptions, size: int, onto: csc_array | None
+) -> Callable[[int], dict[str, Floats]]:
+    """Columns that only read, by counter: stress in the roots, a sharp tip along its flank.
+
+    Stress at a free surface is the strain along it times E, in plane strain E/(1 - nu²).
+    """
+    modulus = body.material.young_modulus_MPa
+    if options.plane == "strain":
+        modulus /= 1 - body.material.poisson_ratio**2
+
+    def readings(flank: int) -> dict[str, Floats]:
+        found = {}
+        if options.fillets is not None:
+            found["stress_recoveries"] = modulus * options.fillets.columns(flank, size)
+        if not options.nodal and has_turned_forces(body):
+            columns = turned_columns(body, flank)
+            found["corner_readings"] = columns if onto is None else onto.T @ columns
+        return found
+
+    return readings
+
+
+def _settled(job: Job, found: Response, options: JobOptions) -> BodyCompliance:
+    """Response without the near field, as mode coefficients."""
+    body, loads, friction = job.body, job.loads, options.friction
+    p, n_modes = found.response.shape[2], loads.count
+    response, below = found.response[:, :p], found.response[:, p:]
+    root, turned, places = None, None, 0
+    if options.fillets is not None:
+        places = options.fillets.points.arc_length_mm.size
+        root = RootResponse(options.fillets.points, below[:, :places])
+    if not options.nodal and has_turned_forces(body):
+        turned = turned_coefficients(body, below[:, places, :n_modes], found.own, options.plane)
+    loads.settle(response, found.own, job.log.account)
+    # the response with load and reading exchanged is the transposed one (Betti); the mean of both
+    # shares their rounding errors
     mirrored = response[found.across].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     response = 0.5 * (response + mirrored)
-    crossing = found.crossing
+    coast, across = None, found.coast
+    if across is not None:
+        coast = CoastCompliance(across[..., :n_modes], across[..., n_modes:] if friction else None)
     return BodyCompliance(
         smooth=response[:, :n_modes, :n_modes],
-        kernel=loads.kernel,
-        wedge=loads.wedge,
-        turned=turned,
-        wedge_along=loads.wedge_along,
-        tip=loads.tip,
-        mode_range_mm=body.mode_range_mm,
+        near=loads.near_field,
+        modes=FlankModes(
+            body.mode_range_mm, closed=body.curve.closed, tip=loads.tip, nodes=loads.nodes
+        ),
         flanks=found.flanks,
         tangential=response[:, :n_modes, n_modes:] if friction else None,
-        jump=loads.jump,
-        along=response[:, n_modes:, n_modes:] if along and friction else None,
-        crossing=None if crossing is None else crossing[..., :n_modes],
-        crossing_tangential=crossing[..., n_modes:] if crossing is not None and friction else None,
-        closed=body.curve.closed,
-        nodes=loads.nodes,
-        asymmetry=asymmetry,
-        degrees_of_freedom=found.degrees_of_freedom,
-        counters=job.account.counters,
-        workspace_bytes=job.account.workspace_bytes,
+        along=response[:, n_modes:, n_modes:] if options.along and friction else None,
+        turned=turned,
+        coast=coast,
         root=root,
+        job=job.log.cost(asymmetry, found.degrees_of_freedom),
     )
+
+
+def _by_name(
+    growing: dict[Growth | None, dict[str, Floats]], growth: Growth | None, by_force: Floats
+) -> dict[str, Floats]:
+    """Response (f, p) to each load of an expansion, from the response (f, k, p) to all."""
+    known = [(each, name) for each, named in growing.items() for name in named]
+    return {name: by_force[:, k] for k, (each, name) in enumerate(known) if each == growth}
+
+
+def _expanded(
+    compliance: BodyCompliance, job: Job, growth: Growth | None, moved: dict[str, Floats]
+) -> BodyCompliance:
+    """The compliance of a body with an expansion."""
+    expansion = growth_of_flanks(job.body, growth, job.loads.count, moved)
+    return replace(compliance, expansion=Expansion(*expansion))
 
 
 def _of_corners(mesh: SectorMesh | WholeMesh, onto: csc_array) -> SectorMesh | WholeMesh:
@@ -262,15 +301,3 @@ def _of_corners(mesh: SectorMesh | WholeMesh, onto: csc_array) -> SectorMesh | W
 
 def _sparse_bytes(matrix: csc_array) -> int:
     return int(matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes)
-
-
-def _stress_columns(
-    fillets: RootFillets | None, body: Body, plane: str, size: int
-) -> Callable[[int], NDArray[np.float64]] | None:
-    """Columns that read stress at a flank: the strain times the modulus of a free surface."""
-    if fillets is None:
-        return None
-    modulus = body.material.young_modulus_MPa
-    if plane == "strain":
-        modulus /= 1 - body.material.poisson_ratio**2
-    return lambda flank: modulus * fillets.columns(flank, size)

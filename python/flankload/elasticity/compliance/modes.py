@@ -1,4 +1,4 @@
-"""Unit loads as pressure modes: what a flank's response to them leaves without the near field."""
+"""Unit loads as pressure modes, and the smooth part of their response."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.tip_modes import Tip
+from flankload.elasticity.compliance.parts import NearField
 from flankload.elasticity.near_field import (
     jump_strength,
     logarithm_strength,
@@ -28,13 +29,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ModeLoads:
-    """Pressure modes on the flanks of a body; with friction as many along the flank behind them.
+    """Pressure modes on the flanks of a body; with friction followed by as many along the flank.
 
     Attributes
     ----------
     body : Body
     count : int
-        Of the modes of a flank, those of its tip included.
+        Number of modes of a flank, including those of its tip.
     plane : {"strain", "stress"}
     friction : bool
     """
@@ -44,36 +45,27 @@ class ModeLoads:
     plane: str
     friction: bool
 
-    #: Modes are no forces at nodes.
+    #: There are no nodes that carry unit forces.
     nodes = None
 
     @property
-    def kernel(self) -> float:
-        """Strength of the logarithm, mm²/N."""
-        return logarithm_strength(self.body.material, self.plane)
-
-    @property
-    def wedge(self) -> tuple[float, float]:
-        """Strengths psi of the mirror images behind free corners at both ends of the modes."""
-        return image_strengths(self.body)
-
-    @property
-    def wedge_along(self) -> tuple[float, float]:
-        """Those of loads along the flank, by what they move along its normal."""
-        return along_strengths(self.body)
-
-    @property
-    def jump(self) -> float:
-        """Strength of the jump, mm²/N; 0 without friction."""
-        return jump_strength(self.body.material, self.plane) if self.friction else 0.0
+    def near_field(self) -> NearField:
+        """Near field that the modes leave out."""
+        body = self.body
+        return NearField(
+            logarithm_strength(body.material, self.plane),
+            jump=jump_strength(body.material, self.plane) if self.friction else 0.0,
+            wedge=image_strengths(body),
+            wedge_along=along_strengths(body),
+        )
 
     @property
     def tip(self) -> Tip | None:
-        """Where the modes of a tip end, behind those of the flank; they are counted, too."""
+        """End of the tip modes, which follow those of the flank and are included in `count`."""
         return self.body.tip
 
     def coefficients(self, moments: Floats) -> Floats:
-        """Coefficients (…, count or twice, …) of what loads of modes read, by its second axis."""
+        """Mode coefficients of moments (k, r, …) along the second axis."""
         body, n = self.body, self.count
         parts = [moments[:, k : k + n].swapaxes(0, 1) for k in range(0, moments.shape[1], n)]
         closed = body.curve.closed
@@ -88,38 +80,38 @@ class ModeLoads:
         own: NDArray[np.int64],
         account: Account,
     ) -> None:
-        """Leave what modes carry, as mode coefficients.
+        """Subtract the near field from a response and convert it to mode coefficients, in place.
 
         Parameters
         ----------
         response : (k, p, p) array
-            Projected on the modes; changed in place.
+            Projected on the modes; overwritten.
         own : array
-            Which of the k are of flanks to loads on themselves.
+            Indices of the responses of flanks to loads on themselves.
         account : Account
         """
         low, high = self.body.mode_range_mm
         n, tip = self.count, self.tip
         behind = None if tip is None else tip.behind(low)
-        closed = self.body.curve.closed
-        near = projected_near_field(n, high - low, wedge=self.wedge, closed=closed, tip=behind)
-        response[own, :n, :n] += self.kernel * near
+        closed, field = self.body.curve.closed, self.near_field
+        near = projected_near_field(n, high - low, wedge=field.wedge, closed=closed, tip=behind)
+        response[own, :n, :n] += field.kernel * near
         if response.shape[1] > n:
-            sign = self.jump * projected_sign(n, high - low, tip=behind)
+            sign = field.jump * projected_sign(n, high - low, tip=behind)
             near = projected_near_field(n, high - low, closed=closed, tip=behind)
-            if any(self.wedge_along):
-                image = projected_near_field(n, high - low, wedge=self.wedge_along, tip=behind)
-                sign = sign + self.kernel * (image - near)
+            if any(field.wedge_along):
+                image = projected_near_field(n, high - low, wedge=field.wedge_along, tip=behind)
+                sign = sign + field.kernel * (image - near)
             response[own, :n, n:] += sign
             response[own, n:, :n] += sign.T
-            response[own, n:, n:] += self.kernel * near
+            response[own, n:, n:] += field.kernel * near
         response[:] = self.between(response)
 
     def between(self, moments: Floats) -> Floats:
-        """What (k, r, p) modes read of loads of modes, between coefficients of both."""
+        """Response (k, r, p) between moments of modes, as a map between their coefficients."""
         rows = self.coefficients(moments)
         return self.coefficients(rows.swapaxes(1, 2)).swapaxes(1, 2)
 
     def missed(self, missed: Floats) -> Floats:
-        """What elements miss of displacements out of the material, between coefficients."""
+        """Estimated error of the elements along the normal, as a map between coefficients."""
         return self.between(missed[:, : self.count])

@@ -1,4 +1,4 @@
-"""Unit loads as forces at the nodes of a flank: tables between them hold whole displacements."""
+"""Unit loads as forces at the nodes of a flank; their response includes the near field."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flankload.bodies.body import WholeMesh
+from flankload.elasticity.compliance.parts import NearField
 from flankload.elasticity.near_field import logarithm_strength
 from flankload.elasticity.nodal_loads import nodes_of
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class NodeLoads:
-    """Unit forces at nodes; with friction as many along the flank behind them.
+    """Unit forces at nodes; with friction followed by as many along the flank.
 
     Attributes
     ----------
@@ -35,21 +36,18 @@ class NodeLoads:
     nodes: Floats
     plane: str
 
-    #: Nothing of the near field stands beside the tables.
-    jump = 0.0
-    wedge = (0.0, 0.0)
-    wedge_along = (0.0, 0.0)
+    #: The flank has no tip modes.
     tip = None
 
     @property
     def count(self) -> int:
-        """Of the nodes of a flank."""
+        """Number of nodes of a flank."""
         return self.nodes.size
 
     @property
-    def kernel(self) -> float:
-        """Strength of the logarithm, mm²/N: how wide contacts are to be expected."""
-        return logarithm_strength(self.body.material, self.plane)
+    def near_field(self) -> NearField:
+        """Only the strength of the logarithm, for the expected width of contacts."""
+        return NearField(logarithm_strength(self.body.material, self.plane))
 
     def settle(
         self,
@@ -57,14 +55,14 @@ class NodeLoads:
         own: NDArray[np.int64],
         account: Account,
     ) -> None:
-        """Count the unit forces: their response is what it is; see `ModeLoads.settle`."""
+        """Count the unit forces; the response is left as it is (see `ModeLoads.settle`)."""
         mesh = self.body.mesh
         flanks = len(mesh.flanks) if isinstance(mesh, WholeMesh) else 1
         account.count(unit_loads_nodal=response.shape[2] * flanks)
 
 
 def node_loads(body: Body, plane: str) -> NodeLoads:
-    """Unit forces at the nodes that the elements of a body have.
+    """Unit forces at the nodes of the elements of a body.
 
     Parameters
     ----------

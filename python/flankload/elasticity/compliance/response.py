@@ -1,4 +1,4 @@
-"""What unit loads move: from the elements of a whole body, or of one sector and its likes."""
+"""Displacements under unit loads: of a whole body, or of one sector and its copies."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from flankload.elasticity.compliance.coast import coast_readings
 from flankload.elasticity.compliance.modes import ModeLoads
+from flankload.elasticity.finite_elements import degrees_of, factored
 from flankload.elasticity.sector_closure import (
     CondensedSector,
     alike_response,
@@ -17,7 +18,7 @@ from flankload.elasticity.sector_closure import (
     segment_response,
     tooth_response,
 )
-from flankload.elasticity.whole_body import count_loads, unit_loads, whole_response
+from flankload.elasticity.unit_loads import unit_loads
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -25,16 +26,16 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from flankload.bodies.body import Body, SectorMesh, WholeMesh
-    from flankload.cost import Account
+    from flankload.bodies.body import Body, MeshedFlank, SectorMesh, WholeMesh
     from flankload.elasticity.compliance.nodes import NodeLoads
+    from flankload.elasticity.job_log import JobLog
 
     Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """What both ways of a job need: a body as a whole, or one sector of it.
+    """A finite-element job: a stiffness matrix, its loads and its readings.
 
     Attributes
     ----------
@@ -43,111 +44,122 @@ class Job:
         Stiffness of its mesh.
     loads : ModeLoads or NodeLoads
     friction : bool
-    stress : callable or None
-        Number of a flank to columns that read stress in the roots.
-    corner : callable or None
-        Number of a flank to the column that reads its sharp tip along the flank.
-    forces : array or None
-        Loads of growth.
-    account : Account
-    laps : callable
-        Told the name of a step that ends.
-    look : callable or None
-        Shown displacements under unit loads.
+        Whether loads along the flank follow those along the normal.
+    readings : callable
+        Index of a flank to columns (2N, q) that only read the displacements, by counter.
+    forces : (2N, k) array or None
+        Known loads, of expansion.
+    log : JobLog
     onto : (2N, 2N) csc_array or None
-        Displacements of all nodes from those that are unknown, where these are fewer.
+        Displacements of all nodes from the unknown ones, where these are fewer.
     """
 
     body: Body
     matrix: csc_array
     loads: ModeLoads | NodeLoads
     friction: bool
-    stress: Callable[[int], Floats] | None
-    corner: Callable[[int], Floats] | None
+    readings: Callable[[int], dict[str, Floats]]
     forces: Floats | None
-    account: Account
-    laps: Callable[[str], None]
-    look: Callable[[Floats], None] | None
+    log: JobLog
     onto: csc_array | None = None
 
-    def carried(self, columns: Floats) -> Floats:
-        """Loads as the unknown nodes carry them."""
+    def on_unknowns(self, columns: Floats) -> Floats:
+        """Nodal forces (2N, k), reduced to the unknown nodes."""
         return columns if self.onto is None else self.onto.T @ columns
 
-    def readings(self, flank: int) -> tuple[Floats | None, Floats | None]:
-        """Columns that only read at a flank: of stress, and of its sharp tip."""
-        stress = None if self.stress is None else self.stress(flank)
-        corner = None if self.corner is None else self.carried(self.corner(flank))
-        return stress, corner
+    def unit_loads(self, flank: SectorMesh | MeshedFlank) -> Floats:
+        """Unit loads (2N, p) of a flank on all nodes."""
+        return unit_loads(
+            flank,
+            self.body.mode_range_mm,
+            self.loads.count,
+            friction=self.friction,
+            closed=self.body.curve.closed,
+            nodes=self.loads.nodes,
+            tip=self.loads.tip,
+        )
 
     @property
-    def without_growth(self) -> Floats:
-        """What the modes read under known loads, where there are none or they are not solved."""
+    def no_forces(self) -> Floats:
+        """Response (0, k, p) to the known loads where there are none or they are not solved."""
         known = 0 if self.forces is None else self.forces.shape[1]
         return np.zeros((0, known, self.loads.count))
 
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """What comes out of the elements.
+    """Response of the elements to unit loads.
 
     Attributes
     ----------
     response : (k, r, p) array
-        Block by block as in `BodyCompliance.smooth`; readings of stress stand below.
+        By blocks as in `BodyCompliance.smooth`; further readings follow in the rows below.
     own, across : arrays
-        Blocks of flanks loaded themselves; for each block the one the other way.
-    by_growth : (f, q, p) array
+        Blocks of loaded flanks themselves; for each block, the one with load and reading exchanged.
+    by_force : (f, k, p) array
+        Readings of the loads of each flank under each known load.
     degrees_of_freedom : int
     flanks : tuple of int
-    crossing : (z, n, p) array or None
-        To the coast flanks, as coefficients.
+    coast : (z, n, p) array or None
+        Response of the coast flanks, as coefficients.
     """
 
     response: Floats
     own: NDArray[np.int64]
     across: NDArray[np.int64]
-    by_growth: Floats
+    by_force: Floats
     degrees_of_freedom: int
     flanks: tuple[int, ...] = ()
-    crossing: Floats | None = None
+    coast: Floats | None = None
 
 
 def of_whole(job: Job, mesh: WholeMesh) -> Response:
-    """All flanks of a body loaded, one after the other.
+    """Response of a body that is meshed as a whole: its flanks are loaded one after the other.
 
     Parameters
     ----------
     job : Job
     mesh : WholeMesh
+        With f flanks.
 
     Returns
     -------
     Response
+        response[i * f + j] is that of flank i to the loads on flank j.
     """
-    job.laps("assembly")
-    response, by_growth, free = whole_response(
-        job.matrix,
-        mesh,
-        job.body.mode_range_mm,
-        job.loads.count,
-        job.laps,
-        friction=job.friction,
-        closed=job.body.curve.closed,
-        readings=job.readings,
-        forces=None if job.forces is None else job.carried(job.forces),
-        account=job.account,
-        nodes=job.loads.nodes,
-        look=job.look,
-        carried=job.carried,
-    )
-    f = len(mesh.flanks)
+    log, unknowns = job.log, job.matrix.shape[0]
+    log.end_step("assembly")
+    free = np.setdiff1d(np.arange(unknowns), degrees_of(mesh.fixed_nodes))
+    solve = factored(job.matrix[free][:, free].tocsc(), log.account)
+    log.end_step("factorisation")
+    # each kind of reading by itself: BLAS sums a product of more columns in another order
+    kinds = [
+        [_nonzero(job.on_unknowns(job.unit_loads(flank))[free])]
+        + [_nonzero(columns[free]) for columns in job.readings(i).values()]
+        for i, flank in enumerate(mesh.flanks)
+    ]
+    f, p = len(kinds), kinds[0][0][1].shape[1]
+    response = np.empty((f, f, sum(part.shape[1] for _, part in kinds[0]), p))
+    for j, ((rows, columns), *_) in enumerate(kinds):
+        right = np.zeros((free.size, p))
+        right[rows] = columns
+        log.count_loads(p, friction=job.friction)
+        moved = solve(right)
+        for i, parts in enumerate(kinds):
+            response[i, j] = np.concatenate([part.T @ moved[at] for at, part in parts])
+        log.solution(free, moved, unknowns)
+    by_force = np.zeros((f, 0, p))
+    if job.forces is not None:
+        log.account.count(fe_load_cases_growth=job.forces.shape[1])
+        moved = solve(job.on_unknowns(job.forces)[free])
+        by_force = np.array([moved[rows].T @ columns for (rows, columns), *_ in kinds])
+    log.end_step("solution")
     return Response(
-        response,
+        response.reshape(f * f, -1, p),
         own=np.arange(f) * (f + 1),
-        across=np.arange(len(response)).reshape(f, -1).T.ravel(),
-        by_growth=by_growth,
-        degrees_of_freedom=free,
+        across=np.arange(f * f).reshape(f, f).T.ravel(),
+        by_force=by_force,
+        degrees_of_freedom=free.size,
         flanks=tuple(flank.tooth for flank in mesh.flanks),
     )
 
@@ -155,77 +167,52 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
 def of_sector(
     job: Job, mesh: SectorMesh, sectors: Sequence[int | None], *, coast_flanks: bool
 ) -> dict[int | None, Response]:
-    """One tooth loaded, by itself or with its likes beside it.
+    """Response of a body of equal sectors, from the elements of one.
 
     Parameters
     ----------
     job : Job
     mesh : SectorMesh
     sectors : sequence of int or None
-        Of a segment, an odd number; 1: a single tooth; None: the whole ring. Several are built of
-        one sector.
+        Numbers of sectors to build: an odd number for a segment, 1 for a single tooth, None for
+        the whole ring.
     coast_flanks : bool
-        Displacements of the coast flanks are read, too.
+        Whether displacements of the coast flanks are read.
 
     Returns
     -------
     dict of int or None to Response
     """
-    n = job.loads.count
-    loads = unit_loads(
-        mesh,
-        job.body.mode_range_mm,
-        n,
-        friction=job.friction,
-        nodes=job.loads.nodes,
-        tip=job.loads.tip,
-    )
-    coast = coast_readings(job.body, mesh, loads[:, :n]) if coast_flanks else None
-    columns = None if coast is None else job.carried(coast.columns)
-    loads = job.carried(loads)
-    job.laps("assembly")
-    stress, corner = job.readings(0)
-    count_loads(job.account, loads.shape[1], friction=job.friction)
+    log, loads = job.log, job.unit_loads(mesh)
+    coast = coast_readings(job.body, mesh, loads[:, : job.loads.count]) if coast_flanks else None
+    loads = job.on_unknowns(loads)
+    log.end_step("assembly")
+    readings = {} if coast is None else {"coast_readings": job.on_unknowns(coast.columns)}
+    readings |= job.readings(0)
+    log.count_loads(loads.shape[1], friction=job.friction)
     found: dict[int | None, tuple[Floats, Floats]] = {}
     if set(sectors) == {1}:
-        response, free = tooth_response(
-            job.matrix,
-            loads,
-            mesh,
-            job.laps,
-            readings=[part for part in (columns, stress, corner) if part is not None],
-            account=job.account,
-            look=job.look,
-        )
-        found[1] = (response, job.without_growth)
+        response, free = tooth_response(job.matrix, loads, mesh, list(readings.values()), log)
+        found[1] = (response, job.no_forces)
     else:
-        sector, free = condense(
-            job.matrix,
-            loads,
-            mesh,
-            job.laps,
-            coast=columns,
-            readings=stress,
-            corner=corner,
-            forces=None if job.forces is None else job.carried(job.forces),
-            account=job.account,
-            look=job.look,
-        )
+        if job.forces is not None:
+            readings["fe_load_cases_growth"] = job.on_unknowns(job.forces)
+        sector, free = condense(job.matrix, loads, mesh, readings, log)
         for number in dict.fromkeys(sectors):
             found[number] = _built(job, sector, mesh, number)
     responses: dict[int | None, Response] = {}
-    for number, (response, by_growth) in found.items():
-        crossing = None
+    for number, (response, by_force) in found.items():
+        across = None
         if coast is not None:
             assert isinstance(job.loads, ModeLoads)
-            response, crossing = coast.taken_from(response, job.loads)
+            response, across = coast.taken_from(response, job.loads)
         responses[number] = Response(
             response,
             own=np.zeros(1, dtype=np.int64),
             across=-np.arange(mesh.teeth) % mesh.teeth,
-            by_growth=by_growth,
+            by_force=by_force,
             degrees_of_freedom=free,
-            crossing=crossing,
+            coast=across,
         )
     return responses
 
@@ -233,15 +220,21 @@ def of_sector(
 def _built(
     job: Job, sector: CondensedSector, mesh: SectorMesh, sectors: int | None
 ) -> tuple[Floats, Floats]:
-    """Response of so many condensed sectors, and what the modes read under growth."""
-    if sectors == 1:  # the cuts are held: of what is condensed nothing moves
+    """Response of a number of condensed sectors, to unit loads and to known loads."""
+    if sectors == 1:  # the cuts are held: the condensed stiffness has no effect
         own = np.concatenate(sector.local)
         response = np.zeros((mesh.teeth, *own.shape))
         response[0] = own
-        return response, job.without_growth
-    by_growth = job.without_growth
+        return response, job.no_forces
+    by_force = job.no_forces
     if job.forces is not None:
-        by_growth = alike_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
+        by_force = alike_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
     if sectors is None:
-        return close_ring(sector, mesh.teeth), by_growth
-    return segment_response(sector, mesh.teeth, sectors), by_growth
+        return close_ring(sector, mesh.teeth), by_force
+    return segment_response(sector, mesh.teeth, sectors), by_force
+
+
+def _nonzero(columns: Floats) -> tuple[NDArray[np.int64], Floats]:
+    """Rows with a value that is not zero, and these rows."""
+    rows = np.flatnonzero(columns.any(axis=1))
+    return rows, columns[rows]

@@ -1,9 +1,10 @@
-"""Displacements of a sharp tip along its flank: what a force that turns over the corner adds.
+"""Response of a flank to a force along it at its sharp tip, for forces that turn over the corner.
 
-A unit force along the flank on its last edge reads the displacements under the pressure modes.
-By Betti that is also what the flank recedes under it. The near field is left out: the jump of the
-half-plane, -j sign(s - s') (`near_field`), which cancels between two turned forces, and the mirror
-images behind free corners, -c0 psi_nt ln(d + d') (`bodies.free_corner`).
+A unit force along the flank on its last edge reads the displacements under the pressure modes. By
+reciprocity (Betti) this is also the response of the flank to that force. The near field is not
+included: the jump of the half-plane, -j sign(s - s') (`near_field`), which cancels between two
+turned forces, and the mirror images behind free corners, -c0 psi_nt ln(d + d')
+(`bodies.free_corner`).
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Exact for a quadratic edge times a straight line and modes of up to 20.
+#: Gauss points: exact for a quadratic edge times a linear function and modes up to degree 20.
 POINTS = 12
 
 
@@ -53,7 +54,7 @@ def turned_columns(body: Body, flank: int) -> Floats:
     Returns
     -------
     (2 N, 1) array
-        Per mm of width, on the last edge, growing from 0 to the tip by a straight line.
+        Per mm of width, on the last edge, increasing linearly from 0 to the tip.
     """
     mesh = _flank_of(body, flank)
     start, end = last_edge(mesh)
@@ -74,9 +75,9 @@ def turned_coefficients(body: Body, moments: Floats, own: NDArray[np.int64], pla
     ----------
     body : Body
     moments : (k, p) array
-        What the force reads of the displacements under p modes; of k teeth or pairs of flanks.
+        Readings of the force under p modes; of k teeth or pairs of flanks.
     own : array
-        Which of the k are of flanks to loads on themselves.
+        Indices of the responses of flanks to loads on themselves.
     plane : {"strain", "stress"}
 
     Returns

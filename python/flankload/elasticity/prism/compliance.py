@@ -12,12 +12,9 @@ from flankload.bodies.body import SectorMesh
 from flankload.bodies.free_corner import image_strengths
 from flankload.bodies.tip_modes import TIP_MODES
 from flankload.cost import Account
-from flankload.elasticity.compliance.body_compliance import (
-    AxialModes,
-    BodyCompliance,
-    no_compliance,
-)
-from flankload.elasticity.compliance.laps import Laps
+from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
+from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearField
+from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
@@ -146,14 +143,13 @@ def prism_compliance(
     if body.rigid or body.mesh is None:
         return no_compliance(body)
     mesh = _sector_of(body)
-    account = Account() if account is None else account
-    laps = Laps()
+    log = JobLog(account)
     axial = AxialBasis(prism.range_mm, prism.degree)
     numbers, functions = functions_of(mesh, axial, dict(prism.regions))
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
     n_modes += TIP_MODES * (body.tip is not None)
     in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, tip=body.tip, twist=prism.twist)
-    laps("assembly")
+    log.end_step("assembly")
     # most fronts are too small to share: with two threads they take longer, and more CPU seconds
     with threadpool_limits(limits=1, user_api="blas"):
         sector = condense_prism(
@@ -163,11 +159,11 @@ def prism_compliance(
             _prism_loads(in_plane, axial.load_vectors(prism.load_degree)),
             cut_degree=min(prism.cut_degree, prism.degree),
             twisted=prism.twist != 0.0,
-            account=account,
+            account=log.account,
         )
-    laps("factorisation")
+    log.end_step("factorisation")
     response = close_ring(sector, mesh.teeth)
-    laps("ring")
+    log.end_step("ring")
     surface = flank_surface(body, prism)
     kernel = logarithm_strength(body.material, "strain")
     near = projected_potential(surface, n_modes, prism.load_degree)
@@ -176,28 +172,27 @@ def prism_compliance(
     inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along))
     response = inverse @ response @ inverse
     unknowns = prism_unknowns(body, prism.degree)
-    account.count(fe_unknowns=unknowns, fe_solutions=len(inverse), unit_loads_normal=len(inverse))
+    log.account.count(
+        fe_unknowns=unknowns, fe_solutions=len(inverse), unit_loads_normal=len(inverse)
+    )
     mirrored = response[-np.arange(mesh.teeth) % mesh.teeth].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
-    laps("near field")
+    log.end_step("near field")
     return BodyCompliance(
         smooth=0.5 * (response + mirrored),
-        kernel=kernel,
-        wedge=surface.wedge,
-        mode_range_mm=body.mode_range_mm,
-        tip=body.tip,
-        axial=AxialModes(
-            range_mm=prism.range_mm,
-            degree=prism.load_degree,
-            twist=prism.twist,
-            cos_base_helix=surface.cos_base_helix,
-            end=surface.end,
+        near=NearField(kernel, wedge=surface.wedge),
+        modes=FlankModes(
+            body.mode_range_mm,
+            tip=body.tip,
+            axial=AxialModes(
+                range_mm=prism.range_mm,
+                degree=prism.load_degree,
+                twist=prism.twist,
+                cos_base_helix=surface.cos_base_helix,
+                end=surface.end,
+            ),
         ),
-        asymmetry=asymmetry,
-        degrees_of_freedom=unknowns,
-        counters=account.counters,
-        workspace_bytes=account.workspace_bytes,
-        seconds=laps.whole(),
+        job=log.cost(asymmetry, unknowns),
     )
 
 

@@ -25,6 +25,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from flankload.elasticity.finite_elements import stiffness
+from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.sector_closure import close_ring, condense
 from flankload.mechanisms.belt.row import Columns, made_symmetric
 from flankload.mechanisms.belt.strip import Kind
@@ -81,7 +82,7 @@ def solve_pulley(
             unit_loads_tangential=along,
         )
     matrix = stiffness(sector.nodes, sector.cells, pulley.material, pulley.plane)
-    condensed, unknowns = condense(matrix, loads, sector, account=account)
+    condensed, unknowns = condense(matrix, loads, sector, log=JobLog(account))
     return PulleyResponse(mesh, close_ring(condensed, pulley.teeth), unknowns)
 
 

@@ -76,7 +76,7 @@ def error_estimates(
                 estimates[t] = estimate.as_dict(positions=states.position_errors[t])
     for z, compliance in enumerate(compliances):
         account.bytes += held_bytes(compliance.missed)
-        clock.move(compliance.seconds, f"compliance body {z + 1}", "estimate")
+        clock.move(compliance.job.seconds, f"compliance body {z + 1}", "estimate")
     return estimates
 
 
@@ -141,7 +141,7 @@ def unseen_notes(
     unknown = [
         f"body_{z + 1}"
         for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True))
-        if body.given is not None and compliance.missed is None and compliance.nodes is None
+        if body.given is not None and compliance.missed is None and compliance.modes.nodes is None
     ]
     if not unknown:
         return ()

@@ -171,7 +171,7 @@ def _cost(found: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]) -> d
     return {
         "positions": found.status.size,
         "of_this_torque": dict(zip(CORE_COUNTERS, counters, strict=True)),
-        "fe_degrees_of_freedom": [c.degrees_of_freedom for c in compliances],
+        "fe_degrees_of_freedom": [c.job.degrees_of_freedom for c in compliances],
         "largest_backward_error": float(np.max(found.certificate[:, 0], initial=0.0)),
         "largest_condition": float(np.max(found.certificate[:, 1], initial=0.0)),
     }

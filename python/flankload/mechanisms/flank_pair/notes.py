@@ -59,7 +59,7 @@ def notes_of_sweep(
     """
     yield from wide_nodes_notes(
         (pair.body_1, pair.body_2),
-        (compliances[0].nodes, compliances[1].nodes),
+        (compliances[0].modes.nodes, compliances[1].modes.nodes),
         found.torque_Nmm / 1000.0,
         face_width_mm,
     )
@@ -80,7 +80,7 @@ def notes_of_sweep(
         )
     for z, body in enumerate((pair.body_1, pair.body_2)):
         modes = 0
-        if compliances[z].nodes is None:
+        if compliances[z].modes.nodes is None:
             modes = compliances[z].flank_modes
         wanted = _wanted_elements(body, modes)
         if body.mesh is not None and wanted > FEWER_DO * body.mesh.flank_elements:

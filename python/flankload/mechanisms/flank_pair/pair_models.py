@@ -16,6 +16,8 @@ from msgspec import structs
 
 from flankload.elasticity.compliance import (
     BodyCompliance,
+    Expansion,
+    JobOptions,
     flank_compliance,
     flank_compliances,
     no_compliance,
@@ -146,16 +148,18 @@ class PairModels:
         load_packages()
         body, found = coarse_compliance(scene, z)
         self._jobs[z][self._variant(scene, z)] = found
-        self.prism_rates[z] = PrismRates(body, found)
+        self.prism_rates[z] = PrismRates(body, found.job)
         assert body.mesh is not None
         plane, start = scene.accuracy.plane, process_time()
         matrix = stiffness(body.mesh.nodes, body.mesh.cells, body.material, plane)
         seconds = process_time() - start
         modes = modes_of(body, self.screened, COARSE)
-        self._sections[z] = flank_compliance(body, n_modes=modes, plane=plane, matrix=matrix)
+        self._sections[z] = flank_compliance(
+            body, JobOptions(n_modes=modes, plane=plane), matrix=matrix
+        )
         if self._pair.effects.three_dimensions:
             self._jobs[z][False, None, None] = self._sections[z]
-            self.rates[z] = ElementRates(body, seconds, self._sections[z])
+            self.rates[z] = ElementRates(body, seconds, self._sections[z].job)
 
     def _solve_plane_elements(self, z: int, asked: list[Scene]) -> None:
         """The plane elements of a body."""
@@ -173,17 +177,19 @@ class PairModels:
         found = flank_compliances(
             body,
             variants,
-            n_modes=modes_of(body, self.screened, COARSE),
-            plane=plane,
-            friction=along or any(scene.has_friction for scene in asked),
-            along=along and self._scene.has_friction,
-            coast_flanks=any(scene.effects.coast_flank for scene in asked),
-            matrix=matrix,
-            linear=True,
+            JobOptions(
+                n_modes=modes_of(body, self.screened, COARSE),
+                plane=plane,
+                friction=along or any(scene.has_friction for scene in asked),
+                along=along and self._scene.has_friction,
+                coast_flanks=any(scene.effects.coast_flank for scene in asked),
+                linear=True,
+            ),
+            matrix,
         )
         for variant, compliance in zip(variants, found, strict=True):
             self._jobs[z][False, *variant] = compliance
-        self.rates[z] = ElementRates.of_linear(body, seconds, found[0])
+        self.rates[z] = ElementRates.of_linear(body, seconds, found[0].job)
 
     def _possible(self) -> list[Scene]:
         """The scene and its toggles as they are screened, but for those that are not solved."""
@@ -224,9 +230,9 @@ class PairModels:
             return no_compliance(body, growth)
         found = self._jobs[z].get(self._variant(scene, z)) or self._given(scene, body, z)
         if growth is not None and not growth.needs_elements:
-            found = replace(found, expansion=growth.strain)
+            found = replace(found, expansion=Expansion(growth.strain))
         if not scene.effects.coast_flank:
-            found = replace(found, crossing=None, crossing_tangential=None)
+            found = replace(found, coast=None)
         return found if scene.effects.tooth_coupling else found.without_coupling()
 
     def _given(self, scene: Scene, body: Body, z: int) -> BodyCompliance:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies import Body
     from flankload.elasticity.compliance import BodyCompliance
+    from flankload.elasticity.job_log import JobCost
     from flankload.scene import Scene
 
 #: Elements, modes and degrees along the axis of coarse bodies: a tenth of the seconds of the
@@ -78,11 +79,11 @@ class PrismRates:
     ----------
     body : Body
         With the coarse mesh.
-    job : BodyCompliance
+    job : JobCost
     """
 
     body: Body
-    job: BodyCompliance
+    job: JobCost
 
     def price(self, scene: Scene, body: Body, counters: Mapping[str, int]) -> Account:
         """CPU seconds and bytes of the elements of a run.

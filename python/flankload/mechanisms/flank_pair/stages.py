@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING
 from flankload.analysis.period_error import ALIKE, teeth_until_alike
 from flankload.contact.sweep import sweep
 from flankload.cost import held_bytes
-from flankload.elasticity.compliance import BodyCompliance, flank_compliance, no_compliance
+from flankload.elasticity.compliance import (
+    BodyCompliance,
+    Expansion,
+    JobOptions,
+    flank_compliance,
+    no_compliance,
+)
 from flankload.elasticity.imported_compliance import given_compliance
 from flankload.elasticity.nodal_loads import nodes_of
 from flankload.elasticity.prism import Prism, prism_compliance
@@ -49,7 +55,7 @@ def elements_call(
     growth: Growth | None = None,
     estimate: bool = False,
 ) -> partial[BodyCompliance]:
-    """All that the elasticity of one body receives, as a call that is not made yet.
+    """The call that computes the compliance of one body, with all its arguments.
 
     Parameters
     ----------
@@ -81,16 +87,18 @@ def elements_call(
     return partial(
         flank_compliance,
         own,
-        n_modes=modes_of(own, scene, discretization),
-        plane=scene.accuracy.plane,
-        friction=tangential,
-        along=effects.friction and effects.finite_influence,
-        nodal=effects.nodal_near_field,
-        coast_flanks=scene.effects.coast_flank,
-        fillets=fillets,
+        JobOptions(
+            n_modes=modes_of(own, scene, discretization),
+            plane=scene.accuracy.plane,
+            friction=tangential,
+            along=effects.friction and effects.finite_influence,
+            nodal=effects.nodal_near_field,
+            coast_flanks=scene.effects.coast_flank,
+            fillets=fillets,
+            estimate=estimate,
+        ),
         sectors=scene.sectors,
         growth=growth if growth is not None and growth.needs_elements else None,
-        estimate=estimate,
     )
 
 
@@ -134,9 +142,9 @@ def compliance_of(
 def _in_scene(
     found: BodyCompliance, body: Body, scene: Scene, growth: Growth | None
 ) -> BodyCompliance:
-    """What of a compliance needs no elements: bodies grow as a whole, flanks are modified."""
+    """Apply uniform expansion, modified flanks and coupling, which need no elements."""
     if growth is not None and (body.given is not None or not growth.needs_elements):
-        found = replace(found, expansion=growth.strain)
+        found = replace(found, expansion=Expansion(growth.strain))
     if body.elements is not None:
         found = found.on_flank(body)
     return found if scene.effects.tooth_coupling else found.without_coupling()
@@ -189,14 +197,15 @@ def compliances_of(
         with clock.stage(stage) as account:
             solved = call()
             compliance = _in_scene(solved, body, scene, growth)
-            account.count(**compliance.counters)
+            account.count(**compliance.job.counters)
             # the estimate includes the discretization error of the elements
             account.bytes += held_bytes(replace(compliance, missed=None))
-            account.workspace_bytes += compliance.workspace_bytes
+            account.workspace_bytes += compliance.job.workspace_bytes
             found.append(compliance)
         if parts is not None and key is not None:
-            # whoever reuses it spends nothing
-            parts.add(key, replace(solved, seconds={}, counters={}, workspace_bytes=0))
+            # later runs have no cost
+            job = replace(solved.job, seconds={}, counters={}, workspace_bytes=0)
+            parts.add(key, replace(solved, job=job))
         kept[z] = (compliance, replace(account))
     return found[0], found[1]
 
@@ -243,13 +252,13 @@ def grown_pair(
     BodyPair
     two BodyCompliance
     """
-    if not any(compliance.expansion for compliance in compliances):
+    if not any(compliance.expansion.strain for compliance in compliances):
         return pair, compliances
     one, two = compliances
     pair = replace(
         pair,
-        body_1=grown(pair.body_1, one.expansion),
-        body_2=grown(pair.body_2, two.expansion),
+        body_1=grown(pair.body_1, one.expansion.strain),
+        body_2=grown(pair.body_2, two.expansion.strain),
     )
     return pair, (one.grown(), two.grown())
 

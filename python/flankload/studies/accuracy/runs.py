@@ -166,10 +166,10 @@ def _with_modes(
     compliance: BodyCompliance, account: Account, modes: int, load_degree: int | None
 ) -> tuple[BodyCompliance, Account] | None:
     """The submatrix of the lower modes; None if a separate solution is cheap."""
-    if compliance.closed or account.cpu_s < SHARED_ABOVE_S:
+    if compliance.modes.closed or account.cpu_s < SHARED_ABOVE_S:
         return None
-    if compliance.axial is not None and load_degree is not None:
-        compliance = compliance.fewer_axial_modes(compliance.axial.degree - load_degree)
+    if compliance.modes.axial is not None and load_degree is not None:
+        compliance = compliance.fewer_axial_modes(compliance.modes.axial.degree - load_degree)
     return compliance.fewer_modes(compliance.flank_modes - modes), account
 
 

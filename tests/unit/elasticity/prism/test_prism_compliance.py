@@ -36,15 +36,19 @@ def _close(one: np.ndarray, two: np.ndarray, part: float) -> None:
 @pytest.mark.parametrize("twist", [0.0, TWIST])
 def test_it_obeys_betti_without_being_told(twist: float) -> None:
     found = _found(twist=twist)
-    assert found.asymmetry < ROUND_OFF
+    assert found.job.asymmetry < ROUND_OFF
     smooth, teeth = found.smooth, BODY.teeth
     _close(smooth, smooth[-np.arange(teeth) % teeth].transpose(0, 2, 1), 1e-15)
     assert smooth.shape == (16, 9, 9)
-    assert found.kernel == logarithm_strength(STEEL, "strain")
-    assert found.axial is not None
-    assert (found.axial.range_mm, found.axial.degree, found.axial.count) == ((-7.0, 7.0), 2, 3)
-    assert found.counters["fe_factorisations"] == (1 if twist else 2)
-    assert found.degrees_of_freedom > 3000
+    assert found.near.kernel == logarithm_strength(STEEL, "strain")
+    assert found.modes.axial is not None
+    assert (found.modes.axial.range_mm, found.modes.axial.degree, found.modes.axial.count) == (
+        (-7.0, 7.0),
+        2,
+        3,
+    )
+    assert found.job.counters["fe_factorisations"] == (1 if twist else 2)
+    assert found.job.degrees_of_freedom > 3000
 
 
 def test_spur_flanks_do_not_couple_even_and_odd_modes() -> None:
@@ -56,16 +60,16 @@ def test_spur_flanks_do_not_couple_even_and_odd_modes() -> None:
 def test_a_twist_that_vanishes_is_none() -> None:
     straight, hardly = _found(), _found(twist=1e-13)
     _close(hardly.smooth, straight.smooth, SOLVER)
-    assert hardly.axial.end == pytest.approx(straight.axial.end)
+    assert hardly.modes.axial.end == pytest.approx(straight.modes.axial.end)
 
 
 def test_the_other_hand_is_the_mirror_image() -> None:
     right, left = _found(twist=TWIST), _found(twist=-TWIST)
     parity = np.tile((-1.0) ** np.arange(3), 3)
     _close(left.smooth, right.smooth * np.outer(parity, parity), 1e-12)
-    assert left.axial.end == pytest.approx(right.axial.end[::-1])
+    assert left.modes.axial.end == pytest.approx(right.modes.axial.end[::-1])
     # a right hand's working flank leans out of the end at low z
-    assert right.axial.end[0] < right.axial.end[1]
+    assert right.modes.axial.end[0] < right.modes.axial.end[1]
 
 
 @pytest.mark.parametrize("twist", [TWIST, -TWIST])
@@ -111,8 +115,8 @@ ROUNDED = build_involute_body(gear(tip_radius_mm=0.3), "body_1", flank_element_m
 def test_a_rounded_tip_has_two_modes_of_its_own(twist: float) -> None:
     right = prism_compliance(ROUNDED, replace(COARSE, twist=twist), n_modes=3)
     left = prism_compliance(ROUNDED, replace(COARSE, twist=-twist), n_modes=3)
-    assert right.tip == ROUNDED.tip
-    assert right.asymmetry < ROUND_OFF
+    assert right.modes.tip == ROUNDED.tip
+    assert right.job.asymmetry < ROUND_OFF
     assert right.smooth.shape == (16, 15, 15)
     assert right.flank_modes == 3
     parity = np.tile((-1.0) ** np.arange(3), 5)
@@ -125,7 +129,7 @@ def test_a_rounded_tip_has_two_modes_of_its_own(twist: float) -> None:
         np.einsum("a,ab,b", values, found.smooth[1, ::3, ::3], values)
         for found in (sharp, right)
         for values in mode_values(
-            np.array([place]), found.mode_range_mm, found.smooth.shape[1] // 3, tip=found.tip
+            np.array([place]), found.modes.range_mm, found.smooth.shape[1] // 3, tip=found.modes.tip
         )
     ]
     assert own[1] == pytest.approx(own[0], rel=0.01)
@@ -156,7 +160,7 @@ def test_a_rigid_body_does_not_yield() -> None:
 def test_teeth_that_stand_inwards_yield_as_well() -> None:
     body = build_involute_body(ring(), "body_2", flank_element_mm=1.5)
     found = prism_compliance(body, Prism((0.0, 20.0), 0.002, 6, 2, 3), n_modes=3)
-    assert found.asymmetry < ROUND_OFF
+    assert found.job.asymmetry < ROUND_OFF
     other = prism_compliance(body, Prism((0.0, 20.0), -0.002, 6, 2, 3), n_modes=3)
     parity = np.tile((-1.0) ** np.arange(3), 3)
     _close(other.smooth, found.smooth * np.outer(parity, parity), 1e-12)
@@ -169,5 +173,5 @@ def test_fewer_modes_are_those_of_a_coarser_job() -> None:
     in_z = _found(twist=TWIST, load_degree=0)
     fewer = found.fewer_axial_modes(2)
     _close(fewer.smooth, in_z.smooth, QUADRATURE)
-    assert fewer.axial == in_z.axial
+    assert fewer.modes.axial == in_z.modes.axial
     assert in_z.fewer_axial_modes(1) is in_z

@@ -1,0 +1,115 @@
+"""Counters, CPU seconds by step, and solutions of one finite-element job."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from time import perf_counter, process_time
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.cost import Account
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class JobCost:
+    """Size and cost of a finite-element job.
+
+    Attributes
+    ----------
+    asymmetry : float
+        Largest relative difference between a response and its transpose, before their mean was
+        taken: the rounding error of the job.
+    degrees_of_freedom : int
+        Number of unknowns that are not held.
+    counters : mapping of str to int
+        Work by the names of `cost.COUNTERS`, without zeros.
+    workspace_bytes : int
+        Temporary memory of stiffness matrix, factors and solutions.
+    seconds : dict of str to float
+        CPU seconds of each step; "wall" is the elapsed time of the whole job.
+    """
+
+    asymmetry: float = 0.0
+    degrees_of_freedom: int = 0
+    counters: Mapping[str, int] = field(default_factory=dict)
+    workspace_bytes: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+class JobLog:
+    """Record of a finite-element job.
+
+    Parameters
+    ----------
+    account : Account, optional
+        Counters and workspace; by default a new one.
+    on_solution : callable, optional
+        Called with the displacements (2N, p) of all nodes under the unit loads of a flank.
+    """
+
+    def __init__(
+        self,
+        account: Account | None = None,
+        on_solution: Callable[[NDArray[np.float64]], None] | None = None,
+    ) -> None:
+        self.account = Account() if account is None else account
+        self._on_solution = on_solution
+        self._seconds: dict[str, float] = {}
+        self._wall, self._clock = perf_counter(), process_time()
+
+    def end_step(self, name: str) -> None:
+        """Charge the CPU time since the last step to the step that ends."""
+        now = process_time()
+        self._seconds[name] = self._seconds.get(name, 0.0) + now - self._clock
+        self._clock = now
+
+    def count_loads(self, columns: int, *, friction: bool) -> None:
+        """Count the load cases of a flank by direction.
+
+        Parameters
+        ----------
+        columns : int
+            Normal loads; with friction followed by as many tangential ones.
+        friction : bool
+        """
+        tangential = columns // 2 if friction else 0
+        self.account.count(unit_loads_normal=columns - tangential, unit_loads_tangential=tangential)
+
+    def solution(self, free: NDArray[np.int64], moved: NDArray[np.float64], unknowns: int) -> None:
+        """Report a solution under the unit loads of a flank.
+
+        Parameters
+        ----------
+        free : (n,) array
+            Unknowns that were solved; all others are 0.
+        moved : (n, p) array
+        unknowns : int
+            Number of all unknowns.
+        """
+        if self._on_solution is None:
+            return
+        self.end_step("solution")
+        displacement = np.zeros((unknowns, moved.shape[1]))
+        displacement[free] = moved
+        self._on_solution(displacement)
+        self.end_step("estimate")
+
+    def cost(self, asymmetry: float, degrees_of_freedom: int) -> JobCost:
+        """Size and cost of the job so far."""
+        return JobCost(
+            asymmetry,
+            degrees_of_freedom,
+            self.account.counters,
+            self.account.workspace_bytes,
+            self.seconds(),
+        )
+
+    def seconds(self) -> dict[str, float]:
+        """CPU seconds of all steps, and the elapsed time ("wall")."""
+        return {**self._seconds, "wall": perf_counter() - self._wall}
