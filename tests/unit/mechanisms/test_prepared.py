@@ -28,15 +28,26 @@ QUICK = {
     "accuracy.unmodified_elements": True,
     "positions": {"count": 2},
 }
-COARSE_3D = {"accuracy.axial_degree": 4, "accuracy.load_degree_z": 0, "accuracy.slices": 3}
+#: Few cells, no tangents.
+COARSE = {
+    "accuracy.tangents": False,
+    "accuracy.strips_per_half_width": 2.5,
+    "accuracy.corner_strips_per_half_width": 2.5,
+}
+COARSE_3D = {
+    "accuracy.axial_degree": 4,
+    "accuracy.load_degree_z": 0,
+    "accuracy.slices": 3,
+    "accuracy.tangents": False,
+}
 BASES: dict[str, dict[str, Any]] = {
-    "external_gear": {"accuracy.flank_element_mm": 2.0},
-    "helical_gear": {"accuracy.flank_element_mm": 2.5, **COARSE_3D},
-    "internal_gear": {"accuracy.flank_element_mm": 1.0},
-    "spline": {"accuracy.flank_element_mm": 0.6},
-    "cam": {"positions": {"angles_deg": [40.0, 200.0]}},
-    "external_gear_mesh_profile": {},
-    "external_gear_compliance": {},
+    "external_gear": {"accuracy.flank_element_mm": 4.0},
+    "helical_gear": {"accuracy.flank_element_mm": 5.0, **COARSE_3D},
+    "internal_gear": {"accuracy.flank_element_mm": 3.0, **COARSE},
+    "spline": {"accuracy.flank_element_mm": 1.2, **COARSE},
+    "cam": {"positions": {"angles_deg": [40.0, 200.0]}, **COARSE},
+    "external_gear_mesh_profile": COARSE,
+    "external_gear_compliance": COARSE,
 }
 #: Keys that reach the elements of a body, by the end of their path: section, material, holding,
 #: modes. All others must not.
@@ -70,8 +81,8 @@ TIMED = ("accuracy.tolerance", "effects.choose")
 WALKED = {
     "external_gear": r"body_1|pair|load|positions|effects|accuracy|body_2\.(bore|tip_relief|pitch)",
     "helical_gear": (
-        r"body_1\.(tip_relief|profile|lead|helix|tooth|end|shaft|face|axial|pitch|web)|pair|load"
-        r"|body_2\.(lead|shaft|tip_relief)|accuracy\.(slices|axial|load)"
+        r"body_1\.(lead|helix|tooth|end|shaft|face|pitch|web|profile_twist)|pair|load"
+        r"|body_2\.(shaft|tip_relief)|accuracy\.(slices|axial)"
     ),
     "internal_gear": r"body_2|pair\.c",
     "spline": r"body_1|pair\.c",

@@ -137,38 +137,18 @@ def prism_compliance(
         If the load degree exceeds the axial degree less 4, an edge between flank and end face is
         sharper than 50 degrees, or the mesh is that of a whole body.
     """
-    from threadpoolctl import threadpool_limits
-
     prism.check()
     if body.rigid or body.mesh is None:
         return no_compliance(body)
-    mesh = _sector_of(body)
-    log = JobLog(account)
-    axial = AxialBasis(prism.range_mm, prism.degree)
-    numbers, functions = functions_of(mesh, axial, dict(prism.regions))
-    section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
+    mesh, log = _sector_of(body), JobLog(account)
     n_modes += TIP_MODES * (body.tip is not None)
-    in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, tip=body.tip, twist=prism.twist)
-    log.end_step("assembly")
-    # most fronts are too small to share: with two threads they take longer, and more CPU seconds
-    with threadpool_limits(limits=1, user_api="blas"):
-        sector = condense_prism(
-            section,
-            functions,
-            mesh,
-            _prism_loads(in_plane, axial.load_vectors(prism.load_degree)),
-            cut_degree=min(prism.cut_degree, prism.degree),
-            twisted=prism.twist != 0.0,
-            account=log.account,
-        )
-    log.end_step("factorisation")
-    response = close_ring(sector, mesh.teeth)
-    log.end_step("ring")
+    response = _ring_response(body, mesh, prism, n_modes, log)
     surface = flank_surface(body, prism)
     kernel = logarithm_strength(body.material, "strain")
     near = projected_potential(surface, n_modes, prism.load_degree)
     response[0] -= 0.5 * kernel * near
-    along = mode_norms_z(axial.width_mm, prism.load_degree)
+    low, high = prism.range_mm
+    along = mode_norms_z(high - low, prism.load_degree)
     inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along))
     response = inverse @ response @ inverse
     unknowns = prism_unknowns(body, prism.degree)
@@ -194,6 +174,32 @@ def prism_compliance(
         ),
         job=log.cost(asymmetry, unknowns),
     )
+
+
+def _ring_response(body: Body, mesh: SectorMesh, prism: Prism, n_modes: int, log: JobLog) -> Floats:
+    """Readings B'C_t B (z, p, p) of the loads on the teeth of the closed ring."""
+    from threadpoolctl import threadpool_limits
+
+    axial = AxialBasis(prism.range_mm, prism.degree)
+    numbers, functions = functions_of(mesh, axial, dict(prism.regions))
+    section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
+    in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, tip=body.tip, twist=prism.twist)
+    log.end_step("assembly")
+    # most fronts are too small to share: two threads take longer, and more CPU seconds
+    with threadpool_limits(limits=1, user_api="blas"):
+        sector = condense_prism(
+            section,
+            functions,
+            mesh,
+            _prism_loads(in_plane, axial.load_vectors(prism.load_degree)),
+            cut_degree=min(prism.cut_degree, prism.degree),
+            twisted=prism.twist != 0.0,
+            account=log.account,
+        )
+    log.end_step("factorisation")
+    response = close_ring(sector, mesh.teeth)
+    log.end_step("ring")
+    return response
 
 
 def prism_unknowns(body: Body, degree: int) -> int:

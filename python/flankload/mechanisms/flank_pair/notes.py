@@ -78,33 +78,39 @@ def notes_of_sweep(
             f"at {left_out.size} of {found.status.size} positions a tip or fillet that "
             "effects.tip_contact = false leaves out would touch: there the rotation is too large"
         )
-    for z, body in enumerate((pair.body_1, pair.body_2)):
-        modes = 0
-        if compliances[z].modes.nodes is None:
-            modes = compliances[z].flank_modes
-        wanted = _wanted_elements(body, modes)
-        if body.mesh is not None and wanted > FEWER_DO * body.mesh.flank_elements:
-            yield (
-                f"{modes} pressure modes on the {body.mesh.flank_elements} flank elements of "
-                f"body_{z + 1}: {wanted} bear them, far fewer make the result "
-                "worse, first of all pressures at tip roundings"
-            )
-        alone = _beside_unnamed(pair, found) if body.named_teeth else []
-        if alone:
-            yield (
-                f"pairs {', '.join(map(str, alone))} carry beside teeth of body_{z + 1} that have "
-                "no flank in its file and may carry, too: name their flanks"
-            )
-        low = body.mode_range_mm[0]
-        places = found.pairs.column(f"s_{z + 1}")
-        below = (places < low - TIE * body.curve.length_mm) & (found.pairs.column("force") > 0)
-        if below.any():
-            deepest = low - float(places[below].min())
-            yield (
-                f"contact reaches {deepest:.3f} mm below the active flank of body_{z + 1}: the "
-                "smooth compliance of its lower end is taken there"
-                + (", the stress in its root too" if compliances[z].root is not None else "")
-            )
+    for z in (0, 1):
+        yield from _notes_of_body(pair, compliances[z], found, z)
+
+
+def _notes_of_body(
+    pair: BodyPair, compliance: BodyCompliance, found: Sweep, z: int
+) -> Iterator[str]:
+    """Warnings about the modes and the flanks of one body."""
+    body = (pair.body_1, pair.body_2)[z]
+    modes = compliance.flank_modes if compliance.modes.nodes is None else 0
+    wanted = _wanted_elements(body, modes)
+    if body.mesh is not None and wanted > FEWER_DO * body.mesh.flank_elements:
+        yield (
+            f"{modes} pressure modes on the {body.mesh.flank_elements} flank elements of "
+            f"body_{z + 1}: {wanted} bear them, far fewer make the result "
+            "worse, first of all pressures at tip roundings"
+        )
+    alone = _beside_unnamed(pair, found) if body.named_teeth else []
+    if alone:
+        yield (
+            f"pairs {', '.join(map(str, alone))} carry beside teeth of body_{z + 1} that have "
+            "no flank in its file and may carry, too: name their flanks"
+        )
+    low = body.mode_range_mm[0]
+    places = found.pairs.column(f"s_{z + 1}")
+    below = (places < low - TIE * body.curve.length_mm) & (found.pairs.column("force") > 0)
+    if below.any():
+        deepest = low - float(places[below].min())
+        yield (
+            f"contact reaches {deepest:.3f} mm below the active flank of body_{z + 1}: the "
+            "smooth compliance of its lower end is taken there"
+            + (", the stress in its root too" if compliance.root is not None else "")
+        )
 
 
 def notes_of_result(result: Result, pair: BodyPair) -> Iterator[str]:
