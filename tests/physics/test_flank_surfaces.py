@@ -18,6 +18,7 @@ from tests.support.three_dimensional import (
     OTHER_HANDS,
     SMALL,
     deviation,
+    solve_small,
     tree_of,
 )
 from tests.support.tolerances import SOLVER
@@ -39,7 +40,7 @@ NO_CROWN = {"body_1__lead_crowning_um": None}
 
 
 def solve(**changes: Any) -> fl.Result:
-    found = fl.solve(fl.Scene.from_dict(tree_of(HELICAL, {**SMALL, **changes})))
+    found = solve_small(HELICAL, changes)
     assert isinstance(found, fl.Result)
     return found
 

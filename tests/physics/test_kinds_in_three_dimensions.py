@@ -28,6 +28,7 @@ def solved(bodies: tuple[dict[str, Any], dict[str, Any]], dimension: int = 3, **
         scene[f"body_{number}"].update(body)
     scene["positions"] = {"count": 16}
     scene["effects"] = {"dimension": dimension, "contact": "lumped"}
+    scene["accuracy"] = {"estimate": False, "tangents": False}
     scene.update(keys)
     return fl.solve(fl.Scene.from_dict(scene))
 
@@ -52,7 +53,9 @@ def test_rounded_helical_gears_of_the_other_hand_are_the_mirror_image() -> None:
     wheel = {"tip_radius_mm": 0.3, "tip_diameter_mm": 120.0, "profile_shift": 0.0}
     left = {"helix_angle_deg": 15.0, "hand": "left"}
     pair = {"center_distance_mm": 93.3, "face_width_mm": 14}
-    keys = {"pair": pair, "positions": {"count": 3}}
+    coarse = {"flank_element_mm": 2.5, "modes": 3, "axial_degree": 6, "load_degree_z": 2}
+    accuracy = {"estimate": False, "slices": 14, **coarse}
+    keys = {"pair": pair, "positions": {"count": 3}, "accuracy": accuracy}
     right_hand = solved((tip | HELICAL, wheel | left), **keys)
     left_hand = solved((tip | left, wheel | HELICAL), **keys)
     np.testing.assert_allclose(
@@ -76,6 +79,7 @@ def from_meshes(body_1: dict[str, Any], body_2: dict[str, Any], **keys: Any):
         table.update(body)
     scene["positions"] = {"count": 4}
     scene["effects"] = {"dimension": 3}
+    scene["accuracy"] = {"estimate": False, "tangents": False}
     scene.update(keys)
     return fl.solve(fl.Scene.from_dict(scene))
 

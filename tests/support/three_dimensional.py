@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
+from functools import cache
 from typing import Any
 
 import numpy as np
 
+import flankload as fl
 from tests.support.gear_scenes import example
 
 #: Bodies of coarse elements, for properties that do not depend on these.
@@ -41,3 +44,19 @@ def deviation(one: Any, two: Any) -> float:
     """Largest difference, relative to the largest value."""
     one, two = np.asarray(one), np.asarray(two)
     return float(np.abs(one - two).max() / np.abs(two).max())
+
+
+@cache
+def _prepared(name: str) -> fl.Prepared:
+    return fl.prepare(fl.Scene.from_dict(tree_of(name, SMALL)))
+
+
+@cache
+def _solved(name: str, changes: str) -> fl.Result | tuple[fl.Result, ...]:
+    return _prepared(name).solve(json.loads(changes))
+
+
+def solve_small(name: str, changes: dict[str, Any]) -> fl.Result | tuple[fl.Result, ...]:
+    """A small example with keys changed: solved once, its bodies and elements reused."""
+    paths = {path.replace("__", "."): value for path, value in changes.items()}
+    return _solved(name, json.dumps(paths, sort_keys=True))
