@@ -82,7 +82,7 @@ contains
         factor%largest = largest
         factor%order = k + b
         associate (a => factor%matrix)
-            factor%growth = max(factor%growth, maxval(abs(a(k + 1:k + b, :k))), &
+            if (k > 0) factor%growth = max(factor%growth, maxval(abs(a(k + 1:k + b, :k))), &
                 & maxval(abs(a(:k, k + 1:k + b)))/largest)
             do first = k + 1, k + b
                 factor%growth = max(factor%growth, maxval(abs(a(first + 1:k + b, first))), &
