@@ -25,7 +25,7 @@ module flankload_circle_pair
         !> First sample from which the radius increases up to the tip
         integer :: first_rising = 1
         !> A few of the samples, the first rising one and all corners among them; and how far along
-        !> circles about its axis the flank stands off their polygon to both sides [mm], shape (few)
+        !> circles about its axis the flank departs from their polygon [mm], shape (few)
         integer, allocatable :: few(:)
         real(wp), allocatable :: bulge(:)
         !> The longest chord between them [mm]
@@ -53,8 +53,7 @@ module flankload_circle_pair
 
     !> Samples per flank: fine enough to find every minimum of tooth-like profiles.
     integer, parameter :: samples_per_flank = 96
-    !> The few samples that tell flanks far from each other apart: flanks stand off the polygon
-    !> between them by no more than this part of their length.
+    !> Largest distance between a flank and the polygon of its few samples, relative to its length.
     real(wp), parameter :: least_bulge = 1.0e-3_wp
     !> A flank that crosses its circle at less than this angle ends there: the pair (and 1/(P.t)) is
     !> undefined.
@@ -109,7 +108,7 @@ contains
         call find_roundings(flank)
     end function new_flank
 
-    !> A few samples, and how far the others stand off the chords between them.
+    !> Choose a few samples, and compute the distances of the others from the chords between them.
     pure subroutine choose_few(flank)
         !> The flank with its samples
         type(flank_type), intent(inout) :: flank

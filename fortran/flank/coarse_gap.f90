@@ -1,5 +1,5 @@
-!> A lower bound of the gap between two flanks from a few of their points: flanks that are far from
-!> each other need no search for their least gap.
+!> A lower bound of the gap between two flanks from a few of their points: the least gap of flanks
+!> that are far from each other need not be searched.
 module flankload_coarse_gap
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: frame_type
@@ -11,11 +11,11 @@ module flankload_coarse_gap
 
 contains
 
-    !> An angle below which no gap angle of two flanks lies [rad]; huge if no circle about O1 cuts
-    !> both.
+    !> Lower bound of the gap angle of two flanks [rad]; huge if no circle about O1 intersects both.
     !>
-    !> The gap of two polygons is extreme on a circle through one of their corners, but for the bend
-    !> of straight lines in polar coordinates; flanks stand off their polygons by their bulges.
+    !> The gap of two polygons is extreme on a circle through one of their corners, except for the
+    !> curvature of straight lines in polar coordinates; bulges bound the distance between a flank
+    !> and its polygon.
     pure function coarse_gap(flank_1, frame_1, flank_2, frame_2) result(gap)
         !> Flank of body 1 and its placement (its axis is O1)
         type(flank_type), intent(in) :: flank_1

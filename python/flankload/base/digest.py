@@ -78,5 +78,5 @@ def _parts(data: Any) -> Iterator[bytes]:
 
 
 def _is_plain(data: object) -> bool:
-    """Whether a sequence holds numbers and words alone, which its own text tells apart."""
+    """Whether a sequence contains only numbers and text, so that its `repr` identifies it."""
     return isinstance(data, tuple | list) and all(isinstance(item, PLAIN) for item in data)

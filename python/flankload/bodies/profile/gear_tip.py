@@ -199,8 +199,8 @@ def profile_curve(
         return [fillet(flank), *flank_and_tip(flank, involute, start, spec, key)]
 
     modified = pieces(flank)
-    # the tolerance is that of the flank without modifications: those that only relief tells apart
-    # have fillet and involute in common
+    # the tolerance is that of the flank without modifications: flanks that differ only in relief
+    # share fillet and involute
     plain = pieces(replace(flank, modifications=Modifications.none()))
     return fit_flank_curve(
         modified,
