@@ -57,21 +57,21 @@ contains
         integer :: t
         logical :: seen
         type(position_type) :: position, whole
-        type(known_contact) :: unknown
+        type(known_contact) :: contact
         type(error_type), allocatable :: error
 
         seen = .false.
         do t = 1, size(torques)
             if (.not. seen) call look(torques(t), .not. allocated(body_1%slices), position)
             seen = .not. (allocated(error) .or. position%conforms)
-            if (present(known)) then
-                call answer(torques(t), position, known(t), states(t))
-            else
-                call answer(torques(t), position, unknown, states(t))
-            end if
+            contact = known_contact()
+            if (present(known)) contact = known(t)
+            call solve_torque(body_1, body_2, torques(t), settings, contact, position, states(t), &
+                & error)
             if (may_miss(position, states(t), allocated(error))) then
                 call look(torques(t), .true., whole)
-                call answer(torques(t), whole, unknown, states(t))
+                call solve_torque(body_1, body_2, torques(t), settings, known_contact(), whole, &
+                    & states(t), error)
             end if
             if (allocated(error)) then
                 states(t)%status = error%code
@@ -101,32 +101,39 @@ contains
             if (present(speeds)) at%speeds = speeds
         end subroutine look
 
-        !> Solve it for one torque.
-        subroutine answer(torque, at, contact, state)
-            !> Torque on body 1 [N mm]
-            real(wp), intent(in) :: torque
-            !> The position
-            type(position_type), intent(inout) :: at
-            !> Its pairs in contact, if known
-            type(known_contact), intent(in) :: contact
-            !> What is found
-            type(position_state), intent(out) :: state
-
-            if (allocated(error)) return
-            call blank_state(size(body_1%site_angles), state)
-            if (torque <= 0.0_wp .and. .not. presses_across(at)) then
-                call unloaded_state(at, state)
-            else if (allocated(body_1%slices)) then
-                call solve_slices(body_1, body_2, torque, at, state, error)
-            else if (settings%level == level_lumped) then
-                call solve_lumped(body_1, body_2, at, torque, state, error)
-            else
-                call solve_load(body_1, body_2, at, torque, settings, contact, state, error)
-            end if
-            if (allocated(at%ends) .and. .not. allocated(error)) call note_ends(at, state)
-        end subroutine answer
-
     end subroutine solve_position
+
+    !> Solve a position for one torque.
+    subroutine solve_torque(body_1, body_2, torque, settings, contact, position, state, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> The level of contact, and how fine its cells are
+        type(grid_settings), intent(in) :: settings
+        !> Pairs in contact, if known from a similar position
+        type(known_contact), intent(in) :: contact
+        !> The position
+        type(position_type), intent(inout) :: position
+        !> What is found
+        type(position_state), intent(out) :: state
+        !> Set if there was an error before, or no state was found
+        type(error_type), allocatable, intent(inout) :: error
+
+        if (allocated(error)) return
+        call blank_state(size(body_1%site_angles), state)
+        if (torque <= 0.0_wp .and. .not. presses_across(position)) then
+            call unloaded_state(position, state)
+        else if (allocated(body_1%slices)) then
+            call solve_slices(body_1, body_2, torque, position, state, error)
+        else if (settings%level == level_lumped) then
+            call solve_lumped(body_1, body_2, position, torque, state, error)
+        else
+            call solve_load(body_1, body_2, position, torque, settings, contact, state, error)
+        end if
+        if (allocated(position%ends) .and. .not. allocated(error)) call note_ends(position, state)
+    end subroutine solve_torque
 
     !> Whether a slice that was not searched could touch.
     !>
@@ -168,36 +175,14 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: pass, spent
+        integer :: pass
         type(cells_type) :: cells
-        real(wp), allocatable :: estimate(:), curvatures(:)
-        real(wp) :: rotation
         logical, allocatable :: touches(:)
         logical :: settled
 
-        associate (zones => position%zones, gap => position%gap)
-            call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
-                & zones%curvature, position%widest, &
-                & position%flank_length, position%kernel, position%images, torque, estimate, &
-                & rotation, spent, error)
-            call count_lumped(spent, state)
-            if (allocated(error)) return
-            cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
-                & .or. gap < zones%side*rotation + joining*maxval(zones%side*rotation - gap), &
-                & settings)
-            call measure_reach(body_1, body_2, position, cells)
-            curvatures = reached_curvatures(position, cells)
-            if (any(abs(curvatures - zones%curvature) > other_shape*curvatures)) then
-                call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
-                    & curvatures, position%widest, &
-                    & position%flank_length, position%kernel, position%images, torque, &
-                    & estimate, rotation, spent, error)
-                call count_lumped(spent, state)
-                if (allocated(error)) return
-                cells%estimate = estimate
-                cells%joins = cells%joins .or. estimate > 0.0_wp
-                call measure_reach(body_1, body_2, position, cells)
-            end if
+        call expect_cells(body_1, body_2, position, torque, settings, cells, state, error)
+        if (allocated(error)) return
+        associate (zones => position%zones)
             do pass = 1, max_passes
                 state%passes = pass
                 if (pass > 1) call measure_reach(body_1, body_2, position, cells)
@@ -236,6 +221,54 @@ contains
         end subroutine continue_contact
 
     end subroutine solve_load
+
+    !> Cells for the forces of the lumped contact.
+    subroutine expect_cells(body_1, body_2, position, torque, settings, cells, state, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> How fine the cells are
+        type(grid_settings), intent(in) :: settings
+        !> For what the cells shall be laid, their reach measured
+        type(cells_type), intent(out) :: cells
+        !> The state that counts the work
+        type(position_state), intent(inout) :: state
+        !> Set if there is no lumped contact
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: spent
+        real(wp), allocatable :: estimate(:), curvatures(:)
+        real(wp) :: rotation
+
+        associate (zones => position%zones, gap => position%gap)
+            call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
+                & zones%curvature, position%widest, &
+                & position%flank_length, position%kernel, position%images, torque, estimate, &
+                & rotation, spent, error)
+            call count_lumped(spent, state)
+            if (allocated(error)) return
+            cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
+                & .or. gap < zones%side*rotation + joining*maxval(zones%side*rotation - gap), &
+                & settings)
+            call measure_reach(body_1, body_2, position, cells)
+            curvatures = reached_curvatures(position, cells)
+            if (any(abs(curvatures - zones%curvature) > other_shape*curvatures)) then
+                call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
+                    & curvatures, position%widest, &
+                    & position%flank_length, position%kernel, position%images, torque, &
+                    & estimate, rotation, spent, error)
+                call count_lumped(spent, state)
+                if (allocated(error)) return
+                cells%estimate = estimate
+                cells%joins = cells%joins .or. estimate > 0.0_wp
+                call measure_reach(body_1, body_2, position, cells)
+            end if
+        end associate
+    end subroutine expect_cells
 
     !> Forces, peaks and corners of the sites.
     pure subroutine sum_over_sites(state, zones)

@@ -163,8 +163,8 @@ def sweep(
         Compliances are those of the whole width in mm/N, their modes products with Legendre
         polynomials over it.
     known : KnownContacts, optional
-        Pairs in contact in a similar sweep (`known_contacts`): states with as many pairs are those of
-        these, without a search and without a certificate.
+        Pairs in contact in a similar sweep (`known_contacts`): states with as many pairs are those
+        of these, without a search and without a certificate.
     keep_pairs : bool
         Whether single pairs are stored; results per site are always stored.
     account : Account, optional
