@@ -33,11 +33,13 @@ if TYPE_CHECKING:
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
     from flankload.studies.accuracy import Study, accuracy
+    from flankload.studies.design import DesignStudy, study
     from flankload.studies.plan import Plan, plan
     from flankload.studies.verification import Verification, verify
 
 __all__ = [
     "ContactState",
+    "DesignStudy",
     "FlankloadError",
     "InputError",
     "MeshError",
@@ -66,6 +68,7 @@ __all__ = [
     "solve_contact_on_demand",
     "solve_contact_sequence",
     "solve_contact_torques",
+    "study",
     "verify",
 ]
 
@@ -94,6 +97,8 @@ _MODULE_OF_NAME = {
     "Prepared": "api",
     "prepare": "api",
     "solve": "api",
+    "DesignStudy": "studies.design",
+    "study": "studies.design",
     "Study": "studies.accuracy",
     "accuracy": "studies.accuracy",
     "Verification": "studies.verification",
