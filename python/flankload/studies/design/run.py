@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.blas_threads import one_blas_thread
 from flankload.errors import FlankloadError
 from flankload.mechanisms import Parts
 from flankload.result.export import along_positions
@@ -101,7 +102,8 @@ def run_task(task: Task, stopped: Event | None = None) -> Outcome:
     began = perf_counter()
     try:
         watch()
-        found = solve_scene(task.scene, watch, _parts_of(task.study))
+        with one_blas_thread():  # its number of threads changes bits, and workers share processors
+            found = solve_scene(task.scene, watch, _parts_of(task.study))
         results = found if isinstance(found, tuple) else (found,)
         rows = tuple(_row(result, task.names) for result in results)
     except StoppedError:
