@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
     from flankload.studies.design import DesignStudy
 
+#: Seconds for which a scheduler may take to answer.
+PATIENCE_S = 10
+
 
 def study(arguments: Namespace) -> None:
     """Solve the designs of a study that its store lacks, write and print them."""
@@ -75,7 +78,8 @@ class _Rate:
             seconds = (monotonic() - self._began) / self._solved
             rate = f"{1 / seconds:.1f}/s" if seconds < 1 else f"{60 / seconds:.1f}/min"
             left = seconds * (total - done)
-            words += f", {rate}, {left / 60:.0f} min left" if left > 90 else f", {left:.0f} s left"
+            time = f"{left / 60:.0f} min" if left > 90 else f"{left:.0f} s"
+            words += f", {rate}, {time} left"
         self._progress.tell(words, done, total)
 
 
@@ -133,7 +137,7 @@ def _dask(address: str) -> Iterator[Executor]:
     from distributed import Client
 
     try:
-        client = Client(address, timeout="10s")
+        client = Client(address, timeout=PATIENCE_S)
     except (OSError, ValueError) as error:
         raise FlankloadError(f"--scheduler {address}: no connection: {error}") from None
     with client, client.get_executor() as executor:

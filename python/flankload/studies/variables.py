@@ -146,7 +146,7 @@ def variables_of(tree: Mapping[str, Any], key: str = "variables") -> tuple[Varia
         common.
     """
     if not isinstance(tree, Mapping) or not tree:
-        refuse(key, "a table of paths with values or distributions", shown(tree))
+        refuse(key, "a table of paths with values or distributions", shown(tree) if tree else None)
     found = tuple(_variable(path, value, f"{key}.{path}") for path, value in paths_of(tree).items())
     taken: dict[str, str] = {}
     for variable in found:
