@@ -182,7 +182,7 @@ def paths_of(tree: Mapping[str, Any], before: str = "") -> dict[str, Any]:
 
 def _variable(path: str, value: Any, key: str) -> Variable:
     """Read one variable."""
-    value = value.tolist() if isinstance(value, np.ndarray) else value
+    value = _plain(value)
     if isinstance(value, Mapping) and KIND in value:
         form = DISTRIBUTIONS.get(str(value[KIND]))
         if form is None:
@@ -196,4 +196,9 @@ def _variable(path: str, value: Any, key: str) -> Variable:
         return Variable(path, distribution=value)
     if isinstance(value, str) or not isinstance(value, Sequence) or not len(value):
         refuse(key, "a non-empty list of values or a table with a distribution", shown(value))
-    return Variable(path, values=tuple(value))
+    return Variable(path, values=tuple(_plain(x) for x in value))
+
+
+def _plain(value: Any) -> Any:
+    """Lists and numbers of Python in place of those of NumPy."""
+    return value.tolist() if hasattr(value, "tolist") else value

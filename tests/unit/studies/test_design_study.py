@@ -74,7 +74,8 @@ def test_designs_of_values() -> None:
 
 
 @pytest.mark.parametrize("design", ["sobol", "random"])
-def test_more_draws_begin_with_the_same_ones(design: str) -> None:
+def test_more_draws_begin_with_the_same_ones(design: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys.modules[Designs.__module__], "BLOCK", 8)
     variables = {"a": RANGE, "b": RANGE}
     few = values_of(design, variables, n=5, seed=3)
     assert few == values_of(design, variables, n=16, seed=3)[:5]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import chain, islice, product
 from math import prod
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 OF_VALUES, OF_DRAWS = ("factorial", "list", "one-at-a-time"), ("sobol", "random")
 #: Points of a Sobol sequence in double precision.
 MOST_DRAWS = 2**30
+#: Points drawn at a time; a power of 2, for which Sobol sequences are made.
+BLOCK = 1024
 
 
 @dataclass(frozen=True)
@@ -108,9 +110,7 @@ class Designs:
         elif self.kind == "list":
             rows = zip(*(variable.values for variable in self.variables), strict=True)
         else:
-            columns = self._probabilities().T
-            drawn = (v.quantiles(u) for v, u in zip(self.variables, columns, strict=True))
-            rows = zip(*drawn, strict=True)
+            rows = islice(chain.from_iterable(map(self._drawn, self._blocks())), self.n)
         for row in rows:
             yield dict(zip(names, row, strict=True))
 
@@ -129,17 +129,22 @@ class Designs:
                 found |= variable.changes(values[variable.name])
         return found
 
-    def _probabilities(self) -> NDArray[np.float64]:
-        """(n, variables) points of the unit cube."""
-        shape = (int(self.n or 0), len(self.variables))
+    def _drawn(self, points: NDArray[np.float64]) -> Iterator[tuple[Any, ...]]:
+        """Iterate over the values at points of the unit cube."""
+        drawn = (v.quantiles(u) for v, u in zip(self.variables, points.T, strict=True))
+        return zip(*drawn, strict=True)
+
+    def _blocks(self) -> Iterator[NDArray[np.float64]]:
+        """Iterate endlessly over blocks of points of the unit cube (BLOCK, variables)."""
         if self.kind == "random":
-            return np.random.default_rng(self.seed).random(shape)
+            random = np.random.default_rng(self.seed)
+            while True:
+                yield random.random((BLOCK, len(self.variables)))
         from scipy.stats import qmc
 
-        sequence = qmc.Sobol(shape[1], scramble=True, seed=self.seed)
-        # whole powers of two, for which the sequence is made, begin with the same points
-        points: NDArray[np.float64] = sequence.random_base2((shape[0] - 1).bit_length())
-        return points[: shape[0]]
+        sequence = qmc.Sobol(len(self.variables), scramble=True, seed=self.seed)
+        while True:
+            yield sequence.random(BLOCK)
 
 
 def _is_number(value: object, least: int, most: int) -> bool:
