@@ -208,6 +208,10 @@ def test_runs_share_elements(one_thread: Executor, monkeypatch: pytest.MonkeyPat
     fl.study(design_scene(), VARIABLES, executor=one_thread)
     assert costs == [2, 1, 0, 0, 0, 0]
     assert not run_module._held  # and this process holds them no longer
+    costs.clear()
+    with ThreadPoolExecutor(4) as executor:  # the others wait for the elements of the first one
+        fl.study(design_scene(), {TORQUE: [100, 150, 200, 250]}, executor=executor)
+    assert sorted(costs) == [0, 0, 0, 2]
 
 
 def test_processes_give_the_bits_of_single_runs_and_a_lost_one_costs_nothing(
@@ -311,6 +315,10 @@ def test_a_design_that_occurs_twice_is_solved_once(solved: list[fl.Scene]) -> No
     assert len(solved) == 2
     assert study.columns()[TORQUE] == [302.0, 302, 100, 302.0]
     assert len({study.values(PEAK)[k] for k in (0, 1, 3)}) == 1
+    solved.clear()
+    study = fl.study(design_scene(), {TORQUE: [302, 100, 100]})  # while it is in flight
+    assert len(solved) == 2
+    assert study.values(PEAK)[1] == study.values(PEAK)[2]
 
 
 def test_a_changed_file_is_another_run(tmp_path: Path, solved: list[fl.Scene]) -> None:
