@@ -32,11 +32,15 @@ def study(arguments: Namespace) -> None:
     outputs = _outputs(arguments.outputs)
     if arguments.workers is not None and arguments.workers < 1:
         raise SceneError(key="--workers", expected="an integer > 0", found=arguments.workers)
+    if arguments.workers is not None and arguments.scheduler is not None:
+        expected = "no such option with --scheduler, which has its own workers"
+        raise SceneError(key="--workers", expected=expected, found=arguments.workers)
     from flankload.studies.design import read_study, run_study
 
     asked = read_study(arguments.file)
-    check_file("store", asked.store)
-    places = [("the study", asked.file), ("store", asked.store)]
+    store = f"{asked.file}: store"
+    check_file(store, asked.store)
+    places = [("the study", asked.file), (store, asked.store)]
     check_apart([*places, *(("-o", Path(path)) for path in outputs if path != STDOUT)], asked.scene)
     try:
         with (

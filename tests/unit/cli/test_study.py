@@ -110,9 +110,13 @@ def test_processes_and_a_scheduler_are_workers(
         (
             "[variables]",
             "store = 'pair.toml'\n[variables]",
-            "store: expected a file other than the",
+            "{study}: store: expected a file other than the scene",
         ),
-        ("[variables]", "store = 'no/a'\n[variables]", "store: expected a file in a folder that"),
+        (
+            "[variables]",
+            "store = 'no/a'\n[variables]",
+            "{study}: store: expected a file in a folder that",
+        ),
     ],
 )
 def test_a_wrong_study_gets_exit_2_and_one_line(
