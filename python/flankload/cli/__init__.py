@@ -231,6 +231,10 @@ def _add_study(commands: Any) -> None:
         "be repeated",
     )  # fmt: skip
     parser.add_argument(
+        "--plot", metavar="DIR", type=Path,
+        help="write the plots that suit the study to this folder",
+    )  # fmt: skip
+    parser.add_argument(
         "--workers", metavar="N", type=int, help="number of workers; default: one per processor"
     )
     workers = parser.add_mutually_exclusive_group()

@@ -11,7 +11,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from flankload.cli.outputs import STDOUT, check_apart, check_file
+from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder
 from flankload.cli.solving import Progress
 from flankload.errors import FlankloadError, SceneError
 
@@ -35,13 +35,17 @@ def study(arguments: Namespace) -> None:
     if arguments.workers is not None and arguments.scheduler is not None:
         expected = "no such option with --scheduler, which has its own workers"
         raise SceneError(key="--workers", expected=expected, found=arguments.workers)
+    if arguments.plot is not None:
+        check_folder("--plot", arguments.plot, content="PNG files")
     from flankload.studies.design import read_study, run_study
 
     asked = read_study(arguments.file)
     store = f"{asked.file}: store"
     check_file(store, asked.store)
     places = [("the study", asked.file), (store, asked.store)]
-    check_apart([*places, *(("-o", Path(path)) for path in outputs if path != STDOUT)], asked.scene)
+    places += [("-o", Path(path)) for path in outputs if path != STDOUT]
+    places += [("--plot", arguments.plot)] if arguments.plot is not None else []
+    check_apart(places, asked.scene)
     try:
         with (
             Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress,
@@ -62,8 +66,9 @@ def study(arguments: Namespace) -> None:
         raise KeyboardInterrupt(f"{said}; {arguments.line} resumes") from None
     for path in outputs:
         _write(found, path)
+    pictures = _pictures(found, arguments.plot)
     if not arguments.quiet and STDOUT not in outputs:
-        print(found)
+        print("\n".join([str(found), *pictures]))
     if len(found.failed) == len(found.rows):
         raise FlankloadError(f"no design has a solution: {found.failed[0].outcome.error}")
 
@@ -109,6 +114,17 @@ def _write(found: DesignStudy, path: str) -> None:
         found.to_parquet(path)
     else:
         found.to_csv(path)
+
+
+def _pictures(found: DesignStudy, folder: Path | None) -> list[str]:
+    """Write the pictures that suit the study, if a folder is given; say where they are."""
+    if folder is None or len(found.failed) == len(found.rows):
+        return []
+    from flankload.plot import write_study
+
+    paths = write_study(found, folder)
+    names = ", ".join(path.name for path in paths) or "no picture suits this study"
+    return [f"plots in {folder}: {names}"]
 
 
 def _executor(arguments: Namespace) -> AbstractContextManager[Executor | None]:

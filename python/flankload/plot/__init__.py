@@ -22,12 +22,21 @@ from flankload.plot.curves import (
     plot_peak_pressure,
     plot_transmission_error,
 )
+from flankload.plot.design_study import study_figures, write_study
 from flankload.plot.flank_forces import plot_flank_forces
 from flankload.plot.loaded_pair import plot_loaded_pair
 from flankload.plot.profile_deviation import plot_profile_deviation
 from flankload.plot.root_stress import plot_root_stress
 from flankload.plot.slices import plot_contact_pattern, plot_line_load, plot_line_load_map
 from flankload.plot.stiffness import plot_stiffness
+from flankload.plot.study_axes import (
+    draw_bands,
+    draw_curve,
+    draw_histogram,
+    draw_map,
+    draw_over_torque,
+    draw_pareto,
+)
 from flankload.plot.style import png_of
 from flankload.plot.whole_circle import plot_flank_pressure, plot_load_per_tooth
 
@@ -39,6 +48,12 @@ if TYPE_CHECKING:
     from flankload.result import Result
 
 __all__ = [
+    "draw_bands",
+    "draw_curve",
+    "draw_histogram",
+    "draw_map",
+    "draw_over_torque",
+    "draw_pareto",
     "plot_all",
     "plot_belt_on_pulley",
     "plot_chain_on_sprocket",
@@ -59,6 +74,8 @@ __all__ = [
     "plot_stiffness",
     "plot_tensions",
     "plot_transmission_error",
+    "study_figures",
+    "write_study",
 ]
 
 

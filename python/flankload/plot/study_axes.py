@@ -1,0 +1,311 @@
+"""A design study on given axes: map, curves, percentiles, histogram, Pareto front."""
+
+from __future__ import annotations
+
+from math import ceil, sqrt
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.ticker import MaxNLocator
+
+from flankload.plot.style import COLOURS, short
+from flankload.plot.study_table import StudyTable, label, unit_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from flankload.studies.design import DesignStudy
+
+#: Torques that get a panel or a line; of more, as many are chosen evenly, with both ends.
+MOST_TORQUES = 6
+#: Light enough for black lines and numbers on it.
+TINTS = LinearSegmentedColormap.from_list("tints", ["#f3f8fb", "#a9cfe6", "#5a9fcb"])
+BANDS = (("5 to 95 %", 5, 95, "#d3e5f1"), ("25 to 75 %", 25, 75, "#8fbfde"))
+OTHERS = "#b5b5b5"
+BEST: dict[str, Any] = {
+    "marker": "*", "markersize": 14, "markeredgecolor": "white", "linestyle": "none", "zorder": 5
+}  # fmt: skip
+#: Variations below this part of the values are roundoff.
+LEAST_SPAN = 1e-9
+
+
+def draw_map(
+    axes: Axes, study: DesignStudy, quantity: str, variables: tuple[str, str], torque: int = -1
+) -> None:
+    """Draw a quantity over two variables: cells, contour lines over numbers, the least value.
+
+    A failed design is an empty cell. Each cell is the least over further variables.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    study : DesignStudy
+    quantity : str
+    variables : (str, str)
+        Names of the variables along the horizontal and the vertical axis.
+    torque : int
+        Index of the torque.
+    """
+    table = StudyTable(study)
+    (xs, ys), values = table.gathered(quantity, variables)
+    found = np.ma.masked_invalid(values[:, :, torque].T)
+    x, y = _places(axes, "x", xs), _places(axes, "y", ys)
+    axes.grid(visible=False)
+    cells = axes.pcolormesh(_edges(x), _edges(y), found, cmap=TINTS, edgecolor="face", linewidth=0)
+    bar = axes.get_figure().colorbar(cells, ax=axes)
+    bar.set_label(label(quantity))
+    numbers = all(isinstance(value, int | float) for value in (*xs, *ys))
+    if numbers and min(found.shape) > 2 and _spread(found.compressed()):
+        lines = axes.contour(x, y, found, levels=7, colors="#333333", linewidths=0.7)
+        axes.clabel(lines, fontsize=8, fmt="%g")
+    axes.set_xlabel(label(variables[0]))
+    axes.set_ylabel(label(variables[1]))
+    if found.count():
+        j, i = np.unravel_index(found.argmin(), found.shape)
+        text = f"least {_shown(found[j, i], quantity)} at ({_short(xs[i])}, {_short(ys[j])})"
+        axes.plot(x[i], y[j], color=COLOURS[1], label=text, **BEST)
+    more = len(table.variables) > 2 and study.designs.kind == "factorial"
+    _key(axes, [table.torque(torque), "least over the other variables" if more else ""])
+
+
+def draw_curve(axes: Axes, study: DesignStudy, quantity: str, variable: str) -> None:
+    """Draw a quantity over a variable, one line per torque, with the least value of each.
+
+    A failed design is a gap. Each point is the least over further variables.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    study : DesignStudy
+    quantity, variable : str
+    """
+    table = StudyTable(study)
+    (xs,), values = table.gathered(quantity, (variable,))
+    x = _places(axes, "x", xs)
+    for colour, t in enumerate(chosen_torques(values.shape[1])):
+        y, text = values[:, t], table.torque(t)
+        look = {"color": COLOURS[colour], "linewidth": 1.8}
+        axes.plot(x, y, marker="os^Dv<"[colour], markersize=4.5, **look)
+        if np.isfinite(y).any():
+            k = int(np.nanargmin(y))
+            text += f"{': ' * bool(text)}least {_shown(y[k], quantity)} at {_short(xs[k])}"
+            axes.plot(x[k], y[k], label=text, color=COLOURS[colour], **BEST)
+    axes.set_xlabel(label(variable))
+    axes.set_ylabel(label(quantity))
+    _key(axes, [])
+
+
+def draw_over_torque(axes: Axes, study: DesignStudy, quantity: str) -> None:
+    """Draw a quantity over the torque, a line per design; the least mean is emphasised.
+
+    Failed designs have no line.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    study : DesignStudy
+        With several torques.
+    quantity : str
+    """
+    table = StudyTable(study)
+    values = table.values(quantity)
+    whole = np.flatnonzero(np.isfinite(values).all(axis=1))
+    lines = [np.column_stack([table.torques_Nm[g], values[g]]) for g in whole]
+    best = int(values[whole].mean(axis=1).argmin()) if whole.size else None
+    others = [line for k, line in enumerate(lines) if k != best]
+    width = 1.0 if len(others) < 30 else 0.5
+    axes.add_collection(
+        LineCollection(others, colors=OTHERS, linewidths=width, label=f"{len(others)} other designs")
+    )
+    if best is not None:
+        text = f"least mean: {table.design(int(whole[best]))}"
+        look = {"color": COLOURS[0], "marker": "o", "markersize": 5, "linewidth": 2.4, "zorder": 4}
+        axes.plot(*lines[best].T, label=text, **look)
+    axes.autoscale_view()
+    axes.set_xlabel("torque in N m")
+    axes.set_ylabel(label(quantity))
+    _key(axes, [])
+
+
+def draw_bands(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) -> None:
+    """Draw percentiles of a curve over the positions: 5, 25, 50, 75 and 95 % of the designs.
+
+    Curves of other positions than those of the first solved design are interpolated linearly.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    study : DesignStudy
+    quantity : str
+        An array over the positions.
+    torque : int
+        Index of the torque.
+    """
+    table = StudyTable(study)
+    curves = table.values(quantity)[:, torque]
+    angles = np.degrees(table.values("position_rad")[:, torque])
+    solved = np.isfinite(curves).any(axis=1)
+    place, found = _on_one_grid(angles[solved], curves[solved])
+    for text, low, high, colour in BANDS:
+        ends = np.nanpercentile(found, [low, high], axis=0)
+        axes.fill_between(place, *ends, color=colour, linewidth=0, label=text)
+    median = np.nanpercentile(found, 50, axis=0)
+    axes.plot(place, median, color=COLOURS[0], linewidth=1.8, label="median")
+    axes.margins(x=0)
+    axes.set_xlabel("angle of body 1 in degrees")
+    axes.set_ylabel(label(quantity))
+    _key(axes, [table.torque(torque), _counted(solved)], columns=3)
+
+
+def draw_histogram(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) -> None:
+    """Draw how many designs have which value, with percentiles.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    study : DesignStudy
+    quantity : str
+        With one number per design and torque.
+    torque : int
+        Index of the torque.
+    """
+    table = StudyTable(study)
+    values = table.values(quantity)[:, torque]
+    known = values[np.isfinite(values)]
+    middle, scale = float(known.mean()), float(abs(known).max()) or 1.0
+    ends = None if _spread(known) else (middle - 0.01 * scale, middle + 0.01 * scale)
+    counts, edges = np.histogram(known, min(40, max(5, ceil(sqrt(known.size)))), ends)
+    axes.stairs(counts, edges, fill=True, facecolor=BANDS[1][3], edgecolor="white", linewidth=0.5)
+    for percents, line in (((50,), "-"), ((25, 75), (0, (5, 2))), ((5, 95), (0, (1, 1.5)))):
+        places = np.percentile(known, percents)
+        text = " and ".join(f"{p} %" for p in percents) if len(percents) > 1 else "median"
+        text += ": " + ", ".join(_short(float(place)) for place in places)
+        for place, named in zip(places, (text, None), strict=False):
+            axes.axvline(place, color=COLOURS[0], linestyle=line, linewidth=1.6, label=named)
+    axes.set_xlabel(label(quantity))
+    axes.set_ylabel("designs")
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    _key(axes, [table.torque(torque), _counted(np.isfinite(values))])
+
+
+def draw_pareto(
+    axes: Axes, study: DesignStudy, quantities: tuple[str, str], torque: int = -1
+) -> None:
+    """Draw designs as dots over two quantities, with the front of those that none surpasses.
+
+    Less is better in both. Right of and above the stepped line, another design is better.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    study : DesignStudy
+    quantities : (str, str)
+        With one number per design and torque; along the horizontal and the vertical axis.
+    torque : int
+        Index of the torque.
+    """
+    table = StudyTable(study)
+    points = np.column_stack([table.values(name)[:, torque] for name in quantities])
+    points = points[np.isfinite(points).all(axis=1)]
+    front = points[pareto_front(points)]
+    axes.plot(*points.T, "o", color=OTHERS, markersize=4.5, label=f"{len(points)} designs")
+    look: dict[str, Any] = {"color": COLOURS[1], "marker": "o", "markersize": 6, "linewidth": 1.6}
+    text = f"Pareto front, {len(front)} designs" if len(front) > 1 else "best in both, 1 design"
+    axes.plot(*front.T, drawstyle="steps-post", label=text, **look)
+    for name, put in zip(quantities, (axes.set_xlabel, axes.set_ylabel), strict=True):
+        put(f"{label(name)}\n(less is better)")
+    _key(axes, [table.torque(torque)], columns=2)
+
+
+def pareto_front(points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Rows that no other row equals or surpasses in both columns.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+        Less is better.
+
+    Returns
+    -------
+    (m,) array
+        Indices; the first column ascends, the second descends.
+    """
+    order = np.lexsort((points[:, 1], points[:, 0]))
+    least = np.minimum.accumulate(points[order, 1])
+    return np.asarray(order[np.diff(least, prepend=np.inf) < 0])
+
+
+def _key(axes: Axes, heads: list[str], columns: int = 1) -> None:
+    """Names of lines above the axes, where nothing is drawn, after a line of words."""
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            borderaxespad=0.2,
+            frameon=False,
+            fontsize=9,
+            ncols=columns,
+            title=", ".join(head for head in heads if head),
+            title_fontsize=9,
+            alignment="left",
+        )
+
+
+def chosen_torques(torques: int) -> list[int]:
+    """Indices of the torques that are drawn."""
+    count = min(torques, MOST_TORQUES)
+    return sorted({round(k) for k in np.linspace(0, torques - 1, count)})
+
+
+def _places(axes: Axes, side: str, values: list[Any]) -> NDArray[np.float64]:
+    """Places of values on an axis; text is placed in its order and named at the axis."""
+    if not any(isinstance(value, str) for value in values):
+        return np.array(values, dtype=float)
+    axis = axes.xaxis if side == "x" else axes.yaxis
+    axis.set_ticks(range(len(values)), [short(value) for value in values])
+    return np.arange(len(values), dtype=float)
+
+
+def _edges(places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Edges (n + 1,) of cells around places (n,)."""
+    if places.size == 1:
+        return places[0] + np.array([-0.5, 0.5])
+    middle = 0.5 * (places[1:] + places[:-1])
+    ends = (2 * places[0] - middle[0], 2 * places[-1] - middle[-1])
+    return np.array([ends[0], *middle, ends[1]])
+
+
+def _on_one_grid(
+    angles: NDArray[np.float64], curves: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Curves (n, P) at the angles (P,) of the first; angles that no curve reaches are dropped."""
+    order = np.argsort(angles[0], kind="stable")
+    place = angles[0][order][np.isfinite(angles[0][order])]
+    found = np.full((len(curves), place.size), np.nan)
+    for row, angle, curve in zip(found, angles, curves, strict=True):
+        known = np.flatnonzero(np.isfinite(angle) & np.isfinite(curve))
+        known = known[np.argsort(angle[known], kind="stable")]
+        row[:] = np.interp(place, angle[known], curve[known], left=np.nan, right=np.nan)
+    kept = np.isfinite(found).any(axis=0)
+    return place[kept], found[:, kept]
+
+
+def _spread(values: NDArray[np.float64]) -> bool:
+    """Whether values differ by more than roundoff."""
+    return bool(values.size) and bool(np.ptp(values) > LEAST_SPAN * abs(values).max())
+
+
+def _counted(solved: NDArray[np.bool_]) -> str:
+    failed = int((~solved).sum())
+    return f"{int(solved.sum())} designs" + (f", {failed} without a value" if failed else "")
+
+
+def _short(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, int | float) else short(value)
+
+
+def _shown(value: float, name: str) -> str:
+    return f"{value:.4g} {unit_of(name)}".rstrip()
