@@ -106,11 +106,11 @@ def _figure(study: DesignStudy, title: str, panels: list[tuple[Any, ...]]) -> Fi
     """A figure with a panel for each function and its arguments; two in a row."""
     columns = min(2, len(panels))
     lines = ceil(len(panels) / columns)
-    with rc_context(STYLE):
+    with rc_context(STYLE | {"axes.formatter.useoffset": False}):
         size = SIZE if columns == 1 else (PANEL[0] * columns, PANEL[1] * lines)
         figure = new_figure(size)
         figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
-        text = f"{short(study.name)}, {len(study.rows)} designs"
+        text = f"{short(study.name)}, {len(study.rows)} design{'s' * (len(study.rows) != 1)}"
         figure.text(0.99, 0.985, text, ha="right", va="top", fontsize=9, color=GREY)
         for k, (draw, *arguments) in enumerate(panels):
             draw(figure.add_subplot(lines, columns, k + 1), study, *arguments)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import ceil, sqrt
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.ticker import MaxNLocator
 
 from flankload.plot.style import COLOURS, short
-from flankload.plot.study_table import StudyTable, label, unit_of
+from flankload.plot.study_table import StudyTable, label, pareto_front, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,6 +29,8 @@ OTHERS = "#b5b5b5"
 BEST: dict[str, Any] = {
     "marker": "*", "markersize": 14, "markeredgecolor": "white", "linestyle": "none", "zorder": 5
 }  # fmt: skip
+#: Letters of a line above the axes.
+WIDEST = 78
 #: Variations below this part of the values are roundoff.
 LEAST_SPAN = 1e-9
 
@@ -87,11 +90,10 @@ def draw_curve(axes: Axes, study: DesignStudy, quantity: str, variable: str) -> 
     x = _places(axes, "x", xs)
     for colour, t in enumerate(chosen_torques(values.shape[1])):
         y, text = values[:, t], table.torque(t)
-        look = {"color": COLOURS[colour], "linewidth": 1.8}
-        axes.plot(x, y, marker="os^Dv<"[colour], markersize=4.5, **look)
+        axes.plot(x, y, marker="os^Dv<"[colour], markersize=4.5, color=COLOURS[colour])
         if np.isfinite(y).any():
             k = int(np.nanargmin(y))
-            text += f"{': ' * bool(text)}least {_shown(y[k], quantity)} at {_short(xs[k])}"
+            text += f"{': ' * bool(text)}least {_shown(y[k], quantity)} at {_shown(xs[k], variable)}"
             axes.plot(x[k], y[k], label=text, color=COLOURS[colour], **BEST)
     axes.set_xlabel(label(variable))
     axes.set_ylabel(label(quantity))
@@ -101,7 +103,7 @@ def draw_curve(axes: Axes, study: DesignStudy, quantity: str, variable: str) -> 
 def draw_over_torque(axes: Axes, study: DesignStudy, quantity: str) -> None:
     """Draw a quantity over the torque, a line per design; the least mean is emphasised.
 
-    Failed designs have no line.
+    A torque without a solution is a gap; such designs are not the best.
 
     Parameters
     ----------
@@ -112,18 +114,18 @@ def draw_over_torque(axes: Axes, study: DesignStudy, quantity: str) -> None:
     """
     table = StudyTable(study)
     values = table.values(quantity)
-    whole = np.flatnonzero(np.isfinite(values).all(axis=1))
-    lines = [np.column_stack([table.torques_Nm[g], values[g]]) for g in whole]
-    best = int(values[whole].mean(axis=1).argmin()) if whole.size else None
-    others = [line for k, line in enumerate(lines) if k != best]
-    width = 1.0 if len(others) < 30 else 0.5
-    axes.add_collection(
-        LineCollection(others, colors=OTHERS, linewidths=width, label=f"{len(others)} other designs")
-    )
+    known = np.flatnonzero(np.isfinite(values).any(axis=1))
+    means = values[known].mean(axis=1)  # NaN if a torque has no solution
+    best = int(known[np.nanargmin(means)]) if np.isfinite(means).any() else None
+    order = np.argsort(table.torques_Nm[known[0]]) if known.size else []
+    lines = {int(g): np.column_stack([table.torques_Nm[g], values[g]])[order] for g in known}
+    others = [line for g, line in lines.items() if g != best]
+    text = _counted(len(others), "other design") if others else None
+    axes.add_collection(LineCollection(others, colors=OTHERS, linewidths=0.8, label=text))
     if best is not None:
-        text = f"least mean: {table.design(int(whole[best]))}"
-        look = {"color": COLOURS[0], "marker": "o", "markersize": 5, "linewidth": 2.4, "zorder": 4}
-        axes.plot(*lines[best].T, label=text, **look)
+        text = fill(f"least mean: {table.design(best)}", WIDEST)
+        look: dict[str, Any] = {"marker": "o", "markersize": 5, "linewidth": 2.4, "zorder": 4}
+        axes.plot(*lines[best].T, color=COLOURS[0], label=text, **look)
     axes.autoscale_view()
     axes.set_xlabel("torque in N m")
     axes.set_ylabel(label(quantity))
@@ -152,12 +154,11 @@ def draw_bands(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) 
     for text, low, high, colour in BANDS:
         ends = np.nanpercentile(found, [low, high], axis=0)
         axes.fill_between(place, *ends, color=colour, linewidth=0, label=text)
-    median = np.nanpercentile(found, 50, axis=0)
-    axes.plot(place, median, color=COLOURS[0], linewidth=1.8, label="median")
+    axes.plot(place, np.nanpercentile(found, 50, axis=0), color=COLOURS[0], label="median")
     axes.margins(x=0)
     axes.set_xlabel("angle of body 1 in degrees")
     axes.set_ylabel(label(quantity))
-    _key(axes, [table.torque(torque), _counted(solved)], columns=3)
+    _key(axes, [table.torque(torque), _solved(solved)], columns=3)
 
 
 def draw_histogram(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) -> None:
@@ -188,7 +189,7 @@ def draw_histogram(axes: Axes, study: DesignStudy, quantity: str, torque: int = 
     axes.set_xlabel(label(quantity))
     axes.set_ylabel("designs")
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-    _key(axes, [table.torque(torque), _counted(np.isfinite(values))])
+    _key(axes, [table.torque(torque), _solved(np.isfinite(values))])
 
 
 def draw_pareto(
@@ -211,31 +212,13 @@ def draw_pareto(
     points = np.column_stack([table.values(name)[:, torque] for name in quantities])
     points = points[np.isfinite(points).all(axis=1)]
     front = points[pareto_front(points)]
-    axes.plot(*points.T, "o", color=OTHERS, markersize=4.5, label=f"{len(points)} designs")
+    axes.plot(*points.T, "o", color=OTHERS, markersize=4.5, label=_counted(len(points)))
     look: dict[str, Any] = {"color": COLOURS[1], "marker": "o", "markersize": 6, "linewidth": 1.6}
-    text = f"Pareto front, {len(front)} designs" if len(front) > 1 else "best in both, 1 design"
+    text = f"Pareto front, {_counted(len(front))}" if len(front) > 1 else "best in both"
     axes.plot(*front.T, drawstyle="steps-post", label=text, **look)
     for name, put in zip(quantities, (axes.set_xlabel, axes.set_ylabel), strict=True):
         put(f"{label(name)}\n(less is better)")
     _key(axes, [table.torque(torque)], columns=2)
-
-
-def pareto_front(points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Rows that no other row equals or surpasses in both columns.
-
-    Parameters
-    ----------
-    points : (n, 2) array
-        Less is better.
-
-    Returns
-    -------
-    (m,) array
-        Indices; the first column ascends, the second descends.
-    """
-    order = np.lexsort((points[:, 1], points[:, 0]))
-    least = np.minimum.accumulate(points[order, 1])
-    return np.asarray(order[np.diff(least, prepend=np.inf) < 0])
 
 
 def _key(axes: Axes, heads: list[str], columns: int = 1) -> None:
@@ -298,14 +281,23 @@ def _spread(values: NDArray[np.float64]) -> bool:
     return bool(values.size) and bool(np.ptp(values) > LEAST_SPAN * abs(values).max())
 
 
-def _counted(solved: NDArray[np.bool_]) -> str:
+def _solved(solved: NDArray[np.bool_]) -> str:
     failed = int((~solved).sum())
-    return f"{int(solved.sum())} designs" + (f", {failed} without a value" if failed else "")
+    return _counted(int(solved.sum())) + (f", {failed} without a value" if failed else "")
+
+
+def _counted(count: int, name: str = "design") -> str:
+    return f"{count} {name}" + "s" * (count != 1)
 
 
 def _short(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, int | float) else short(value)
+    """Four digits; no powers of ten in numbers of common size."""
+    if not isinstance(value, int | float):
+        return short(value)
+    if value and not 1e-4 < abs(value) < 1e7:
+        return f"{value:.4g}"
+    return str(np.format_float_positional(value, precision=4, fractional=False, trim="-"))
 
 
-def _shown(value: float, name: str) -> str:
-    return f"{value:.4g} {unit_of(name)}".rstrip()
+def _shown(value: Any, name: str) -> str:
+    return f"{_short(value)} {unit_of(name)}".rstrip()

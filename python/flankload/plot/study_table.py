@@ -1,4 +1,4 @@
-"""Values of a design study by design and torque, and words for its variables and quantities."""
+"""A design study by design and torque, its Pareto front, words for variables and quantities."""
 
 from __future__ import annotations
 
@@ -151,12 +151,30 @@ class StudyTable:
     def design(self, number: int) -> str:
         """A design in words: its variables with their values."""
         found = [
-            f"{words(name)} {value:.5g} {unit_of(name)}".rstrip()
+            f"{words(name)} = {value:.5g} {unit_of(name)}".rstrip()
             if isinstance(value, int | float)
-            else f"{words(name)} {_cell(value)}"
+            else f"{words(name)} = {_cell(value)}"
             for name, value in self.designs[number].items()
         ]
         return ", ".join(found)
+
+
+def pareto_front(points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Rows that no other row equals or surpasses in both columns.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+        Less is better.
+
+    Returns
+    -------
+    (m,) array
+        Indices; the first column ascends, the second descends.
+    """
+    order = np.lexsort((points[:, 1], points[:, 0]))
+    least = np.minimum.accumulate(points[order, 1])
+    return np.asarray(order[np.diff(least, prepend=np.inf) < 0])
 
 
 def label(name: str) -> str:
