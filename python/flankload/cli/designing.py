@@ -123,7 +123,7 @@ def _pictures(found: DesignStudy, folder: Path | None) -> list[str]:
     from flankload.plot import write_study
 
     paths = write_study(found, folder)
-    names = ", ".join(path.name for path in paths) or "no picture suits this study"
+    names = ", ".join(path.name for path in paths) or "none suits this study"
     return [f"plots in {folder}: {names}"]
 
 

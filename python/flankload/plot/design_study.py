@@ -66,8 +66,8 @@ def study_figures(study: DesignStudy) -> dict[str, Callable[[], Figure]]:
             panels = [(draw_curve, quantity, name) for name in names]
             found[f"curve_{quantity}"] = partial(figure, title, panels)
         if len(torques) > 1:
-            title, panels = "Designs over the torque", [(draw_over_torque, quantity)]
-            found[f"torques_{quantity}"] = partial(figure, title, panels)
+            lines = [(draw_over_torque, quantity)]
+            found[f"torques_{quantity}"] = partial(figure, "Designs over the torque", lines)
     for quantity in table.curves if drawn else ():
         add(f"bands_{quantity}", "Percentiles over the positions", draw_bands, quantity)
     if len(table.numbers) > 1 and len(table.designs) > 1:

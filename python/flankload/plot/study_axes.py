@@ -58,7 +58,7 @@ def draw_map(
     x, y = _places(axes, "x", xs), _places(axes, "y", ys)
     axes.grid(visible=False)
     cells = axes.pcolormesh(_edges(x), _edges(y), found, cmap=TINTS, edgecolor="face", linewidth=0)
-    bar = axes.get_figure().colorbar(cells, ax=axes)
+    bar = axes.figure.colorbar(cells, ax=axes)
     bar.set_label(label(quantity))
     numbers = all(isinstance(value, int | float) for value in (*xs, *ys))
     if numbers and min(found.shape) > 2 and _spread(found.compressed()):
@@ -93,7 +93,9 @@ def draw_curve(axes: Axes, study: DesignStudy, quantity: str, variable: str) -> 
         axes.plot(x, y, marker="os^Dv<"[colour], markersize=4.5, color=COLOURS[colour])
         if np.isfinite(y).any():
             k = int(np.nanargmin(y))
-            text += f"{': ' * bool(text)}least {_shown(y[k], quantity)} at {_shown(xs[k], variable)}"
+            text += (
+                f"{': ' * bool(text)}least {_shown(y[k], quantity)} at {_shown(xs[k], variable)}"
+            )
             axes.plot(x[k], y[k], label=text, color=COLOURS[colour], **BEST)
     axes.set_xlabel(label(variable))
     axes.set_ylabel(label(quantity))
@@ -117,7 +119,7 @@ def draw_over_torque(axes: Axes, study: DesignStudy, quantity: str) -> None:
     known = np.flatnonzero(np.isfinite(values).any(axis=1))
     means = values[known].mean(axis=1)  # NaN if a torque has no solution
     best = int(known[np.nanargmin(means)]) if np.isfinite(means).any() else None
-    order = np.argsort(table.torques_Nm[known[0]]) if known.size else []
+    order = np.argsort(table.torques_Nm[known[0]]) if known.size else np.arange(0)
     lines = {int(g): np.column_stack([table.torques_Nm[g], values[g]])[order] for g in known}
     others = [line for g, line in lines.items() if g != best]
     text = _counted(len(others), "other design") if others else None
@@ -216,8 +218,8 @@ def draw_pareto(
     look: dict[str, Any] = {"color": COLOURS[1], "marker": "o", "markersize": 6, "linewidth": 1.6}
     text = f"Pareto front, {_counted(len(front))}" if len(front) > 1 else "best in both"
     axes.plot(*front.T, drawstyle="steps-post", label=text, **look)
-    for name, put in zip(quantities, (axes.set_xlabel, axes.set_ylabel), strict=True):
-        put(f"{label(name)}\n(less is better)")
+    axes.set_xlabel(f"{label(quantities[0])}\n(less is better)")
+    axes.set_ylabel(f"{label(quantities[1])}\n(less is better)")
     _key(axes, [table.torque(torque)], columns=2)
 
 

@@ -72,9 +72,7 @@ class StudyTable:
             self._rows, self._columns = np.indices((len(whole), most))
             padded = [[*row, *[np.nan] * (most - len(row))] for row in torques]
             self.torques_Nm = np.array(padded, dtype=float)
-        self.designs = [
-            {name: whole[i][name] for name in self.variables} for i in self._rows[:, 0]
-        ]
+        self.designs = [{name: whole[i][name] for name in self.variables} for i in self._rows[:, 0]]
 
     @property
     def numbers(self) -> tuple[str, ...]:

@@ -74,6 +74,19 @@ def test_a_study_is_solved_written_and_not_solved_again(
     assert run(capsys, study, "--quiet") == (0, "", "")
 
 
+def test_plots_are_written_and_named(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    edit(study, "[100, 200]", "[100, 200, -1]")
+    folder = study.parent / "out"
+    code, out, err = run(capsys, study, "--plot", folder)
+    assert (code, err) == (0, "")
+    assert out.splitlines()[0].startswith("small job: 3 designs, 1 of them failed")
+    assert out.splitlines()[-1] == f"plots in {folder}: curve_peak_pressure_MPa.png"
+    assert [path.name for path in folder.iterdir()] == ["curve_peak_pressure_MPa.png"]
+    edit(study, "[100, 200, -1]", "[100]")
+    code, out, _ = run(capsys, study, "--plot", folder)
+    assert out.splitlines()[-1] == f"plots in {folder}: none suits this study"
+
+
 def test_processes_and_a_scheduler_are_workers(
     study: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -134,6 +147,7 @@ def test_a_wrong_study_gets_exit_2_and_one_line(
     [
         (["-o", "a.txt"], "-o: expected a file ending in .csv or .parquet, found a.txt"),
         (["-o", "none/a.csv"], "-o: expected a file in a folder that exists, found no folder none"),
+        (["--plot", "study.toml"], "--plot: expected a folder, found the file study.toml"),
         (["--workers", "0"], "--workers: expected an integer > 0, found 0"),
         (
             ["--workers", "2", "--processes", "--scheduler", "a"],
@@ -142,8 +156,13 @@ def test_a_wrong_study_gets_exit_2_and_one_line(
     ],
 )
 def test_wrong_options_get_exit_2_and_one_line(
-    study: Path, capsys: pytest.CaptureFixture[str], options: list[str], line: str
+    study: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    options: list[str],
+    line: str,
 ) -> None:
+    monkeypatch.chdir(study.parent)
     try:
         code = main(["study", str(study), *options])
     except SystemExit as leaving:

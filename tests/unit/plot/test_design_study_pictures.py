@@ -85,7 +85,10 @@ def words(axes: Axes) -> list[str]:
     ("study", "names"),
     [
         (made_up_study({RELIEF: [0, 30], START: [75, 76]}), "map map pareto"),
-        (made_up_study({TORQUE: [100, 300], RELIEF: [0, 30]}), "curve torques curve torques pareto"),
+        (
+            made_up_study({TORQUE: [100, 300], RELIEF: [0, 30]}),
+            "curve torques curve torques pareto",
+        ),
         (made_up_study({TORQUE: [100, 300]}), "curve curve pareto"),
         (
             made_up_study({RELIEF: [0, 30], START: [75, 76]}, "one-at-a-time", torques=[1, 2]),
@@ -111,7 +114,9 @@ def test_each_torque_of_a_list_has_a_panel_and_many_of_them_are_chosen(tmp_path:
     assert [words(axes)[0] for axes in maps] == expected
     few = made_up_study({RELIEF: [0, 30, 60], START: [75, 76]})
     paths = pictures.write_study(few, tmp_path / "new")
-    assert sorted(path.name for path in paths) == sorted(p.name for p in (tmp_path / "new").iterdir())
+    assert sorted(path.name for path in paths) == sorted(
+        p.name for p in (tmp_path / "new").iterdir()
+    )
     assert all(path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n" for path in paths)
 
 
@@ -137,7 +142,9 @@ def test_a_map_has_the_values_a_gap_and_the_least_value() -> None:
 
 
 def test_a_map_is_the_least_over_further_variables() -> None:
-    study = made_up_study({TORQUE: [300, 100], RELIEF: [0, 10], START: [75, 76], "text": ["b", "a"]})
+    study = made_up_study(
+        {TORQUE: [300, 100], RELIEF: [0, 10], START: [75, 76], "text": ["b", "a"]}
+    )
     axes = new_axes()
     pictures.draw_map(axes, study, ERROR, (RELIEF, "text"), torque=0)
     np.testing.assert_allclose(axes.collections[0].get_array(), [[2, 1], [2, 1]])
@@ -210,7 +217,9 @@ def test_bands_are_percentiles_of_the_curves() -> None:
         low, high = np.percentile(curves, percents, axis=0)
         corners = band.get_paths()[0].vertices
         np.testing.assert_allclose([corners[:, 1].min(), corners[:, 1].max()], [0, high[-1]])
-        for angle, ends in zip(np.degrees(POSITIONS_RAD), np.column_stack([low, high]), strict=True):
+        for angle, ends in zip(
+            np.degrees(POSITIONS_RAD), np.column_stack([low, high]), strict=True
+        ):
             there = corners[np.isclose(corners[:, 0], angle), 1]
             np.testing.assert_allclose([there.min(), there.max()], ends)
     median = np.column_stack([np.degrees(POSITIONS_RAD), np.median(curves, axis=0)])
@@ -227,7 +236,7 @@ def test_curves_of_other_positions_are_interpolated() -> None:
     axes = new_axes()
     pictures.draw_bands(axes, study, CURVE)
     first = study.values(CURVE)[0]
-    np.testing.assert_allclose(axes.lines[0].get_ydata(), (first + [1, 3, 5, 7]) / 2)
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), 0.5 * (first + np.array([1, 3, 5, 7])))
 
 
 def test_a_histogram_counts_all_designs_and_has_percentiles() -> None:
