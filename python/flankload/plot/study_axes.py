@@ -11,8 +11,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.ticker import MaxNLocator
 
+from flankload.plot.study_table import StudyTable, label, on_one_grid, pareto_front, unit_of
 from flankload.plot.style import COLOURS, short
-from flankload.plot.study_table import StudyTable, label, pareto_front, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -152,7 +152,7 @@ def draw_bands(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) 
     curves = table.values(quantity)[:, torque]
     angles = np.degrees(table.values("position_rad")[:, torque])
     solved = np.isfinite(curves).any(axis=1)
-    place, found = _on_one_grid(angles[solved], curves[solved])
+    place, found = on_one_grid(angles[solved], curves[solved])
     for text, low, high, colour in BANDS:
         ends = np.nanpercentile(found, [low, high], axis=0)
         axes.fill_between(place, *ends, color=colour, linewidth=0, label=text)
@@ -261,21 +261,6 @@ def _edges(places: NDArray[np.float64]) -> NDArray[np.float64]:
     middle = 0.5 * (places[1:] + places[:-1])
     ends = (2 * places[0] - middle[0], 2 * places[-1] - middle[-1])
     return np.array([ends[0], *middle, ends[1]])
-
-
-def _on_one_grid(
-    angles: NDArray[np.float64], curves: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Curves (n, P) at the angles (P,) of the first; angles that no curve reaches are dropped."""
-    order = np.argsort(angles[0], kind="stable")
-    place = angles[0][order][np.isfinite(angles[0][order])]
-    found = np.full((len(curves), place.size), np.nan)
-    for row, angle, curve in zip(found, angles, curves, strict=True):
-        known = np.flatnonzero(np.isfinite(angle) & np.isfinite(curve))
-        known = known[np.argsort(angle[known], kind="stable")]
-        row[:] = np.interp(place, angle[known], curve[known], left=np.nan, right=np.nan)
-    kept = np.isfinite(found).any(axis=0)
-    return place[kept], found[:, kept]
 
 
 def _spread(values: NDArray[np.float64]) -> bool:

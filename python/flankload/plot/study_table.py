@@ -175,6 +175,34 @@ def pareto_front(points: NDArray[np.float64]) -> NDArray[np.int64]:
     return np.asarray(order[np.diff(least, prepend=np.inf) < 0])
 
 
+def on_one_grid(
+    angles: NDArray[np.float64], curves: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Interpolate curves linearly at the positions of the first.
+
+    Parameters
+    ----------
+    angles, curves : (n, P) array
+        NaN after the last point of a curve.
+
+    Returns
+    -------
+    (p,) array
+        Angles; those that no curve reaches are dropped.
+    (n, p) array
+        NaN where a curve does not reach.
+    """
+    order = np.argsort(angles[0], kind="stable")
+    place = angles[0][order][np.isfinite(angles[0][order])]
+    found = np.full((len(curves), place.size), np.nan)
+    for row, angle, curve in zip(found, angles, curves, strict=True):
+        known = np.flatnonzero(np.isfinite(angle) & np.isfinite(curve))
+        known = known[np.argsort(angle[known], kind="stable")]
+        row[:] = np.interp(place, angle[known], curve[known], left=np.nan, right=np.nan)
+    kept = np.isfinite(found).any(axis=0)
+    return place[kept], found[:, kept]
+
+
 def label(name: str) -> str:
     """Words and unit of a variable or quantity, on lines that fit an axis."""
     unit = unit_of(name)
