@@ -77,7 +77,7 @@ def _by_cells(surface: FlankSurface, cells: int) -> np.ndarray:
         surface.length_mm * surface.width_mm / cells**2 / surface.cos_base_helix
     )
     table = surface.potential(s[:, None], z[:, None], s, z)
-    own = np.array([_own_cell(surface, place, cells) for place in s])
+    own = np.repeat([_own_cell(surface, place, cells) for place in s[::cells]], cells)
     for psi, face in zip(surface.end, surface.z_mm, strict=True):
         own += psi * surface.cos_base_helix / np.abs(2 * (z - face))
     for psi, corner in zip(surface.wedge, surface.s_mm, strict=True):
