@@ -141,6 +141,18 @@ def test_twice_as_many_points_change_nothing(surface: FlankSurface) -> None:
     np.testing.assert_array_equal(found, found.T)
 
 
+def test_places_of_the_profile_are_looked_at_once() -> None:
+    """Not anew for each point along the axis, which were 374 400 places."""
+    seen = []
+
+    def watched(s: np.ndarray) -> np.ndarray:
+        seen.append(np.size(s))
+        return _leaning(s)
+
+    projected_potential(_surface(watched, 0.95, end=(0.5, 2.0)), 5, 4)
+    assert sum(seen) < 4_000
+
+
 #: [P_0, P_1, P_2] of a flank that goes on over its tip, by the modes of flank and tip: with r the
 #: part of the flank that the tip is long, P_1(1 + 2 r u) = 1 + 2 r u, P_2 = 1 + 6 r u + 6 r² u².
 def _continued(r: float) -> np.ndarray:
