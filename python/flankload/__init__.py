@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flankload import errors
-    from flankload.api import Prepared, prepare, solve
+    from flankload.api import Prepared, prepare, sensitivity, solve
     from flankload.contact import (
         ContactState,
         solve_contact,
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from flankload.scene import Scene, read_scene
     from flankload.studies.accuracy import Study, accuracy
     from flankload.studies.plan import Plan, plan
+    from flankload.studies.sensitivity import Sensitivity
     from flankload.studies.verification import Verification, verify
 
 __all__ = [
@@ -51,6 +52,7 @@ __all__ = [
     "Result",
     "Scene",
     "SceneError",
+    "Sensitivity",
     "SingularContact",
     "Study",
     "Verification",
@@ -60,6 +62,7 @@ __all__ = [
     "plan",
     "prepare",
     "read_scene",
+    "sensitivity",
     "solve",
     "solve_contact",
     "solve_contact_general",
@@ -93,7 +96,9 @@ _MODULE_OF_NAME = {
     "Result": "result",
     "Prepared": "api",
     "prepare": "api",
+    "sensitivity": "api",
     "solve": "api",
+    "Sensitivity": "studies.sensitivity",
     "Study": "studies.accuracy",
     "accuracy": "studies.accuracy",
     "Verification": "studies.verification",
