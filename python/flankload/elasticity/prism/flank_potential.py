@@ -349,9 +349,9 @@ class _Rule:
                 _Lines(
                     index=index,
                     spare=spare[some],
-                    slope=0.5 * sum(surface.slope(s) for s in places),
+                    slope=0.5 * (surface.slope(places[0]) + surface.slope(places[1])),
                     secants=secants,
-                    secant=0.5 * sum(secants),
+                    secant=0.5 * (secants[0] + secants[1]),
                     modes=tuple(surface.modes(s, self._n) for s in places),
                 )
             )
