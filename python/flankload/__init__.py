@@ -33,12 +33,14 @@ if TYPE_CHECKING:
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
     from flankload.studies.accuracy import Study, accuracy
+    from flankload.studies.design import DesignStudy, study
     from flankload.studies.plan import Plan, plan
     from flankload.studies.sensitivity import Sensitivity
     from flankload.studies.verification import Verification, verify
 
 __all__ = [
     "ContactState",
+    "DesignStudy",
     "FlankloadError",
     "InputError",
     "MeshError",
@@ -69,6 +71,7 @@ __all__ = [
     "solve_contact_on_demand",
     "solve_contact_sequence",
     "solve_contact_torques",
+    "study",
     "verify",
 ]
 
@@ -98,6 +101,8 @@ _MODULE_OF_NAME = {
     "prepare": "api",
     "sensitivity": "api",
     "solve": "api",
+    "DesignStudy": "studies.design",
+    "study": "studies.design",
     "Sensitivity": "studies.sensitivity",
     "Study": "studies.accuracy",
     "accuracy": "studies.accuracy",
