@@ -38,7 +38,7 @@ contains
         !> Pairs in contact in a similar sweep
         type(known_contacts), intent(in), optional :: known
 
-        integer :: n_speeds, n_sections, n_columns
+        integer :: n_speeds, n_columns
         logical :: valid_1, valid_2
         type(body_type) :: body_1, body_2
         type(grid_settings) :: grid
@@ -54,6 +54,45 @@ contains
         if (any(torques < 0.0_wp)) info = -6
         if (any(abs(settings(4:)) > huge(info))) info = -11
         if (info < 0) return
+        call check_bodies(body_1, body_2, n_sites, info)
+        grid%strips_per_half_width = settings(1)
+        grid%corner_strips_per_half_width = settings(2)
+        grid%zone_half_widths = settings(3)
+        grid%level = nint(settings(4))
+        grid%finite_steps = nint(settings(5))
+        if (.not. all(settings(:3) > 0.0_wp) .or. grid%finite_steps < 0) info = -11
+        if (any(abs(settings(4:) - anint(settings(4:))) > 0.0_wp)) info = -11
+        if (grid%level /= level_pairs .and. grid%level /= level_lumped) info = -11
+        if (grid%level == level_lumped .and. allocated(body_1%sides)) info = -11
+        n_speeds = merge(size(motion, 2), 0, allocated(body_1%friction))
+        if (.not. all(ieee_is_finite(motion(3:, :n_speeds)))) info = -4
+        n_columns = merge(pair_columns_with_friction, pair_columns, n_speeds > 0)
+        if (size(pair_table, 1) /= n_columns) info = -12
+        if (present(known)) then
+            if (any(known%n_pairs < 0)) info = -19
+            if (any(known%n_pairs > 0 .and. (known%first_pair < 1 &
+                & .or. known%first_pair > size(known%touches) - known%n_pairs + 1))) info = -20
+        end if
+        if (info < 0) return
+
+        body_2%origin = [center_distance, 0.0_wp]
+        call sweep_positions(body_1, body_2, motion(1, :), motion(2, :), motion(3:, :n_speeds), &
+            & torques, grid, control, pair_site, pair_table, found, known)
+        info = count(found%status < 0)
+    end subroutine sweep_records
+
+    !> Check that two bodies go with each other.
+    pure subroutine check_bodies(body_1, body_2, n_sites, info)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Number of sites
+        integer, intent(in) :: n_sites
+        !> -i: argument i of flankload_sweep is not valid; else unchanged
+        integer, intent(inout) :: info
+
+        integer :: n_sections
+
         if (size(body_1%site_angles) /= n_sites .or. size(body_2%site_angles) /= n_sites) info = -3
         ! coast flanks and friction are those of flank 1
         if (allocated(body_2%sides) .or. allocated(body_2%friction)) info = -10
@@ -78,33 +117,7 @@ contains
                 if (one%kernel > 0.0_wp) info = -8
             end if
         end associate
-        grid%strips_per_half_width = settings(1)
-        grid%corner_strips_per_half_width = settings(2)
-        grid%zone_half_widths = settings(3)
-        grid%level = nint(settings(4))
-        grid%finite_steps = nint(settings(5))
-        if (.not. all(settings(:3) > 0.0_wp) .or. grid%finite_steps < 0) info = -11
-        if (any(abs(settings(4:) - anint(settings(4:))) > 0.0_wp)) info = -11
-        if (grid%level /= level_pairs .and. grid%level /= level_lumped) info = -11
-        if (grid%level == level_lumped .and. allocated(body_1%sides)) info = -11
-        n_speeds = merge(size(motion, 2), 0, allocated(body_1%friction))
-        if (.not. all(ieee_is_finite(motion(3:, :n_speeds)))) info = -4
-        n_columns = merge(pair_columns_with_friction, pair_columns, n_speeds > 0)
-        if (size(pair_table, 1) /= n_columns) info = -12
-        if (present(known)) then
-            if (any(known%n_pairs < 0)) info = -19
-            associate (last => known%first_pair + known%n_pairs - 1)
-                if (any(known%n_pairs > 0 .and. (known%first_pair < 1 &
-                    & .or. last > size(known%touches)))) info = -20
-            end associate
-        end if
-        if (info < 0) return
-
-        body_2%origin = [center_distance, 0.0_wp]
-        call sweep_positions(body_1, body_2, motion(1, :), motion(2, :), motion(3:, :n_speeds), &
-            & torques, grid, control, pair_site, pair_table, found, known)
-        info = count(found%status < 0)
-    end subroutine sweep_records
+    end subroutine check_bodies
 
     !> Copy the results; without results, NaN and 0.
     subroutine unpack_sweep(found, info, status, rotation, tangent, certificate, counters, &
