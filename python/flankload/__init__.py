@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flankload import errors
-    from flankload.api import Prepared, prepare, solve
+    from flankload.api import Prepared, prepare, sensitivity, solve
     from flankload.contact import (
         ContactState,
         solve_contact,
@@ -33,11 +33,14 @@ if TYPE_CHECKING:
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
     from flankload.studies.accuracy import Study, accuracy
+    from flankload.studies.design import DesignStudy, study
     from flankload.studies.plan import Plan, plan
+    from flankload.studies.sensitivity import Sensitivity
     from flankload.studies.verification import Verification, verify
 
 __all__ = [
     "ContactState",
+    "DesignStudy",
     "FlankloadError",
     "InputError",
     "MeshError",
@@ -51,6 +54,7 @@ __all__ = [
     "Result",
     "Scene",
     "SceneError",
+    "Sensitivity",
     "SingularContact",
     "Study",
     "Verification",
@@ -60,12 +64,14 @@ __all__ = [
     "plan",
     "prepare",
     "read_scene",
+    "sensitivity",
     "solve",
     "solve_contact",
     "solve_contact_general",
     "solve_contact_on_demand",
     "solve_contact_sequence",
     "solve_contact_torques",
+    "study",
     "verify",
 ]
 
@@ -93,7 +99,11 @@ _MODULE_OF_NAME = {
     "Result": "result",
     "Prepared": "api",
     "prepare": "api",
+    "sensitivity": "api",
     "solve": "api",
+    "DesignStudy": "studies.design",
+    "study": "studies.design",
+    "Sensitivity": "studies.sensitivity",
     "Study": "studies.accuracy",
     "accuracy": "studies.accuracy",
     "Verification": "studies.verification",

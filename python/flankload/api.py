@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from flankload.cost import Account
-from flankload.mechanisms import Earlier, Parts, mechanism_of, run_once
-from flankload.mechanisms import prepare as prepare_parts
-from flankload.studies.tolerance import solve_to_tolerance
+from flankload.studies import sensitivity as derivatives
+from flankload.studies.prepared import Prepared, solve_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Sequence
 
     from flankload.mechanisms.duration import Duration
-    from flankload.mechanisms.stage_clock import Kept, Progress
+    from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.plan import Plan
+    from flankload.studies.sensitivity import Sensitivity
 
 
 def solve(
@@ -55,52 +53,7 @@ def solve(
     FlankloadError
         If a position has no answer, or the plan is one of another scene.
     """
-    return _solve(scene, progress, None, plan=plan, on_duration=on_duration)
-
-
-class Prepared:
-    """A scene with its bodies and compliances, for similar scenes; from `prepare`.
-
-    Attributes
-    ----------
-    scene : Scene
-    """
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self._parts = Parts()
-        if not scene.steers and scene.effects.choose is None:
-            prepare_parts(scene, self._parts)
-
-    def solve(
-        self, changes: Mapping[str, Any] | None = None, progress: Progress | None = None
-    ) -> Result | tuple[Result, ...]:
-        """Load distribution of the scene with other values of some keys.
-
-        Bodies and compliances are reused if all that they follow from has the same bits; new ones
-        are kept for later calls, up to 64. The result has the same bits as
-        `solve(scene.replace(changes))`, but for its cost: a compliance that is reused costs
-        nothing, and its stage is missing. Belts and chains are solved anew, and so are scenes with
-        `accuracy.tolerance`, whose discretization depends on what elements cost.
-
-        Parameters
-        ----------
-        changes : mapping of str to object, optional
-            As of `Scene.replace`.
-        progress : callable, optional
-            As of `solve`.
-
-        Returns
-        -------
-        Result, or a tuple of Results where the scene has a list of torques
-
-        Raises
-        ------
-        SceneError, FlankloadError
-            As `Scene.replace` and `solve`.
-        """
-        scene = self.scene if not changes else self.scene.replace(changes)
-        return _solve(scene, progress, self._parts)
+    return solve_scene(scene, progress, None, plan=plan, on_duration=on_duration)
 
 
 def prepare(scene: Scene) -> Prepared:
@@ -123,57 +76,34 @@ def prepare(scene: Scene) -> Prepared:
     return Prepared(scene)
 
 
-def _solve(
-    scene: Scene,
-    progress: Progress | None,
-    parts: Parts | None,
-    *,
-    plan: Plan | None = None,
-    on_duration: Callable[[Duration], None] | None = None,
-) -> Result | tuple[Result, ...]:
-    """Solve a scene, to its tolerance if it names one."""
-    if not scene.steers:
-        return _solve_chosen(scene, {}, progress, parts, (plan, on_duration))
-    firsts = iter([(plan, on_duration)])  # they concern the first run
+def sensitivity(scene: Scene | Prepared, paths: Sequence[str]) -> Sensitivity:
+    """Derivatives of all results of a scene with respect to some of its keys.
 
-    def solve_once(
-        scene: Scene, kept: Kept, progress: Progress | None
-    ) -> Result | tuple[Result, ...]:
-        return _solve_chosen(scene, kept, progress, None, next(firsts, (None, None)))
+    They are exact for the pairs in contact of each state: central differences over a step so small
+    that its square is 1e-8, between systems of the same pairs on cells that follow the contact. No
+    contact problem is solved again.
 
-    return solve_to_tolerance(scene, solve_once, progress)
+    Parameters
+    ----------
+    scene : Scene or Prepared
+        A prepared scene lends its bodies and compliances. `accuracy.tolerance` and
+        `effects.choose` are refused, since derivatives need one discretization.
+    paths : sequence of str
+        Keys with numbers, by path as in `Scene.replace`: "body_1.tip_relief_um",
+        "body_2.pitch_errors_um[3]", "pair.center_distance_mm". A key that reaches the elements of
+        a body costs two solutions of these.
 
+    Returns
+    -------
+    Sensitivity
+        `derivative("transmission_error_peak_to_peak_um")`, and so on for each number of
+        `Result.summary`, each array of `Result`, and each function of a Result.
 
-def _solve_chosen(
-    scene: Scene,
-    kept: Kept,
-    progress: Progress | None,
-    parts: Parts | None,
-    first: tuple[Plan | None, Callable[[Duration], None] | None],
-) -> Result | tuple[Result, ...]:
-    """Solve a scene once; the effects that it leaves to the plan are chosen before."""
-    plan, on_duration = first
-    stages: dict[str, Account] = {}
-    notes: tuple[str, ...] = ()
-    if scene.effects.choose is not None:
-        from flankload.studies.plan.choice import choose_effects, said_of
-
-        if progress is not None:
-            progress("plan", 0, 1)
-        with stages.setdefault("plan", Account()):
-            scene, choice = choose_effects(scene)
-        notes = (said_of(choice, scene.accuracy.tolerance),) if choice else ()
-    return run_once(
-        scene,
-        kept,
-        progress,
-        plan=None if plan is None else plan.predicted["stages"],
-        on_assembly=None if on_duration is None else partial(_report_duration, scene, on_duration),
-        earlier=Earlier(stages, notes, parts),
-    )
-
-
-def _report_duration(scene: Scene, on_duration: Callable[[Duration], None], assembly: Any) -> None:
-    duration = mechanism_of(scene).duration(scene, assembly)
-    if duration is not None:
-        on_duration(duration)
+    Raises
+    ------
+    SceneError, FlankloadError
+        As `solve`; if a path leads to no number, or no scene beside its value is possible.
+    """
+    if isinstance(scene, Prepared):
+        return derivatives.sensitivity(scene.scene, paths, scene.parts)
+    return derivatives.sensitivity(scene, paths)
