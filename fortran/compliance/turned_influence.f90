@@ -38,7 +38,10 @@ contains
         if (.not. allocated(body%turned)) return
         turns = abs(turn) > 0.0_wp
         if (.not. any(turns)) return
-        sine = sin(turn)
+        sine = 0.0_wp
+        do i = 1, size(s)
+            if (turns(i)) sine(i) = sin(turn(i))
+        end do
         values = mode_values(body, s)
         last = 0
         do while (last < size(s))
