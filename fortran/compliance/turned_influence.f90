@@ -20,9 +20,9 @@ contains
     pure subroutine add_turned(body, site, s, cell, turn, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Site of each pair, those of a site together, its arc length on the flank and width of its cell [mm], and by how
-        !> much its force is turned from the flank's normal towards growing arc length [rad], shape
-        !> (n)
+        !> Site of each pair, those of a site together, its arc length on the flank and width of its
+        !> cell [mm], and by how much its force is turned from the flank's normal towards growing
+        !> arc length [rad], shape (n)
         integer, intent(in) :: site(:)
         real(wp), intent(in) :: s(:)
         real(wp), intent(in) :: cell(:)
