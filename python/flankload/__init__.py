@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flankload import errors
-    from flankload.api import Prepared, prepare, solve
+    from flankload.api import Prepared, optimise, prepare, solve
     from flankload.contact import (
         ContactState,
         solve_contact,
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
     from flankload.studies.accuracy import Study, accuracy
+    from flankload.studies.optimisation import Optimum
     from flankload.studies.plan import Plan, plan
     from flankload.studies.verification import Verification, verify
 
@@ -43,6 +44,7 @@ __all__ = [
     "MeshError",
     "NegativeForce",
     "NoContactState",
+    "Optimum",
     "OtherProgramError",
     "PivotLimit",
     "Plan",
@@ -57,6 +59,7 @@ __all__ = [
     "__version__",
     "accuracy",
     "errors",
+    "optimise",
     "plan",
     "prepare",
     "read_scene",
@@ -91,7 +94,9 @@ _MODULE_OF_NAME = {
     "Plan": "studies.plan",
     "plan": "studies.plan",
     "Result": "result",
+    "Optimum": "studies.optimisation",
     "Prepared": "api",
+    "optimise": "api",
     "prepare": "api",
     "solve": "api",
     "Study": "studies.accuracy",

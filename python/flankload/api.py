@@ -11,12 +11,13 @@ from flankload.mechanisms import prepare as prepare_parts
 from flankload.studies.tolerance import solve_to_tolerance
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.stage_clock import Kept, Progress
     from flankload.result import Result
     from flankload.scene import Scene
+    from flankload.studies.optimisation import Optimum
     from flankload.studies.plan import Plan
 
 
@@ -121,6 +122,61 @@ def prepare(scene: Scene) -> Prepared:
         If the scene is impossible.
     """
     return Prepared(scene)
+
+
+def optimise(
+    scene: Scene,
+    variables: Sequence[Mapping[str, Any]],
+    objective: str | Mapping[str, Any],
+    constraints: Sequence[Mapping[str, Any]] = (),
+    *,
+    progress: Progress | None = None,
+    **options: Any,
+) -> Optimum:
+    """Values of some keys of a scene for which a key figure is as small as possible.
+
+    Parameters
+    ----------
+    scene : Scene
+    variables : sequence of mappings
+        Each with `path` (as of `Scene.replace`) or several `paths` with `factors`, `lower`,
+        `upper`, `start` (default: the value of the scene) and `step` (the value ends as a multiple
+        of it).
+    objective : str or mapping
+        Name of a number in `Result.summary`; or `quantity`, or several `quantities` with
+        `weights`; `over` ("worst" or "sum" of all torques) and `torque_weights`.
+    constraints : sequence of mappings, optional
+        Each with `quantity` and `at_most`, its limit at every torque.
+    progress : callable, optional
+        Called as progress("optimise", done, total).
+    **options
+        `starts` (number of starting points, default 1), `seed` of the random ones (0), `tolerance`
+        (relative decrease of the objective at which a search ends, 1e-3), `most_evaluations` of
+        each start (50).
+
+    Returns
+    -------
+    Optimum
+
+    Raises
+    ------
+    SceneError
+        If a table or the scene is impossible.
+    FlankloadError
+        If the first point has no solution. Later points without a solution are refused as steps,
+        and counted.
+
+    Examples
+    --------
+    >>> relief = {"path": "body_1.tip_relief_um", "lower": 0, "upper": 80, "step": 1}
+    >>> fl.optimise(scene, [relief], "transmission_error_peak_to_peak_um")
+    """
+    from flankload.studies.optimisation import Tools
+    from flankload.studies.optimisation import optimise as search
+    from flankload.studies.optimisation.stand_in import sensitivity
+
+    tables = {"variables": variables, "objective": objective, "constraints": constraints}
+    return search(scene, tables, Tools(solve, prepare, sensitivity), options, progress)
 
 
 def _solve(
