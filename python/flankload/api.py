@@ -139,12 +139,12 @@ def optimise(
     ----------
     scene : Scene
     variables : sequence of mappings
-        Each with `path` (as of `Scene.replace`) or several `paths` with `factors`, `lower`,
+        Each with `paths` (one or several, as of `Scene.replace`) and their `factors`, `lower`,
         `upper`, `start` (default: the value of the scene) and `step` (the value ends as a multiple
         of it).
     objective : str or mapping
-        Name of a number in `Result.summary`; or `quantity`, or several `quantities` with
-        `weights`; `over` ("worst" or "sum" of all torques) and `torque_weights`.
+        Name of a number in `Result.summary`; or `quantity` (one or several names) and `weights`,
+        `over` ("worst" or "sum" of all torques) and `torque_weights`.
     constraints : sequence of mappings, optional
         Each with `quantity` and `at_most`, its limit at every torque.
     progress : callable, optional
@@ -168,15 +168,14 @@ def optimise(
 
     Examples
     --------
-    >>> relief = {"path": "body_1.tip_relief_um", "lower": 0, "upper": 80, "step": 1}
+    >>> relief = {"paths": "body_1.tip_relief_um", "lower": 0, "upper": 80, "step": 1}
     >>> fl.optimise(scene, [relief], "transmission_error_peak_to_peak_um")
     """
-    from flankload.studies.optimisation import Tools
     from flankload.studies.optimisation import optimise as search
     from flankload.studies.optimisation.stand_in import sensitivity
 
     tables = {"variables": variables, "objective": objective, "constraints": constraints}
-    return search(scene, tables, Tools(solve, prepare, sensitivity), options, progress)
+    return search(scene, tables, options, progress, prepare=prepare, sensitivity=sensitivity)
 
 
 def _solve(

@@ -6,6 +6,6 @@ rounding to steps of the machine → comparison with the given scene.
 
 from flankload.studies.optimisation.optimum import Limit, OptimisedVariable, Optimum
 from flankload.studies.optimisation.problem import OptimisationFile
-from flankload.studies.optimisation.run_optimisation import Tools, optimise
+from flankload.studies.optimisation.run_optimisation import optimise
 
-__all__ = ["Limit", "OptimisationFile", "OptimisedVariable", "Optimum", "Tools", "optimise"]
+__all__ = ["Limit", "OptimisationFile", "OptimisedVariable", "Optimum", "optimise"]

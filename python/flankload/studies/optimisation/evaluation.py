@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,16 +14,17 @@ from flankload.studies.optimisation.model import Goals, Maximum, Point
 from flankload.studies.optimisation.problem import changes_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from flankload.result import Result
+    from flankload.scene import Scene
     from flankload.studies.optimisation.model import Floats
     from flankload.studies.optimisation.problem import Constraint, Objective, Variable
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One solved point of the search.
+    """One point of the search.
 
     Attributes
     ----------
@@ -43,27 +44,24 @@ class Evaluation:
     excess: float = 0.0
 
 
+@dataclass
 class Evaluator:
     """Solves a scene at values of the variables.
 
-    Parameters
+    Attributes
     ----------
     prepared : Prepared
     sensitivity : callable
         As `flankload.sensitivity`.
-    variables : sequence of Variable
-    objective : Objective
-    constraints : sequence of Constraint
+    variables, objective, constraints
+        The problem.
     margin : float
         Relative distance that is kept from the limits.
     on_evaluation : callable
         Called with the number of evaluations.
-
-    Attributes
-    ----------
     figures : tuple of Figure
         Of the objective, then of the constraints; known after the first point, like `goals`.
-    goals : Goals or None
+    goals : Goals
     history : list of Evaluation
     states : int
         Solved states: positions times torques.
@@ -71,42 +69,31 @@ class Evaluator:
         Number of the starting point.
     """
 
-    def __init__(
-        self,
-        prepared: Any,
-        sensitivity: Callable[..., Any],
-        variables: Sequence[Variable],
-        objective: Objective,
-        constraints: Sequence[Constraint],
-        *,
-        margin: float,
-        on_evaluation: Callable[[int], None],
-    ) -> None:
-        self._prepared, self._sensitivity = prepared, sensitivity
-        self.variables, self.objective, self.constraints = variables, objective, constraints
-        self.margin, self._on_evaluation = margin, on_evaluation
-        self.lower = np.array([variable.lower for variable in variables])
-        self.ranges = np.array([variable.upper for variable in variables]) - self.lower
-        # factors of the paths of each variable
-        self._chain = np.zeros((len(variables), sum(len(v.keys) for v in variables)))
-        column = 0
-        for row, variable in enumerate(variables):
-            self._chain[row, column : column + len(variable.keys)] = variable.scales
-            column += len(variable.keys)
-        self.figures: tuple[Figure, ...] = ()
-        self.goals: Goals | None = None
-        self.history: list[Evaluation] = []
-        self.states = 0
-        self.start = 0
+    prepared: Any
+    sensitivity: Callable[..., Any]
+    variables: Sequence[Variable]
+    objective: Objective
+    constraints: Sequence[Constraint]
+    margin: float
+    on_evaluation: Callable[[int], None]
+    figures: tuple[Figure, ...] = ()
+    goals: Goals = field(init=False)
+    history: list[Evaluation] = field(default_factory=list)
+    states: int = 0
+    start: int = 0
+
+    def __post_init__(self) -> None:
+        self._lower = np.array([variable.lower for variable in self.variables])
+        self._upper = np.array([variable.upper for variable in self.variables])
 
     def values_of(self, x: Floats) -> tuple[float, ...]:
-        """Values of the variables at parts of their ranges, within the bounds."""
-        upper = np.array([variable.upper for variable in self.variables])
-        return tuple(np.clip(self.lower + self.ranges * x, self.lower, upper).tolist())
+        """Values of the variables at parts of their ranges."""
+        values = self._lower + (self._upper - self._lower) * x
+        return tuple(np.clip(values, self._lower, self._upper).tolist())
 
     def parts_of(self, values: Sequence[float]) -> Floats:
         """Parts of the ranges at values of the variables."""
-        return np.asarray((np.array(values) - self.lower) / self.ranges)
+        return np.asarray((np.array(values) - self._lower) / (self._upper - self._lower))
 
     def solve(self, x: Floats) -> Point | None:
         """Solve a point; None if it is impossible."""
@@ -124,67 +111,77 @@ class Evaluator:
         FlankloadError
             If it is impossible.
         """
-        changes = changes_of(self.variables, self.values_of(x))
-        prepared = copy(self._prepared)  # it holds the same parts
-        prepared.scene = self._prepared.scene.replace(changes)
-        found = self._sensitivity(prepared, tuple(changes))
-        results: tuple[Result, ...] = found.results
+        values = self.values_of(x)
+        changes = changes_of(self.variables, values)
+        prepared = self._prepared_for(self.prepared.scene.replace(changes))
+        found = self.sensitivity(prepared, tuple(changes))
+        n = len(found.results)
         if not self.figures:
-            self.figures = self._figures_of(results[0])
-        point = Point(x, tuple(self._maxima(found)), len(self.figures) * len(results))
-        if self.goals is None:
-            goals = self._goals(len(results))
-            self.goals = replace(goals, scale=abs(goals.objective(point)) or 1.0)
-        self.states += sum(result.position_rad.size for result in results)
+            self.figures = tuple(self._figures_of(found.results[0]))
+            self.goals = self._goals_of(n)
+        point = Point(x, tuple(self._maxima_of(found)), n * len(self.figures))
+        if not self.history:
+            self.goals = replace(self.goals, scale=abs(self.goals.objective(point)) or 1.0)
+        self.states += sum(result.position_rad.size for result in found.results)
         excess = float(self.goals.excess(point).max(initial=0.0))
-        self._add(Evaluation(self.start, self.values_of(x), self.goals.objective(point), excess))
+        self._add(Evaluation(self.start, values, self.goals.objective(point), excess))
         return point
+
+    def results_of(self, scene: Scene) -> tuple[Result, ...]:
+        """Results of a similar scene at its own settings, one per torque."""
+        found = self._prepared_for(scene).solve()
+        return found if isinstance(found, tuple) else (found,)
 
     def objective_of(self, results: Sequence[Result]) -> float:
         """Objective of results, as their summaries have it."""
-        n, objective = len(self.objective.names), self.objective
-        weights = np.ones(n) if objective.weights is None else np.array(objective.weights)
-        sums = [weights @ [figure.value(r) for figure in self.figures[:n]] for r in results]
-        factors = objective.torque_weights or (1.0,) * len(sums)
-        numbers = [factor * number for factor, number in zip(factors, sums, strict=True)]
-        return float(max(numbers) if objective.over == "worst" else sum(numbers))
+        n, k = len(self.objective.names), self.goals.n_objectives
+        figures = [[figure.value(result) for result in results] for figure in self.figures[:n]]
+        return float((self.goals.factors[:k, : n * len(results)] @ np.ravel(figures)).max())
 
     def _add(self, evaluation: Evaluation) -> None:
         self.history.append(evaluation)
-        self._on_evaluation(len(self.history))
+        self.on_evaluation(len(self.history))
 
-    def _figures_of(self, result: Result) -> tuple[Figure, ...]:
-        key = "objective.quantities" if self.objective.quantities else "objective.quantity"
-        keys = [(name, key) for name in self.objective.names]
-        keys += [(c.quantity, f"constraints[{k}].quantity") for k, c in enumerate(self.constraints)]
-        return tuple(figure_of(name, result, key) for name, key in keys)
+    def _prepared_for(self, scene: Scene) -> Any:
+        prepared = copy(self.prepared)  # which holds the same parts
+        prepared.scene = scene
+        return prepared
 
-    def _maxima(self, found: Any) -> Any:
+    def _figures_of(self, result: Result) -> Iterator[Figure]:
+        for name in self.objective.names:
+            yield figure_of(name, result, "objective.quantity")
+        for k, constraint in enumerate(self.constraints):
+            yield figure_of(constraint.quantity, result, f"constraints[{k}].quantity")
+
+    def _maxima_of(self, found: Any) -> Iterator[Maximum]:
         """All maxima; figure f at torque t is added to row f n_torques + t."""
+        n, paths = len(found.results), [v.scales for v in self.variables]
+        # d path / d part of the range, a row for each variable
+        chain = np.zeros((len(paths), sum(map(len, paths))))
+        owner = np.repeat(np.arange(len(paths)), [len(scales) for scales in paths])
+        chain[owner, np.arange(owner.size)] = np.concatenate(paths)
+        chain *= (self._upper - self._lower)[:, None]
         for f, figure in enumerate(self.figures):
             for numbers in figure.maxima:
-                slopes = self._chain @ np.moveaxis(found.derivative(numbers), 0, 1)
-                for t, (result, slope) in enumerate(zip(found.results, slopes, strict=True)):
-                    values = numbers(result)
-                    gradients = (slope * self.ranges[:, None]).T
+                derivative = found.derivative(numbers)
+                for t, result in enumerate(found.results):
+                    values, gradients = numbers(result), (chain @ derivative[:, t]).T
                     known = np.isfinite(values)
                     if not np.isfinite(gradients[known]).all():
                         raise FlankloadError(f"{figure.name} has no derivative")
-                    row = f * len(found.results) + t
-                    yield Maximum(row, 1.0, values[known], gradients[known])
+                    yield Maximum(f * n + t, values[known], gradients[known])
 
-    def _goals(self, n_torques: int) -> Goals:
+    def _goals_of(self, n_torques: int) -> Goals:
         """Objectives and limits as linear functions of the rows."""
         objective, n = self.objective, n_torques
         weights = np.ones(len(objective.names)) if objective.weights is None else objective.weights
         of_torques = np.ones(n) if objective.torque_weights is None else objective.torque_weights
-        by_torque = np.kron(weights, np.diag(of_torques))
+        lines = np.kron(weights, np.diag(of_torques))
         if objective.over == "sum":
-            by_torque = by_torque.sum(axis=0, keepdims=True)
+            lines = lines.sum(axis=0, keepdims=True)
         c = len(self.constraints) * n
-        factors = np.zeros((len(by_torque) + c, by_torque.shape[1] + c))
-        factors[: len(by_torque), : by_torque.shape[1]] = by_torque
-        factors[len(by_torque) :, by_torque.shape[1] :] = np.eye(c)
+        factors = np.zeros((len(lines) + c, lines.shape[1] + c))
+        factors[: len(lines), : lines.shape[1]] = lines
+        factors[len(lines) :, lines.shape[1] :] = np.eye(c)
         limits = np.repeat([float(constraint.at_most) for constraint in self.constraints], n)
-        limits -= self.margin * np.abs(limits)
-        return Goals(factors, len(by_torque), limits)
+        return Goals(factors, len(lines), limits - self.margin * np.abs(limits))

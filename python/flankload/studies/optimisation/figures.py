@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 #: 1 - cos(pi / 64) = 0.12 % below the amplitude.
 DIRECTIONS = 64
 HARMONIC = re.compile(r"transmission_error_(mesh_)?harmonics_um\[(\d+)\]")
-#: Part of the name of an entry of the summary.
-PART = re.compile(r"(\w+)((?:\[\d+\])*)")
 
 
 @dataclass(frozen=True)
@@ -51,7 +49,7 @@ class Figure:
 
     def value(self, result: Result) -> float:
         """The figure as the summary has it."""
-        return float(entry(result.summary, self.name))
+        return numbers_of(result.summary)[self.name]
 
 
 def figure_of(name: str, result: Result, key: str) -> Figure:
@@ -74,11 +72,9 @@ def figure_of(name: str, result: Result, key: str) -> Figure:
     SceneError
         If the summary of the result has no such number.
     """
-    value = entry(result.summary, name)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        known = ", ".join(sorted(names_of(result.summary)))
-        found = f"'{name}'" if value is None else f"'{name}', which is no number"
-        refuse(key, f"a key figure of this scene ({known})", found)
+    numbers = numbers_of(result.summary)
+    if name not in numbers:
+        refuse(key, f"a key figure of this scene ({', '.join(sorted(numbers))})", f"'{name}'")
     harmonic = HARMONIC.fullmatch(name)
     if name in MAXIMA:
         return Figure(name, MAXIMA[name])
@@ -88,34 +84,20 @@ def figure_of(name: str, result: Result, key: str) -> Figure:
     return Figure(name, (partial(_number, name=name),))
 
 
-def entry(summary: Mapping[str, Any], name: str) -> Any:
-    """Entry of a summary by its name, as "root_stress_1.tension.stress_MPa"; None if absent."""
-    found: Any = summary
-    for part in name.split("."):
-        match = PART.fullmatch(part)
-        if match is None or not isinstance(found, Mapping):
-            return None
-        found = found.get(match[1])
-        for index in re.findall(r"\d+", match[2]):
-            if not isinstance(found, list | tuple) or int(index) >= len(found):
-                return None
-            found = found[int(index)]
-    return found
-
-
-def names_of(summary: Any, before: str = "") -> list[str]:
-    """Names of all numbers of a summary."""
+def numbers_of(summary: Any, name: str = "") -> dict[str, float]:
+    """All numbers of a summary, as "root_stress_1.tension.stress_MPa" or "…harmonics_um[0]"."""
     if isinstance(summary, Mapping):
-        dot = f"{before}." if before else ""
-        return [x for key, value in summary.items() for x in names_of(value, f"{dot}{key}")]
-    if isinstance(summary, list | tuple):
-        return [x for k, value in enumerate(summary) for x in names_of(value, f"{before}[{k}]")]
-    is_number = isinstance(summary, int | float) and not isinstance(summary, bool)
-    return [before] if is_number else []
+        parts = [(f"{name}.{key}" if name else key, part) for key, part in summary.items()]
+    elif isinstance(summary, list | tuple):
+        parts = [(f"{name}[{k}]", part) for k, part in enumerate(summary)]
+    else:
+        is_number = isinstance(summary, int | float) and not isinstance(summary, bool)
+        return {name: float(summary)} if is_number else {}
+    return {key: x for path, part in parts for key, x in numbers_of(part, path).items()}
 
 
 def _number(result: Result, *, name: str) -> Floats:
-    return np.array([entry(result.summary, name)], dtype=float)
+    return np.array([numbers_of(result.summary)[name]])
 
 
 def _projections(result: Result, *, order: int) -> Floats:

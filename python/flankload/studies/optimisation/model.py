@@ -21,14 +21,12 @@ class Maximum:
     ----------
     row : int
         Number of the goal to which it is added.
-    weight : float
     values : (k,) array
     gradients : (k, n) array
         With respect to the variables as parts of their ranges.
     """
 
     row: int
-    weight: float
     values: Floats
     gradients: Floats
 
@@ -42,7 +40,7 @@ class Maximum:
         most = self.values + up @ high + down @ low
         least = self.values + up @ low + down @ high
         kept = most >= least.max()
-        return Maximum(self.row, self.weight, self.values[kept], self.gradients[kept])
+        return Maximum(self.row, self.values[kept], self.gradients[kept])
 
 
 @dataclass(frozen=True)
@@ -106,28 +104,32 @@ class Point:
     maxima: tuple[Maximum, ...]
     n_rows: int
 
+    def within(self, radius: float) -> tuple[Floats, Floats]:
+        """Bounds of steps within a radius and the ranges of the variables."""
+        return np.maximum(-radius, -self.x), np.minimum(radius, 1.0 - self.x)
+
     def rows(self, step: Floats | None = None) -> Floats:
         """(r,) Sums of the maxima by their rows, here or after a step of the model."""
         step = np.zeros(self.x.size) if step is None else step
         sums = np.zeros(self.n_rows)
         for maximum in self.maxima:
-            sums[maximum.row] += maximum.weight * maximum.at(step)
+            sums[maximum.row] += maximum.at(step)
         return sums
 
 
-def best_step(point: Point, goals: Goals, radius: float) -> Floats:
-    """Step with the least merit of the model, at most `radius` long in every variable.
+def best_step(point: Point, goals: Goals, low: Floats, high: Floats) -> Floats:
+    """Step with the least merit of the model within bounds.
 
-    The epigraph form is a linear program: numbers t_j are not below the numbers of maximum j, z is
-    not below any objective, and e_c is the excess of limit c (R. Fletcher, Practical Methods of
+    The epigraph form is a linear program: number t_j is at least each number of maximum j, z is at
+    least each objective, and e_c is the excess of limit c (R. Fletcher, Practical Methods of
     Optimization, 2nd ed., chapter 14).
 
     Parameters
     ----------
     point : Point
     goals : Goals
-    radius : float
-        Trust radius, as a part of the ranges.
+    low, high : (n,) arrays
+        Bounds of the step, as parts of the ranges.
 
     Returns
     -------
@@ -136,12 +138,11 @@ def best_step(point: Point, goals: Goals, radius: float) -> Floats:
     from scipy.optimize import linprog
 
     n, m, limits = point.x.size, len(point.maxima), goals.limits.size
-    low, high = np.maximum(-radius, -point.x), np.minimum(radius, 1.0 - point.x)
     columns = n + m + 1 + limits
     sums = np.zeros((point.n_rows, columns))
     lines, right = [], []
     for j, maximum in enumerate(point.maxima):
-        sums[maximum.row, n + j] = maximum.weight
+        sums[maximum.row, n + j] = 1.0
         near = maximum.reachable(low, high)
         block = np.zeros((near.values.size, columns))
         block[:, :n], block[:, n + j] = near.gradients, -1.0

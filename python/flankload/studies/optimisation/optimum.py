@@ -58,6 +58,11 @@ class Limit:
     after: float
     active: bool
 
+    @property
+    def state(self) -> str:
+        """Whether the limit is exceeded or reached, in a word."""
+        return "exceeded" if self.after > self.at_most else "active" * self.active
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Optimum:
@@ -140,62 +145,45 @@ class Optimum:
 
     def table(self) -> str:
         """Return the optimum as text."""
+        rows = [(v.name, v.before, v.after, v.lower, v.upper, v.step) for v in self.variables]
         blocks = [
             [
                 f"{self.scene.name}: {self.objective_name}",
                 f"before {self.objective_before:.4g}, after {self.objective:.4g}",
             ],
-            _aligned(
-                ("variable", "before", "after", "lower", "upper", "step"),
-                [(v.name, v.before, v.after, v.lower, v.upper, v.step) for v in self.variables],
-            ),
+            _aligned(("variable", "before", "after", "lower", "upper", "step"), rows),
         ]
         if self.constraints:
-            rows = [(c.name, c.before, c.after, c.at_most, _state(c)) for c in self.constraints]
-            heading = ("constraint", "before", "after", "at most", "")
-            blocks.append(_aligned(heading, rows))
+            limits = [(c.name, c.before, c.after, c.at_most, c.state) for c in self.constraints]
+            blocks.append(_aligned(("constraint", "before", "after", "at most", ""), limits))
         return "\n\n".join("\n".join(block) for block in [*blocks, self._lines()])
 
     def _lines(self) -> list[str]:
         """How the optimum was found."""
         failed = f", {self.failed} of them without a solution" if self.failed else ""
-        ended = [end for end in self.ends if end is not None]
         lines = [
             f"{self.evaluations} evaluations{failed}; {self.states} states",
             f"end of the search: {self.reason}; gradient norm {self.gradient_norm:.2g}",
         ]
         if len(self.ends) > 1:
-            lines.append(f"ends of the {len(self.ends)} starts: {_list(ended)}")
+            ends = sorted(end for end in self.ends if end is not None)
+            numbers = ", ".join(f"{end:.4g}" for end in ends)
+            lines.append(f"ends of the {len(self.ends)} starts: {numbers}")
         if self.rounding_loss is not None:
             lines.append(f"rounding to steps: {100.0 * self.rounding_loss:+.2f} %")
         if self.settings:
-            named = (f"{key} = {_word(value)}" for key, value in self.settings.items())
+            words = {True: "true", False: "false", None: "absent"}
+            named = (f"{key} = {words[value]}" for key, value in self.settings.items())
             lines.append(f"set during the search: {', '.join(named)}")
         if not self.keeps_limits:
             lines.append("limits are exceeded")
         return lines
 
 
-def _aligned(heading: Sequence[str], rows: Sequence[Sequence[Any]]) -> list[str]:
-    cells = ([x if isinstance(x, str) else _number(x) for x in row] for row in rows)
+def _aligned(heading: Sequence[str], rows: Sequence[Sequence[str | float | None]]) -> list[str]:
+    """A table of names, numbers and absent numbers."""
+    cells = [
+        [NONE if x is None else x if isinstance(x, str) else f"{x:.6g}" for x in row]
+        for row in rows
+    ]
     return text_table([heading, *cells], left=1)
-
-
-def _number(value: float | None) -> str:
-    return NONE if value is None else f"{value:.6g}"
-
-
-def _list(values: Sequence[float]) -> str:
-    return ", ".join(f"{value:.4g}" for value in sorted(values))
-
-
-def _state(limit: Limit) -> str:
-    if limit.after > limit.at_most:
-        return "exceeded"
-    return "active" if limit.active else ""
-
-
-def _word(value: Any) -> str:
-    if value is None:
-        return "absent"
-    return str(value).lower() if isinstance(value, bool) else f"{value:g}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +10,6 @@ import numpy as np
 from flankload.errors import SceneError
 from flankload.scene.form import read_table
 from flankload.scene.refusal import refuse
-from flankload.studies.optimisation.descent import Descent, descend, gradient_norm
 from flankload.studies.optimisation.evaluation import Evaluator
 from flankload.studies.optimisation.optimum import Limit, OptimisedVariable, Optimum
 from flankload.studies.optimisation.problem import (
@@ -19,15 +17,21 @@ from flankload.studies.optimisation.problem import (
     Objective,
     Options,
     changes_of,
-    read_tables_of,
-    start_of,
+    read_list,
     value_at,
     variables_of,
 )
-from flankload.studies.optimisation.rounding import MOST_STEPPED, best_of, rounded
+from flankload.studies.optimisation.search import (
+    MOST_STEPPED,
+    Descent,
+    best_of,
+    descend,
+    gradient_norm,
+    rounded,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
@@ -36,21 +40,14 @@ if TYPE_CHECKING:
     from flankload.studies.optimisation.problem import Variable
 
 
-@dataclass(frozen=True)
-class Tools:
-    """Public functions on which an optimisation is built."""
-
-    solve: Callable[[Scene], Any]
-    prepare: Callable[[Scene], Any]
-    sensitivity: Callable[..., Any]
-
-
 def optimise(
     scene: Scene,
     tables: Mapping[str, Any],
-    tools: Tools,
     options: Mapping[str, Any],
     progress: Progress | None,
+    *,
+    prepare: Callable[[Scene], Any],
+    sensitivity: Callable[..., Any],
 ) -> Optimum:
     """Minimise an objective of a scene; see `flankload.optimise`.
 
@@ -59,10 +56,11 @@ def optimise(
     scene : Scene
     tables : mapping
         "variables", "objective", "constraints".
-    tools : Tools
     options : mapping
         Keys of `Options`.
     progress : callable or None
+    prepare, sensitivity : callables
+        `flankload.prepare` and `flankload.sensitivity`.
 
     Returns
     -------
@@ -78,23 +76,28 @@ def optimise(
     objective = {"quantity": objective} if isinstance(objective, str) else objective
     objective = read_table(Objective, objective, "objective")
     objective.check(len(scene.torques_Nm))
-    constraints = read_tables_of(Constraint, tables["constraints"], "constraints", least=0)
+    constraints = read_list(Constraint, tables["constraints"], "constraints")
     if sum(variable.step is not None for variable in variables) > MOST_STEPPED:
         refuse("variables", f"at most {MOST_STEPPED} variables with a step", "more")
     inside, settings = search_scene(scene)
-    starts = [start_of(v, scene, f"variables[{k}]") for k, v in enumerate(variables)]
+    starts = [v.start_in(scene, f"variables[{k}]") for k, v in enumerate(variables)]
     most = asked.starts * asked.most_evaluations
+
+    def show(n: int) -> None:
+        if progress is not None:
+            progress("optimise", min(n, most), most)
+
     evaluator = Evaluator(
-        tools.prepare(inside.replace(changes_of(variables, starts))),
-        tools.sensitivity,
+        prepare(inside.replace(changes_of(variables, starts))),
+        sensitivity,
         variables,
         objective,
         constraints,
         margin=asked.tolerance,
-        on_evaluation=lambda n: None if progress is None else progress("optimise", min(n, most), most),
+        on_evaluation=show,
     )
     ends = _searched(evaluator, evaluator.parts_of(starts), asked)
-    return _optimum(scene, evaluator, ends, settings, tools)
+    return _optimum(scene, evaluator, ends, settings)
 
 
 def search_scene(scene: Scene) -> tuple[Scene, dict[str, Any]]:
@@ -112,10 +115,11 @@ def search_scene(scene: Scene) -> tuple[Scene, dict[str, Any]]:
         expected = "no such key in an optimisation (name the effects)"
         found = f"'{scene.effects.choose}'"
         raise SceneError(file=scene.file, key="effects.choose", expected=expected, found=found)
-    settings: dict[str, Any] = {}
-    for key, value in (("estimate", False), ("tangents", False), ("unmodified_elements", True)):
-        if getattr(scene.accuracy, key) is not value:
-            settings[f"accuracy.{key}"] = value
+    wanted = {"estimate": False, "tangents": False, "unmodified_elements": True}
+    accuracy = scene.accuracy
+    settings: dict[str, Any] = {
+        f"accuracy.{key}": x for key, x in wanted.items() if getattr(accuracy, key) is not x
+    }
     if scene.steers:
         settings["accuracy.tolerance"] = None
     if scene.positions.adaptive:
@@ -133,13 +137,14 @@ def hypercube(n_points: int, n_variables: int, seed: int) -> Floats:
 def _searched(evaluator: Evaluator, start: Floats, options: Options) -> list[Descent | None]:
     """Ends of the searches from all starts; None where the first point has no solution."""
     first = evaluator.solve_surely(start)
-    assert evaluator.goals is not None
     ends: list[Descent | None] = [descend(evaluator.solve, first, evaluator.goals, options)]
     for x in hypercube(options.starts - 1, start.size, options.seed):
         evaluator.start += 1
         point = evaluator.solve(x)
-        search = None if point is None else descend(evaluator.solve, point, evaluator.goals, options)
-        ends.append(search)
+        if point is None:
+            ends.append(None)
+        else:
+            ends.append(descend(evaluator.solve, point, evaluator.goals, options))
     return ends
 
 
@@ -148,7 +153,6 @@ def _optimum(
     evaluator: Evaluator,
     ends: Sequence[Descent | None],
     settings: Mapping[str, Any],
-    tools: Tools,
 ) -> Optimum:
     """Choose the best end, round it, and compare it with the given scene."""
     searched = [end for end in ends if end is not None]
@@ -162,17 +166,15 @@ def _optimum(
         loss = goals.objective(point) / goals.objective(optimum) - 1.0
     values = evaluator.values_of(point.x)
     best = scene.replace(changes_of(evaluator.variables, values))
-    before, after = _results(tools.solve(scene)), _results(tools.solve(best))
+    before, after = evaluator.results_of(scene), evaluator.results_of(best)
     return Optimum(
         scene=best,
         results=after,
-        variables=tuple(
-            _variable(scene, *pair) for pair in zip(evaluator.variables, values, strict=True)
-        ),
+        variables=tuple(_compared(scene, evaluator.variables, values)),
         objective_name=_name(evaluator.objective, len(after)),
         objective_before=evaluator.objective_of(before),
         objective=evaluator.objective_of(after),
-        constraints=_limits(evaluator, point, before, after),
+        constraints=tuple(_limits(evaluator, point, before, after)),
         gradient_norm=gradient_norm(optimum, goals),
         reason=end.reason,
         rounding_loss=loss,
@@ -183,46 +185,40 @@ def _optimum(
     )
 
 
-def _results(found: Result | tuple[Result, ...]) -> tuple[Result, ...]:
-    return found if isinstance(found, tuple) else (found,)
-
-
-def _variable(scene: Scene, variable: Variable, value: float) -> OptimisedVariable:
-    before = value_at(scene, variable.keys[0])
-    before = None if before is None else before / variable.scales[0]
-    return OptimisedVariable(
-        variable.name, before, value, variable.lower, variable.upper, variable.step
-    )
+def _compared(
+    scene: Scene, variables: Sequence[Variable], values: Sequence[float]
+) -> Iterator[OptimisedVariable]:
+    """Variables before and after."""
+    for v, value in zip(variables, values, strict=True):
+        before = value_at(scene, v.keys[0])
+        before = None if before is None else before / v.scales[0]
+        yield OptimisedVariable(", ".join(v.keys), before, value, v.lower, v.upper, v.step)
 
 
 def _name(objective: Objective, n_torques: int) -> str:
     """The objective in words."""
     weights = objective.weights or (1.0,) * len(objective.names)
-    parts = [
-        name if weight == 1.0 else f"{weight:g} {name}"
-        for name, weight in zip(objective.names, weights, strict=True)
-    ]
-    weighted = "weighted " if objective.torque_weights else ""
-    over = {"worst": f", worst of {n_torques} {weighted}torques", "sum": f", {weighted}sum over {n_torques} torques"}
-    return " + ".join(parts) + (over[objective.over] if n_torques > 1 else "")
+    factors = ("" if weight == 1.0 else f"{weight:g} " for weight in weights)
+    name = " + ".join(map("".join, zip(factors, objective.names, strict=True)))
+    if n_torques == 1:
+        return name
+    over = "worst of" if objective.over == "worst" else "sum over"
+    return f"{name}, {over} {n_torques}{' weighted' * bool(objective.torque_weights)} torques"
 
 
 def _limits(
     evaluator: Evaluator, point: Point, before: Sequence[Result], after: Sequence[Result]
-) -> tuple[Limit, ...]:
+) -> Iterator[Limit]:
     """Constraints before and after."""
-    assert evaluator.goals is not None
     constraints = evaluator.constraints
     figures = evaluator.figures[len(evaluator.objective.names) :]
     excess = evaluator.goals.excess(point).reshape(len(constraints), len(after))
-    return tuple(
-        Limit(
+    for constraint, figure, beyond in zip(constraints, figures, excess, strict=True):
+        yield Limit(
             constraint.quantity,
             constraint.at_most,
             max(figure.value(result) for result in before),
             max(figure.value(result) for result in after),
             # within two margins of the limit
-            active=bool(excess[c].max() > -evaluator.margin),
+            active=bool(beyond.max() > -evaluator.margin),
         )
-        for c, (constraint, figure) in enumerate(zip(constraints, figures, strict=True))
-    )

@@ -1,6 +1,9 @@
 """Private stand-in for sensitivities by differences."""
+
 from __future__ import annotations
+
 import numpy as np
+
 from flankload.errors import FlankloadError
 
 
@@ -31,11 +34,18 @@ class Sensitivity:
             if quantity in r.summary:
                 return np.asarray(r.summary[quantity], float)
             return np.asarray(getattr(r, quantity), float)
-        return np.array([[(q(a) - q(b)) / (ya - yb) for a, b in zip(ra, rb)] for (ya, ra), (yb, rb) in self._sides])
+
+        return np.array(
+            [
+                [(q(a) - q(b)) / (ya - yb) for a, b in zip(ra, rb)]
+                for (ya, ra), (yb, rb) in self._sides
+            ]
+        )
 
 
 def value_at(scene, path):
     import re
+
     x = scene
     for part in re.findall(r"\w+", path):
         x = x[int(part)] if part.isdigit() else getattr(x, part)

@@ -1,8 +1,9 @@
-"""Descent from one starting point: steps of a linear model within a trust radius."""
+"""Search from one starting point by steps of a linear model, and rounding of its end."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,11 +13,12 @@ from flankload.studies.optimisation.model import best_step
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from flankload.studies.optimisation.evaluation import Evaluator
     from flankload.studies.optimisation.model import Floats, Goals, Point
     from flankload.studies.optimisation.problem import Options
 
-#: Trust radii as parts of the ranges: at first, and at the end of a search.
-FIRST_RADIUS, LEAST_RADIUS = 0.25, 1e-3
+#: First trust radius, as a part of the ranges.
+FIRST_RADIUS = 0.25
 #: Parts of the predicted decrease: a step with less is refused, the radius is halved below the
 #: second and doubled above the third one.
 REFUSED, POOR, GOOD = 0.01, 0.25, 0.75
@@ -24,6 +26,11 @@ REFUSED, POOR, GOOD = 0.01, 0.25, 0.75
 MORE_PENALTY, MOST_PENALTY = 10.0, 1e4
 #: Radius of the first-order measure.
 MEASURED = 0.01
+
+#: Largest number of neighbours that are solved, and of variables with a step.
+MOST_SOLVED, MOST_STEPPED = 16, 8
+#: Largest adjustment of the other variables, as a part of their ranges.
+ADJUSTED = 0.1
 
 CONVERGED = "the model predicts no further decrease"
 SHORT = "short steps bring no further decrease"
@@ -71,10 +78,12 @@ def descend(
     """
     best, radius, left = first, FIRST_RADIUS, options.most_evaluations - 1
     while True:
-        step = best_step(best, goals, radius)
+        step = best_step(best, goals, *best.within(radius))
         predicted = goals.merit(best) - goals.merit(best, step)
-        enough = options.tolerance * max(abs(goals.objective(best)) / goals.scale, options.tolerance)
-        if predicted <= enough or radius < LEAST_RADIUS:
+        enough = options.tolerance * max(
+            abs(goals.objective(best)) / goals.scale, options.tolerance
+        )
+        if predicted <= enough or radius < options.tolerance:
             beyond = np.any(goals.excess(best) > options.tolerance)
             if not beyond or goals.penalty >= MOST_PENALTY:
                 flat = gradient_norm(best, goals) * MEASURED <= enough * goals.scale
@@ -109,5 +118,47 @@ def gradient_norm(point: Point, goals: Goals) -> float:
     -------
     float
     """
-    step = best_step(point, goals, MEASURED)
+    step = best_step(point, goals, *point.within(MEASURED))
     return goals.scale * (goals.merit(point) - goals.merit(point, step)) / MEASURED
+
+
+def rounded(evaluator: Evaluator, point: Point, goals: Goals) -> Point | None:
+    """Find the best neighbour of a point on the steps of the variables.
+
+    The neighbours have the next multiples below and above in all combinations. The linear model
+    adjusts the variables without a step and puts the neighbours in order; the first ones are
+    solved.
+
+    Parameters
+    ----------
+    evaluator : Evaluator
+    point : Point
+    goals : Goals
+
+    Returns
+    -------
+    Point or None
+        Without a violated limit if there is one; None if no neighbour can be solved.
+    """
+    values = evaluator.values_of(point.x)
+    free = np.array([variable.step is None for variable in evaluator.variables])
+    low, high = point.within(ADJUSTED)
+    choices = [
+        (value,) if variable.step is None else variable.neighbours(value)
+        for variable, value in zip(evaluator.variables, values, strict=True)
+    ]
+    steps = []
+    for combination in product(*choices):
+        step = evaluator.parts_of(combination) - point.x
+        steps.append(best_step(point, goals, np.where(free, low, step), np.where(free, high, step)))
+    steps.sort(key=lambda step: goals.merit(point, step))
+    solved = [evaluator.solve(point.x + step) for step in steps[:MOST_SOLVED]]
+    return best_of([neighbour for neighbour in solved if neighbour is not None], goals)
+
+
+def best_of(points: list[Point], goals: Goals) -> Point | None:
+    """The point of the least merit, among those that keep all limits if there are any."""
+    if not points:
+        return None
+    kept = [point for point in points if not np.any(goals.excess(point) > 0.0)]
+    return min(kept or points, key=goals.merit)
