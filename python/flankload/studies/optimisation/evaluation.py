@@ -63,8 +63,9 @@ class Evaluator:
         Of the objective, then of the constraints; known after the first point, like `goals`.
     goals : Goals
     history : list of Evaluation
-    states : int
-        Solved states: positions times torques.
+    states, continued_states : int
+        Solved states (positions times torques), and those that derivatives continue from known
+        contacts.
     start : int
         Number of the starting point.
     """
@@ -80,6 +81,7 @@ class Evaluator:
     goals: Goals = field(init=False)
     history: list[Evaluation] = field(default_factory=list)
     states: int = 0
+    continued_states: int = 0
     start: int = 0
 
     def __post_init__(self) -> None:
@@ -123,6 +125,8 @@ class Evaluator:
         if not self.history:
             self.goals = replace(self.goals, scale=abs(self.goals.objective(point)) or 1.0)
         self.states += sum(result.position_rad.size for result in found.results)
+        self.states += found.cost["solved_states"]
+        self.continued_states += found.cost["continued_states"]
         excess = float(self.goals.excess(point).max(initial=0.0))
         self._add(Evaluation(self.start, values, self.goals.objective(point), excess))
         return point
@@ -165,7 +169,8 @@ class Evaluator:
             for numbers in figure.maxima:
                 derivative = found.derivative(numbers)
                 for t, result in enumerate(found.results):
-                    values, gradients = numbers(result), (chain @ derivative[:, t]).T
+                    values = numbers(result).ravel()
+                    gradients = (chain @ derivative[:, t].reshape(owner.size, -1)).T
                     known = np.isfinite(values)
                     if not np.isfinite(gradients[known]).all():
                         raise FlankloadError(f"{figure.name} has no derivative")

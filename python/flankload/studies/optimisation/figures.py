@@ -41,7 +41,8 @@ class Figure:
     name : str
         As in `Result.summary`; parts of tables behind dots, entries of lists in brackets.
     maxima : tuple of callables
-        Each returns an array of any length for a result.
+        Each returns an array of any shape for a result; values of positions and sites in its first
+        axes, in this order.
     """
 
     name: str
@@ -120,7 +121,7 @@ def _line_loads(result: Result) -> Floats:
 def _root_tension(result: Result, *, body: int) -> Floats:
     stress = result.root_stress[body]
     assert stress is not None
-    return np.asarray(stress.tension.stress_MPa.ravel())
+    return stress.tension.stress_MPa
 
 
 #: Figures that are maxima over positions, pairs and slices.
@@ -129,11 +130,11 @@ MAXIMA: dict[str, tuple[Callable[[Any], Floats], ...]] = {
         lambda result: result.transmission_error_um,
         lambda result: -result.transmission_error_um,
     ),
-    "peak_pressure_MPa": (lambda result: result.peak_pressure_MPa.ravel(),),
+    "peak_pressure_MPa": (lambda result: result.peak_pressure_MPa,),
     "peak_pressure_off_corners_MPa": (
-        lambda result: np.where(result.corner_contact, 0.0, result.peak_pressure_MPa).ravel(),
+        lambda result: np.where(result.corner_contact, 0.0, result.peak_pressure_MPa),
     ),
-    "peak_line_load_N_per_mm": (lambda result: result.slice_line_load_N_per_mm.ravel(),),
+    "peak_line_load_N_per_mm": (lambda result: result.slice_line_load_N_per_mm,),
     "face_load_factor": (_line_loads,),
     "root_stress_1.tension.stress_MPa": (partial(_root_tension, body=0),),
     "root_stress_2.tension.stress_MPa": (partial(_root_tension, body=1),),

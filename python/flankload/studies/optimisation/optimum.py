@@ -88,8 +88,9 @@ class Optimum:
         Relative increase of the objective by rounding to steps; None without steps.
     settings : mapping
         Keys that were set during the search, and their values.
-    states : int
-        Solved states of the search: positions times torques of all evaluations.
+    states, continued_states : int
+        Solved states of the search (positions times torques), those for derivatives included, and
+        states that derivatives continue from known contacts.
     ends : tuple of (float or None)
         Objective at the end of each start; None if its first point could not be solved.
     history : tuple of Evaluation
@@ -108,6 +109,7 @@ class Optimum:
     rounding_loss: float | None
     settings: Mapping[str, Any]
     states: int
+    continued_states: int
     ends: tuple[float | None, ...]
     history: tuple[Evaluation, ...]
 
@@ -160,9 +162,12 @@ class Optimum:
 
     def _lines(self) -> list[str]:
         """How the optimum was found."""
-        failed = f", {self.failed} of them without a solution" if self.failed else ""
+        count = f"{self.evaluations} evaluations"
+        if self.failed:
+            count += f", {self.failed} of them without a solution"
+        states = f"{self.states} solved states, {self.continued_states} continued for derivatives"
         lines = [
-            f"{self.evaluations} evaluations{failed}; {self.states} states",
+            f"{count}; {states}",
             f"end of the search: {self.reason}; gradient norm {self.gradient_norm:.2g}",
         ]
         if len(self.ends) > 1:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
 import numpy as np
 from msgspec import Meta
 
+from flankload.errors import SceneError
 from flankload.scene.form import read_table
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import Table, Text
+from flankload.scene.tree import number_at
 
 if TYPE_CHECKING:
     from flankload.scene import Scene
@@ -186,14 +187,10 @@ def variables_of(tables: object) -> tuple[Variable, ...]:
 
 def value_at(scene: Scene, path: str) -> float | None:
     """Number of a key, its default included; None if it has none."""
-    found: Any = scene
-    for part in re.findall(r"\w+", path):
-        if part.isdigit():
-            found = dict(enumerate(found or ())).get(int(part))
-        else:
-            found = getattr(found, part, None)
-    is_number = isinstance(found, int | float) and not isinstance(found, bool)
-    return float(found) if is_number else None
+    try:
+        return number_at(scene, path)
+    except SceneError:
+        return None
 
 
 def changes_of(variables: Sequence[Variable], values: Sequence[float]) -> dict[str, float]:

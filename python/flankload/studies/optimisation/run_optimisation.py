@@ -180,6 +180,7 @@ def _optimum(
         rounding_loss=loss,
         settings=settings,
         states=evaluator.states,
+        continued_states=evaluator.continued_states,
         ends=tuple(None if end is None else goals.objective(end.point) for end in ends),
         history=tuple(evaluator.history),
     )
