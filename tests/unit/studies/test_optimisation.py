@@ -65,8 +65,8 @@ def grid() -> np.ndarray:
     """Peak to peak, pressure, amount and start diameter at all points of a grid."""
     prepared = fl.prepare(scene())
     rows = []
-    for amount in np.linspace(20.0, 60.0, 6):
-        for diameter in np.linspace(75.0, 81.0, 7):
+    for amount in np.linspace(30.0, 50.0, 5):
+        for diameter in np.linspace(75.0, 79.0, 5):
             changes = dict.fromkeys(AMOUNT["paths"], amount) | {START["paths"]: diameter}
             summary = prepared.solve(changes).summary
             rows.append([summary[PEAK_TO_PEAK], summary[PRESSURE], amount, diameter])
@@ -203,7 +203,8 @@ def test_optimum_is_as_good_as_the_best_point_of_a_grid() -> None:
     assert optimum.objective <= 1.02 * grid()[:, 0].min()
     assert optimum.evaluations <= 12
     assert optimum.failed == 0
-    assert optimum.states == 8 * optimum.evaluations
+    assert optimum.states >= 8 * optimum.evaluations
+    assert optimum.continued_states > 0
     assert optimum.reason == CONVERGED
     assert optimum.gradient_norm < 0.1 * optimum.objective_before
     assert optimum.objective == pytest.approx(optimum.results[0].summary[PEAK_TO_PEAK])
@@ -228,7 +229,8 @@ def test_limit_is_kept_where_the_best_point_breaks_it() -> None:
     assert optimum.rounding_loss is not None
     text = str(optimum)
     assert f"{PRESSURE}  11987.9  {optimum.constraints[0].after:.6g}     2200  active" in text
-    assert f"rounding to steps: {100 * optimum.rounding_loss:+.2f} %" in text
+    loss = 100 * optimum.rounding_loss / optimum.objective_before
+    assert f"loss by rounding to steps: {loss:.2f} % of the objective before" in text
 
 
 def test_a_limit_that_nothing_can_keep_is_said() -> None:
@@ -239,22 +241,23 @@ def test_a_limit_that_nothing_can_keep_is_said() -> None:
 
 
 def test_worst_torque_counts_and_points_without_a_solution_are_counted() -> None:
-    pair = scene(**{"load.torque_Nm": [150.0, 302.0]})
+    pair = scene(**{"load.torque_Nm": [150.0, 302.0], "positions.count": 6})
     # above the tip diameter of 82.46 mm there is no start of a relief
     diameter = START | {"upper": 90, "start": 79}
-    optimum = fl.optimise(pair, [AMOUNT, diameter], PEAK_TO_PEAK, starts=3, seed=1)
+    optimum = fl.optimise(pair, [AMOUNT, diameter], PEAK_TO_PEAK, starts=3, most_evaluations=8)
     assert optimum.failed > 0
     assert f", {optimum.failed} of them without a solution" in str(optimum)
-    assert len(optimum.ends) == 3
+    assert optimum.ends[2] is None  # its start of the relief is at 88.4 mm
+    assert "ends of the 3 starts: " in str(optimum)
     figures = [result.summary[PEAK_TO_PEAK] for result in optimum.results]
     assert optimum.objective == max(figures) < optimum.objective_before
     assert repr(optimum).startswith(f"Optimum({PEAK_TO_PEAK}, worst of 2 torques: ")
-    # at the optimum both torques have the same peak to peak
-    assert min(figures) == pytest.approx(max(figures), rel=5e-3)
+    # at the optimum both torques have the same peak to peak, after few evaluations nearly
+    assert min(figures) == pytest.approx(max(figures), rel=0.02)
 
 
 def test_weighted_sums_of_harmonics_and_torques() -> None:
-    pair = scene(**{"load.torque_Nm": [150.0, 302.0]})
+    pair = scene(**{"load.torque_Nm": [150.0, 302.0], "positions.count": 6})
     names = [f"transmission_error_mesh_harmonics_um[{k}]" for k in (0, 1)]
     objective = {
         "quantity": names,
@@ -313,7 +316,7 @@ def test_keys_are_set_during_the_search_only() -> None:
             "variables[0].start: expected a number from 80 to 81, found 78.0, the value of the",
         ),
         (
-            {"paths": "body_1.lead_crowning_um"},
+            {"paths": "body_1.end_relief_length_mm"},
             "variables[0].start: expected a number from 73 to 81, found nothing, and the scene has",
         ),
         (

@@ -85,7 +85,7 @@ class Optimum:
     reason : str
         Why the search ended.
     rounding_loss : float or None
-        Relative increase of the objective by rounding to steps; None without steps.
+        Increase of the objective by rounding to steps; None without steps.
     settings : mapping
         Keys that were set during the search, and their values.
     states, continued_states : int
@@ -165,17 +165,20 @@ class Optimum:
         count = f"{self.evaluations} evaluations"
         if self.failed:
             count += f", {self.failed} of them without a solution"
+        percent = 100.0 / (abs(self.objective_before) or 1.0)
+        end = f"gradient norm {percent * self.gradient_norm:.1f} % of the objective before"
         states = f"{self.states} solved states, {self.continued_states} continued for derivatives"
         lines = [
             f"{count}; {states}",
-            f"end of the search: {self.reason}; gradient norm {self.gradient_norm:.2g}",
+            f"end of the search: {self.reason}; {end}",
         ]
         if len(self.ends) > 1:
             ends = sorted(end for end in self.ends if end is not None)
             numbers = ", ".join(f"{end:.4g}" for end in ends)
             lines.append(f"ends of the {len(self.ends)} starts: {numbers}")
         if self.rounding_loss is not None:
-            lines.append(f"rounding to steps: {100.0 * self.rounding_loss:+.2f} %")
+            loss = percent * self.rounding_loss
+            lines.append(f"loss by rounding to steps: {loss:.2f} % of the objective before")
         if self.settings:
             words = {True: "true", False: "false", None: "absent"}
             named = (f"{key} = {words[value]}" for key, value in self.settings.items())

@@ -163,7 +163,7 @@ def _optimum(
     point, loss = optimum, None
     if any(variable.step is not None for variable in evaluator.variables):
         point = rounded(evaluator, optimum, goals) or optimum
-        loss = goals.objective(point) / goals.objective(optimum) - 1.0
+        loss = goals.objective(point) - goals.objective(optimum)
     values = evaluator.values_of(point.x)
     best = scene.replace(changes_of(evaluator.variables, values))
     before, after = evaluator.results_of(scene), evaluator.results_of(best)
