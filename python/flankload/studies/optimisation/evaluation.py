@@ -172,8 +172,8 @@ class Evaluator:
                     values = numbers(result).ravel()
                     gradients = (chain @ derivative[:, t].reshape(owner.size, -1)).T
                     known = np.isfinite(values)
-                    if not np.isfinite(gradients[known]).all():
-                        raise FlankloadError(f"{figure.name} has no derivative")
+                    if not (known.any() and np.isfinite(gradients[known]).all()):
+                        raise FlankloadError(f"{figure.name} has no value or no derivative")
                     yield Maximum(f * n + t, values[known], gradients[known])
 
     def _goals_of(self, n_torques: int) -> Goals:

@@ -98,7 +98,7 @@ def numbers_of(summary: Any, name: str = "") -> dict[str, float]:
 
 
 def _number(result: Result, *, name: str) -> Floats:
-    return np.array([numbers_of(result.summary)[name]])
+    return np.array([numbers_of(result.summary).get(name, np.nan)])
 
 
 def _projections(result: Result, *, order: int) -> Floats:

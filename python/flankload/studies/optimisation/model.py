@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.errors import FlankloadError
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -134,6 +136,11 @@ def best_step(point: Point, goals: Goals, low: Floats, high: Floats) -> Floats:
     Returns
     -------
     (n,) array
+
+    Raises
+    ------
+    FlankloadError
+        If numbers are too large or too small for the linear program.
     """
     from scipy.optimize import linprog
 
@@ -161,4 +168,6 @@ def best_step(point: Point, goals: Goals, low: Floats, high: Floats) -> Floats:
     found = linprog(
         cost, A_ub=np.vstack(lines), b_ub=np.concatenate(right), bounds=bounds, method="highs"
     )
-    return np.zeros(n) if found.x is None else np.asarray(np.clip(found.x[:n], low, high))
+    if found.x is None:
+        raise FlankloadError(f"the linear program of a step has no solution: {found.message}")
+    return np.asarray(np.clip(found.x[:n], low, high))
