@@ -12,15 +12,22 @@ import pytest
 
 import flankload as fl
 from flankload.cli import main
+from flankload.studies.optimisation.evaluation import Evaluator
 from flankload.studies.optimisation.figures import DIRECTIONS, MAXIMA, figure_of
 from flankload.studies.optimisation.model import Goals, Maximum, Point
-from flankload.studies.optimisation.problem import Options, variables_of
+from flankload.studies.optimisation.problem import (
+    Constraint,
+    Objective,
+    Options,
+    variables_of,
+)
 from flankload.studies.optimisation.run_optimisation import hypercube
 from flankload.studies.optimisation.search import (
     CONVERGED,
     SHORT,
     USED_UP,
     Descent,
+    best_of,
     descend,
     gradient_norm,
 )
@@ -152,6 +159,21 @@ def test_search_goes_around_points_without_a_solution() -> None:
     assert (count, end.reason) == (2, USED_UP)
 
 
+def test_a_point_within_the_limits_is_better_than_one_of_less_merit() -> None:
+    goals = Goals(np.eye(2), 1, np.array([1.0]), penalty=10.0)
+
+    def point(objective: float, figure: float) -> Point:
+        numbers = [(0, objective), (1, figure)]
+        maxima = [Maximum(row, np.array([x]), np.zeros((1, 1))) for row, x in numbers]
+        return Point(np.zeros(1), tuple(maxima), 2)
+
+    kept, beyond, far = point(2.0, 1.0), point(1.0, 1.01), point(1.5, 1.1)
+    assert goals.merit(beyond) < goals.merit(kept)
+    assert best_of([beyond, kept, far], goals) is kept
+    assert best_of([far, beyond], goals) is beyond
+    assert best_of([], goals) is None
+
+
 def test_starting_points_are_in_different_layers_and_repeatable() -> None:
     points = hypercube(8, 3, 5)
     for column in points.T:
@@ -195,6 +217,29 @@ def test_largest_entries_are_the_key_figures_of_the_summary(
         amplitude = harmonic.value(result)
         assert np.cos(np.pi / DIRECTIONS) * amplitude <= numbers(result).max()
         assert numbers(result).max() <= amplitude * (1 + 100 * ROUND_OFF)
+
+
+def test_gradients_follow_factors_ranges_and_weights() -> None:
+    variables = variables_of([AMOUNT | {"factors": [1.0, 0.5]}, START])
+    names = ("transmission_error_mean_um", PRESSURE)
+    evaluator = Evaluator(
+        fl.prepare(scene(**{"positions.count": 2})),
+        fl.sensitivity,
+        variables,
+        Objective(quantity=names, weights=(1.0, 0.01)),
+        (Constraint(quantity=PRESSURE, at_most=2000.0),),
+        margin=0.01,
+        on_evaluation=lambda n: None,
+    )
+    x, step = np.array([0.25, 0.5]), np.array([1e-4, 2e-4])
+    point = evaluator.solve_surely(x)
+    after = evaluator.solve_surely(x + step)
+    before = evaluator.solve_surely(x - step)
+    change = evaluator.goals.objective(after) - evaluator.goals.objective(before)
+    predicted = evaluator.goals.objective(point, step) - evaluator.goals.objective(point, -step)
+    assert predicted == pytest.approx(change, rel=0.02)
+    assert evaluator.values_of(x) == (20.0, 77.0)
+    np.testing.assert_allclose(evaluator.goals.limits, [1980.0], rtol=ROUND_OFF)
 
 
 # --- a spur pair ----------------------------------------------------------------------------------
