@@ -172,6 +172,9 @@ def test_a_point_within_the_limits_is_better_than_one_of_less_merit() -> None:
     assert best_of([beyond, kept, far], goals) is kept
     assert best_of([far, beyond], goals) is beyond
     assert best_of([], goals) is None
+    # the end of a search at a limit is within its margin
+    goals = Goals(np.eye(2), 1, np.array([1.0]), margin=0.02, penalty=10.0)
+    assert best_of([kept, beyond, far], goals) is beyond
 
 
 def test_starting_points_are_in_different_layers_and_repeatable() -> None:

@@ -189,4 +189,5 @@ class Evaluator:
         factors[: len(lines), : lines.shape[1]] = lines
         factors[len(lines) :, lines.shape[1] :] = np.eye(c)
         limits = np.repeat([float(constraint.at_most) for constraint in self.constraints], n)
-        return Goals(factors, len(lines), limits - self.margin * np.abs(limits))
+        limits -= self.margin * np.abs(limits)
+        return Goals(factors, len(lines), limits, self.margin)

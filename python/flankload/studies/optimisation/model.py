@@ -58,6 +58,9 @@ class Goals:
         o objectives, c limits, r rows.
     n_objectives : int
     limits : (c,) array
+        The margin is subtracted already.
+    margin : float
+        Relative distance of these from the limits that must be kept.
     penalty : float
         Merit of the violation of a limit by itself, in the scale of the objective.
     scale : float
@@ -67,6 +70,7 @@ class Goals:
     factors: Floats
     n_objectives: int
     limits: Floats
+    margin: float = 0.0
     scale: float = 1.0
     penalty: float = 10.0
 
@@ -83,6 +87,10 @@ class Goals:
         """(c,) Amounts by which limits are exceeded, relative to them; negative if kept."""
         sums = (self.factors @ point.rows(step))[self.n_objectives :]
         return np.asarray((sums - self.limits) / self.limit_scale)
+
+    def keeps_limits(self, point: Point) -> bool:
+        """Whether all limits are kept, without regard to the margin."""
+        return not np.any(self.excess(point) > self.margin / (1.0 + self.margin))
 
     def merit(self, point: Point, step: Floats | None = None) -> float:
         """Objective in its scale plus penalty."""

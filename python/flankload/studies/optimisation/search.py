@@ -84,8 +84,7 @@ def descend(
             abs(goals.objective(best)) / goals.scale, options.tolerance
         )
         if predicted <= enough or radius < options.tolerance:
-            beyond = np.any(goals.excess(best) > options.tolerance)
-            if not beyond or goals.penalty >= MOST_PENALTY:
+            if goals.keeps_limits(best) or goals.penalty >= MOST_PENALTY:
                 flat = gradient_norm(best, goals) * MEASURED <= enough * goals.scale
                 return Descent(best, goals, CONVERGED if flat else SHORT)
             goals, radius = replace(goals, penalty=MORE_PENALTY * goals.penalty), FIRST_RADIUS
@@ -160,5 +159,5 @@ def best_of(points: list[Point], goals: Goals) -> Point | None:
     """The point of the least merit, among those that keep all limits if there are any."""
     if not points:
         return None
-    kept = [point for point in points if not np.any(goals.excess(point) > 0.0)]
-    return min(kept or points, key=goals.merit)
+    kept = list(filter(goals.keeps_limits, points))
+    return min(kept or points, key=goals.objective if kept else goals.merit)
