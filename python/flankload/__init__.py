@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flankload import errors
-    from flankload.api import Prepared, optimise, prepare, sensitivity, solve
+    from flankload.api import Prepared, prepare, sensitivity, solve
     from flankload.contact import (
         ContactState,
         solve_contact,
@@ -33,13 +33,15 @@ if TYPE_CHECKING:
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
     from flankload.studies.accuracy import Study, accuracy
-    from flankload.studies.optimisation import Optimum
+    from flankload.studies.design import DesignStudy, study
+    from flankload.studies.optimisation import Optimum, optimise
     from flankload.studies.plan import Plan, plan
     from flankload.studies.sensitivity import Sensitivity
     from flankload.studies.verification import Verification, verify
 
 __all__ = [
     "ContactState",
+    "DesignStudy",
     "FlankloadError",
     "InputError",
     "MeshError",
@@ -72,6 +74,7 @@ __all__ = [
     "solve_contact_on_demand",
     "solve_contact_sequence",
     "solve_contact_torques",
+    "study",
     "verify",
 ]
 
@@ -99,10 +102,12 @@ _MODULE_OF_NAME = {
     "Result": "result",
     "Optimum": "studies.optimisation",
     "Prepared": "api",
-    "optimise": "api",
+    "optimise": "studies.optimisation",
     "prepare": "api",
     "sensitivity": "api",
     "solve": "api",
+    "DesignStudy": "studies.design",
+    "study": "studies.design",
     "Sensitivity": "studies.sensitivity",
     "Study": "studies.accuracy",
     "accuracy": "studies.accuracy",

@@ -109,7 +109,11 @@ def test_tangents_of_parabolas_are_exact() -> None:
         }
         return Sweep(**(numbers | known))  # type: ignore[arg-type]
 
-    (found,) = with_tangents((state(5.0),), lambda torques_Nmm: tuple(map(state, torques_Nmm)))
+    def run(torques_Nmm: list[float], known: object) -> tuple[Sweep, ...]:
+        assert known is None  # states of slices
+        return tuple(map(state, torques_Nmm))
+
+    (found,) = with_tangents((state(5.0),), run)
     assert found.tangent_rad_per_Nmm[0] == pytest.approx(1.0 + 0.2 * 5.0, rel=1e-10)
     np.testing.assert_allclose(
         found.site_force_per_torque, [[3.0 + 2.0 * 5.0, -1.0]], rtol=1e-10, atol=0

@@ -24,6 +24,7 @@ def optimise(arguments: Namespace) -> None:
     from flankload.scene.form import read_table
     from flankload.scene.reader import read_tables
     from flankload.studies.optimisation import OptimisationFile
+    from flankload.studies.optimisation import optimise as optimum_of
 
     file: Path = arguments.file
     tree = read_tables(file, "a file of an optimisation")
@@ -35,8 +36,6 @@ def optimise(arguments: Namespace) -> None:
     scene = read_scene(scene_path)
     if arguments.output is not None:
         _check_output(arguments.output, scene, file)
-    from flankload.api import optimise as optimum_of
-
     del options["scene"]
     tables: dict[str, Any] = {"variables": (), "objective": {}, "constraints": ()}
     tables |= {key: tree[key] for key in TABLES if key in tree}

@@ -452,7 +452,9 @@ def test_failed_optimisation_leaves_no_output(
     def optimise(*_: object, **__: object) -> None:
         raise error
 
-    monkeypatch.setattr(importlib.import_module("flankload.api"), "optimise", optimise)
+    monkeypatch.setattr(
+        importlib.import_module("flankload.studies.optimisation"), "optimise", optimise
+    )
     file = tmp_path / "optimisation.toml"
     file.write_text(f"scene = '{scene.name}'\n", encoding="utf-8")
     found, out, err = run(capsys, "optimise", file, "-o", tmp_path / "best.toml")

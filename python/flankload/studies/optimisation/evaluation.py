@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.errors import FlankloadError
+from flankload.mechanisms import Parts
 from flankload.studies.optimisation.figures import Figure, figure_of
 from flankload.studies.optimisation.model import Goals, Maximum, Point
 from flankload.studies.optimisation.problem import changes_of
+from flankload.studies.prepared import solve_scene
+from flankload.studies.sensitivity import sensitivity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
     from flankload.studies.optimisation.model import Floats
     from flankload.studies.optimisation.problem import Constraint, Objective, Variable
+    from flankload.studies.sensitivity import Sensitivity
 
 
 @dataclass(frozen=True)
@@ -50,15 +53,15 @@ class Evaluator:
 
     Attributes
     ----------
-    prepared : Prepared
-    sensitivity : callable
-        As `flankload.sensitivity`.
+    scene : Scene
     variables, objective, constraints
         The problem.
     margin : float
         Relative distance that is kept from the limits.
-    on_evaluation : callable
+    on_evaluation : callable or None
         Called with the number of evaluations.
+    parts : Parts
+        Bodies and compliances of all points.
     figures : tuple of Figure
         Of the objective, then of the constraints; known after the first point, like `goals`.
     goals : Goals
@@ -70,13 +73,13 @@ class Evaluator:
         Number of the starting point.
     """
 
-    prepared: Any
-    sensitivity: Callable[..., Any]
+    scene: Scene
     variables: Sequence[Variable]
     objective: Objective
     constraints: Sequence[Constraint]
     margin: float
-    on_evaluation: Callable[[int], None]
+    on_evaluation: Callable[[int], None] | None = None
+    parts: Parts = field(default_factory=Parts)
     figures: tuple[Figure, ...] = ()
     goals: Goals = field(init=False)
     history: list[Evaluation] = field(default_factory=list)
@@ -115,8 +118,7 @@ class Evaluator:
         """
         values = self.values_of(x)
         changes = changes_of(self.variables, values)
-        prepared = self._prepared_for(self.prepared.scene.replace(changes))
-        found = self.sensitivity(prepared, tuple(changes))
+        found = sensitivity(self.scene.replace(changes), tuple(changes), self.parts)
         n = len(found.results)
         if not self.figures:
             self.figures = tuple(self._figures_of(found.results[0]))
@@ -125,15 +127,15 @@ class Evaluator:
         if not self.history:
             self.goals = replace(self.goals, scale=abs(self.goals.objective(point)) or 1.0)
         self.states += sum(result.position_rad.size for result in found.results)
-        self.states += found.cost["solved_states"]
-        self.continued_states += found.cost["continued_states"]
+        self.states += int(found.cost["solved_states"])
+        self.continued_states += int(found.cost["continued_states"])
         excess = float(self.goals.excess(point).max(initial=0.0))
         self._add(Evaluation(self.start, values, self.goals.objective(point), excess))
         return point
 
     def results_of(self, scene: Scene) -> tuple[Result, ...]:
         """Results of a similar scene at its own settings, one per torque."""
-        found = self._prepared_for(scene).solve()
+        found = solve_scene(scene, None, self.parts)
         return found if isinstance(found, tuple) else (found,)
 
     def objective_of(self, results: Sequence[Result]) -> float:
@@ -144,12 +146,8 @@ class Evaluator:
 
     def _add(self, evaluation: Evaluation) -> None:
         self.history.append(evaluation)
-        self.on_evaluation(len(self.history))
-
-    def _prepared_for(self, scene: Scene) -> Any:
-        prepared = copy(self.prepared)  # which holds the same parts
-        prepared.scene = scene
-        return prepared
+        if self.on_evaluation is not None:
+            self.on_evaluation(len(self.history))
 
     def _figures_of(self, result: Result) -> Iterator[Figure]:
         for name in self.objective.names:
@@ -157,7 +155,7 @@ class Evaluator:
         for k, constraint in enumerate(self.constraints):
             yield figure_of(constraint.quantity, result, f"constraints[{k}].quantity")
 
-    def _maxima_of(self, found: Any) -> Iterator[Maximum]:
+    def _maxima_of(self, found: Sensitivity) -> Iterator[Maximum]:
         """All maxima; figure f at torque t is added to row f n_torques + t."""
         n, paths = len(found.results), [v.scales for v in self.variables]
         # d path / d part of the range, a row for each variable

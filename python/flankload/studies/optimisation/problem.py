@@ -21,6 +21,8 @@ Positive = Annotated[float, Meta(gt=0)]
 Texts = Text | Annotated[tuple[Text, ...], Meta(min_length=1)]
 Weights = Annotated[tuple[Positive, ...], Meta(min_length=1)]
 T = TypeVar("T", bound=Table)
+#: Largest number of variables with a step: their neighbours are listed in all combinations.
+MOST_STEPPED = 8
 #: Numbers closer than this part of a step are equal.
 SAME = 1e-9
 
@@ -175,6 +177,8 @@ def variables_of(tables: object) -> tuple[Variable, ...]:
     variables = read_list(Variable, tables, "variables")
     if not variables:
         refuse("variables", "at least one table", None)
+    if sum(variable.step is not None for variable in variables) > MOST_STEPPED:
+        refuse("variables", f"at most {MOST_STEPPED} variables with a step", "more")
     taken: set[str] = set()
     for k, variable in enumerate(variables):
         variable.check(f"variables[{k}]")

@@ -9,7 +9,6 @@ import numpy as np
 
 from flankload.errors import SceneError
 from flankload.scene.form import read_table
-from flankload.scene.refusal import refuse
 from flankload.studies.optimisation.evaluation import Evaluator
 from flankload.studies.optimisation.optimum import Limit, OptimisedVariable, Optimum
 from flankload.studies.optimisation.problem import (
@@ -22,7 +21,6 @@ from flankload.studies.optimisation.problem import (
     variables_of,
 )
 from flankload.studies.optimisation.search import (
-    MOST_STEPPED,
     Descent,
     best_of,
     descend,
@@ -31,7 +29,7 @@ from flankload.studies.optimisation.search import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
@@ -42,25 +40,33 @@ if TYPE_CHECKING:
 
 def optimise(
     scene: Scene,
-    tables: Mapping[str, Any],
-    options: Mapping[str, Any],
-    progress: Progress | None,
+    variables: Sequence[Mapping[str, Any]],
+    objective: str | Mapping[str, Any],
+    constraints: Sequence[Mapping[str, Any]] = (),
     *,
-    prepare: Callable[[Scene], Any],
-    sensitivity: Callable[..., Any],
+    progress: Progress | None = None,
+    **options: Any,
 ) -> Optimum:
-    """Minimise an objective of a scene; see `flankload.optimise`.
+    """Values of some keys of a scene for which a key figure is as small as possible.
 
     Parameters
     ----------
     scene : Scene
-    tables : mapping
-        "variables", "objective", "constraints".
-    options : mapping
-        Keys of `Options`.
-    progress : callable or None
-    prepare, sensitivity : callables
-        `flankload.prepare` and `flankload.sensitivity`.
+    variables : sequence of mappings
+        Each with `paths` (one or several, as of `Scene.replace`) and their `factors`, `lower`,
+        `upper`, `start` (default: the value of the scene) and `step` (the value ends as a multiple
+        of it).
+    objective : str or mapping
+        Name of a number in `Result.summary`; or `quantity` (one or several names) and `weights`,
+        `over` ("worst" or "sum" of all torques) and `torque_weights`.
+    constraints : sequence of mappings, optional
+        Each with `quantity` and `at_most`, its limit at every torque.
+    progress : callable, optional
+        Called as progress("optimise", done, total).
+    **options
+        `starts` (number of starting points, default 1), `seed` of the random ones (0), `tolerance`
+        (relative decrease of the objective at which a search ends, 1e-3), `most_evaluations` of
+        each start (50).
 
     Returns
     -------
@@ -68,34 +74,29 @@ def optimise(
 
     Raises
     ------
-    SceneError, FlankloadError
+    SceneError
+        If a table or the scene is impossible.
+    FlankloadError
+        If the first point has no solution. Later points without a solution are refused as steps,
+        and counted.
+
+    Examples
+    --------
+    >>> relief = {"paths": "body_1.tip_relief_um", "lower": 0, "upper": 80, "step": 1}
+    >>> fl.optimise(scene, [relief], "transmission_error_peak_to_peak_um")
     """
     asked = read_table(Options, options, "")
-    variables = variables_of(tables["variables"])
-    objective = tables["objective"]
-    objective = {"quantity": objective} if isinstance(objective, str) else objective
-    objective = read_table(Objective, objective, "objective")
-    objective.check(len(scene.torques_Nm))
-    constraints = read_list(Constraint, tables["constraints"], "constraints")
-    if sum(variable.step is not None for variable in variables) > MOST_STEPPED:
-        refuse("variables", f"at most {MOST_STEPPED} variables with a step", "more")
+    of_scene = variables_of(variables)
+    table = {"quantity": objective} if isinstance(objective, str) else objective
+    goal = read_table(Objective, table, "objective")
+    goal.check(len(scene.torques_Nm))
+    limits = read_list(Constraint, constraints, "constraints")
     inside, settings = search_scene(scene)
-    starts = [v.start_in(scene, f"variables[{k}]") for k, v in enumerate(variables)]
-    most = asked.starts * asked.most_evaluations
-
-    def show(n: int) -> None:
-        if progress is not None:
-            progress("optimise", min(n, most), most)
-
-    evaluator = Evaluator(
-        prepare(inside.replace(changes_of(variables, starts))),
-        sensitivity,
-        variables,
-        objective,
-        constraints,
-        margin=asked.tolerance,
-        on_evaluation=show,
-    )
+    starts = [v.start_in(scene, f"variables[{k}]") for k, v in enumerate(of_scene)]
+    evaluator = Evaluator(inside, of_scene, goal, limits, margin=asked.tolerance)
+    if progress is not None:
+        most = asked.starts * asked.most_evaluations
+        evaluator.on_evaluation = lambda n: progress("optimise", min(n, most), most)
     ends = _searched(evaluator, evaluator.parts_of(starts), asked)
     return _optimum(scene, evaluator, ends, settings)
 

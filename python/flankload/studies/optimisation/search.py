@@ -27,8 +27,8 @@ MORE_PENALTY, MOST_PENALTY = 10.0, 1e4
 #: Radius of the first-order measure.
 MEASURED = 0.01
 
-#: Largest number of neighbours that are solved, and of variables with a step.
-MOST_SOLVED, MOST_STEPPED = 16, 8
+#: Largest number of neighbours that are solved.
+MOST_SOLVED = 16
 #: Largest adjustment of the other variables, as a part of their ranges.
 ADJUSTED = 0.1
 
