@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from flankload.scene import Scene, read_scene
     from flankload.studies.accuracy import Study, accuracy
     from flankload.studies.design import DesignStudy, study
+    from flankload.studies.optimisation import Optimum, optimise
     from flankload.studies.plan import Plan, plan
     from flankload.studies.sensitivity import Sensitivity
     from flankload.studies.verification import Verification, verify
@@ -46,6 +47,7 @@ __all__ = [
     "MeshError",
     "NegativeForce",
     "NoContactState",
+    "Optimum",
     "OtherProgramError",
     "PivotLimit",
     "Plan",
@@ -61,6 +63,7 @@ __all__ = [
     "__version__",
     "accuracy",
     "errors",
+    "optimise",
     "plan",
     "prepare",
     "read_scene",
@@ -97,7 +100,9 @@ _MODULE_OF_NAME = {
     "Plan": "studies.plan",
     "plan": "studies.plan",
     "Result": "result",
+    "Optimum": "studies.optimisation",
     "Prepared": "api",
+    "optimise": "studies.optimisation",
     "prepare": "api",
     "sensitivity": "api",
     "solve": "api",
