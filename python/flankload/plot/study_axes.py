@@ -29,6 +29,7 @@ OTHERS = "#b5b5b5"
 BEST: dict[str, Any] = {
     "marker": "*", "markersize": 14, "markeredgecolor": "white", "linestyle": "none", "zorder": 5
 }  # fmt: skip
+NOTHING = "no design has a value"
 #: Letters of a line above the axes.
 WIDEST = 78
 #: Variations below this part of the values are roundoff.
@@ -152,15 +153,17 @@ def draw_bands(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) 
     curves = table.values(quantity)[:, torque]
     angles = np.degrees(table.values("position_rad")[:, torque])
     solved = np.isfinite(curves).any(axis=1)
+    axes.set_xlabel("angle of body 1 in degrees")
+    axes.set_ylabel(label(quantity))
+    if not solved.any():
+        return _key(axes, [table.torque(torque), NOTHING])
     place, found = on_one_grid(angles[solved], curves[solved])
     for text, low, high, colour in BANDS:
         ends = np.nanpercentile(found, [low, high], axis=0)
         axes.fill_between(place, *ends, color=colour, linewidth=0, label=text)
     axes.plot(place, np.nanpercentile(found, 50, axis=0), color=COLOURS[0], label="median")
     axes.margins(x=0)
-    axes.set_xlabel("angle of body 1 in degrees")
-    axes.set_ylabel(label(quantity))
-    _key(axes, [table.torque(torque), _solved(solved)], columns=3)
+    return _key(axes, [table.torque(torque), _solved(solved)], columns=3)
 
 
 def draw_histogram(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) -> None:
@@ -178,6 +181,10 @@ def draw_histogram(axes: Axes, study: DesignStudy, quantity: str, torque: int = 
     table = StudyTable(study)
     values = table.values(quantity)[:, torque]
     known = values[np.isfinite(values)]
+    axes.set_xlabel(label(quantity))
+    axes.set_ylabel("designs")
+    if not known.size:
+        return _key(axes, [table.torque(torque), NOTHING])
     middle, scale = float(known.mean()), float(abs(known).max()) or 1.0
     ends = None if _spread(known) else (middle - 0.01 * scale, middle + 0.01 * scale)
     counts, edges = np.histogram(known, min(40, max(5, ceil(sqrt(known.size)))), ends)
@@ -188,10 +195,8 @@ def draw_histogram(axes: Axes, study: DesignStudy, quantity: str, torque: int = 
         text += ": " + ", ".join(_short(float(place)) for place in places)
         for place, named in zip(places, (text, None), strict=False):
             axes.axvline(place, color=COLOURS[0], linestyle=line, linewidth=1.6, label=named)
-    axes.set_xlabel(label(quantity))
-    axes.set_ylabel("designs")
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-    _key(axes, [table.torque(torque), _solved(np.isfinite(values))])
+    return _key(axes, [table.torque(torque), _solved(np.isfinite(values))])
 
 
 def draw_pareto(
@@ -217,7 +222,8 @@ def draw_pareto(
     axes.plot(*points.T, "o", color=OTHERS, markersize=4.5, label=_counted(len(points)))
     look: dict[str, Any] = {"color": COLOURS[1], "marker": "o", "markersize": 6, "linewidth": 1.6}
     text = f"Pareto front, {_counted(len(front))}" if len(front) > 1 else "best in both"
-    axes.plot(*front.T, drawstyle="steps-post", label=text, **look)
+    if front.size:
+        axes.plot(*front.T, drawstyle="steps-post", label=text, **look)
     axes.set_xlabel(f"{label(quantities[0])}\n(less is better)")
     axes.set_ylabel(f"{label(quantities[1])}\n(less is better)")
     _key(axes, [table.torque(torque)], columns=2)
@@ -225,18 +231,18 @@ def draw_pareto(
 
 def _key(axes: Axes, heads: list[str], columns: int = 1) -> None:
     """Names of lines above the axes, where nothing is drawn, after a line of words."""
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(
-            loc="lower left",
-            bbox_to_anchor=(0.0, 1.0),
-            borderaxespad=0.2,
-            frameon=False,
-            fontsize=9,
-            ncols=columns,
-            title=", ".join(head for head in heads if head),
-            title_fontsize=9,
-            alignment="left",
-        )
+    axes.legend(
+        *axes.get_legend_handles_labels(),
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        borderaxespad=0.2,
+        frameon=False,
+        fontsize=9,
+        ncols=columns,
+        title=", ".join(head for head in heads if head),
+        title_fontsize=9,
+        alignment="left",
+    )
 
 
 def chosen_torques(torques: int) -> list[int]:

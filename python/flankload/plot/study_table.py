@@ -50,12 +50,15 @@ class StudyTable:
         torques = [[result["torque_Nm"] for result in row.outcome.results] for row in study.rows]
         most = max(map(len, torques), default=1) or 1
         self._has_lists = study.has_torques or most > 1
-        names = [v.name for v in study.designs.variables if len(v.values) != 1]
+        kind = study.designs.kind
+        alone = kind == "one-at-a-time"  # with the value of the scene
+        names = [v.name for v in study.designs.variables if alone or len(v.values) != 1]
         as_column = (
-            study.designs.kind == "factorial"
+            kind == "factorial"
             and TORQUE in names
             and len(names) > 1
             and not self._has_lists
+            and all(_is_number(row.values[TORQUE]) for row in study.rows)
         )
         self.variables = tuple(name for name in names if not as_column or name != TORQUE)
         whole = [study.scene_values | row.values for row in study.rows]
@@ -94,7 +97,16 @@ class StudyTable:
         return tuple(n for n in names if len(shapes[n]) == 3 and shapes[n] == positions)
 
     def values(self, quantity: str) -> NDArray[Any]:
-        """Values (designs, torques) of a quantity, of a curve (designs, torques, points)."""
+        """Values (designs, torques) of a quantity, of a curve (designs, torques, points).
+
+        Raises
+        ------
+        ValueError
+            If the study has no such quantity.
+        """
+        if quantity not in (*self._study.quantities, "position_rad"):
+            expected = ", ".join(self._study.quantities)
+            raise ValueError(f"quantity: expected {expected}, found {quantity!r}")
         values = self._study.values(quantity)
         values = values if self._has_lists else values[:, None]
         return np.asarray(values[self._rows, self._columns])
@@ -242,9 +254,13 @@ def _plain(path: str) -> str:
 
 def _cell(value: Any) -> Any:
     """A number as it is, anything else as text."""
-    if value is None or (isinstance(value, int | float) and not isinstance(value, bool)):
-        return value
-    return value if isinstance(value, str) else json.dumps(value)
+    return (
+        value if value is None or _is_number(value) or isinstance(value, str) else json.dumps(value)
+    )
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _ordered(values: list[Any]) -> list[Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -172,6 +173,48 @@ def test_a_variable_alone_has_the_value_of_the_scene_too() -> None:
     pictures.draw_curve(axes, study, ERROR, START)
     expected = [[start, error_um(300, 20, start)] for start in (74, 75, 76)]
     np.testing.assert_allclose(axes.lines[0].get_xydata(), expected)
+
+
+def test_one_value_and_that_of_the_scene_are_a_curve() -> None:
+    study = made_up_study({RELIEF: [30], START: [76]}, "one-at-a-time")
+    figure = pictures.study_figures(study)[f"curve_{ERROR}"]()
+    found = [axes.lines[0].get_xdata().tolist() for axes in figure.axes]
+    assert found == [[20, 30], [75, 76]]
+
+
+def test_lists_of_torques_as_values_are_no_numbers() -> None:
+    study = made_up_study({RELIEF: [0, 30], START: [75, 76]})
+    variables = variables_of({TORQUE: [[100], [300]], RELIEF: [0, 30]})
+    rows = tuple(
+        Row(row.number, values, row.outcome)
+        for row, values in zip(study.rows, Designs(variables), strict=True)
+    )
+    table = StudyTable(replace(study, designs=Designs(variables), rows=rows))
+    axes, _ = table.gathered(ERROR, (TORQUE, RELIEF))
+    assert axes == [["[100]", "[300]"], [0, 30]]
+
+
+@pytest.mark.parametrize(
+    ("variables", "kind"),
+    [({RELIEF: [0, 30, 60], START: [74, 75, 76]}, "factorial"), ({RELIEF: RANGE}, "random")],
+)
+def test_a_torque_without_values_is_an_empty_panel(variables: dict[str, Any], kind: str) -> None:
+    study = made_up_study(variables, kind, torques=[0, 300], n=4 if kind == "random" else None)
+    for row in study.rows:
+        quantities = row.outcome.results[0]["quantities"]
+        quantities.update({ERROR: None, PRESSURE: None, CURVE: None})
+    for figure in pictures.study_figures(study).values():
+        drawn = figure()
+        drawn.draw_without_rendering()
+        if not drawn.axes[0].get_xlabel().startswith("torque"):
+            assert words(drawn.axes[0])[0].startswith("0 N m")
+
+
+def test_a_quantity_that_the_study_lacks_is_refused() -> None:
+    study = made_up_study({RELIEF: [0, 30]})
+    line = f"quantity: expected {ERROR}, {PRESSURE}, {CURVE}, found 'a'"
+    with pytest.raises(ValueError, match=line):
+        pictures.draw_histogram(new_axes(), study, "a")
 
 
 def test_a_curve_over_another_name_is_refused() -> None:
