@@ -118,12 +118,13 @@ def draw_over_torque(axes: Axes, study: DesignStudy, quantity: str) -> None:
     table = StudyTable(study)
     values = table.values(quantity)
     known = np.flatnonzero(np.isfinite(values).any(axis=1))
-    means = values[known].mean(axis=1)  # NaN if a torque has no solution
+    solved = np.isfinite(values).any(axis=0)  # without load, some quantities have no value
+    means = values[known][:, solved].mean(axis=1)  # NaN if a torque has no solution
     best = int(known[np.nanargmin(means)]) if np.isfinite(means).any() else None
     order = np.argsort(table.torques_Nm[known[0]]) if known.size else np.arange(0)
     lines = {int(g): np.column_stack([table.torques_Nm[g], values[g]])[order] for g in known}
     others = [line for g, line in lines.items() if g != best]
-    text = _counted(len(others), "other design") if others else None
+    text = _counted(len(others), "design" if best is None else "other design") if others else None
     axes.add_collection(LineCollection(others, colors=OTHERS, linewidths=0.8, label=text))
     if best is not None:
         text = fill(f"least mean: {table.design(best)}", WIDEST)
@@ -195,6 +196,7 @@ def draw_histogram(axes: Axes, study: DesignStudy, quantity: str, torque: int = 
         text += ": " + ", ".join(_short(float(place)) for place in places)
         for place, named in zip(places, (text, None), strict=False):
             axes.axvline(place, color=COLOURS[0], linestyle=line, linewidth=1.6, label=named)
+    axes.xaxis.set_major_locator(MaxNLocator(6))
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     return _key(axes, [table.torque(torque), _solved(np.isfinite(values))])
 

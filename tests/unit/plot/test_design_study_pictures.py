@@ -208,6 +208,8 @@ def test_a_torque_without_values_is_an_empty_panel(variables: dict[str, Any], ki
         drawn.draw_without_rendering()
         if not drawn.axes[0].get_xlabel().startswith("torque"):
             assert words(drawn.axes[0])[0].startswith("0 N m")
+        else:
+            assert words(drawn.axes[0])[1].startswith("least mean: ")
 
 
 def test_a_quantity_that_the_study_lacks_is_refused() -> None:
