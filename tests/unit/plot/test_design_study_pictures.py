@@ -144,7 +144,7 @@ def test_a_map_has_the_values_a_gap_and_the_least_value() -> None:
 
 def test_a_map_is_the_least_over_further_variables() -> None:
     study = made_up_study(
-        {TORQUE: [300, 100], RELIEF: [0, 10], START: [75, 76], "text": ["b", "a"]}
+        {TORQUE: [300, 100], RELIEF: [0, 10], START: [76, 75], "text": ["b", "a"]}
     )
     axes = new_axes()
     pictures.draw_map(axes, study, ERROR, (RELIEF, "text"), torque=0)
