@@ -33,17 +33,21 @@ if TYPE_CHECKING:
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
     from flankload.studies.accuracy import Study, accuracy
+    from flankload.studies.design import DesignStudy, study
+    from flankload.studies.optimisation import Optimum, optimise
     from flankload.studies.plan import Plan, plan
     from flankload.studies.sensitivity import Sensitivity
     from flankload.studies.verification import Verification, verify
 
 __all__ = [
     "ContactState",
+    "DesignStudy",
     "FlankloadError",
     "InputError",
     "MeshError",
     "NegativeForce",
     "NoContactState",
+    "Optimum",
     "OtherProgramError",
     "PivotLimit",
     "Plan",
@@ -59,6 +63,7 @@ __all__ = [
     "__version__",
     "accuracy",
     "errors",
+    "optimise",
     "plan",
     "prepare",
     "read_scene",
@@ -69,6 +74,7 @@ __all__ = [
     "solve_contact_on_demand",
     "solve_contact_sequence",
     "solve_contact_torques",
+    "study",
     "verify",
 ]
 
@@ -94,10 +100,14 @@ _MODULE_OF_NAME = {
     "Plan": "studies.plan",
     "plan": "studies.plan",
     "Result": "result",
+    "Optimum": "studies.optimisation",
     "Prepared": "api",
+    "optimise": "studies.optimisation",
     "prepare": "api",
     "sensitivity": "api",
     "solve": "api",
+    "DesignStudy": "studies.design",
+    "study": "studies.design",
     "Sensitivity": "studies.sensitivity",
     "Study": "studies.accuracy",
     "accuracy": "studies.accuracy",

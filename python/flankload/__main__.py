@@ -11,7 +11,8 @@ INTERRUPTED = 130
 MESSAGE = b"flankload: interrupted\n"
 #: Restores the cursor of the terminal that a progress bar has hidden.
 SHOW_CURSOR = b"\x1b[?25h"
-#: Read when libraries are loaded. The seconds of `accuracy` are those of one thread by default.
+#: Read when libraries are loaded. The seconds of `accuracy` are those of one thread by default, and
+#: each worker of `study` has one.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 
@@ -29,7 +30,7 @@ def command() -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # else the caller closed it
             stream.reconfigure(errors="backslashreplace")  # letters that the terminal lacks
-    if sys.argv[1:2] == ["accuracy"]:
+    if sys.argv[1:2] in (["accuracy"], ["study"]):
         for name in THREADS:
             os.environ.setdefault(name, "1")
     try:

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from flankload.cost import Account
-from flankload.mechanisms import Earlier, Parts, mechanism_of, run_once
-from flankload.mechanisms import prepare as prepare_parts
 from flankload.studies import sensitivity as derivatives
-from flankload.studies.tolerance import solve_to_tolerance
+from flankload.studies.prepared import Prepared, solve_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from flankload.mechanisms.duration import Duration
-    from flankload.mechanisms.stage_clock import Kept, Progress
+    from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.plan import Plan
@@ -57,52 +53,7 @@ def solve(
     FlankloadError
         If a position has no answer, or the plan is one of another scene.
     """
-    return _solve(scene, progress, None, plan=plan, on_duration=on_duration)
-
-
-class Prepared:
-    """A scene with its bodies and compliances, for similar scenes; from `prepare`.
-
-    Attributes
-    ----------
-    scene : Scene
-    """
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self._parts = Parts()
-        if not scene.steers and scene.effects.choose is None:
-            prepare_parts(scene, self._parts)
-
-    def solve(
-        self, changes: Mapping[str, Any] | None = None, progress: Progress | None = None
-    ) -> Result | tuple[Result, ...]:
-        """Load distribution of the scene with other values of some keys.
-
-        Bodies and compliances are reused if all that they follow from has the same bits; new ones
-        are kept for later calls, up to 64. The result has the same bits as
-        `solve(scene.replace(changes))`, but for its cost: a compliance that is reused costs
-        nothing, and its stage is missing. Belts and chains are solved anew, and so are scenes with
-        `accuracy.tolerance`, whose discretization depends on what elements cost.
-
-        Parameters
-        ----------
-        changes : mapping of str to object, optional
-            As of `Scene.replace`.
-        progress : callable, optional
-            As of `solve`.
-
-        Returns
-        -------
-        Result, or a tuple of Results where the scene has a list of torques
-
-        Raises
-        ------
-        SceneError, FlankloadError
-            As `Scene.replace` and `solve`.
-        """
-        scene = self.scene if not changes else self.scene.replace(changes)
-        return _solve(scene, progress, self._parts)
+    return solve_scene(scene, progress, None, plan=plan, on_duration=on_duration)
 
 
 def prepare(scene: Scene) -> Prepared:
@@ -154,61 +105,5 @@ def sensitivity(scene: Scene | Prepared, paths: Sequence[str]) -> Sensitivity:
         As `solve`; if a path leads to no number, or no scene beside its value is possible.
     """
     if isinstance(scene, Prepared):
-        return derivatives.sensitivity(scene.scene, paths, scene._parts)
+        return derivatives.sensitivity(scene.scene, paths, scene.parts)
     return derivatives.sensitivity(scene, paths)
-
-
-def _solve(
-    scene: Scene,
-    progress: Progress | None,
-    parts: Parts | None,
-    *,
-    plan: Plan | None = None,
-    on_duration: Callable[[Duration], None] | None = None,
-) -> Result | tuple[Result, ...]:
-    """Solve a scene, to its tolerance if it names one."""
-    if not scene.steers:
-        return _solve_chosen(scene, {}, progress, parts, (plan, on_duration))
-    firsts = iter([(plan, on_duration)])  # they concern the first run
-
-    def solve_once(
-        scene: Scene, kept: Kept, progress: Progress | None
-    ) -> Result | tuple[Result, ...]:
-        return _solve_chosen(scene, kept, progress, None, next(firsts, (None, None)))
-
-    return solve_to_tolerance(scene, solve_once, progress)
-
-
-def _solve_chosen(
-    scene: Scene,
-    kept: Kept,
-    progress: Progress | None,
-    parts: Parts | None,
-    first: tuple[Plan | None, Callable[[Duration], None] | None],
-) -> Result | tuple[Result, ...]:
-    """Solve a scene once; the effects that it leaves to the plan are chosen before."""
-    plan, on_duration = first
-    stages: dict[str, Account] = {}
-    notes: tuple[str, ...] = ()
-    if scene.effects.choose is not None:
-        from flankload.studies.plan.choice import choose_effects, said_of
-
-        if progress is not None:
-            progress("plan", 0, 1)
-        with stages.setdefault("plan", Account()):
-            scene, choice = choose_effects(scene)
-        notes = (said_of(choice, scene.accuracy.tolerance),) if choice else ()
-    return run_once(
-        scene,
-        kept,
-        progress,
-        plan=None if plan is None else plan.predicted["stages"],
-        on_assembly=None if on_duration is None else partial(_report_duration, scene, on_duration),
-        earlier=Earlier(stages, notes, parts),
-    )
-
-
-def _report_duration(scene: Scene, on_duration: Callable[[Duration], None], assembly: Any) -> None:
-    duration = mechanism_of(scene).duration(scene, assembly)
-    if duration is not None:
-        on_duration(duration)

@@ -5,12 +5,15 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from flankload.cli.checking import check
 from flankload.cli.compliance import compliance
+from flankload.cli.designing import study
+from flankload.cli.optimising import optimise
 from flankload.cli.planning import plan
 from flankload.cli.solving import mesh, run, schema
 from flankload.cli.studying import accuracy
@@ -36,7 +39,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         0 done, 1 not solved, 2 invalid input, 130 interrupted.
     """
-    arguments = parser().parse_args(argv)
+    line = shlex.join(["flankload", *(sys.argv[1:] if argv is None else argv)])
+    arguments = parser().parse_args(argv, argparse.Namespace(line=line))
     command: Callable[[argparse.Namespace], None] = arguments.command
     try:
         command(arguments)
@@ -56,8 +60,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(f"{place}: {(error.strerror or str(error)).lower()}", NOT_SOLVED)
     except MemoryError:
         return _fail("not enough memory: fewer positions or torques need less", NOT_SOLVED)
-    except KeyboardInterrupt:
-        return _fail("interrupted", INTERRUPTED)
+    except KeyboardInterrupt as stop:
+        return _fail(stop if stop.args else "interrupted", INTERRUPTED)
     return SOLVED
 
 
@@ -111,7 +115,9 @@ def parser() -> argparse.ArgumentParser:
     )
     _add_folder(compliance_parser)
     _add_accuracy(commands)
+    _add_study(commands)
     _add_verify(commands)
+    _add_optimise(commands)
     check_parser = _described(
         commands, "check", "validate a scene or a mesh file and print how it is interpreted"
     )
@@ -211,6 +217,49 @@ def _add_accuracy(commands: Any) -> None:
         "--resume", metavar="FILE", type=Path,
         help="file of finished runs: read if it exists, updated after each run",
     )  # fmt: skip
+
+
+def _add_optimise(commands: Any) -> None:
+    parser = _described(
+        commands,
+        "optimise",
+        "find the values of scene keys for which a key figure is smallest, with gradients",
+    )
+    parser.add_argument(
+        "file", metavar="OPTIMISATION", type=Path,
+        help="file (TOML) with the scene, variables, objective and constraints",
+    )  # fmt: skip
+    parser.add_argument(
+        "-o", dest="output", metavar="FILE", type=Path, help="write the optimal scene to this file"
+    )
+    parser.set_defaults(command=optimise)
+
+
+def _add_study(commands: Any) -> None:
+    parser = _described(
+        commands,
+        "study",
+        "solve many designs of a scene and print the range of each quantity; after an interruption "
+        "the same command resumes",
+    )
+    parser.add_argument("file", metavar="STUDY", type=Path, help="study file (TOML)")
+    parser.add_argument(
+        "-o", dest="outputs", metavar="FILE", action="append", default=[],
+        help="write a row per design as CSV or Parquet, by the suffix (- for CSV on stdout); may "
+        "be repeated",
+    )  # fmt: skip
+    parser.add_argument(
+        "--workers", metavar="N", type=int, help="number of workers; default: one per processor"
+    )
+    workers = parser.add_mutually_exclusive_group()
+    workers.add_argument(
+        "--processes", action="store_true", help="use processes instead of threads"
+    )
+    workers.add_argument(
+        "--scheduler", metavar="ADDRESS", help="use the workers of this dask scheduler"
+    )
+    parser.add_argument("--quiet", action="store_true", help="print no table and no progress")
+    parser.set_defaults(command=study)
 
 
 def _add_verify(commands: Any) -> None:

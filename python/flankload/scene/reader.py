@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 from flankload.errors import SceneError
 from flankload.scene.scene import Scene
@@ -27,11 +28,32 @@ def read_scene(path: str | Path) -> Scene:
         If the file cannot be read, is not valid TOML, or contains an invalid scene.
     """
     path = Path(path)
+    return Scene.from_dict(read_tables(path, "a scene file"), file=path)
+
+
+def read_tables(path: Path, kind: str) -> dict[str, Any]:
+    """Read a TOML file.
+
+    Parameters
+    ----------
+    path : Path
+    kind : str
+        "a scene file", for the error message.
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read or is not valid TOML.
+    """
     try:
-        tables = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
     except OSError as error:
         raise SceneError(
-            file=path, key="file", expected="a scene file to read", found=_reason(error)
+            file=path, key="file", expected=f"{kind} to read", found=_reason(error)
         ) from None
     except UnicodeDecodeError as error:
         raise SceneError(
@@ -52,7 +74,6 @@ def read_scene(path: str | Path) -> Scene:
             else ("lists of a few levels", "too many levels")
         )
         raise SceneError(file=path, key="file", expected=expected, found=found) from None
-    return Scene.from_dict(tables, file=path)
 
 
 def _reason(error: OSError) -> str:

@@ -70,10 +70,12 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return {
         **raised(),
         "ContactState": held(),
+        "DesignStudy": fl.study(scene, {"load.torque_Nm": [100, 302]}),
         "Plan": fl.plan(scene),
         "Prepared": fl.prepare(scene),
         "Result": fl.solve(scene),
         "Scene": scene,
+        "Sensitivity": fl.sensitivity(scene, ["load.torque_Nm"]),
         "Study": accuracy(scene, ("transmission_error",), 1e-9),
         "Verification": fl.verify(
             wheels,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.blas_threads import one_blas_thread
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.free_corner import image_strengths
 from flankload.bodies.tip_modes import with_tip
@@ -179,15 +180,13 @@ def prism_compliance(
 
 def _ring_response(body: Body, mesh: SectorMesh, prism: Prism, n_modes: int, log: JobLog) -> Floats:
     """Readings B'C_t B (z, p, p) of the loads on the teeth of the closed ring."""
-    from threadpoolctl import threadpool_limits
-
     axial = AxialBasis(prism.range_mm, prism.degree)
     numbers, functions = functions_of(mesh, axial, dict(prism.regions))
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
     in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, tip=body.tip, twist=prism.twist)
     log.end_step("assembly")
     # most fronts are too small to share: two threads take longer, and more CPU seconds
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         sector = condense_prism(
             section,
             functions,
@@ -197,8 +196,8 @@ def _ring_response(body: Body, mesh: SectorMesh, prism: Prism, n_modes: int, log
             twisted=prism.twist != 0.0,
             account=log.account,
         )
-    log.end_step("factorisation")
-    response = close_ring(sector, mesh.teeth)
+        log.end_step("factorisation")
+        response = close_ring(sector, mesh.teeth)
     log.end_step("ring")
     return response
 
@@ -266,7 +265,8 @@ def _turning(body: Body, twist: float, s: Floats) -> tuple[Floats, Floats]:
     if not twist:
         return np.zeros_like(s), np.zeros_like(s)
     places = np.ravel(s)
-    (x, y), (t_x, t_y) = body.curve.point(places).T, body.curve.tangent(places).T
+    point, first, _ = body.curve.derivatives(places)
+    (x, y), (t_x, t_y) = point.T, (first / np.linalg.norm(first, axis=1, keepdims=True)).T
     across, along = twist * (x * t_y - y * t_x), twist * (x * t_x + y * t_y)
     return across.reshape(np.shape(s)), along.reshape(np.shape(s))
 

@@ -1,0 +1,148 @@
+"""The command study: many designs of one scene."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext
+from importlib.util import find_spec
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING
+
+from flankload.cli.outputs import STDOUT, check_apart, check_file
+from flankload.cli.solving import Progress
+from flankload.errors import FlankloadError, SceneError
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+    from collections.abc import Iterator
+    from concurrent.futures import Executor
+    from contextlib import AbstractContextManager
+
+    from flankload.studies.design import DesignStudy
+
+#: Seconds for which a scheduler may take to answer.
+PATIENCE_S = 10
+
+
+def study(arguments: Namespace) -> None:
+    """Solve the designs of a study that its store lacks, write and print them."""
+    outputs = _outputs(arguments.outputs)
+    if arguments.workers is not None and arguments.workers < 1:
+        raise SceneError(key="--workers", expected="an integer > 0", found=arguments.workers)
+    if arguments.workers is not None and arguments.scheduler is not None:
+        expected = "no such option with --scheduler, which has its own workers"
+        raise SceneError(key="--workers", expected=expected, found=arguments.workers)
+    from flankload.studies.design import read_study, run_study
+
+    asked = read_study(arguments.file)
+    store = f"{asked.file}: store"
+    check_file(store, asked.store)
+    places = [("the study", asked.file), (store, asked.store)]
+    check_apart([*places, *(("-o", Path(path)) for path in outputs if path != STDOUT)], asked.scene)
+    try:
+        with (
+            Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress,
+            _executor(arguments) as executor,
+        ):
+            found = run_study(
+                asked.scene,
+                asked.designs,
+                asked.quantities,
+                asked.store,
+                executor,
+                _Rate(progress).tell,
+            )
+    except SceneError as error:
+        raise (error if error.file else error.with_file(asked.file)) from None
+    except KeyboardInterrupt as stop:
+        said = str(stop) or "interrupted"
+        raise KeyboardInterrupt(f"{said}; {arguments.line} resumes") from None
+    for path in outputs:
+        _write(found, path)
+    if not arguments.quiet and STDOUT not in outputs:
+        print(found)
+    if len(found.failed) == len(found.rows):
+        raise FlankloadError(f"no design has a solution: {found.failed[0].outcome.error}")
+
+
+class _Rate:
+    """Progress with designs per second and the time left."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress, self._began, self._solved = progress, monotonic(), 0
+
+    def tell(self, stage: str, done: int, total: int) -> None:
+        """Count a design; those of the store do not change the rate."""
+        self._solved += stage == "designs"
+        words = f"{done} of {total} designs"
+        if self._solved:
+            seconds = (monotonic() - self._began) / self._solved
+            rate = f"{1 / seconds:.1f}/s" if seconds < 1 else f"{60 / seconds:.1f}/min"
+            left = seconds * (total - done)
+            time = f"{left / 60:.0f} min" if left > 90 else f"{left:.0f} s"
+            words += f", {rate}, {time} left"
+        self._progress.tell(words, done, total)
+
+
+def _outputs(paths: list[str]) -> list[str]:
+    """Output files; refused if they could not be written."""
+    for path in paths:
+        if path == STDOUT:
+            continue
+        suffix = Path(path).suffix.lower()
+        if suffix not in (".csv", ".parquet"):
+            raise SceneError(key="-o", expected="a file ending in .csv or .parquet", found=path)
+        if suffix == ".parquet" and find_spec("pyarrow") is None:
+            expected = "a CSV file, since Parquet needs pyarrow: pip install 'flankload[parquet]'"
+            raise SceneError(key="-o", expected=expected, found=path)
+        check_file("-o", Path(path))
+    return list(dict.fromkeys(paths))
+
+
+def _write(found: DesignStudy, path: str) -> None:
+    if path == STDOUT:
+        print(found.to_csv(), end="")
+    elif path.lower().endswith(".parquet"):
+        found.to_parquet(path)
+    else:
+        found.to_csv(path)
+
+
+def _executor(arguments: Namespace) -> AbstractContextManager[Executor | None]:
+    """Workers: threads, processes, or those of a dask scheduler."""
+    if arguments.scheduler is not None:
+        return _dask(arguments.scheduler)
+    from flankload.studies.design.run_designs import processors
+
+    workers = arguments.workers or processors()
+    if arguments.processes:
+        import multiprocessing
+
+        # processes that are forked from one with threads of OpenMP hang in their first sweep
+        context = multiprocessing.get_context("spawn")
+        return ProcessPoolExecutor(workers, context, initializer=_ignore_interrupts)
+    return nullcontext() if arguments.workers is None else ThreadPoolExecutor(workers)
+
+
+def _ignore_interrupts() -> None:
+    """Leave Ctrl-C to the process that has the store."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+@contextmanager
+def _dask(address: str) -> Iterator[Executor]:
+    """Workers of a dask scheduler."""
+    if find_spec("distributed") is None:
+        expected = "the package distributed: pip install 'flankload[dask]'"
+        raise SceneError(key="--scheduler", expected=expected, found="no such package")
+    from distributed import Client
+
+    try:
+        client = Client(address, timeout=PATIENCE_S)
+    except (OSError, ValueError) as error:
+        raise FlankloadError(f"--scheduler {address}: no connection: {error}") from None
+    with client, client.get_executor() as executor:
+        yield executor

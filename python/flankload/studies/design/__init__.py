@@ -1,0 +1,8 @@
+"""Design studies: many runs of one scene with other values of some keys."""
+
+from flankload.studies.design.design_study import DesignStudy
+from flankload.studies.design.designs import Designs
+from flankload.studies.design.solve_study import run_study, study
+from flankload.studies.design.study_file import StudyFile, read_study
+
+__all__ = ["DesignStudy", "Designs", "StudyFile", "read_study", "run_study", "study"]

@@ -1,0 +1,181 @@
+"""One run of a study, in any thread or process: the numbers that its row holds."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import isfinite
+from threading import Event, Lock
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.base.blas_threads import one_blas_thread
+from flankload.errors import FlankloadError
+from flankload.mechanisms import Parts
+from flankload.result.export import along_positions
+from flankload.result.friction import ALONG_POSITIONS as FRICTION
+from flankload.studies.prepared import solve_scene
+
+if TYPE_CHECKING:
+    from flankload.result import Result
+    from flankload.scene import Scene
+
+#: States of a row: solved; no solution or a scene that is refused; stopped by an error that has
+#: nothing to do with the design, such as memory, and solved again when the study is resumed.
+SOLVED, FAILED, ABORTED = "solved", "failed", "aborted"
+#: Studies whose bodies and compliances a process holds.
+MOST_HELD = 2
+
+_held: OrderedDict[bytes, Parts] = OrderedDict()
+_lock = Lock()
+
+
+class StoppedError(Exception):
+    """Raised in the middle of a run when the study is interrupted."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A run to be done; small, since it is sent to the worker.
+
+    Attributes
+    ----------
+    study : bytes
+        Digest of the scene that all designs change: parts are shared within it.
+    scene : Scene
+        With an absolute path of its file.
+    names : tuple of str
+        Quantities that are wanted in addition to the summary.
+    """
+
+    study: bytes
+    scene: Scene
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What is kept of a run.
+
+    Attributes
+    ----------
+    status : str
+        "solved", "failed" or "aborted".
+    seconds : float
+    error : str or None
+        Why there is no solution.
+    results : tuple of dict
+        For each torque: `torque_Nm`, `quantities` (the summary, and curves that were wanted) and
+        `estimate` (estimated relative errors).
+    unknown : tuple of str
+        Wanted quantities that the result does not have.
+    """
+
+    status: str
+    seconds: float = 0.0
+    error: str | None = None
+    results: tuple[dict[str, Any], ...] = ()
+    unknown: tuple[str, ...] = field(default=(), compare=False)
+
+
+def run_task(task: Task, stopped: Event | None = None) -> Outcome:
+    """Solve a design; an error of any kind is an outcome.
+
+    Parameters
+    ----------
+    task : Task
+    stopped : Event, optional
+        Ends the run soon after it is set.
+
+    Returns
+    -------
+    Outcome
+    """
+
+    def watch(*_: object) -> None:
+        if stopped is not None and stopped.is_set():
+            raise StoppedError
+
+    began = perf_counter()
+    try:
+        watch()
+        with one_blas_thread():  # its number of threads changes bits, and workers share processors
+            found = solve_scene(task.scene, watch, _parts_of(task.study))
+        results = found if isinstance(found, tuple) else (found,)
+        rows = tuple(_row(result, task.names) for result in results)
+    except StoppedError:
+        raise
+    except FlankloadError as error:
+        return Outcome(FAILED, perf_counter() - began, str(error))
+    except Exception as error:
+        text = f"{type(error).__name__}: {error}"
+        return Outcome(ABORTED, perf_counter() - began, text)
+    known = {name for row in rows for name in row["quantities"]}
+    for row in rows:  # a missing quantity is stored as such, so that it is not sought again
+        row["quantities"] |= {n: None for n in task.names if n not in row["quantities"]}
+    unknown = tuple(name for name in task.names if name not in known)
+    return Outcome(SOLVED, perf_counter() - began, results=rows, unknown=unknown)
+
+
+def release(study: bytes) -> None:
+    """Drop the parts that this process holds for a study."""
+    with _lock:
+        _held.pop(study, None)
+
+
+def _parts_of(study: bytes) -> Parts:
+    """Bodies and compliances that the runs of a study share in this process."""
+    with _lock:
+        parts = _held.setdefault(study, Parts())
+        _held.move_to_end(study)
+        while len(_held) > MOST_HELD:
+            _held.popitem(last=False)
+    return parts
+
+
+def _row(result: Result, names: tuple[str, ...]) -> dict[str, Any]:
+    """Plain numbers of a result."""
+    quantities = _flat(result.summary)
+    curves = _curves(result)
+    if any(name in curves for name in names):
+        names = ("position_rad", *names)
+    quantities |= {name: _plain(curves[name]) for name in names if name in curves}
+    errors = {
+        name: value
+        for name, value in (result.estimate or {}).items()
+        if isinstance(value, float) and isfinite(value)
+    }
+    return {"torque_Nm": result.torque_Nm, "quantities": quantities, "estimate": errors}
+
+
+def _curves(result: Result) -> dict[str, Any]:
+    """Arrays over the positions."""
+    found = {name: getattr(result, name) for name in along_positions(result)}
+    if result.friction is not None:
+        found |= {f"friction_{name}": getattr(result.friction, name) for name in FRICTION}
+    if result.drive is not None:
+        found |= {name: getattr(result.drive, name) for name in result.drive.along}
+    return {name: values for name, values in found.items() if values is not None}
+
+
+def _flat(tree: Mapping[str, Any], before: str = "") -> dict[str, Any]:
+    """Entries of a summary by dotted name."""
+    found: dict[str, Any] = {}
+    for name, value in tree.items():
+        if isinstance(value, Mapping):
+            found |= _flat(value, f"{before}{name}.")
+        else:
+            found[f"{before}{name}"] = _plain(value)
+    return found
+
+
+def _plain(value: Any) -> Any:
+    """Python numbers and lists; None in place of NaN and infinity."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return None if isinstance(value, float) and not isfinite(value) else value

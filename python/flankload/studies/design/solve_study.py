@@ -1,0 +1,160 @@
+"""A design study: from its definition to its rows."""
+
+from __future__ import annotations
+
+from contextlib import closing, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from flankload.errors import SceneError
+from flankload.scene.refusal import refuse, shown
+from flankload.scene.tree import number_at
+from flankload.studies.design.design_study import DesignStudy
+from flankload.studies.design.designs import Designs
+from flankload.studies.design.run_designs import run_designs
+from flankload.studies.design.store import Store
+from flankload.studies.variables import variables_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from concurrent.futures import Executor
+
+    from flankload.scene import Scene
+    from flankload.studies.design.run_designs import Progress
+
+#: Quantities of a study that names none.
+QUANTITIES = (
+    "transmission_error_mean_um",
+    "transmission_error_peak_to_peak_um",
+    "peak_pressure_MPa",
+    "contact_ratio_under_load",
+    "stiffness_tangent_mean_N_per_um",
+)
+
+
+def study(
+    scene: Scene,
+    variables: Mapping[str, Any],
+    design: str = "factorial",
+    *,
+    n: int | None = None,
+    seed: int = 0,
+    quantities: Sequence[str] = QUANTITIES,
+    store: str | Path | None = None,
+    executor: Executor | None = None,
+) -> DesignStudy:
+    """Solve many designs of one scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    variables : mapping
+        By path of a key as in `Scene.replace` (several paths, separated by commas, have the same
+        value): a list of values, or a distribution: {"distribution": "normal", "mean": 0,
+        "standard_deviation": 3} (optionally "lower", "upper"), {"distribution": "uniform",
+        "lower": 0, "upper": 30}, or any frozen distribution of scipy.stats. Values have the unit
+        of the key.
+    design : str
+        With values: "factorial" (all combinations), "list" (the i-th value of each), or
+        "one-at-a-time" (the scene, then each value alone). With distributions: "sobol" or
+        "random".
+    n : int, optional
+        Number of designs of "sobol" and "random".
+    seed : int
+        Seed of these two; more designs of the same seed begin with the same ones.
+    quantities : sequence of str
+        Names in `Result.summary` (entries of tables by dotted names) or arrays over the positions,
+        as "transmission_error_um".
+    store : path, optional
+        SQLite file. Runs that it has are not solved again; each further run is written at once.
+    executor : concurrent.futures.Executor, optional
+        Threads, processes, dask or MPI; by default a thread for each processor.
+
+    Returns
+    -------
+    DesignStudy
+        With a row for each design, including those that failed.
+
+    Raises
+    ------
+    SceneError
+        Before anything is solved, if the study contradicts itself, the first design is no scene, or
+        the store is another file; after the first run, if it does not have a quantity.
+    FlankloadError
+        If a worker is lost; finished runs are in the store.
+    KeyboardInterrupt
+        After Ctrl-C; finished runs are in the store.
+    """
+    designs = Designs(variables_of(variables), design, n, seed)
+    return run_study(scene, designs, quantities, store, executor)
+
+
+def run_study(
+    scene: Scene,
+    designs: Designs,
+    quantities: Sequence[str] = QUANTITIES,
+    store: str | Path | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> DesignStudy:
+    """Solve given designs, with progress.
+
+    Parameters
+    ----------
+    scene, quantities, store, executor
+        As in `study`.
+    designs : Designs
+    progress : callable, optional
+        As in `run_designs`.
+
+    Returns
+    -------
+    DesignStudy
+
+    Raises
+    ------
+    SceneError, FlankloadError, KeyboardInterrupt
+        As `study`.
+    """
+    designs.check()
+    check_first(scene, designs)
+    if isinstance(quantities, str) or not quantities:
+        refuse("quantities", "a non-empty list of names", shown(quantities))
+    names = tuple(dict.fromkeys(quantities))
+    with closing(Store(None if store is None else Path(store))) as opened:
+        rows = run_designs(scene, designs, names, opened, executor, progress)
+    values = _values_in(scene, designs)
+    return DesignStudy(scene.name, designs, names, rows, values, scene.has_torque_list)
+
+
+def check_first(scene: Scene, designs: Designs) -> None:
+    """Refuse variables whose first values do not give a scene.
+
+    Raises
+    ------
+    SceneError
+        Its key is `variables.PATH` if it is that of a variable.
+    """
+    for values in designs.first():
+        try:
+            scene.replace(designs.changes(values))
+        except SceneError as error:
+            paths = [path for variable in designs.variables for path in variable.paths]
+            for table, names in (("variables", paths), ("changes", designs.fixed)):
+                if any(error.key.startswith(path) for path in names):
+                    key = f"{table}.{error.key}"
+                    expected, found = error.expected, error.found
+                    raise SceneError(key=key, expected=expected, found=found) from None
+            raise
+
+
+def _values_in(scene: Scene, designs: Designs) -> dict[str, Any]:
+    """Values of the variables in the scene itself; None where it has no number."""
+    found: dict[str, Any] = {}
+    with suppress(SceneError):
+        scene = scene.replace(designs.changes({}))
+    for variable in designs.variables:
+        found[variable.name] = None
+        with suppress(SceneError):
+            found[variable.name] = number_at(scene, variable.paths[0])
+    return found

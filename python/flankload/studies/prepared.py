@@ -1,0 +1,144 @@
+"""Solution of scenes: to a tolerance, with chosen effects, with parts of earlier runs."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from flankload.cost import Account
+from flankload.mechanisms import Earlier, Parts, mechanism_of, run_once
+from flankload.mechanisms import prepare as prepare_parts
+from flankload.studies.tolerance import solve_to_tolerance
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from flankload.mechanisms.duration import Duration
+    from flankload.mechanisms.stage_clock import Kept, Progress
+    from flankload.result import Result
+    from flankload.scene import Scene
+    from flankload.studies.plan import Plan
+
+
+class Prepared:
+    """A scene with its bodies and compliances, for similar scenes; from `prepare`.
+
+    Attributes
+    ----------
+    scene : Scene
+    parts : Parts
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.parts = Parts()
+        if not scene.steers and scene.effects.choose is None:
+            prepare_parts(scene, self.parts)
+
+    def solve(
+        self, changes: Mapping[str, Any] | None = None, progress: Progress | None = None
+    ) -> Result | tuple[Result, ...]:
+        """Load distribution of the scene with other values of some keys.
+
+        Bodies and compliances are reused if all that they follow from has the same bits; new ones
+        are kept for later calls, up to 64. The result has the same bits as
+        `solve(scene.replace(changes))`, but for its cost: a compliance that is reused costs
+        nothing, and its stage is missing. Belts and chains are solved anew, and so are scenes with
+        `accuracy.tolerance`, whose discretization depends on what elements cost.
+
+        Parameters
+        ----------
+        changes : mapping of str to object, optional
+            As of `Scene.replace`.
+        progress : callable, optional
+            As of `solve`.
+
+        Returns
+        -------
+        Result, or a tuple of Results where the scene has a list of torques
+
+        Raises
+        ------
+        SceneError, FlankloadError
+            As `Scene.replace` and `solve`.
+        """
+        scene = self.scene if not changes else self.scene.replace(changes)
+        return solve_scene(scene, progress, self.parts)
+
+
+def solve_scene(
+    scene: Scene,
+    progress: Progress | None,
+    parts: Parts | None,
+    *,
+    plan: Plan | None = None,
+    on_duration: Callable[[Duration], None] | None = None,
+) -> Result | tuple[Result, ...]:
+    """Solve a scene, to its tolerance if it names one.
+
+    Parameters
+    ----------
+    scene : Scene
+    progress : callable or None
+        Called as progress(stage, done, total). An exception that it raises ends the solution.
+    parts : Parts or None
+        Bodies and compliances of earlier runs; those of this run are added.
+    plan : Plan, optional
+        Of this scene: its predictions are shown beside what is spent.
+    on_duration : callable, optional
+        Called once with the predicted duration.
+
+    Returns
+    -------
+    Result, or a tuple of Results where the scene has a list of torques
+
+    Raises
+    ------
+    SceneError, FlankloadError
+        As `flankload.solve`.
+    """
+    if not scene.steers:
+        return _solve_chosen(scene, {}, progress, parts, (plan, on_duration))
+    firsts = iter([(plan, on_duration)])  # they concern the first run
+
+    def solve_once(
+        scene: Scene, kept: Kept, progress: Progress | None
+    ) -> Result | tuple[Result, ...]:
+        return _solve_chosen(scene, kept, progress, None, next(firsts, (None, None)))
+
+    return solve_to_tolerance(scene, solve_once, progress)
+
+
+def _solve_chosen(
+    scene: Scene,
+    kept: Kept,
+    progress: Progress | None,
+    parts: Parts | None,
+    first: tuple[Plan | None, Callable[[Duration], None] | None],
+) -> Result | tuple[Result, ...]:
+    """Solve a scene once; the effects that it leaves to the plan are chosen before."""
+    plan, on_duration = first
+    stages: dict[str, Account] = {}
+    notes: tuple[str, ...] = ()
+    if scene.effects.choose is not None:
+        from flankload.studies.plan.choice import choose_effects, said_of
+
+        if progress is not None:
+            progress("plan", 0, 1)
+        with stages.setdefault("plan", Account()):
+            scene, choice = choose_effects(scene)
+        notes = (said_of(choice, scene.accuracy.tolerance),) if choice else ()
+    return run_once(
+        scene,
+        kept,
+        progress,
+        plan=None if plan is None else plan.predicted["stages"],
+        on_assembly=None if on_duration is None else partial(_report_duration, scene, on_duration),
+        earlier=Earlier(stages, notes, parts),
+    )
+
+
+def _report_duration(scene: Scene, on_duration: Callable[[Duration], None], assembly: Any) -> None:
+    duration = mechanism_of(scene).duration(scene, assembly)
+    if duration is not None:
+        on_duration(duration)
