@@ -97,7 +97,8 @@ def mode_values(
     closed : bool
         The range is a turn: 1, cos t, sin t, cos 2t, … instead, t from 0 to 2 pi.
     tip : Tip, optional
-        Behind the range: the last modes are the tip's own (`tip_modes`), the others keep their end values.
+        Behind the range: the last modes are the tip's own (`tip_modes`), the others keep their end
+        values.
 
     Returns
     -------
