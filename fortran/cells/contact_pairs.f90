@@ -13,7 +13,7 @@ module flankload_contact_pairs
     private
 
     public :: pairs_type
-    public :: append_pairs, reserve_pairs, take_out_of_mirror
+    public :: append_pairs, chosen_pairs, reserve_pairs, take_out_of_mirror
 
     !> All pairs of a position, as columns.
     type :: pairs_type
@@ -56,6 +56,35 @@ contains
         allocate (pairs%point(2, n), pairs%normal(2, n), pairs%turn(2, n), &
             & pairs%corner_turn(2, n), source=0.0_wp)
     end subroutine reserve_pairs
+
+    !> Some of the pairs, in their order.
+    pure function chosen_pairs(pairs, which) result(chosen)
+        !> All pairs
+        type(pairs_type), intent(in) :: pairs
+        !> Numbers of the chosen ones, ascending
+        integer, intent(in) :: which(:)
+        type(pairs_type) :: chosen
+
+        chosen%n = size(which)
+        chosen%site = pairs%site(which)
+        chosen%zone = pairs%zone(which)
+        chosen%s_1 = pairs%s_1(which)
+        chosen%s_2 = pairs%s_2(which)
+        chosen%cell_1 = pairs%cell_1(which)
+        chosen%cell_2 = pairs%cell_2(which)
+        chosen%radius = pairs%radius(which)
+        chosen%gap_angle = pairs%gap_angle(which)
+        chosen%torque_lever = pairs%torque_lever(which)
+        chosen%lever = pairs%lever(which)
+        if (allocated(pairs%friction)) then
+            chosen%sliding = pairs%sliding(which)
+            chosen%friction = pairs%friction(which)
+        end if
+        chosen%turn = pairs%turn(:, which)
+        chosen%corner_turn = pairs%corner_turn(:, which)
+        chosen%point = pairs%point(:, which)
+        chosen%normal = pairs%normal(:, which)
+    end function chosen_pairs
 
     !> Append the pairs of one zone.
     pure subroutine append_pairs(flank_1, frame_1, flank_2, frame_2, zone, number, grid, &

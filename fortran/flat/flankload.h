@@ -133,6 +133,19 @@ void flankload_sweep_(const int *n_positions, const int *n_torques, const int *n
                       int *counters, double *site_force, double *site_peak, int *site_corner,
                       int *info);
 
+/* The same where a similar sweep has shown which pairs are in contact: for derivatives. */
+void flankload_sweep_continued_(const int *n_positions, const int *n_torques, const int *n_sites,
+                                const double *motion, const double *center_distance,
+                                const double *torques, const int *n_record_1,
+                                const double *record_1, const int *n_record_2,
+                                const double *record_2, const double *settings,
+                                const int *n_columns, const int *room, int *control, int *pair_site,
+                                double *pair_table, const int *n_flags, const int *in_contact,
+                                const int *n_known, const int *first_known, int *status,
+                                double *rotation, double *tangent, double *certificate,
+                                int *counters, double *site_force, double *site_peak,
+                                int *site_corner, int *info);
+
 /* All positions and torques from points and compliances. */
 void flankload_sweep_points_(const int *n_positions, const int *n_torques, const int *n_flanks,
                              const int *n_points_1, const int *n_points_2, const int *n_circles,

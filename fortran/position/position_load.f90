@@ -13,6 +13,7 @@ module flankload_position_load
     use flankload_position_zones, only: body_type, look_at_position, position_type
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
         & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
+    use flankload_known_contact, only: known_contact, solve_known
     use flankload_pair_forces, only: solve_pairs
     use flankload_position_state, only: blank_state, count_lumped, note_ends, position_state, &
         & presses_across, unloaded_state, would_touch
@@ -33,7 +34,8 @@ module flankload_position_load
 contains
 
     !> Solve one position for several torques; no answer depends on the other torques.
-    subroutine solve_position(body_1, body_2, angle_1, angle_2, torques, settings, states, speeds)
+    subroutine solve_position(body_1, body_2, angle_1, angle_2, torques, settings, states, speeds, &
+            & known)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
@@ -48,20 +50,28 @@ contains
         type(position_state), intent(out) :: states(:)
         !> Speeds of both bodies [rad per rad of the position], shape (2); needed with friction
         real(wp), intent(in), optional :: speeds(2)
+        !> Pairs in contact as far as a similar position has shown them, shape (torques): a state with
+        !> as many pairs is that of these, without a certificate; others are solved
+        type(known_contact), intent(in), optional :: known(:)
 
         integer :: t
-        logical :: known
+        logical :: seen
         type(position_type) :: position, whole
+        type(known_contact) :: contact
         type(error_type), allocatable :: error
 
-        known = .false.
+        seen = .false.
         do t = 1, size(torques)
-            if (.not. known) call look(torques(t), .not. allocated(body_1%slices), position)
-            known = .not. (allocated(error) .or. position%conforms)
-            call answer(torques(t), position, states(t))
+            if (.not. seen) call look(torques(t), .not. allocated(body_1%slices), position)
+            seen = .not. (allocated(error) .or. position%conforms)
+            contact = known_contact()
+            if (present(known)) contact = known(t)
+            call solve_torque(body_1, body_2, torques(t), settings, contact, position, states(t), &
+                & error)
             if (may_miss(position, states(t), allocated(error))) then
                 call look(torques(t), .true., whole)
-                call answer(torques(t), whole, states(t))
+                call solve_torque(body_1, body_2, torques(t), settings, known_contact(), whole, &
+                    & states(t), error)
             end if
             if (allocated(error)) then
                 states(t)%status = error%code
@@ -91,30 +101,39 @@ contains
             if (present(speeds)) at%speeds = speeds
         end subroutine look
 
-        !> Solve it for one torque.
-        subroutine answer(torque, at, state)
-            !> Torque on body 1 [N mm]
-            real(wp), intent(in) :: torque
-            !> The position
-            type(position_type), intent(inout) :: at
-            !> What is found
-            type(position_state), intent(out) :: state
-
-            if (allocated(error)) return
-            call blank_state(size(body_1%site_angles), state)
-            if (torque <= 0.0_wp .and. .not. presses_across(at)) then
-                call unloaded_state(at, state)
-            else if (allocated(body_1%slices)) then
-                call solve_slices(body_1, body_2, torque, at, state, error)
-            else if (settings%level == level_lumped) then
-                call solve_lumped(body_1, body_2, at, torque, state, error)
-            else
-                call solve_load(body_1, body_2, at, torque, settings, state, error)
-            end if
-            if (allocated(at%ends) .and. .not. allocated(error)) call note_ends(at, state)
-        end subroutine answer
-
     end subroutine solve_position
+
+    !> Solve a position for one torque.
+    subroutine solve_torque(body_1, body_2, torque, settings, contact, position, state, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> The level of contact, and how fine its cells are
+        type(grid_settings), intent(in) :: settings
+        !> Pairs in contact, if known from a similar position
+        type(known_contact), intent(in) :: contact
+        !> The position
+        type(position_type), intent(inout) :: position
+        !> What is found
+        type(position_state), intent(out) :: state
+        !> Set if there was an error before, or no state was found
+        type(error_type), allocatable, intent(inout) :: error
+
+        if (allocated(error)) return
+        call blank_state(size(body_1%site_angles), state)
+        if (torque <= 0.0_wp .and. .not. presses_across(position)) then
+            call unloaded_state(position, state)
+        else if (allocated(body_1%slices)) then
+            call solve_slices(body_1, body_2, torque, position, state, error)
+        else if (settings%level == level_lumped) then
+            call solve_lumped(body_1, body_2, position, torque, state, error)
+        else
+            call solve_load(body_1, body_2, position, torque, settings, contact, state, error)
+        end if
+        if (allocated(position%ends) .and. .not. allocated(error)) call note_ends(position, state)
+    end subroutine solve_torque
 
     !> Whether a slice that was not searched could touch.
     !>
@@ -139,7 +158,7 @@ contains
     end function may_miss
 
     !> One torque, on cells.
-    subroutine solve_load(body_1, body_2, position, torque, settings, state, error)
+    subroutine solve_load(body_1, body_2, position, torque, settings, contact, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
@@ -149,17 +168,81 @@ contains
         real(wp), intent(in) :: torque
         !> How fine the cells are
         type(grid_settings), intent(in) :: settings
+        !> Pairs in contact, if known from a similar position
+        type(known_contact), intent(in) :: contact
         !> What is found; blank on entry
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: pass, spent
+        integer :: pass
         type(cells_type) :: cells
-        real(wp), allocatable :: estimate(:), curvatures(:)
-        real(wp) :: rotation
         logical, allocatable :: touches(:)
         logical :: settled
+
+        call expect_cells(body_1, body_2, position, torque, settings, cells, state, error)
+        if (allocated(error)) return
+        associate (zones => position%zones)
+            do pass = 1, max_passes
+                state%passes = pass
+                if (pass > 1) call measure_reach(body_1, body_2, position, cells)
+                call lay_pairs(body_1, body_2, position, settings, cells, state%pairs, error)
+                if (allocated(error)) return
+                if (pass == 1) call continue_contact(settled)
+                if (settled) exit
+                call solve_pairs(body_1, body_2, position, expected_pairs(state%pairs, zones, &
+                    & cells), torque, settings%finite_steps, state, error)
+                if (allocated(error)) return
+                call check_grids(state%forces, cells, settled)
+                touches = would_touch(position, cells%estimate, state%rotation)
+                if (any(touches .and. .not. cells%joins)) settled = .false.
+                cells%joins = cells%joins .or. touches
+                if (settled) exit
+            end do
+            if (.not. settled) then
+                call fatal_error(error, code_unsettled_cells, &
+                    & 'contact keeps reaching the end of its cells')
+                return
+            end if
+            call sum_over_sites(state, zones)
+        end associate
+
+    contains
+
+        !> The state on the first cells, if its pairs in contact are known.
+        subroutine continue_contact(solved)
+            !> False if they are not
+            logical, intent(out) :: solved
+
+            solved = .false.
+            if (.not. allocated(contact%touches) .or. settings%finite_steps > 0) return
+            if (size(contact%touches) /= state%pairs%n) return
+            call solve_known(body_1, body_2, contact%touches, torque, state, solved)
+        end subroutine continue_contact
+
+    end subroutine solve_load
+
+    !> Cells for the forces of the lumped contact.
+    subroutine expect_cells(body_1, body_2, position, torque, settings, cells, state, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> How fine the cells are
+        type(grid_settings), intent(in) :: settings
+        !> For what the cells shall be laid, their reach measured
+        type(cells_type), intent(out) :: cells
+        !> The state that counts the work
+        type(position_state), intent(inout) :: state
+        !> Set if there is no lumped contact
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: spent
+        real(wp), allocatable :: estimate(:), curvatures(:)
+        real(wp) :: rotation
 
         associate (zones => position%zones, gap => position%gap)
             call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
@@ -184,29 +267,8 @@ contains
                 cells%joins = cells%joins .or. estimate > 0.0_wp
                 call measure_reach(body_1, body_2, position, cells)
             end if
-            do pass = 1, max_passes
-                state%passes = pass
-                if (pass > 1) call measure_reach(body_1, body_2, position, cells)
-                call lay_pairs(body_1, body_2, position, settings, cells, state%pairs, error)
-                if (allocated(error)) return
-                call solve_pairs(body_1, body_2, position, expected_pairs(state%pairs, zones, &
-                    & cells), torque, settings%finite_steps, state, error)
-                if (allocated(error)) return
-                call check_grids(state%forces, cells, settled)
-                touches = would_touch(position, cells%estimate, state%rotation)
-                if (any(touches .and. .not. cells%joins)) settled = .false.
-                cells%joins = cells%joins .or. touches
-                if (settled) exit
-            end do
-            if (.not. settled) then
-                call fatal_error(error, code_unsettled_cells, &
-                    & 'contact keeps reaching the end of its cells')
-                return
-            end if
-            call sum_over_sites(state, zones)
         end associate
-    end subroutine solve_load
-
+    end subroutine expect_cells
 
     !> Forces, peaks and corners of the sites.
     pure subroutine sum_over_sites(state, zones)

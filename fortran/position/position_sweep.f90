@@ -10,6 +10,7 @@ module flankload_position_sweep
     use flankload_status, only: no_contact_state, code_no_room, code_stopped
     use flankload_position_zones, only: body_type
     use flankload_position_cells, only: grid_settings
+    use flankload_known_contact, only: contact_of, known_contact, known_contacts
     use flankload_position_load, only: solve_position
     use flankload_position_state, only: position_state
     implicit none
@@ -70,7 +71,7 @@ contains
 
     !> Solve every position for every torque.
     subroutine sweep_positions(body_1, body_2, angles_1, angles_2, speeds, torques, settings, &
-            & control, pair_site, pair_table, found)
+            & control, pair_site, pair_table, found, known)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
@@ -94,6 +95,8 @@ contains
         real(wp), intent(inout) :: pair_table(:, :)
         !> The results
         type(sweep_type), intent(out) :: found
+        !> Pairs in contact in a similar sweep of as many positions and torques
+        type(known_contacts), intent(in), optional :: known
 
         integer :: k, used, asked_to_stop
 
@@ -115,20 +118,26 @@ contains
             !> Number of the position
             integer, intent(in) :: at
 
-            integer :: before, needed, room
+            integer :: before, needed, room, t
             type(position_state) :: states(size(torques))
+            type(known_contact) :: contacts(size(torques))
 
             room = size(pair_site)
             found%status(at, :) = code_no_room
             !$omp atomic read
             before = used
             if (before > room) return
+            if (present(known)) then
+                do t = 1, size(torques)
+                    contacts(t) = contact_of(known, at, t)
+                end do
+            end if
             if (size(speeds, 2) > 0) then
                 call solve_position(body_1, body_2, angles_1(at), angles_2(at), torques, settings, &
-                    & states, speeds(:, at))
+                    & states, speeds(:, at), contacts)
             else
                 call solve_position(body_1, body_2, angles_1(at), angles_2(at), torques, settings, &
-                    & states)
+                    & states, known=contacts)
             end if
             needed = 0
             if (room > 0) needed = sum(states%pairs%n, mask=states%status >= 0)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flankload import errors
-    from flankload.api import Prepared, prepare, solve
+    from flankload.api import Prepared, prepare, sensitivity, solve
     from flankload.contact import (
         ContactState,
         solve_contact,
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from flankload.studies.accuracy import Study, accuracy
     from flankload.studies.design import DesignStudy, study
     from flankload.studies.plan import Plan, plan
+    from flankload.studies.sensitivity import Sensitivity
     from flankload.studies.verification import Verification, verify
 
 __all__ = [
@@ -53,6 +54,7 @@ __all__ = [
     "Result",
     "Scene",
     "SceneError",
+    "Sensitivity",
     "SingularContact",
     "Study",
     "Verification",
@@ -62,6 +64,7 @@ __all__ = [
     "plan",
     "prepare",
     "read_scene",
+    "sensitivity",
     "solve",
     "solve_contact",
     "solve_contact_general",
@@ -96,9 +99,11 @@ _MODULE_OF_NAME = {
     "Result": "result",
     "Prepared": "api",
     "prepare": "api",
+    "sensitivity": "api",
     "solve": "api",
     "DesignStudy": "studies.design",
     "study": "studies.design",
+    "Sensitivity": "studies.sensitivity",
     "Study": "studies.accuracy",
     "accuracy": "studies.accuracy",
     "Verification": "studies.verification",

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flankload.studies import sensitivity as derivatives
 from flankload.studies.prepared import Prepared, solve_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.plan import Plan
+    from flankload.studies.sensitivity import Sensitivity
 
 
 def solve(
@@ -72,3 +74,36 @@ def prepare(scene: Scene) -> Prepared:
         If the scene is impossible.
     """
     return Prepared(scene)
+
+
+def sensitivity(scene: Scene | Prepared, paths: Sequence[str]) -> Sensitivity:
+    """Derivatives of all results of a scene with respect to some of its keys.
+
+    They are exact for the pairs in contact of each state: central differences over a step so small
+    that its square is 1e-8, between systems of the same pairs on cells that follow the contact. No
+    contact problem is solved again.
+
+    Parameters
+    ----------
+    scene : Scene or Prepared
+        A prepared scene lends its bodies and compliances. `accuracy.tolerance` and
+        `effects.choose` are refused, since derivatives need one discretization.
+    paths : sequence of str
+        Keys with numbers, by path as in `Scene.replace`: "body_1.tip_relief_um",
+        "body_2.pitch_errors_um[3]", "pair.center_distance_mm". A key that reaches the elements of
+        a body costs two solutions of these.
+
+    Returns
+    -------
+    Sensitivity
+        `derivative("transmission_error_peak_to_peak_um")`, and so on for each number of
+        `Result.summary`, each array of `Result`, and each function of a Result.
+
+    Raises
+    ------
+    SceneError, FlankloadError
+        As `solve`; if a path leads to no number, or no scene beside its value is possible.
+    """
+    if isinstance(scene, Prepared):
+        return derivatives.sensitivity(scene.scene, paths, scene._parts)
+    return derivatives.sensitivity(scene, paths)

@@ -144,14 +144,15 @@ def solve_highs(scaled: Scaled) -> Found:
 
     n = scaled.gaps.size
     solver = highspy.Highs()
-    for name, value in {
+    options: dict[str, bool | str | float] = {
         "output_flag": False,
         "threads": 1,
         "parallel": "off",
         "primal_feasibility_tolerance": 1e-10,
         "dual_feasibility_tolerance": 1e-10,
         "qp_regularization_value": 0.0,
-    }.items():
+    }
+    for name, value in options.items():
         solver.setOptionValue(name, value)
     model = highspy.HighsModel()
     program, hessian = model.lp_, model.hessian_

@@ -29,6 +29,7 @@ PUBLIC = {
     "solver/contact_sequence.f90: solve_packed",
     "solver/column_demand.f90: solve_on_demand",
     "solver/column_demand.f90: solve_known_columns",
+    "position/position_load.f90: solve_position",
     "position/position_sweep.f90: sweep_positions",
     "points/nodal_sweep.f90: sweep_nodal_positions",
 }

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import flankload as fl
 from flankload import _core
-from flankload.contact.sweep import sweep
+from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance, Expansion, FlankModes, NearField
 from flankload.scene.discretization import Grid
 from tests.support.nodal_position import NodalPosition
@@ -124,20 +124,26 @@ def rollers(text: str) -> None:
         modes=FlankModes((0.0, 18.0)),
         expansion=Expansion(0.0, {"heat": np.full((1, 1), 5e-3)}),
     )
-    found = sweep(
-        cylinders(one, two),
-        compliances=(compliance, warm),
-        pairing=one_site(90.0),
-        position_rad=2e-3 * np.arange(3),
-        torques_Nmm=[3.6e4, 3.6e5],
-        face_width_mm=width,
-        grid=Grid(),
-    )
+
+    def solve(part: float) -> tuple[Sweep, ...]:
+        return sweep(
+            cylinders(one, two),
+            compliances=(compliance, warm),
+            pairing=one_site(90.0),
+            position_rad=2e-3 * np.arange(3),
+            torques_Nmm=[part * 3.6e4, part * 3.6e5],
+            face_width_mm=width,
+            grid=Grid(),
+        )
+
     expected = [0.0]
-    for state in found:
+    for state in solve(1.0):
         for k in range(3):
             expected += [1e3 * state.rotation_rad[k], state.site_force_N[k, 0]]
             expected += [state.site_peak_N_per_mm[k, 0] / width, state.n_pairs[k]]
+    for more, less in zip(solve(1.001), solve(0.999), strict=True):
+        step = more.torque_Nmm - less.torque_Nmm
+        expected += list(1e6 * (more.rotation_rad - less.rotation_rad) / step)
     expect_numbers(numbers_in(text), np.array(expected))
 
 

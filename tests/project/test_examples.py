@@ -23,7 +23,13 @@ def printed_by(run: object) -> str:
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "docs/guide/contact_problems.md", "docs/guide/variations.md"]
+    "page",
+    [
+        "README.md",
+        "docs/guide/contact_problems.md",
+        "docs/guide/derivatives.md",
+        "docs/guide/variations.md",
+    ],
 )
 def test_a_page_shows_what_its_examples_print(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
     text = (ROOT / page).read_text(encoding="utf-8")

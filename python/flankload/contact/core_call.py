@@ -92,6 +92,28 @@ class Found:
 
 
 @dataclass(frozen=True)
+class KnownContacts:
+    """Pairs in contact in a sweep, for a similar one.
+
+    Attributes
+    ----------
+    touches : (N,) array of C ints
+        1 for a pair in contact, else 0.
+    count, first : (P, T) arrays
+        Number of pairs of each state, 0 if they are not to be used; index of the first of them.
+    """
+
+    touches: NDArray[np.intc]
+    count: NDArray[np.int64]
+    first: NDArray[np.int64]
+
+    def at(self, which: NDArray[np.int64]) -> tuple[NDArray[Any], ...]:
+        """Arguments of the core for some positions."""
+        tables = (self.count[which], self.first[which] + 1)
+        return self.touches, *(np.asfortranarray(table, dtype=np.intc) for table in tables)
+
+
+@dataclass(frozen=True)
 class CoreCall:
     """The constant arguments of the core, and its call.
 
@@ -111,6 +133,7 @@ class CoreCall:
     account : Account
     progress, watched
         As in `sweep`.
+    known : KnownContacts or None
     """
 
     n_sites: int
@@ -125,6 +148,7 @@ class CoreCall:
     account: Account
     progress: Callable[[int, int], None] | None
     watched: bool
+    known: KnownContacts | None = None
 
     def all_positions(self, room: int) -> Found:
         """Solve every position; repeat those whose pairs exceeded the allocated number.
@@ -151,8 +175,11 @@ class CoreCall:
         n_columns = len(columns_of(friction=self.friction))
         table = np.empty(room * n_columns)
 
+        core = _core.flankload_sweep if self.known is None else _core.flankload_sweep_continued
+        known = () if self.known is None else self.known.at(which)
+
         def call() -> tuple[Any, ...]:
-            found: tuple[Any, ...] = _core.flankload_sweep(
+            found: tuple[Any, ...] = core(
                 self.n_sites,
                 np.asfortranarray(self.motion[:, which]),
                 self.center_distance_mm,
@@ -163,6 +190,7 @@ class CoreCall:
                 control,
                 site,
                 table,
+                *known,
             )
             return found
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.contact.body_record import body_records
-from flankload.contact.core_call import CoreCall, Found, Level
+from flankload.contact.core_call import CORE_COUNTERS, CoreCall, Found, KnownContacts, Level
 from flankload.contact.pair_table import PackedPairs, join_pairs
 from flankload.contact.sweep_failure import raise_first_failure
 from flankload.cost import Account
@@ -123,6 +123,7 @@ def sweep(
     friction: Friction | None = None,
     finite_steps: int = 0,
     slices: Slices | None = None,
+    known: KnownContacts | None = None,
     keep_pairs: bool = True,
     account: Account | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -161,6 +162,9 @@ def sweep(
         Flanks cut along the face width: contact in three dimensions, lumped and without friction.
         Compliances are those of the whole width in mm/N, their modes products with Legendre
         polynomials over it.
+    known : KnownContacts, optional
+        Pairs in contact in a similar sweep (`known_contacts`): states with as many pairs are those
+        of these, without a search and without a certificate.
     keep_pairs : bool
         Whether single pairs are stored; results per site are always stored.
     account : Account, optional
@@ -204,11 +208,16 @@ def sweep(
         account=spent,
         progress=progress,
         watched=watched,
+        known=known,
     )
 
     def holds(k: int, under: NDArray[np.float64]) -> NDArray[np.bool_]:
         alone = replace(
-            core, motion=core.motion[:, k : k + 1], torques_Nmm=under, progress=None
+            core,
+            motion=core.motion[:, k : k + 1],
+            torques_Nmm=under,
+            progress=None,
+            known=None,
         ).all_positions(0)
         return np.asarray(alone.status[0] >= 0)
 
@@ -221,6 +230,35 @@ def sweep(
         spent.count(slices=slices.count * positions.size * torques.size)
     found_of = (_sweep_of(found, pairing, t, float(torques[t])) for t in range(torques.size))
     return tuple(found_of if slices is None else (_summed(one, slices) for one in found_of))
+
+
+def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
+    """Pairs in contact in sweeps of the same positions, for similar ones.
+
+    Parameters
+    ----------
+    found : sequence of Sweep
+        One for each torque of the similar sweep.
+
+    Returns
+    -------
+    KnownContacts or None
+        None where contacts have no cells, or pairs of coast flanks are stored apart. States whose
+        cells were laid more than once are left out: their cells depend on the forces found before.
+    """
+    if any(part.coast is not None or part.slice_force_N is not None for part in found):
+        return None
+    passes = CORE_COUNTERS.index("contact_passes")
+    touches = [(part.pairs.column("force") > 0.0).astype(np.intc) for part in found]
+    before = np.cumsum([0, *(part.size for part in touches)])
+    first = [np.cumsum(part.pairs.count) - part.pairs.count for part in found]
+    return KnownContacts(
+        touches=np.concatenate(touches),
+        count=np.column_stack(
+            [np.where(part.counters[:, passes] == 1, part.pairs.count, 0) for part in found]
+        ),
+        first=np.column_stack([own + start for own, start in zip(first, before[:-1], strict=True)]),
+    )
 
 
 def _parts_of_site(pairing: Pairing, slices: Slices | None) -> int:

@@ -117,9 +117,17 @@ class Mechanism(Protocol):
         """
 
     def states(
-        self, scene: Scene, assembly: Any, compliances: Any, clock: StageClock
+        self,
+        scene: Scene,
+        assembly: Any,
+        compliances: Any,
+        clock: StageClock,
+        similar: States | None = None,
     ) -> tuple[Any, States]:
-        """States under all torques, and the assembly at all their positions."""
+        """States under all torques, and the assembly at all their positions.
+
+        Those of a scene that differs by a small step may be continued.
+        """
 
     def broken_by_geometry(self, assembly: Any) -> Iterable[Broken]:
         """Premises that the geometry violates without load."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted
+    from flankload.mechanisms.protocol import Counted, States
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.scene.discretization import Discretization
@@ -34,11 +34,15 @@ class Earlier:
         Further warnings of the results.
     parts : Parts or None
         Bodies and compliances of other scenes; those of the run are added.
+    similar : States or None
+        Of a scene that differs by a small step: the run has its positions, and continues its states
+        where that is possible.
     """
 
     stages: Mapping[str, Account] = field(default_factory=dict)
     notes: Sequence[str] = ()
     parts: Parts | None = None
+    similar: States | None = None
 
 
 def prepare(scene: Scene, parts: Parts) -> None:
@@ -70,6 +74,7 @@ def run_once(
     plan: Counted | None = None,
     discretization: Discretization | None = None,
     on_assembly: Callable[[Any], None] | None = None,
+    on_states: Callable[[States], None] | None = None,
     earlier: Earlier | None = None,
 ) -> Result | tuple[Result, ...]:
     """Solve a scene at the discretization that it names, or at the default one.
@@ -88,6 +93,8 @@ def run_once(
         Replaces the discretization of the scene.
     on_assembly : callable, optional
         Called with the assembly before finite elements are solved.
+    on_states : callable, optional
+        Called with the states of the run, which `Earlier.similar` takes.
     earlier : Earlier, optional
 
     Returns
@@ -115,7 +122,9 @@ def run_once(
     if assembly.position_rad.size != built.position_rad.size:
         # teeth of different compliance need more positions, which a plan cannot predict
         predicted = beside_plan(mechanism.work(scene, assembly))
-    assembly, states = mechanism.states(scene, assembly, compliances, clock)
+    assembly, states = mechanism.states(scene, assembly, compliances, clock, earlier.similar)
+    if on_states is not None:
+        on_states(states)
     numbers = range(len(states.found))
     by_load = [
         held(scene, tuple(mechanism.broken_by_load(scene, assembly, states, n))) for n in numbers

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from typing import Any, NamedTuple
 
 import msgspec
@@ -51,18 +52,19 @@ class KeyPath(NamedTuple):
     kinds: str
 
 
-def scene_paths() -> list[KeyPath]:
+@cache
+def scene_paths() -> tuple[KeyPath, ...]:
     """Paths of all keys of a scene.
 
     Returns
     -------
-    list of KeyPath
+    tuple of KeyPath
         A key whose range or meaning differs between kinds of body has an entry for each.
     """
     kinds: dict[KeyPath, list[str]] = {}
     for found in _paths_of(SceneFile, "", ""):
         kinds.setdefault(found._replace(kinds=""), []).append(found.kinds)
-    return [path._replace(kinds=", ".join(filter(None, of))) for path, of in kinds.items()]
+    return tuple(path._replace(kinds=", ".join(filter(None, of))) for path, of in kinds.items())
 
 
 def _paths_of(form: type[Table], before: str, kind: str) -> Iterator[KeyPath]:

@@ -113,6 +113,39 @@ def with_changes(tree: Tree, changes: Mapping[str, Any]) -> Tree:
     return tree
 
 
+def number_at(scene: Scene, path: str) -> float:
+    """Number to which a path leads, defaults included; an absent deviation in um is 0.
+
+    Parameters
+    ----------
+    scene : Scene
+    path : str
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    SceneError
+        If the path is malformed, or leads to no number.
+    """
+    place: Any = scene
+    inside = False
+    for step in _steps_of(path):
+        if isinstance(step, int):
+            inside = isinstance(place, tuple) and step < len(place)
+            place = place[step] if inside else None
+        else:
+            inside = isinstance(place, Table | type(scene)) and hasattr(place, step)
+            place = getattr(place, step) if inside else None
+    if place is None and inside and path.endswith("_um"):
+        return 0.0
+    if isinstance(place, bool) or not isinstance(place, int | float):
+        refuse(path, "a key with a number", None if place is None else shown(place))
+    return float(place)
+
+
 def toml_of(tree: Tree) -> str:
     """Text of a scene file.
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.belt.drive import BeltAssembly
     from flankload.mechanisms.belt.pulley_compliance import PulleyResponse
     from flankload.mechanisms.parts import Parts
-    from flankload.mechanisms.protocol import Counted, Mechanism
+    from flankload.mechanisms.protocol import Counted, Mechanism, States
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
@@ -92,8 +92,9 @@ class TimingBelt(WrappedMechanism):
         assembly: BeltAssembly,
         compliances: PulleyResponse | None,
         clock: StageClock,
+        similar: States | None = None,
     ) -> tuple[BeltAssembly, BeltStates]:
-        """Solve all positions and torques; NoContactState if the belt has no state."""
+        """Solve all positions and torques; none is continued from similar states."""
         strip, torques = assembly.strip, scene.torques_Nm
         found: tuple[list[BeltState], ...] = tuple([] for _ in torques)
         springs = None

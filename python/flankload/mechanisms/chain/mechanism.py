@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.chain.drive import ChainAssembly
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile
+    from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile, States
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
@@ -70,9 +70,14 @@ class ChainOnSprocket(WrappedMechanism):
         return assembly, None
 
     def states(
-        self, scene: Scene, assembly: ChainAssembly, compliances: None, clock: StageClock
+        self,
+        scene: Scene,
+        assembly: ChainAssembly,
+        compliances: None,
+        clock: StageClock,
+        similar: States | None = None,
     ) -> tuple[ChainAssembly, ChainStates]:
-        """Solve all positions and torques."""
+        """Solve all positions and torques; none is continued from similar states."""
         progress, count = clock.sweep_progress("sweep"), len(assembly.wraps)
         found: list[list[WrapState]] = []
         with clock.stage("sweep") as account:

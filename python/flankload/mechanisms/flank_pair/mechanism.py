@@ -20,7 +20,12 @@ from flankload.mechanisms.flank_pair.stages import (
     with_compliance_period,
 )
 from flankload.mechanisms.flank_pair.standing import with_standing_gap
-from flankload.mechanisms.flank_pair.states import FlankStates, flank_states, position_notes
+from flankload.mechanisms.flank_pair.states import (
+    FlankStates,
+    continued_states,
+    flank_states,
+    position_notes,
+)
 from flankload.pairing.body_pair import BodyPair
 
 if TYPE_CHECKING:
@@ -30,7 +35,7 @@ if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile
+    from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile, States
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
@@ -76,10 +81,18 @@ class FlankPair:
         return grown_pair(with_compliance_period(scene, assembly, found), found)
 
     def states(
-        self, scene: Scene, assembly: BodyPair, compliances: Compliances, clock: StageClock
+        self,
+        scene: Scene,
+        assembly: BodyPair,
+        compliances: Compliances,
+        clock: StageClock,
+        similar: States | None = None,
     ) -> tuple[BodyPair, FlankStates]:
-        """Sweep all positions and torques."""
-        return flank_states(scene, assembly, compliances, clock)
+        """Sweep all positions and torques, or continue those of a similar scene."""
+        if similar is None:
+            return flank_states(scene, assembly, compliances, clock)
+        assert isinstance(similar, FlankStates)
+        return continued_states(scene, assembly, compliances, clock, similar)
 
     def broken_by_geometry(self, assembly: BodyPair) -> Iterator[Broken]:
         """Premises that the geometry violates."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from flankload.analysis.adaptive_positions import Window, sweep_adaptively
 from flankload.analysis.tangent import with_tangents, with_unloaded
+from flankload.contact.sweep import known_contacts
 from flankload.cost import held_bytes
 from flankload.errors import ContactError
 from flankload.mechanisms.flank_pair.premises import blame_load
@@ -49,6 +50,7 @@ class FlankStates:
         Number of sweeps in which the positions were found.
     geometry : PairGeometry
         At all positions.
+    position_rad : (P,) array
     run : callable
         Sweeps the same positions again.
     """
@@ -57,6 +59,7 @@ class FlankStates:
     position_errors: tuple[PositionErrors | None, ...]
     rounds: int
     geometry: PairGeometry
+    position_rad: NDArray[np.float64]
     run: Run
 
 
@@ -109,7 +112,46 @@ def flank_states(
         found = with_unloaded(found, partial(run, keep_pairs=False, account=account))
     for name in ("states", "slices"):  # those are of positions under a torque
         account.counters.pop(name, None)
-    return pair, FlankStates(found, errors, rounds, pair_geometry(pair, compliances), run)
+    geometry = pair_geometry(pair, compliances)
+    return pair, FlankStates(found, errors, rounds, geometry, pair.position_rad, run)
+
+
+def continued_states(
+    scene: Scene,
+    pair: BodyPair,
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    clock: StageClock,
+    similar: FlankStates,
+) -> tuple[BodyPair, FlankStates]:
+    """States of a flank pair that differs by a small step from a solved one, without tangents.
+
+    Parameters
+    ----------
+    scene, pair, compliances, clock
+        As in `flank_states`.
+    similar : FlankStates
+        Of the solved pair: its positions and its pairs in contact.
+
+    Returns
+    -------
+    pair : BodyPair
+        At these positions.
+    states : FlankStates
+    """
+    pair = replace(pair, position_rad=similar.position_rad, adaptive=False)
+    run = partial(
+        sweep_of(scene, pair),
+        compliances=compliances,
+        grid=pair.discretization.grid,
+        position_rad=pair.position_rad,
+    )
+    with clock.stage("sweep") as account:
+        known = known_contacts(similar.found)
+        found = run(torques_Nmm=scene.torques_Nmm, known=known, account=account)
+    with clock.account("result") as account:
+        found = with_unloaded(found, partial(run, keep_pairs=False, account=account))
+    geometry = pair_geometry(pair, compliances)
+    return pair, FlankStates(found, (None,) * len(found), 1, geometry, similar.position_rad, run)
 
 
 def _all_positions(

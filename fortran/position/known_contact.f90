@@ -1,0 +1,107 @@
+!> State of a position whose pairs in contact are known from a similar one: one linear system instead
+!> of the search for them.
+!>
+!> With K, levers b and gap angles e of the pairs in contact, and the levers t of their torque row:
+!> K F = b (phi - e), t . F = T, Eqs. (18), (19) and (32).
+module flankload_known_contact
+    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+    use flankload_kinds, only: wp
+    use flankload_lapack, only: getrf, permute_rows, solve_triangle
+    use flankload_contact_pairs, only: chosen_pairs, pairs_type
+    use flankload_influence_number, only: influence_matrix
+    use flankload_position_zones, only: body_type
+    use flankload_position_state, only: position_state
+    implicit none
+    private
+
+    public :: known_contact, known_contacts, solve_known
+    public :: contact_of
+
+    !> Which pairs of a state are in contact; not allocated if that is unknown.
+    type :: known_contact
+        logical, allocatable :: touches(:)
+    end type known_contact
+
+    !> The same for the states of a sweep.
+    type :: known_contacts
+        !> Whether each pair is in contact, those of a state consecutive
+        logical, allocatable :: touches(:)
+        !> Number of pairs of a state (0: unknown), and index of the first of them, shape (positions,
+        !> torques)
+        integer, allocatable :: n_pairs(:, :), first_pair(:, :)
+    end type known_contacts
+
+contains
+
+    !> Which pairs of one state are in contact.
+    pure function contact_of(known, position, torque) result(contact)
+        !> Those of all states
+        type(known_contacts), intent(in) :: known
+        !> Number of the position and of the torque
+        integer, intent(in) :: position
+        integer, intent(in) :: torque
+        type(known_contact) :: contact
+
+        integer :: first, n
+
+        n = known%n_pairs(position, torque)
+        first = known%first_pair(position, torque)
+        if (n > 0) contact%touches = known%touches(first:first + n - 1)
+    end function contact_of
+
+    !> Forces and rotation for given pairs in contact.
+    !>
+    !> Neither signs of forces nor gaps of the other pairs are checked: for small differences to the
+    !> state whose contact is given, this is that state continued by its derivative.
+    pure subroutine solve_known(body_1, body_2, touches, torque, state, solved)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> Which pairs are in contact, shape (pairs)
+        logical, intent(in) :: touches(:)
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> The pairs on entry, then the state; its certificate is NaN
+        type(position_state), intent(inout) :: state
+        !> False if the equations are singular: nothing is changed
+        logical, intent(out) :: solved
+
+        integer :: n, i, info
+        real(wp) :: nearest, per_torque
+        type(pairs_type) :: pairs
+        integer, allocatable :: which(:), row_swaps(:)
+        real(wp), allocatable :: matrix(:, :), columns(:, :)
+
+        which = pack([(i, i=1, state%pairs%n)], touches)
+        n = size(which)
+        solved = .false.
+        if (n == 0) return
+        pairs = chosen_pairs(state%pairs, which)
+        allocate (matrix(n, n), columns(n, 2), row_swaps(n))
+        call influence_matrix(body_1%compliance, body_2%compliance, pairs, matrix)
+        nearest = minval(pairs%gap_angle)   ! small differences of angles have small rounding errors
+        columns(:, 1) = pairs%lever
+        columns(:, 2) = pairs%lever*(pairs%gap_angle - nearest)
+        call getrf(n, matrix, row_swaps, info)
+        if (info /= 0) return
+        call permute_rows(columns, row_swaps)
+        call solve_triangle(n, matrix, 'L', 'N', 'U', columns)
+        call solve_triangle(n, matrix, 'U', 'N', 'N', columns)
+        per_torque = dot_product(pairs%torque_lever, columns(:, 1))
+        if (.not. per_torque > 0.0_wp) return
+        state%tangent = 1.0_wp/per_torque
+        state%rotation = (torque + dot_product(pairs%torque_lever, columns(:, 2)))/per_torque
+        allocate (state%forces(state%pairs%n), source=0.0_wp)
+        allocate (state%gaps(state%pairs%n), source=ieee_value(1.0_wp, ieee_quiet_nan))
+        state%forces(which) = state%rotation*columns(:, 1) - columns(:, 2)
+        state%gaps(which) = 0.0_wp
+        state%rotation = nearest + state%rotation
+        state%condition = ieee_value(1.0_wp, ieee_quiet_nan)
+        state%backward_error = state%condition
+        state%margin = state%condition
+        state%columns = state%columns + n
+        if (allocated(pairs%friction)) state%tangential_columns = state%tangential_columns + n
+        solved = .true.
+    end subroutine solve_known
+
+end module flankload_known_contact
