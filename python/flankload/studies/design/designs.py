@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from math import prod
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from flankload.scene import Scene
     from flankload.studies.variables import Variable
 
 #: Kinds that need a list of values for each variable, and those that draw from distributions.
@@ -108,18 +109,32 @@ class Designs:
         elif self.kind == "list":
             rows = zip(*(variable.values for variable in self.variables), strict=True)
         else:
-            columns = self._probabilities().T
+            ends = np.cumsum([variable.numbers for variable in self.variables])
+            columns = np.split(self._probabilities(), ends[:-1], axis=1)
             drawn = (v.quantiles(u) for v, u in zip(self.variables, columns, strict=True))
             rows = zip(*drawn, strict=True)
         for row in rows:
             yield dict(zip(names, row, strict=True))
 
     def first(self) -> Iterator[dict[str, Any]]:
-        """Iterate over the fewest designs that change every variable."""
+        """Iterate over the fewest designs that change every variable; draws: and their bounds."""
         if self.kind == "one-at-a-time":
             yield from ({variable.name: variable.values[0]} for variable in self.variables)
-        else:
-            yield next(iter(self))
+            return
+        yield (one := next(iter(self)))
+        for variable in self.variables:
+            yield from ({**one, variable.name: bound} for bound in variable.bounds)
+
+    def in_scene(self, scene: Scene) -> Designs:
+        """Return the designs with the distributions that follow from a scene.
+
+        Raises
+        ------
+        SceneError
+            If a tolerance class does not describe its variable.
+        """
+        scene = scene.replace(self.fixed) if self.fixed else scene
+        return replace(self, variables=tuple(one.in_scene(scene) for one in self.variables))
 
     def changes(self, values: dict[str, Any]) -> dict[str, Any]:
         """Changes of the scene in a design, for `Scene.replace`."""
@@ -130,8 +145,8 @@ class Designs:
         return found
 
     def _probabilities(self) -> NDArray[np.float64]:
-        """(n, variables) points of the unit cube."""
-        shape = (int(self.n or 0), len(self.variables))
+        """(n, numbers of all variables) points of the unit cube."""
+        shape = (int(self.n or 0), sum(variable.numbers for variable in self.variables))
         if self.kind == "random":
             return np.random.default_rng(self.seed).random(shape)
         from scipy.stats import qmc

@@ -105,7 +105,7 @@ def run_task(task: Task, stopped: Event | None = None) -> Outcome:
         with one_blas_thread():  # its number of threads changes bits, and workers share processors
             found = solve_scene(task.scene, watch, _parts_of(task.study))
         results = found if isinstance(found, tuple) else (found,)
-        rows = tuple(_row(result, task.names) for result in results)
+        rows = tuple(row_of(result, task.names) for result in results)
     except StoppedError:
         raise
     except FlankloadError as error:
@@ -136,8 +136,20 @@ def _parts_of(study: bytes) -> Parts:
     return parts
 
 
-def _row(result: Result, names: tuple[str, ...]) -> dict[str, Any]:
-    """Plain numbers of a result."""
+def row_of(result: Result, names: tuple[str, ...]) -> dict[str, Any]:
+    """Plain numbers of a result.
+
+    Parameters
+    ----------
+    result : Result
+    names : tuple of str
+        Curves that are wanted in addition to the summary.
+
+    Returns
+    -------
+    dict
+        An entry of `Outcome.results`.
+    """
     quantities = _flat(result.summary)
     curves = _curves(result)
     if any(name in curves for name in names):

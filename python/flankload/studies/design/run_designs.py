@@ -203,7 +203,7 @@ class _Runs:
     def _keep(self, key: str, outcome: Outcome) -> None:
         """Store a run and add the rows of all its designs."""
         if outcome.status == SOLVED and not self.checked:
-            _refuse_unknown(outcome)
+            refuse_unknown(outcome)
             self.checked = True
         designs = self.waiting.pop(key)
         self.store.add(key, designs[0][1], outcome)
@@ -225,8 +225,13 @@ class _Runs:
             self.progress(stage, len(self.rows), len(self.designs))
 
 
-def _refuse_unknown(outcome: Outcome) -> None:
-    """Refuse quantities that a result does not have."""
+def refuse_unknown(outcome: Outcome) -> None:
+    """Refuse quantities that a result does not have.
+
+    Raises
+    ------
+    SceneError
+    """
     if outcome.unknown:
         name = outcome.unknown[0]
         known = sorted(names_in(outcome) - set(outcome.unknown))
