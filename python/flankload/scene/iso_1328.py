@@ -83,10 +83,8 @@ def iso_1328(
     ISO 1328-1:2013, Cylindrical gears - ISO system of flank tolerance classification - Part 1,
     5.3, formulas (5) to (12).
     """
-    if (
-        isinstance(tolerance_class, bool)
-        or tolerance_class not in range(*CLASSES)
-        and (tolerance_class != CLASSES[1])
+    if isinstance(tolerance_class, bool) or (
+        tolerance_class not in range(*CLASSES) and (tolerance_class != CLASSES[1])
     ):
         refuse("class", "an integer from 1 to 11 (ISO 1328-1)", tolerance_class)
     ranges = {

@@ -170,7 +170,8 @@ class _Runs:
             self._keep(key, Outcome(FAILED, error=refused))
             return
         names = set(self.names) | (names_in(found) if found else set())
-        task = Task(self.study, replace(scene, file=self.absolute), tuple(sorted(names)))
+        absolute = replace(scene, file=self.absolute)
+        task = Task(self.study, absolute, tuple(sorted(names)), whole=self.store.is_file)
         # only threads see the event
         threads = isinstance(pool, ThreadPoolExecutor)
         call = partial(run_task, task, self.stopped) if threads else partial(run_task, task)

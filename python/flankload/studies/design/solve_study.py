@@ -80,7 +80,8 @@ def study(
     ------
     SceneError
         Before anything is solved, if the study contradicts itself, the first design or one at the
-        end of a bounded distribution is no scene, or the store is another file; after the first run, if it does not have a quantity.
+        end of a bounded distribution is no scene, or the store is another file; after the first
+        run, if it does not have a quantity.
     FlankloadError
         If a worker is lost; finished runs are in the store.
     KeyboardInterrupt

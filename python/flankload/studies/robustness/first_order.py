@@ -26,13 +26,12 @@ if TYPE_CHECKING:
     from flankload.mechanisms import Parts
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.studies.sensitivity import Sensitivity
     from flankload.studies.variables import Variable
 
     Floats = NDArray[np.float64]
 
-#: Deviation of one tooth in um where the mean has equal teeth. Samples have none, so that the period
-#: over which key figures are defined is another one: the mean shall have the same.
+#: Deviation of one tooth in um where the mean has equal teeth. Samples have none, so that key
+#: figures are defined over another period: the mean shall have the same.
 UNEVEN_UM = 1e-9
 
 
@@ -101,7 +100,10 @@ def first_order(
         As `sensitivity`; if a quantity is unknown or no number.
     """
     base = scene.replace({k: v for one in variables for k, v in one.changes(_mean(one)).items()})
-    sites = _sites(base, parts) if any(_is_list(one) for one in variables) else set()
+    begin = solve_scene(base, None, parts)
+    results = begin if isinstance(begin, tuple) else (begin,)
+    shapes = [value.shape for value in _values(results[0], names)]
+    sites = {int(site) for result in results for site in result.sites}
     loads = [_loads(one, sites) for one in variables]
     found = sensitivity(base, [path for paths, _ in loads for path in paths], parts)
     values = [_values(result, names) for result in found.results]
@@ -116,7 +118,6 @@ def first_order(
         own = slice(first, first := first + len(paths))
         scatter[variable.name] = _variance(factor, slopes[own])
         kinks[variable.name] = np.sqrt(_variance(factor, jumps[own]))
-    shapes = [np.shape(value) for value in values[0]]
     split = _Split(names, shapes, has_torques=base.has_torque_list)
     mean = split(np.stack([np.concatenate([np.ravel(v) for v in of_one]) for of_one in values]))
     parts_of = {name: split(of_one) for name, of_one in scatter.items()}
@@ -160,11 +161,6 @@ class _Split:
         return found
 
 
-def _is_list(variable: Variable) -> bool:
-    """Whether the key has a list."""
-    return isinstance(variable.distribution, JointNormal) and variable.distribution.is_list
-
-
 def _mean(variable: Variable) -> Any:
     """Mean of a variable, in the form of its key."""
     distribution = variable.distribution
@@ -176,13 +172,6 @@ def _mean(variable: Variable) -> Any:
     if not np.ptp(mean):
         mean[mean.size // 2] += UNEVEN_UM
     return mean.tolist()
-
-
-def _sites(scene: Scene, parts: Parts) -> set[int]:
-    """Numbers of the pairs of flanks that carry load."""
-    found = solve_scene(scene, None, parts)
-    results = found if isinstance(found, tuple) else (found,)
-    return {int(site) for result in results for site in result.sites}
 
 
 def _loads(variable: Variable, sites: set[int]) -> tuple[list[str], Floats]:
