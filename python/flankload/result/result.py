@@ -385,7 +385,7 @@ class Result(ContactQuantities):
             **coast_summary(self),
             **self._root_summary(),
             **slice_summary(self.slices),
-            **shaft_summary(self.shafts, over.mean),
+            **shaft_summary(self.shafts, over_positions(self).mean),
         }
 
     def _root_summary(self) -> dict[str, Any]:
