@@ -12,15 +12,17 @@ pytest.register_assert_rewrite("tests.support")
 
 
 def pytest_configure() -> None:
-    """Let Ctrl-C reach this process and the programs that the tests start.
+    """Let Ctrl-C reach this process and the programs that the tests start; collect faster.
 
     A shell that starts the tests in the background ignores SIGINT, and programs inherit that.
     """
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    gc.disable()  # there is no garbage while modules are imported
 
 
 def pytest_collection_finish() -> None:
     """Leave thousands of collected tests out of every later search for garbage: 5 % of the time."""
+    gc.enable()
     gc.collect()
     gc.freeze()

@@ -20,9 +20,9 @@ contains
     pure subroutine add_turned(body, site, s, cell, turn, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Site of each pair, its arc length on the flank and width of its cell [mm], and by how
-        !> much its force is turned from the flank's normal towards growing arc length [rad], shape
-        !> (n)
+        !> Site of each pair, those of a site together, its arc length on the flank and width of its
+        !> cell [mm], and by how much its force is turned from the flank's normal towards growing
+        !> arc length [rad], shape (n)
         integer, intent(in) :: site(:)
         real(wp), intent(in) :: s(:)
         real(wp), intent(in) :: cell(:)
@@ -30,21 +30,49 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), intent(inout) :: matrix(:, :)
 
-        integer :: i, j
-        real(wp) :: along, values(size(s), size(body%smooth, 1))
+        integer :: first, last, i, j
+        logical :: turns(size(s))
+        real(wp) :: image, one, two, values(size(s), size(body%smooth, 1))
+        real(wp), dimension(size(s)) :: sine, modes, along
 
         if (.not. allocated(body%turned)) return
-        if (.not. any(abs(turn) > 0.0_wp)) return
-        values = mode_values(body, s)
+        turns = abs(turn) > 0.0_wp
+        if (.not. any(turns)) return
+        sine = 0.0_wp
         do i = 1, size(s)
-            if (.not. abs(turn(i)) > 0.0_wp) cycle
+            if (turns(i)) sine(i) = sin(turn(i))
+        end do
+        values = mode_values(body, s)
+        last = 0
+        do while (last < size(s))
+            first = last + 1
+            do last = first, size(s) - 1
+                if (site(last + 1) /= site(first)) exit
+            end do
+            last = min(last, size(s))
+            if (.not. any(turns(first:last))) cycle
+            ! displacement by modes: the same for all forces of the site
             do j = 1, size(s)
-                along = dot_product(values(j, :), body%turned(:, body%block(site(i), site(j))))
-                if (site(i) == site(j)) along = along &
-                    & + image_along(body, s(i), cell(i), s(j), cell(j))   ! Eq. (W3)
-                along = sin(turn(i))*along
-                matrix(i, j) = matrix(i, j) + along
-                matrix(j, i) = matrix(j, i) + along   ! Betti
+                modes(j) = dot_product(values(j, :), &
+                    & body%turned(:, body%block(site(first), site(j))))
+            end do
+            do i = first, last
+                if (.not. turns(i)) cycle
+                along = sine(i)*modes
+                along(first:last) = 0.0_wp
+                matrix(:, i) = matrix(:, i) + along
+                matrix(i, :) = matrix(i, :) + along   ! Betti
+            end do
+            do j = first, last
+                do i = j, last
+                    if (.not. (turns(i) .or. turns(j))) cycle
+                    ! symmetric: the distances of both cells from the corner are added
+                    image = image_along(body, s(i), cell(i), s(j), cell(j))   ! Eq. (W3)
+                    one = sine(j)*(modes(i) + image)
+                    two = sine(i)*(modes(j) + image)
+                    matrix(i, j) = matrix(i, j) + one + two
+                    if (i /= j) matrix(j, i) = matrix(j, i) + one + two
+                end do
             end do
         end do
     end subroutine add_turned

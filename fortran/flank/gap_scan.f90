@@ -52,66 +52,81 @@ contains
         type(scan_type), intent(out) :: scan
 
         integer :: k, n
-        real(wp), allocatable :: radius(:), place_1(:, :), place_2(:, :)
+        integer, dimension(size(flank_1%s) + size(flank_2%s)) :: corner
+        real(wp), dimension(size(flank_1%s) + size(flank_2%s)) :: s_1, radius
+        real(wp) :: place_1(2, size(s_1)), place_2(2, size(flank_2%s)), squares(size(flank_2%s))
 
         scan%frame_1 = frame_1
         scan%frame_2 = frame_2
         scan%beside = beside_part*curve_length(flank_1%curve)
-        place_2 = placed_samples(flank_2, frame_2)
-        scan%radius_2 = sqrt(place_2(1, :)**2 + place_2(2, :)**2)
+        call place_samples(flank_2, frame_2, 1, place_2)
+        squares = place_2(1, :)**2 + place_2(2, :)**2
         k = flank_1%first_rising
         n = size(flank_1%s) - k + 1
-        if (minval(scan%radius_2) > flank_1%radius(k + n - 1)) n = 0   ! far away
-        scan%s_1 = flank_1%s(k:k + n - 1)
-        scan%corner = flank_1%special(k:k + n - 1)
-        if (n > 0) then
-            radius = flank_1%radius(k:k + n - 1)
-            place_1 = placed_samples(flank_1, frame_1)
-            place_1 = place_1(:, k:)
-            call add_special_circles(flank_1, flank_2, scan, radius, place_1)
+        if (sqrt(minval(squares)) > flank_1%radius(size(flank_1%s))) then   ! far away
+            allocate (scan%s_1(0), scan%gap(0), scan%radius_2(0), scan%segment(0), scan%corner(0))
+            return
         end if
-        n = size(scan%s_1)
+        scan%radius_2 = sqrt(squares)
+        s_1(:n) = flank_1%s(k:)
+        corner(:n) = flank_1%special(k:)
+        radius(:n) = flank_1%radius(k:)
+        call place_samples(flank_1, frame_1, k, place_1)
+        call add_special_circles(flank_1, flank_2, scan, n, s_1, corner, radius, place_1)
+        scan%s_1 = s_1(:n)
+        scan%corner = corner(:n)
         allocate (scan%gap(n), source=huge(1.0_wp))
         allocate (scan%segment(n), source=0)
-        if (n > 0) call find_gaps(scan%radius_2, place_2, radius, place_1, scan%gap, scan%segment)
+        call find_gaps(scan%radius_2, place_2, radius(:n), place_1(:, :n), scan%gap, scan%segment)
     end subroutine scan_gaps
 
     !> Add the circles through special points of flank 2.
-    pure subroutine add_special_circles(flank_1, flank_2, scan, radius, place_1)
+    pure subroutine add_special_circles(flank_1, flank_2, scan, n, s_1, corner, radius, place_1)
         !> Flanks of both bodies
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> The circles
+        !> Placements; the radii of special points of flank 2 that lie on circles are set to theirs
         type(scan_type), intent(inout) :: scan
-        !> Their radii [mm], and their intersections with flank 1, shape (2, n)
-        real(wp), allocatable, intent(inout) :: radius(:)
-        real(wp), allocatable, intent(inout) :: place_1(:, :)
+        !> Number of circles
+        integer, intent(inout) :: n
+        !> Their points on flank 1 [mm of arc length], corners, radii [mm] and the points, with room
+        !> for one more per sample of flank 2
+        real(wp), intent(inout) :: s_1(:)
+        integer, intent(inout) :: corner(:)
+        real(wp), intent(inout) :: radius(:)
+        real(wp), intent(inout) :: place_1(:, :)
 
-        integer :: l, n, at
+        integer :: l, i, at
         real(wp) :: s, point(2), tangent(2)
         logical :: found
 
         associate (radius_2 => scan%radius_2)
             do l = 1, size(radius_2)
                 if (flank_2%special(l) == 0) cycle
-                n = size(radius)
-                at = minloc(abs(radius - radius_2(l)), dim=1)
+                at = minloc(abs(radius(:n) - radius_2(l)), dim=1)
                 if (abs(radius(at) - radius_2(l)) <= same_circle*radius_2(l)) then
-                    if (scan%corner(at) <= 0 .and. flank_2%special(l) > 0) scan%corner(at) = 2
-                    if (scan%corner(at) == 0) scan%corner(at) = -2
+                    if (corner(at) <= 0 .and. flank_2%special(l) > 0) corner(at) = 2
+                    if (corner(at) == 0) corner(at) = -2
                     radius_2(l) = radius(at)
                     cycle
                 end if
                 if (radius_2(l) < radius(1) .or. radius_2(l) > radius(n)) cycle
-                at = count(radius < radius_2(l))
-                s = scan%s_1(at)
+                at = count(radius(:n) < radius_2(l))
+                s = s_1(at)
                 call circle_meets_flank(flank_1%curve, scan%frame_1, radius_2(l), &
-                    & scan%s_1(at:at + 1), s, point, tangent, found)
+                    & s_1(at:at + 1), s, point, tangent, found)
                 if (.not. found) cycle
-                scan%s_1 = [scan%s_1(:at), s, scan%s_1(at + 1:)]
-                radius = [radius(:at), radius_2(l), radius(at + 1:)]
-                scan%corner = [scan%corner(:at), 2*flank_2%special(l), scan%corner(at + 1:)]
-                place_1 = reshape([place_1(:, :at), point, place_1(:, at + 1:)], [2, n + 1])
+                do i = n, at + 1, -1
+                    s_1(i + 1) = s_1(i)
+                    corner(i + 1) = corner(i)
+                    radius(i + 1) = radius(i)
+                    place_1(:, i + 1) = place_1(:, i)
+                end do
+                n = n + 1
+                s_1(at + 1) = s
+                corner(at + 1) = 2*flank_2%special(l)
+                radius(at + 1) = radius_2(l)
+                place_1(:, at + 1) = point
             end do
         end associate
     end subroutine add_special_circles
@@ -164,17 +179,24 @@ contains
     end subroutine find_gaps
 
     !> The samples of a flank in the common frame.
-    pure function placed_samples(flank, frame) result(places)
+    pure subroutine place_samples(flank, frame, first, places)
         !> The flank
         type(flank_type), intent(in) :: flank
         !> Its placement
         type(frame_type), intent(in) :: frame
-        real(wp) :: places(2, size(flank%s))
+        !> The first sample
+        integer, intent(in) :: first
+        !> The points of this sample and of those behind it [mm], shape (2, enough)
+        real(wp), contiguous, intent(inout) :: places(:, :)
 
-        places(1, :) = frame%origin(1) + frame%cosine*flank%point(1, :) &
-            & - frame%sine*flank%point(2, :)
-        places(2, :) = frame%origin(2) + frame%sine*flank%point(1, :) &
-            & + frame%cosine*flank%point(2, :)
-    end function placed_samples
+        integer :: k
+
+        do k = first, size(flank%s)
+            places(1, k - first + 1) = frame%origin(1) + frame%cosine*flank%point(1, k) &
+                & - frame%sine*flank%point(2, k)
+            places(2, k - first + 1) = frame%origin(2) + frame%sine*flank%point(1, k) &
+                & + frame%cosine*flank%point(2, k)
+        end do
+    end subroutine place_samples
 
 end module flankload_gap_scan

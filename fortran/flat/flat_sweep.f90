@@ -15,6 +15,8 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
         & n_record_1, record_1, n_record_2, record_2, settings, n_columns, room, control, &
         & pair_site, pair_table, status, rotation, tangent, certificate, counters, site_force, &
         & site_peak, site_corner, info)
+    use flankload_position_sweep, only: sweep_type
+    use flankload_recorded_sweep, only: sweep_records, unpack_sweep
     implicit none
     !> Numbers of positions, torques and sites; both bodies have the same sites
     integer, intent(in) :: n_positions
@@ -72,15 +74,12 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     !> See above
     integer, intent(out) :: info
 
-    integer :: nothing(1), unknown(n_positions, n_torques)
-    external :: flankload_sweep_continued
+    type(sweep_type) :: found
 
-    nothing = 0
-    unknown = 0
-    call flankload_sweep_continued(n_positions, n_torques, n_sites, motion, center_distance, &
-        & torques, n_record_1, record_1, n_record_2, record_2, settings, n_columns, room, control, &
-        & pair_site, pair_table, 1, nothing, unknown, unknown, status, rotation, tangent, &
-        & certificate, counters, site_force, site_peak, site_corner, info)
+    call sweep_records(n_sites, motion, center_distance, torques, record_1, record_2, settings, &
+        & control, pair_site, pair_table, found, info)
+    call unpack_sweep(found, info, status, rotation, tangent, certificate, counters, site_force, &
+        & site_peak, site_corner)
 end subroutine flankload_sweep
 
 !> The same where a similar sweep has shown which pairs are in contact: other torques, or bodies and
@@ -88,19 +87,13 @@ end subroutine flankload_sweep
 !> in_contact has for it, and laid in one pass, is that of these pairs: one linear system, neither
 !> signs of forces nor gaps checked, its certificate NaN. Other states are solved as in
 !> flankload_sweep.
-subroutine flankload_sweep_continued(n_positions, n_torques, n_sites, motion, center_distance, torques, &
-        & n_record_1, record_1, n_record_2, record_2, settings, n_columns, room, control, &
-        & pair_site, pair_table, n_flags, in_contact, n_known, first_known, status, rotation, tangent, &
-        & certificate, counters, site_force, site_peak, site_corner, info)
-    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
-    use flankload_status, only: invalid_input
-    use flankload_position_zones, only: body_type
+subroutine flankload_sweep_continued(n_positions, n_torques, n_sites, motion, center_distance, &
+        & torques, n_record_1, record_1, n_record_2, record_2, settings, n_columns, room, control, &
+        & pair_site, pair_table, n_flags, in_contact, n_known, first_known, status, rotation, &
+        & tangent, certificate, counters, site_force, site_peak, site_corner, info)
     use flankload_known_contact, only: known_contacts
-    use flankload_position_cells, only: grid_settings, level_lumped, level_pairs
-    use flankload_position_sweep, only: n_counters, pair_columns, pair_columns_with_friction, &
-        & sweep_positions, sweep_type
-    use flankload_recorded_body, only: read_body
-    use flankload_slice_field, only: holds_slices
+    use flankload_position_sweep, only: sweep_type
+    use flankload_recorded_sweep, only: sweep_records, unpack_sweep
     implicit none
     !> Numbers of positions, torques and sites; both bodies have the same sites
     integer, intent(in) :: n_positions
@@ -164,90 +157,12 @@ subroutine flankload_sweep_continued(n_positions, n_torques, n_sites, motion, ce
     !> See above
     integer, intent(out) :: info
 
-    integer :: n_speeds, n_sections
-    double precision :: nan
-    logical :: valid_1, valid_2
-    type(body_type) :: body_1, body_2
-    type(grid_settings) :: grid
     type(sweep_type) :: found
     type(known_contacts) :: known
 
-    nan = ieee_value(1.0d0, ieee_quiet_nan)
-    status = invalid_input
-    rotation = nan
-    tangent = nan
-    certificate = nan
-    counters = 0
-    site_force = nan
-    site_peak = nan
-    site_corner = 0
-    info = 0
-    call read_body(record_1, body_1, valid_1)
-    call read_body(record_2, body_2, valid_2)
-    if (.not. valid_1) info = -8
-    if (.not. valid_2) info = -10
-    if (.not. all(ieee_is_finite(torques))) info = -6
-    if (.not. all(ieee_is_finite(settings))) info = -11
-    if (info < 0) return
-    if (any(torques < 0.0d0)) info = -6
-    if (any(abs(settings(4:)) > huge(info))) info = -11
-    if (info < 0) return
-    if (size(body_1%site_angles) /= n_sites .or. size(body_2%site_angles) /= n_sites) info = -3
-    ! coast flanks and friction are those of flank 1
-    if (allocated(body_2%sides) .or. allocated(body_2%friction)) info = -10
-    ! slices are those of flank 1; both bodies have modes over their widths, and all slices in them
-    if (allocated(body_2%slices)) info = -10
-    n_sections = 1
-    if (allocated(body_1%slices)) then
-        if (.not. holds_slices(body_1%slices, body_1%compliance)) info = -8
-        if (.not. holds_slices(body_1%slices, body_2%compliance)) info = -10
-        n_sections = size(body_1%slices%edges) - 1
-    else if (body_1%compliance%n_axial > 1 .or. body_2%compliance%n_axial > 1) then
-        info = -8
-    end if
-    if (all(size(body_1%flanks) /= [1, n_sections])) info = -8
-    if (all(size(body_2%flanks) /= [1, n_sections])) info = -10
-    ! nodes of one body go with nodes of the other, unless that is rigid
-    associate (one => body_1%compliance, two => body_2%compliance)
-        if (allocated(one%nodes) .and. .not. allocated(two%nodes)) then
-            if (two%kernel > 0.0d0) info = -10
-        else if (allocated(two%nodes) .and. .not. allocated(one%nodes)) then
-            if (one%kernel > 0.0d0) info = -8
-        end if
-    end associate
-    grid%strips_per_half_width = settings(1)
-    grid%corner_strips_per_half_width = settings(2)
-    grid%zone_half_widths = settings(3)
-    grid%level = nint(settings(4))
-    grid%finite_steps = nint(settings(5))
-    if (.not. all(settings(:3) > 0.0d0) .or. grid%finite_steps < 0) info = -11
-    if (any(abs(settings(4:) - anint(settings(4:))) > 0.0d0)) info = -11
-    if (grid%level /= level_pairs .and. grid%level /= level_lumped) info = -11
-    if (grid%level == level_lumped .and. allocated(body_1%sides)) info = -11
-    n_speeds = merge(n_positions, 0, allocated(body_1%friction))
-    if (.not. all(ieee_is_finite(motion(3:, :n_speeds)))) info = -4
-    if (n_columns /= merge(pair_columns_with_friction, pair_columns, n_speeds > 0)) info = -12
-    if (any(n_known < 0) .or. any(n_known > n_flags)) info = -19
-    if (info < 0) return
-    if (any(n_known > 0 .and. (first_known < 1 .or. first_known > n_flags - n_known + 1))) info = -20
-    if (info < 0) return
-
-    known%touches = in_contact /= 0
-    known%n_pairs = n_known
-    known%first_pair = first_known
-    body_2%origin = [center_distance, 0.0d0]
-    call sweep_positions(body_1, body_2, motion(1, :), motion(2, :), motion(3:, :n_speeds), &
-        & torques, grid, control, pair_site, pair_table, found, known)
-
-    status = found%status
-    rotation = found%rotation
-    tangent = found%tangent
-    certificate = found%certificate
-    counters(:n_counters, :, :) = found%counters
-    counters(n_counters + 1, :, :) = found%n_pairs
-    counters(n_counters + 2, :, :) = found%first_pair
-    site_force = found%site_force
-    site_peak = found%site_peak
-    site_corner = found%site_corner
-    info = count(status < 0)
+    known = known_contacts(in_contact /= 0, n_known, first_known)
+    call sweep_records(n_sites, motion, center_distance, torques, record_1, record_2, settings, &
+        & control, pair_site, pair_table, found, info, known)
+    call unpack_sweep(found, info, status, rotation, tangent, certificate, counters, site_force, &
+        & site_peak, site_corner)
 end subroutine flankload_sweep_continued

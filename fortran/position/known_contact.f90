@@ -1,5 +1,5 @@
-!> State of a position whose pairs in contact are known from a similar one: one linear system instead
-!> of the search for them.
+!> State of a position whose pairs in contact are known from a similar one: one linear system
+!> instead of the search for them.
 !>
 !> With K, levers b and gap angles e of the pairs in contact, and the levers t of their torque row:
 !> K F = b (phi - e), t . F = T, Eqs. (18), (19) and (32).
@@ -26,8 +26,8 @@ module flankload_known_contact
     type :: known_contacts
         !> Whether each pair is in contact, those of a state consecutive
         logical, allocatable :: touches(:)
-        !> Number of pairs of a state (0: unknown), and index of the first of them, shape (positions,
-        !> torques)
+        !> Number of pairs of a state (0: unknown), and index of the first of them, shape
+        !> (positions, torques)
         integer, allocatable :: n_pairs(:, :), first_pair(:, :)
     end type known_contacts
 

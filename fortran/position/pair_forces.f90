@@ -76,7 +76,7 @@ contains
         !> The position
         type(position_type), intent(in) :: position
         !> K of small forces [mm/N], shape (n, n)
-        real(wp), intent(in) :: matrix(:, :)
+        real(wp), contiguous, intent(in) :: matrix(:, :)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
         !> Number of steps of each force
@@ -182,7 +182,7 @@ contains
     !> Forces for given influence coefficients.
     subroutine solve_matrix(matrix, structure, warm_pairs, torque, state, error)
         !> K [mm/N], shape (n, n), and its structure
-        real(wp), intent(in) :: matrix(:, :)
+        real(wp), contiguous, intent(in) :: matrix(:, :)
         integer, intent(in) :: structure
         !> Pairs of the start
         integer, intent(in) :: warm_pairs(:)

@@ -50,8 +50,8 @@ contains
         type(position_state), intent(out) :: states(:)
         !> Speeds of both bodies [rad per rad of the position], shape (2); needed with friction
         real(wp), intent(in), optional :: speeds(2)
-        !> Pairs in contact as far as a similar position has shown them, shape (torques): a state with
-        !> as many pairs is that of these, without a certificate; others are solved
+        !> Pairs in contact as far as a similar position has shown them, shape (torques): a state
+        !> with as many pairs is that of these, without a certificate; others are solved
         type(known_contact), intent(in), optional :: known(:)
 
         integer :: t

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from flankload.scene.iso_1328 import FlankTolerances, iso_1328
     from flankload.studies.accuracy import Study, accuracy
     from flankload.studies.design import DesignStudy, study
+    from flankload.studies.optimisation import Optimum, optimise
     from flankload.studies.plan import Plan, plan
     from flankload.studies.robustness import Robust, robust
     from flankload.studies.sensitivity import Sensitivity
@@ -49,6 +50,7 @@ __all__ = [
     "MeshError",
     "NegativeForce",
     "NoContactState",
+    "Optimum",
     "OtherProgramError",
     "PivotLimit",
     "Plan",
@@ -66,6 +68,7 @@ __all__ = [
     "accuracy",
     "errors",
     "iso_1328",
+    "optimise",
     "plan",
     "prepare",
     "read_scene",
@@ -105,7 +108,9 @@ _MODULE_OF_NAME = {
     "Plan": "studies.plan",
     "plan": "studies.plan",
     "Result": "result",
+    "Optimum": "studies.optimisation",
     "Prepared": "api",
+    "optimise": "studies.optimisation",
     "prepare": "api",
     "sensitivity": "api",
     "solve": "api",

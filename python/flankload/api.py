@@ -105,5 +105,5 @@ def sensitivity(scene: Scene | Prepared, paths: Sequence[str]) -> Sensitivity:
         As `solve`; if a path leads to no number, or no scene beside its value is possible.
     """
     if isinstance(scene, Prepared):
-        return derivatives.sensitivity(scene.scene, paths, scene._parts)
+        return derivatives.sensitivity(scene.scene, paths, scene.parts)
     return derivatives.sensitivity(scene, paths)

@@ -13,6 +13,7 @@ LONG = {
     "estimate": "25 minutes",
     "fuzz": "an hour",
     "nonlinear-fe": "6 minutes",
+    "optimise": "5 minutes",
     "tolerance": "half an hour",
 }
 

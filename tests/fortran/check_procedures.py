@@ -31,6 +31,8 @@ PUBLIC = {
     "solver/column_demand.f90: solve_known_columns",
     "position/position_load.f90: solve_position",
     "position/position_sweep.f90: sweep_positions",
+    "position/recorded_sweep.f90: sweep_records",
+    "position/recorded_sweep.f90: unpack_sweep",
     "points/nodal_sweep.f90: sweep_nodal_positions",
 }
 #: Other procedures above a bound, with their lines and arguments: none may grow, none may join.

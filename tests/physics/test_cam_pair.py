@@ -13,6 +13,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.cam_motion import Stand
 from tests.support.cam_scenes import FLAT_FOLLOWER, TORQUE, WIDTH, cam_scene, lift_and_dwell, waves
+from tests.support.solving import solve
 
 #: Steel in plane strain.
 MODULUS = 206000.0 / (1 - 0.3**2)
@@ -31,7 +32,7 @@ def solved(*args: object, **keys: object) -> tuple[fl.Result, BodyPair, Stand]:
     pair = build_bodies(scene)
     motion = pair.pairing.motion
     assert motion is not None
-    result = fl.solve(scene)
+    result = solve(scene)
     assert isinstance(result, fl.Result)
     return result, pair, motion.stand(pair.position_rad)
 

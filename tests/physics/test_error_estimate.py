@@ -14,12 +14,12 @@ from flankload.analysis.estimate import OVERALL, POINTWISE, Estimate, estimate_e
 from flankload.contact.sweep import Sweep
 from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
-from flankload.mechanisms import run_once
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of, sweep_of
 from flankload.scene.discretization import DEFAULT, Discretization, Grid
 from tests.support.finer_solutions import compared
 from tests.support.random_scenes import scenes
+from tests.support.solving import solve
 
 #: Scenes of the benchmark that are looked at here: gears, and a ring.
 SAMPLE = (6, 25)
@@ -36,6 +36,9 @@ LEAST_ORDER = 1.8
 #: |rotation - limit| / limit <= C (d / b)², d the width of a cell, b the half-width of the contact:
 #: 0.010 to 0.014 was found at the worst position of the FZG type C pair.
 CELLS_C = 0.03
+
+
+QUIET = {"estimate": False, "tangents": False}
 
 
 def _built(k: int) -> fl.Scene:
@@ -82,11 +85,11 @@ def test_rotation_converges_with_the_elements() -> None:
     """Uniformly refined, flank and body: the loss falls at least with the order fitted here."""
     parts = DEFAULT.flank_element_parts * np.array([4.0, 2.0, 1.0])
     scene = fl.Scene.from_dict(
-        {**PAIR, "positions": {"angles_deg": [-4.0, 2.0, 9.0]}, "accuracy": {"estimate": False}}
+        {**PAIR, "positions": {"angles_deg": [-4.0, 2.0, 9.0]}, "accuracy": QUIET}
     )
 
     def rotation(part: float) -> np.ndarray:
-        result = run_once(scene, {}, discretization=Discretization(part, 4, Grid()))
+        result = solve(scene, discretization=Discretization(part, 4, Grid()))
         assert isinstance(result, fl.Result)
         return result.rotation_rad
 
@@ -96,14 +99,12 @@ def test_rotation_converges_with_the_elements() -> None:
 
 
 def test_rotation_converges_with_the_cells() -> None:
-    scene = fl.Scene.from_dict({**PAIR, "positions": {"count": 4}, "accuracy": {"estimate": False}})
+    scene = fl.Scene.from_dict({**PAIR, "positions": {"count": 4}, "accuracy": QUIET})
     strips = np.array([5.0, 10.0, 20.0])
 
     def rotation(count: float) -> np.ndarray:
         grid = Grid(count, 3 * count)
-        result = run_once(
-            scene, {}, discretization=Discretization(DEFAULT.flank_element_parts, 5, grid)
-        )
+        result = solve(scene, discretization=Discretization(DEFAULT.flank_element_parts, 5, grid))
         assert isinstance(result, fl.Result)
         return result.rotation_rad
 
@@ -125,7 +126,7 @@ def test_estimate_is_honest() -> None:
 
 
 def test_every_source_is_named() -> None:
-    result = fl.solve(fl.Scene.from_dict({**PAIR, "positions": {"count": 16}}))
+    result = solve(fl.Scene.from_dict({**PAIR, "positions": {"count": 16}}))
     assert isinstance(result, fl.Result)
     estimate = result.estimate
     assert estimate is not None
@@ -142,10 +143,10 @@ def test_every_source_is_named() -> None:
 def test_peak_of_a_pair_that_carries_alone_has_an_estimate() -> None:
     """No share can change there, so that modes are told by the peak itself."""
     scene = {**PAIR, "positions": {"angles_deg": [-3.0, 1.0, 4.0]}}
-    found = fl.solve(fl.Scene.from_dict(scene))
+    found = solve(fl.Scene.from_dict(scene))
     finer = Discretization(DEFAULT.flank_element_parts / 3, 8, Grid(20.0, 60.0))
-    without = fl.Scene.from_dict({**scene, "accuracy": {"estimate": False}})
-    true = run_once(without, {}, discretization=finer)
+    without = fl.Scene.from_dict({**scene, "accuracy": QUIET})
+    true = solve(without, discretization=finer)
     assert isinstance(found, fl.Result)
     assert isinstance(true, fl.Result)
     assert found.estimate is not None
@@ -168,9 +169,9 @@ def test_forces_on_coast_flanks_have_an_estimate() -> None:
         assert result.coast is not None
         return np.asarray(result.coast.force_N / result.site_force_N.sum(axis=1, keepdims=True))
 
-    found = fl.solve(fl.Scene.from_dict(scene))
-    without = fl.Scene.from_dict({**scene, "accuracy": {"estimate": False}})
-    error = np.abs(shares(found) - shares(run_once(without, {}, discretization=finer))).max()
+    found = solve(fl.Scene.from_dict(scene))
+    without = fl.Scene.from_dict({**scene, "accuracy": QUIET})
+    error = np.abs(shares(found) - shares(solve(without, discretization=finer))).max()
     assert isinstance(found, fl.Result)
     assert found.estimate is not None
     assert error < found.estimate["coast_force"] < 10 * error
@@ -255,7 +256,7 @@ def test_secant_stiffness_is_estimated_where_body_1_stands_behind() -> None:
     early = {**PAIR["body_1"], "pitch_errors_um": [500.0] * 16}
     beyond = {"effects": {"beyond_limits": True}}  # this pair has no backlash
     (behind, plain) = (
-        fl.solve(fl.Scene.from_dict({**PAIR, **beyond, "body_1": body, "positions": {"count": 8}}))
+        solve(fl.Scene.from_dict({**PAIR, **beyond, "body_1": body, "positions": {"count": 8}}))
         for body in (early, PAIR["body_1"])
     )
     assert behind.rotation_rad.max() < 0
@@ -272,7 +273,7 @@ def test_without_an_estimate_nothing_is_smoothed() -> None:
 
 
 def test_single_angles_claim_nothing_of_what_is_between() -> None:
-    result = fl.solve(fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}}))
+    result = solve(fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}}))
     assert isinstance(result, fl.Result)
     assert result.estimate is not None
     assert "positions" not in result.estimate["by_source"]

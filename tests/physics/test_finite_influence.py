@@ -14,6 +14,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import FINITE_STEPS, compliance_of
 from flankload.pairing.body_pair import BodyPair
 from tests.support.gear_scenes import example
+from tests.support.solving import solve
 from tests.support.tolerances import SOLVER
 
 SCENE = example("external_gear")
@@ -39,7 +40,7 @@ def scene_of(soft: float = SOFT, **effects: Any) -> fl.Scene:
 
 
 def solved(**effects: Any) -> fl.Result:
-    found = fl.solve(scene_of(**effects))
+    found = solve(scene_of(**effects))
     assert isinstance(found, fl.Result)
     return found
 
@@ -50,7 +51,7 @@ def test_forces_at_a_sharp_corner_come_to_rest_slowly() -> None:
     tree["positions"] = {"angles_deg": [7 * 360 / 16 / 32]}
     tree["accuracy"] = {"estimate": False}
     small, finite = (
-        fl.solve(fl.Scene.from_dict({**tree, "effects": {"influence": influence}}))
+        solve(fl.Scene.from_dict({**tree, "effects": {"influence": influence}}))
         for influence in ("small", "finite")
     )
     assert isinstance(small, fl.Result)
@@ -163,7 +164,7 @@ def rebuilt(scene: fl.Scene, table: Any) -> tuple[fl.ContactState, fl.ContactSta
 # --- tests ----------------------------------------------------------------------------------------
 def test_soft_bodies_against_plain_arrays() -> None:
     scene = scene_of(near_field="nodes", influence="finite")
-    found = fl.solve(scene)
+    found = solve(scene)
     assert isinstance(found, fl.Result)
     table = found.pairs(0)
     small, finite = rebuilt(scene, table)
@@ -210,9 +211,9 @@ def test_friction_rubs_with_finite_forces_too() -> None:
 
 
 def test_counters_tell_finite_forces_from_small_ones() -> None:
-    plain = solved(soft=1.0)
+    plain = fl.solve(scene_of(soft=1.0))
     assert plain.cost["finite_solutions"] == plain.cost["unit_loads_tangential"] == 0
-    finite = solved(soft=1.0, influence="finite")
+    finite = fl.solve(scene_of(soft=1.0, influence="finite"))
     states = finite.cost["of_this_torque"]
     assert 2 <= states["finite_solutions"] <= 10 * states["contact_passes"]
     assert finite.cost["unit_loads_tangential"] == finite.cost["unit_loads_normal"]

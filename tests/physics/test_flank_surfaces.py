@@ -153,6 +153,7 @@ def test_a_topography_of_twist_is_twist(tmp_path: Path) -> None:
 def test_keys_of_zero_leave_a_plane_scene_as_it_is(tmp_path: Path) -> None:
     """The same work and the same bits; a topography of zeros is three-dimensional."""
     coarse = {"accuracy__flank_element_mm": 3.0, "accuracy__modes": 3, "positions__count": 2}
+    coarse["accuracy__tangents"] = True
     zeros = {"body_1__profile_twist_um": 0.0, "body_2__tooth_helix_slope_um": [0.0] * 24}
     grid = tmp_path / "zeros.csv"
     grid.write_text("d_mm,0,14\n60,0,0\n90,0,0\n", encoding="utf-8")

@@ -13,6 +13,7 @@ import pytest
 import flankload as fl
 from tests.support.gear_scenes import example
 from tests.support.paths import SCENES
+from tests.support.solving import solve
 
 #: By so much a gear of this width yields more than its plane sections: Young's modulus of the
 #: plane pair is divided by it, so that gaps, which do not grow with it, stay what they are.
@@ -30,7 +31,7 @@ def solved(bodies: tuple[dict[str, Any], dict[str, Any]], dimension: int = 3, **
     scene["effects"] = {"dimension": dimension, "contact": "lumped"}
     scene["accuracy"] = {"estimate": False, "tangents": False}
     scene.update(keys)
-    return fl.solve(fl.Scene.from_dict(scene))
+    return solve(fl.Scene.from_dict(scene))
 
 
 def touches_tip(result: Any) -> np.ndarray:
@@ -81,7 +82,7 @@ def from_meshes(body_1: dict[str, Any], body_2: dict[str, Any], **keys: Any):
     scene["effects"] = {"dimension": 3}
     scene["accuracy"] = {"estimate": False, "tangents": False}
     scene.update(keys)
-    return fl.solve(fl.Scene.from_dict(scene))
+    return solve(fl.Scene.from_dict(scene))
 
 
 #: The flanks of the files are curves through nodes, the profiles of the gears are involutes: as far

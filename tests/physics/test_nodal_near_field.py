@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import deepcopy
 from typing import Any
 
@@ -15,6 +16,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
 from tests.support.gear_scenes import example
 from tests.support.nodal_position import NodalPosition
+from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 SCENE = example("external_gear")
@@ -31,16 +33,18 @@ PRESSURE = 0.1
 DIRECTION, FORCES = 1e-4, 3e-3
 
 
-def solved(rigid: int | None = None, angles: Any = None, **effects: Any) -> fl.Result:
+def solved(
+    rigid: int | None = None, angles: Any = None, by: Callable[..., Any] = solve, **effects: Any
+) -> fl.Result:
     tree = deepcopy(SCENE)
     tree["positions"] = {"angles_deg": ANGLES_DEG if angles is None else angles}
-    tree["accuracy"] = {"estimate": False}
+    tree["accuracy"] = {"estimate": False, "tangents": False}
     if "h" in effects:
         tree["accuracy"]["flank_element_mm"] = effects.pop("h")
     if rigid is not None:
         tree[f"body_{rigid}"]["rigid"] = True
     tree["effects"] = effects
-    found = fl.solve(fl.Scene.from_dict(tree))
+    found = by(fl.Scene.from_dict(tree))
     assert isinstance(found, fl.Result)
     return found
 
@@ -85,12 +89,12 @@ def test_a_rounded_tip_has_nodes_up_to_its_end() -> None:
     tree = deepcopy(SCENE)
     tree["body_1"]["tip_radius_mm"] = 0.5
     tree["effects"] = {"near_field": "nodes"}
-    tree["accuracy"] = {"flank_element_mm": 0.1, "estimate": False}
+    tree["accuracy"] = {"flank_element_mm": 0.1, "estimate": False, "tangents": False}
     tree["positions"] = {"count": 8}
-    found = fl.solve(fl.Scene.from_dict(tree))
+    found = solve(fl.Scene.from_dict(tree))
     tree["effects"] = {}
-    tree["accuracy"] = {"estimate": False}
-    reference = fl.solve(fl.Scene.from_dict(tree))
+    tree["accuracy"] = {"estimate": False, "tangents": False}
+    reference = solve(fl.Scene.from_dict(tree))
     assert isinstance(found, fl.Result)
     assert isinstance(reference, fl.Result)
     body = build_bodies(fl.Scene.from_dict(tree)).body_1
@@ -117,7 +121,8 @@ def test_error_falls_with_the_spacing(modes: fl.Result, nodes: fl.Result) -> Non
     assert np.abs(peaks - 1).max() < PRESSURE, peaks
 
 
-def test_counters_tell_nodes_from_modes(modes: fl.Result, nodes: fl.Result) -> None:
+def test_counters_tell_nodes_from_modes() -> None:
+    modes, nodes = solved(by=fl.solve), solved(near_field="nodes", h=0.1, by=fl.solve)
     pair = build_bodies(nodal_scene(0.1))
     count = sum(
         nodal_loads.flank_nodes(body.mesh).size for body in (pair.body_1, pair.body_2) if body.mesh
@@ -196,7 +201,7 @@ def test_friction_does_with_nodes_what_it_does_with_modes(
     modes: fl.Result, nodes: fl.Result
 ) -> None:
     rubbing = solved(friction_coefficient=0.1)
-    found = solved(friction_coefficient=0.1, near_field="nodes", h=0.1)
+    found = solved(friction_coefficient=0.1, near_field="nodes", h=0.1, by=fl.solve)
     grown = found.rotation_rad / nodes.rotation_rad, rubbing.rotation_rad / modes.rotation_rad
     np.testing.assert_allclose(*grown, rtol=0, atol=5e-4)
     assert np.abs(grown[1] - 1).max() > 3e-3
@@ -225,7 +230,7 @@ def test_error_estimate_is_that_of_half_as_many_nodes() -> None:
     tree["positions"] = {"angles_deg": ANGLES_DEG}
     tree["effects"] = {"near_field": "nodes"}
     tree["accuracy"] = {"flank_element_mm": 0.1}
-    found = fl.solve(fl.Scene.from_dict(tree))
+    found = solve(fl.Scene.from_dict(tree))
     assert isinstance(found, fl.Result)
     estimated = found.estimate["transmission_error"]
     # nodes 0.2 mm apart leave 2.6 %, 0.1 mm 0.8 %

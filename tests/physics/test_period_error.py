@@ -23,6 +23,7 @@ from flankload.meshes.io import read_mesh, write_mesh
 from flankload.scene.mesh import ComplianceBody
 from flankload.scene.pair import Positions
 from tests.support.mesh_files import Cells, whole_of
+from tests.support.solving import solve
 from tests.support.tolerances import SOLVER
 
 TEETH = 24
@@ -103,12 +104,12 @@ def from_file(folder: Path, name: str, **positions: object) -> fl.Scene:
 
 @pytest.fixture(scope="module")
 def one_pitch(folder: Path) -> fl.Result:
-    return fl.solve(from_file(folder, "windows"))
+    return solve(from_file(folder, "windows"))
 
 
 @pytest.fixture(scope="module")
 def whole_period(folder: Path) -> fl.Result:
-    return fl.solve(from_file(folder, "windows", pitches="hunting"))
+    return solve(from_file(folder, "windows", pitches="hunting"))
 
 
 def said(result: fl.Result) -> list[str]:
@@ -162,7 +163,7 @@ def test_hunting_runs_until_the_compliance_repeats(whole_period: fl.Result, fold
     assert whole_period.closed
     assert not said(whole_period)
     assert "by period alone" not in whole_period.table()
-    turn = fl.solve(from_file(folder, "windows", pitches=TEETH, count=2))
+    turn = solve(from_file(folder, "windows", pitches=TEETH, count=2))
     np.testing.assert_allclose(
         turn.rotation_rad[: 2 * GROUP], turn.rotation_rad[-2 * GROUP :], rtol=SOLVER, atol=0
     )
@@ -175,7 +176,7 @@ def test_hunting_runs_until_the_compliance_repeats(whole_period: fl.Result, fold
 
 
 def test_some_pitches_of_a_longer_period_are_a_part_of_it(folder: Path) -> None:
-    some = fl.solve(from_file(folder, "windows", pitches=2))
+    some = solve(from_file(folder, "windows", pitches=2))
     assert said(some)
     assert not some.closed
     assert some.period_pitches == GROUP
@@ -195,7 +196,7 @@ def test_plan_that_cannot_know_the_period_is_no_plan_of_another_scene(folder: Pa
 
 
 def test_whole_wheel_without_windows_repeats_with_the_tooth(folder: Path) -> None:
-    found = fl.solve(from_file(folder, "full", pitches="hunting"))
+    found = solve(from_file(folder, "full", pitches="hunting"))
     assert found.period_pitches == 1
     assert not said(found)
     assert max(found.estimate["by_source"]["period"].values()) < SOLVER
@@ -264,7 +265,7 @@ def test_period_of_a_compliance_is_that_of_what_teeth_do_to_each_other_too() -> 
 def test_estimate_is_no_condition_of_the_period(folder: Path) -> None:
     scene = from_file(folder, "windows", pitches="hunting", count=2)
     plain = structs.replace(scene.accuracy, estimate=False)
-    assert fl.solve(dataclasses.replace(scene, accuracy=plain)).period_pitches == GROUP
+    assert solve(dataclasses.replace(scene, accuracy=plain)).period_pitches == GROUP
 
 
 def test_angles_of_one_pitch_stand_for_all_and_more_are_a_part(folder: Path) -> None:
@@ -272,5 +273,5 @@ def test_angles_of_one_pitch_stand_for_all_and_more_are_a_part(folder: Path) -> 
     for turns, period in ((1.0, 1), (2.0, GROUP)):
         angles = list(np.arange(0, turns * pitch, pitch / 4))
         scene = from_file(folder, "windows")
-        found = fl.solve(dataclasses.replace(scene, positions=Positions(angles_deg=tuple(angles))))
+        found = solve(dataclasses.replace(scene, positions=Positions(angles_deg=tuple(angles))))
         assert found.period_pitches == period

@@ -17,6 +17,7 @@ from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
 from tests.support.gear_scenes import example
 from tests.support.ring_bodies import gear
+from tests.support.solving import solve
 
 WIDTH, WEB = 14.0, (-2.1, 2.1)
 #: Twist of a base helix of 13.8 degrees, rad/mm.
@@ -100,7 +101,7 @@ def _solved(
             scene[f"body_{number}"] |= {"helix_angle_deg": 15.0, "hand": hand, "profile_shift": 0.0}
         scene["body_1"]["tip_diameter_mm"], scene["body_2"]["tip_diameter_mm"] = 83.0, 120.0
         scene["pair"] = {"center_distance_mm": 93.3, "face_width_mm": 14}
-    return fl.solve(fl.Scene.from_dict(scene))
+    return solve(fl.Scene.from_dict(scene))
 
 
 def test_a_web_as_wide_as_the_gear_is_none() -> None:

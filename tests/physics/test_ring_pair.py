@@ -14,6 +14,7 @@ from flankload.bodies.imported.body_file import write_body
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.paths import SCENES
 from tests.support.plain_elements import FILE, solve_plainly
+from tests.support.solving import solve
 
 REFERENCE = json.loads(FILE.read_text(encoding="utf-8"))
 EXAMPLE = SCENES / "internal_gear.toml"
@@ -26,7 +27,7 @@ COARSE = 4e-3
 
 def scene(**tables: dict) -> fl.Scene:
     """The scene of the reference with other keys in its tables."""
-    given = deepcopy(REFERENCE["scene"]) | {"accuracy": {"estimate": False}}
+    given = deepcopy(REFERENCE["scene"]) | {"accuracy": {"estimate": False, "tangents": False}}
     for name, keys in tables.items():
         given[name] = {**given[name], **keys}
     return fl.Scene.from_dict(given)
@@ -34,7 +35,7 @@ def scene(**tables: dict) -> fl.Scene:
 
 @pytest.fixture(scope="module")
 def result() -> fl.Result:
-    return fl.solve(scene())
+    return solve(scene())
 
 
 def test_rotation_and_forces_are_those_of_plain_elements(result: fl.Result) -> None:
@@ -81,7 +82,7 @@ def test_torques_are_in_the_ratio_of_the_teeth(result: fl.Result) -> None:
 
 
 def test_unloaded_conjugate_flanks_touch_everywhere() -> None:
-    found = fl.solve(scene(load={"torque_Nm": 0.0}, positions={"count": 200}))
+    found = solve(scene(load={"torque_Nm": 0.0}, positions={"count": 200}))
     np.testing.assert_allclose(found.transmission_error_um, 0.0, rtol=0, atol=1e-5)
 
 
@@ -94,10 +95,13 @@ def test_state_is_in_balance_and_nothing_penetrates(result: fl.Result) -> None:
 
 
 def test_answer_repeats_after_a_pitch_and_after_many() -> None:
-    first = fl.solve(scene(positions={"count": 4})).rotation_rad
+    first = solve(scene(positions={"count": 4})).rotation_rad
     one = {"angles_deg": [15.0 * turn + 3.75 * k for turn in (0, 1, 7, -9) for k in range(4)]}
-    given = deepcopy(REFERENCE["scene"]) | {"positions": one, "accuracy": {"estimate": False}}
-    found = fl.solve(fl.Scene.from_dict(given)).rotation_rad.reshape(4, 4)
+    given = deepcopy(REFERENCE["scene"]) | {
+        "positions": one,
+        "accuracy": {"estimate": False, "tangents": False},
+    }
+    found = solve(fl.Scene.from_dict(given)).rotation_rad.reshape(4, 4)
     np.testing.assert_allclose(found, np.broadcast_to(first, (4, 4)), rtol=1e-9, atol=0)
 
 
@@ -107,7 +111,7 @@ def test_pitch_error_of_the_ring_takes_load_from_its_tooth(result: fl.Result) ->
     shares = []
     for error in (-3.0, 0.0, 3.0):
         errors = [error, *([0.0] * 59)]
-        found = fl.solve(scene(body_2={"pitch_errors_um": errors}))
+        found = solve(scene(body_2={"pitch_errors_um": errors}))
         shares.append(found.load_share[6, found.sites.tolist().index(0)])
     assert shares[0] < shares[1] < shares[2]
     assert shares[1] == pytest.approx(result.load_share[6, zero], rel=1e-9)
@@ -116,7 +120,7 @@ def test_pitch_error_of_the_ring_takes_load_from_its_tooth(result: fl.Result) ->
 def test_root_fillet_of_the_ring_carries_what_touches_it() -> None:
     """A pinion tip that reaches beyond the form circle presses on the fillet."""
     keys = {"body_1": {"tip_diameter_mm": 79.4}, "body_2": {"root_diameter_mm": 187.6}}
-    found = fl.solve(scene(**keys, pair={"center_distance_mm": 53.9}, positions={"count": 24}))
+    found = solve(scene(**keys, pair={"center_distance_mm": 53.9}, positions={"count": 24}))
     form = build_bodies(scene(**keys)).body_2.mode_range_mm[0]
     deepest = []
     for k in range(24):
@@ -132,7 +136,7 @@ def test_meshes_of_both_bodies_give_the_result_of_the_parameters(
 ) -> None:
     """Flanks from nodes alone: a ring is known by what is held outside its flank."""
     pair = build_bodies(scene())
-    given = deepcopy(REFERENCE["scene"]) | {"accuracy": {"estimate": False}}
+    given = deepcopy(REFERENCE["scene"]) | {"accuracy": {"estimate": False, "tangents": False}}
     for key, body, turn in (
         ("body_1", pair.body_1, pair.turn_1),
         ("body_2", pair.body_2, pair.turn_2),
@@ -140,7 +144,7 @@ def test_meshes_of_both_bodies_give_the_result_of_the_parameters(
         write_body(tmp_path / f"{key}.msh", body.mesh, turn_rad=turn)
         given[key] = {"kind": "mesh", "file": str(tmp_path / f"{key}.msh"), "teeth": body.teeth}
         given[key]["reference_radius_mm"] = body.reference_radius_mm
-    found = fl.solve(fl.Scene.from_dict(given))
+    found = solve(fl.Scene.from_dict(given))
     assert not any("mirror" in warning for warning in found.warnings)
     smooth = ~result.corner_contact.any(axis=1)
     np.testing.assert_allclose(
@@ -150,8 +154,8 @@ def test_meshes_of_both_bodies_give_the_result_of_the_parameters(
 
 def test_relief_and_rounding_take_load_from_the_tips() -> None:
     body = {"tip_radius_mm": 0.3, "tip_relief_um": 20.0, "tip_relief_shape": "parabolic"}
-    plain = fl.solve(scene())
-    found = fl.solve(
+    plain = solve(scene())
+    found = solve(
         scene(
             body_1={**body, "tip_relief_start_diameter_mm": 76.0},
             body_2={**body, "tip_relief_start_diameter_mm": 177.0},
@@ -164,7 +168,7 @@ def test_relief_and_rounding_take_load_from_the_tips() -> None:
 
 
 def test_example_has_two_loaded_pairs_at_every_position() -> None:
-    found = fl.solve(fl.read_scene(EXAMPLE))
+    found = solve(fl.read_scene(EXAMPLE))
     assert ((found.site_force_N > 0).sum(axis=1) >= 2).all()
     assert not any("reaches" in warning for warning in found.warnings)
     theory = 1.664

@@ -20,6 +20,7 @@ from flankload.meshes.plane_mesh import EDGES
 from flankload.scene import Gear, Ring
 from tests.support.plain_elements import hat_loads
 from tests.support.ring_bodies import RING
+from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF
 
 #: Largest stress with the default elements against elements a third as long: wanted 2 %, measured
@@ -287,7 +288,7 @@ def scene_of(**effects: object) -> fl.Scene:
 
 @pytest.fixture(scope="module")
 def solved() -> fl.Result:
-    result = fl.solve(scene_of())
+    result = solve(scene_of())
     assert isinstance(result, fl.Result)
     return result
 
@@ -312,7 +313,7 @@ def test_stress_of_a_loaded_pair_is_that_of_its_forces(friction: float) -> None:
     whose arc length grows the other way.
     """
     scene = scene_of(friction_coefficient=friction)
-    solved, pair = fl.solve(scene), build_bodies(scene)
+    solved, pair = solve(scene), build_bodies(scene)
     assert isinstance(solved, fl.Result)
     p, s = 1, solved.sites.tolist().index(0)
     assert solved.loaded_pairs[p] == 1

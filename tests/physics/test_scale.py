@@ -18,6 +18,7 @@ import flankload as fl
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.gear_scenes import changed
 from tests.support.pair_scenes import RING_PAIR, SPLINE
+from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 #: Peaks at sharp corners and at the edges of conforming flanks are those of the finest cells: up to
@@ -84,7 +85,7 @@ def resized(table: Mapping[str, Any], size: float) -> dict[str, Any]:
 
 @cache
 def solved(name: str, size: float = 1.0) -> fl.Result:
-    result = fl.solve(fl.Scene.from_dict(resized(SCENES[name], size)))
+    result = solve(fl.Scene.from_dict(resized(SCENES[name], size)))
     assert isinstance(result, fl.Result)
     return result
 

@@ -32,7 +32,7 @@ FZG = {
     },
     "pair": {"center_distance_mm": 91.5, "face_width_mm": 14.0},
     "load": {"torque_Nm": 302.0},
-    "accuracy": {"estimate": False},
+    "accuracy": {"estimate": False, "tangents": False},
 }
 #: A pinion inside a ring: flanks that nearly conform, one over the sharp edge of the other.
 INTERNAL = {
@@ -46,7 +46,7 @@ INTERNAL = {
     },
     "pair": {"center_distance_mm": 53.93, "face_width_mm": 20.0},
     "load": {"torque_Nm": 450.0},
-    "accuracy": {"estimate": False},
+    "accuracy": {"estimate": False, "tangents": False},
 }
 #: Two undercut gears: the sharp tip of one slides over the sharp end of the other's involute.
 UNDERCUT = {
@@ -60,7 +60,7 @@ UNDERCUT = {
     },
     "pair": {"center_distance_mm": 36.4394, "face_width_mm": 20.0},
     "load": {"torque_Nm": 72.0},
-    "accuracy": {"estimate": False},
+    "accuracy": {"estimate": False, "tangents": False},
 }
 #: A tip that stands apart from the contact of the same flanks, but nearer than the rotation.
 TIP_BESIDE = {
@@ -74,7 +74,7 @@ TIP_BESIDE = {
     },
     "pair": {"center_distance_mm": 192.8296, "face_width_mm": 16.376},
     "load": {"torque_Nm": 3123.5},
-    "accuracy": {"estimate": False},
+    "accuracy": {"estimate": False, "tangents": False},
 }
 
 

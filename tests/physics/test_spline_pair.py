@@ -11,6 +11,7 @@ import pytest
 from scipy.optimize import brentq
 
 import flankload as fl
+from tests.support.solving import solve
 from tests.support.tolerances import SOLVER
 
 TEETH, MODULE, WIDTH = 24, 2.0, 30.0
@@ -65,7 +66,7 @@ def solved(
 
 @cache
 def _solved(tree: str) -> fl.Result:
-    found = fl.solve(fl.Scene.from_dict(json.loads(tree)))
+    found = solve(fl.Scene.from_dict(json.loads(tree)))
     assert isinstance(found, fl.Result)
     return found
 

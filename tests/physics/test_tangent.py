@@ -7,6 +7,7 @@ import pytest
 
 import flankload as fl
 from tests.support.paths import SCENES
+from tests.support.solving import solve
 
 #: The differences' own error: second order in the step, rounding of the rotation over the step.
 DIFFERENCES = 1e-6
@@ -24,7 +25,7 @@ def test_tangent_is_what_the_rotation_does(name: str, friction: float) -> None:
         "effects": {"friction_coefficient": friction},
         "accuracy": {"estimate": False},
     }
-    less, here, more = fl.solve(fl.Scene.from_dict(tables))
+    less, here, more = solve(fl.Scene.from_dict(tables))
     found = (more.torque_Nm - less.torque_Nm) / (more.rotation_rad - less.rotation_rad)
     beside = np.abs(found / here.stiffness_tangent_Nm_per_rad - 1.0)
     # on a corner, or where the next pair is just about to touch, cells change their number
@@ -55,7 +56,7 @@ def test_secant_stiffness_counts_from_the_state_without_torque(name: str) -> Non
     positions = {"positions": {"count": 8}} if "external" in scene else {}
     tables |= {"accuracy": {"estimate": False, "modes": 3}, **positions}
     alone, (none, loaded) = (
-        fl.solve(fl.Scene.from_dict(tables | {"load": {"torque_Nm": load}}))
+        solve(fl.Scene.from_dict(tables | {"load": {"torque_Nm": load}}))
         for load in (torque, [0.0, torque])
     )
     np.testing.assert_array_equal(alone.unloaded_rotation_rad, none.rotation_rad)
@@ -75,7 +76,7 @@ def test_secant_stiffness_counts_from_the_state_without_torque(name: str) -> Non
 
 def test_secant_and_tangent_of_a_press_fit_are_one_stiffness() -> None:
     """Neither flanks nor teeth come or go, and conforming flanks yield in proportion."""
-    found = fl.solve(fl.read_scene(SCENES / "spline_press_fit.toml"))
+    found = solve(fl.read_scene(SCENES / "spline_press_fit.toml"))
     assert isinstance(found, fl.Result)
     np.testing.assert_allclose(
         found.stiffness_secant_N_per_um, found.stiffness_tangent_N_per_um, rtol=1e-4, atol=0
@@ -89,7 +90,7 @@ def test_secant_and_tangent_of_a_press_fit_are_one_stiffness() -> None:
 def test_no_torque_needs_no_tangent() -> None:
     tables = tomllib.loads((SCENES / "external_gear.toml").read_text(encoding="utf-8"))
     tables["load"]["torque_Nm"] = 0
-    result = fl.solve(fl.Scene.from_dict(tables))
+    result = solve(fl.Scene.from_dict(tables))
     assert isinstance(result, fl.Result)
     assert np.isnan(result.stiffness_tangent_Nm_per_rad).all()
 
@@ -109,7 +110,11 @@ def test_tangents_of_parabolas_are_exact() -> None:
         }
         return Sweep(**(numbers | known))  # type: ignore[arg-type]
 
-    (found,) = with_tangents((state(5.0),), lambda torques_Nmm: tuple(map(state, torques_Nmm)))
+    def run(torques_Nmm: list[float], known: object) -> tuple[Sweep, ...]:
+        assert known is None  # states of slices
+        return tuple(map(state, torques_Nmm))
+
+    (found,) = with_tangents((state(5.0),), run)
     assert found.tangent_rad_per_Nmm[0] == pytest.approx(1.0 + 0.2 * 5.0, rel=1e-10)
     np.testing.assert_allclose(
         found.site_force_per_torque, [[3.0 + 2.0 * 5.0, -1.0]], rtol=1e-10, atol=0

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import (
     HELICAL,
     MIRRORED,
@@ -41,7 +42,7 @@ FINITE_ELEMENTS = {
 
 @cache
 def _solved(text: str) -> fl.Result | tuple[fl.Result, ...]:
-    return fl.solve(fl.Scene.from_dict(json.loads(text)))
+    return solve_scene(fl.Scene.from_dict(json.loads(text)))
 
 
 def solve(name: str, **changes: Any) -> fl.Result:
@@ -67,7 +68,7 @@ def as_finite_elements() -> fl.Result:
         "positions__count": None,
         "positions__angles_deg": [0.0, 11.25],
     }
-    found = fl.solve(fl.Scene.from_dict(tree_of(SPUR, changes)))
+    found = solve_scene(fl.Scene.from_dict(tree_of(SPUR, changes)))
     assert isinstance(found, fl.Result)
     return found
 
@@ -352,7 +353,7 @@ def test_the_defaults_along_the_axis_suffice(
 
 def test_a_list_of_torques() -> None:
     tree = tree_of(HELICAL, {**SMALL, "load__torque_Nm": [50.0, 250.0]})
-    low, high = fl.solve(fl.Scene.from_dict(tree))
+    low, high = solve_scene(fl.Scene.from_dict(tree))
     np.testing.assert_allclose(high.rotation_rad, solve(HELICAL).rotation_rad, rtol=SOLVER)
     np.testing.assert_allclose(
         high.slice_line_load_N_per_mm,

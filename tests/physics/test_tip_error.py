@@ -13,6 +13,7 @@ import flankload as fl
 from flankload.analysis.error_rules import Left, peak_of_modes
 from flankload.analysis.estimate import Estimate
 from tests.support.gear_scenes import example
+from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF
 
 SCENE = example("external_gear")
@@ -47,7 +48,7 @@ def solved(angles: Any = ANGLES_DEG, size: float = 1.0, **tips: float) -> fl.Res
     tree["pair"] = {name: size * value for name, value in tree["pair"].items()}
     tree["load"]["torque_Nm"] *= size**3
     tree["positions"] = {"angles_deg": angles}
-    found = fl.solve(fl.Scene.from_dict(tree))
+    found = solve(fl.Scene.from_dict(tree))
     assert isinstance(found, fl.Result)
     return found
 
@@ -104,7 +105,7 @@ def test_a_chamfer_begins_like_a_sharp_tip_there() -> None:
     for key in ("body_1", "body_2"):
         tree[key]["tip_diameter_mm"] -= 2 * height
     tree["positions"] = {"angles_deg": CHAMFER_DEG}
-    sharp = fl.solve(fl.Scene.from_dict(tree))
+    sharp = solve(fl.Scene.from_dict(tree))
     assert isinstance(sharp, fl.Result)
     less = 1.0 - chamfered.rotation_rad / sharp.rotation_rad
     assert less.min() > 0.0

@@ -8,7 +8,7 @@ points of least gap, contact widths or corners.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from math import acos, cos, pi, radians, sin, sqrt, tan
 
 import numpy as np
@@ -19,9 +19,11 @@ from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.parts import made_once
 from flankload.scene.discretization import Grid
 from tests.support.cells_near_field import cells_near_field
 from tests.support.random_scenes import ANGLE, STEEL, inv
+from tests.support.solving import PARTS
 
 
 def draw(rng: np.random.Generator) -> dict | None:
@@ -98,11 +100,11 @@ class Job:
     def __init__(self, scene: dict, angles_deg: tuple[float, ...] | None = None) -> None:
         positions = {"count": 8} if angles_deg is None else {"angles_deg": list(angles_deg)}
         self.scene = fl.Scene.from_dict({**scene, "positions": positions})
-        pair = build_bodies(self.scene)
+        pair = build_bodies(self.scene, parts=PARTS)
         self.bodies, self.pairing = (pair.body_1, pair.body_2), pair.pairing
-        plane = self.scene.accuracy.plane
+        options = JobOptions(n_modes=5, plane=self.scene.accuracy.plane)
         self.fields = tuple(
-            flank_compliance(b, JobOptions(n_modes=5, plane=plane)) for b in self.bodies
+            made_once(partial(flank_compliance, body, options), PARTS) for body in self.bodies
         )
         self.torque = 1000.0 * scene["load"]["torque_Nm"]
         self.width = scene["pair"]["face_width_mm"]

@@ -17,23 +17,35 @@ def brute_force(
     n = gaps.size
     states = []
     for size in range(1, n + 1):
-        for chosen in itertools.combinations(range(n), size):
-            pairs = list(chosen)
-            matrix = np.zeros((size + 1, size + 1))
-            matrix[:size, :size] = compliance[np.ix_(pairs, pairs)]
-            matrix[:size, size] = -levers[pairs]
-            matrix[size, :size] = row[pairs]
-            try:
-                solution = np.linalg.solve(matrix, np.r_[-gaps[pairs], load])
-            except np.linalg.LinAlgError:
-                continue
+        sets = np.array(list(itertools.combinations(range(n), size)))
+        matrix = np.zeros((len(sets), size + 1, size + 1))
+        matrix[:, :size, :size] = compliance[sets[:, :, None], sets[:, None, :]]
+        matrix[:, :size, size] = -levers[sets]
+        matrix[:, size, :size] = row[sets]
+        right = np.full((len(sets), size + 1), load)
+        right[:, :size] = -gaps[sets]
+        solutions = solutions_of(matrix, right)
+        for k in np.flatnonzero((solutions[:, :size] > 0.0).all(axis=1)):
+            pairs, solution = sets[k], solutions[k]
             forces = np.zeros(n)
             forces[pairs] = solution[:size]
             final = compliance @ forces + gaps - levers * solution[size]
             final[pairs] = 0.0
-            if (solution[:size] > 0.0).all() and (final >= 0.0).all():
+            if (final >= 0.0).all():
                 states.append((forces, float(solution[size])))
     return states
+
+
+def solutions_of(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solutions (k, m) of k systems; NaN where a matrix is singular."""
+    try:
+        return np.linalg.solve(matrices, right[..., None])[..., 0]
+    except np.linalg.LinAlgError:
+        if len(matrices) == 1:
+            return np.full(right.shape, np.nan)
+        half = len(matrices) // 2
+        parts = slice(None, half), slice(half, None)
+        return np.concatenate([solutions_of(matrices[part], right[part]) for part in parts])
 
 
 def random_problem(

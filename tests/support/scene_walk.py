@@ -8,7 +8,7 @@ from typing import Any
 from msgspec import inspect
 
 from flankload.scene import Scene
-from flankload.scene.form import fields_of
+from flankload.scene.form import types_of
 from flankload.scene.table import Table
 
 #: Keys that need others beside them, or whose values are lists, by the last part of their path.
@@ -70,12 +70,12 @@ def other_values(scene: Scene) -> Iterator[tuple[str, list[dict[str, Any]]]]:
     profiles = {f"{n}.profile": getattr(t, "profile", None) for n, t in tables.items()}
     tables |= {name: table for name, table in profiles.items() if isinstance(table, Table)}
     for name, table in tables.items():
-        for key, field in fields_of(type(table)).items():
+        for key, kind in types_of(type(table)).items():
             if key == "profile":
                 continue
             changes = [_filled(some, name, table) for some in TOGETHER.get(key, ())]
             old = getattr(table, key)
-            changes += [{f"{name}.{key}": value} for value in _values(field.type, old)]
+            changes += [{f"{name}.{key}": value} for value in _values(kind, old)]
             yield f"{name}.{key}", changes
 
 

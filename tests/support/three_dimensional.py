@@ -27,9 +27,9 @@ MIRRORED = 1e-10
 
 
 def tree_of(name: str, changes: dict[str, Any]) -> dict[str, Any]:
-    """An example without estimate, with keys changed; None removes a key."""
+    """An example without estimate and tangents, with keys changed; None removes a key."""
     tree = example(name)
-    tree.setdefault("accuracy", {})["estimate"] = False
+    tree.setdefault("accuracy", {}).update(estimate=False, tangents=False)
     for path, value in changes.items():
         table, _, key = path.partition("__")
         keys = tree.setdefault(table, {})

@@ -3,7 +3,8 @@
 The derivative of the rotation for fixed pairs in contact lacks the contribution of the edges of the
 contacts, since cells become longer with the torque: 0.1 to 0.3 % on gears with ten cells on the
 half-width. Cells are laid out for each torque, in the same number on each half-width, so the
-rotation is smooth in the torque: differences over 2e-3 of it agree with those over 1e-4 to 2e-8.
+rotation of given pairs in contact is smooth in the torque: differences over 2e-3 of it agree with
+those over 1e-4 to 2e-8.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.contact.sweep import known_contacts
 from flankload.errors import ContactError
 
 if TYPE_CHECKING:
@@ -25,8 +27,9 @@ if TYPE_CHECKING:
 STEP = 1e-3
 #: Signs of the steps.
 SIDES = (-1, 1)
-#: If both one-sided differences differ by more than this, a flank comes into contact or leaves it
-#: within the step; the derivative for fixed pairs in contact is more accurate then.
+#: Where the pairs in contact are not known, one-sided differences that differ by more than this
+#: show that a flank comes into contact or leaves it within the step; the derivative for fixed pairs
+#: in contact is more accurate then.
 LARGEST_KINK = 5e-3
 
 
@@ -40,7 +43,8 @@ def with_tangents(
     found : tuple of Sweep
         One for each torque.
     run : callable
-        run(torques_Nmm=…) sweeps the same positions under other torques.
+        run(torques_Nmm=…, known=…) sweeps the same positions under other torques; `known` are pairs
+        in contact.
 
     Returns
     -------
@@ -51,8 +55,9 @@ def with_tangents(
     if not loaded:
         return found
     torques = [found[t].torque_Nmm * (1.0 + side * STEP) for t in loaded for side in SIDES]
+    known = known_contacts([found[t] for t in loaded for _ in SIDES])
     try:
-        beside = run(torques_Nmm=torques)
+        beside = run(torques_Nmm=torques, known=known)
     except ContactError:
         return found
     parts = list(found)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from flankload.cli.checking import check
 from flankload.cli.compliance import compliance
 from flankload.cli.designing import study
+from flankload.cli.optimising import optimise
 from flankload.cli.planning import plan
 from flankload.cli.solving import mesh, run, schema
 from flankload.cli.studying import accuracy
@@ -116,6 +117,7 @@ def parser() -> argparse.ArgumentParser:
     _add_accuracy(commands)
     _add_study(commands)
     _add_verify(commands)
+    _add_optimise(commands)
     check_parser = _described(
         commands, "check", "validate a scene or a mesh file and print how it is interpreted"
     )
@@ -215,6 +217,22 @@ def _add_accuracy(commands: Any) -> None:
         "--resume", metavar="FILE", type=Path,
         help="file of finished runs: read if it exists, updated after each run",
     )  # fmt: skip
+
+
+def _add_optimise(commands: Any) -> None:
+    parser = _described(
+        commands,
+        "optimise",
+        "find the values of scene keys for which a key figure is smallest, with gradients",
+    )
+    parser.add_argument(
+        "file", metavar="OPTIMISATION", type=Path,
+        help="file (TOML) with the scene, variables, objective and constraints",
+    )  # fmt: skip
+    parser.add_argument(
+        "-o", dest="output", metavar="FILE", type=Path, help="write the optimal scene to this file"
+    )
+    parser.set_defaults(command=optimise)
 
 
 def _add_study(commands: Any) -> None:

@@ -23,17 +23,24 @@ if TYPE_CHECKING:
 
     from flankload.studies.design import DesignStudy
 
+#: Seconds for which a scheduler may take to answer.
+PATIENCE_S = 10
+
 
 def study(arguments: Namespace) -> None:
     """Solve the designs of a study that its store lacks, write and print them."""
     outputs = _outputs(arguments.outputs)
     if arguments.workers is not None and arguments.workers < 1:
         raise SceneError(key="--workers", expected="an integer > 0", found=arguments.workers)
+    if arguments.workers is not None and arguments.scheduler is not None:
+        expected = "no such option with --scheduler, which has its own workers"
+        raise SceneError(key="--workers", expected=expected, found=arguments.workers)
     from flankload.studies.design import read_study, run_study
 
     asked = read_study(arguments.file)
-    check_file("store", asked.store)
-    places = [("the study", asked.file), ("store", asked.store)]
+    store = f"{asked.file}: store"
+    check_file(store, asked.store)
+    places = [("the study", asked.file), (store, asked.store)]
     check_apart([*places, *(("-o", Path(path)) for path in outputs if path != STDOUT)], asked.scene)
     try:
         with (
@@ -75,7 +82,8 @@ class _Rate:
             seconds = (monotonic() - self._began) / self._solved
             rate = f"{1 / seconds:.1f}/s" if seconds < 1 else f"{60 / seconds:.1f}/min"
             left = seconds * (total - done)
-            words += f", {rate}, {left / 60:.0f} min left" if left > 90 else f", {left:.0f} s left"
+            time = f"{left / 60:.0f} min" if left > 90 else f"{left:.0f} s"
+            words += f", {rate}, {time} left"
         self._progress.tell(words, done, total)
 
 
@@ -133,7 +141,7 @@ def _dask(address: str) -> Iterator[Executor]:
     from distributed import Client
 
     try:
-        client = Client(address, timeout="10s")
+        client = Client(address, timeout=PATIENCE_S)
     except (OSError, ValueError) as error:
         raise FlankloadError(f"--scheduler {address}: no connection: {error}") from None
     with client, client.get_executor() as executor:

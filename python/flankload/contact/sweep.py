@@ -243,21 +243,27 @@ def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
     Returns
     -------
     KnownContacts or None
-        None where contacts have no cells, or pairs of coast flanks are stored apart. States whose
-        cells were laid more than once are left out: their cells depend on the forces found before.
+        None for slices, whose contacts have no cells. States whose cells were laid more than once
+        are left out: their cells depend on the forces found before.
     """
-    if any(part.coast is not None or part.slice_force_N is not None for part in found):
+    if any(part.slice_force_N is not None for part in found):
         return None
     passes = CORE_COUNTERS.index("contact_passes")
-    touches = [(part.pairs.column("force") > 0.0).astype(np.intc) for part in found]
-    before = np.cumsum([0, *(part.size for part in touches)])
-    first = [np.cumsum(part.pairs.count) - part.pairs.count for part in found]
+    touches, count = [], []
+    for part in found:
+        # at each position, pairs of coast flanks follow those of working flanks
+        both = [part.pairs] if part.coast is None else [part.pairs, part.coast.pairs]
+        position = np.concatenate([pairs.position for pairs in both])
+        forces = np.concatenate([pairs.column("force") for pairs in both])
+        touches.append(forces[np.argsort(position, kind="stable")] > 0.0)
+        count.append(sum(pairs.count for pairs in both))
+    ends = np.cumsum(np.concatenate(count))
+    first = (ends - np.concatenate(count)).reshape(len(found), -1).T
+    laid_once = np.column_stack([part.counters[:, passes] == 1 for part in found])
     return KnownContacts(
-        touches=np.concatenate(touches),
-        count=np.column_stack(
-            [np.where(part.counters[:, passes] == 1, part.pairs.count, 0) for part in found]
-        ),
-        first=np.column_stack([own + start for own, start in zip(first, before[:-1], strict=True)]),
+        touches=np.concatenate(touches).astype(np.intc),
+        count=np.where(laid_once, np.column_stack(count), 0),
+        first=first,
     )
 
 

@@ -142,6 +142,12 @@ def overlaps_of(
     (r_1, angle_1, tip_1), (r_2, angle_2, tip_2) = (
         _places(body, radius) for body, radius in zip((body_1, body_2), pitch_radii_mm, strict=True)
     )
+    # circles of the others meet none of the mate: of gears, those below the tooth tips
+    some_1, some_2 = _some_meet(r_1, r_2, distance_mm), _some_meet(r_2, r_1, distance_mm)
+    if not (some_1.any() and some_2.any()):
+        return
+    r_1, angle_1, tip_1 = r_1[some_1], angle_1[some_1], tip_1[some_1]
+    r_2, angle_2, tip_2 = r_2[some_2], angle_2[some_2], tip_2[some_2]
     depth = -r_2 * _margins(
         (r_1[:, None], angle_1[:, None]), (r_2, angle_2), body_1, body_2, distance_mm
     )
@@ -166,6 +172,12 @@ def _places(body: Body, pitch_radius: float) -> tuple[Floats, Floats, NDArray[np
         (angle + np.pi) % (2 * np.pi) - np.pi,
         s > 0.5 * sum(body.mode_range_mm),
     )
+
+
+def _some_meet(radii: Floats, others: Floats, distance: float) -> NDArray[np.bool_]:
+    """Whether circles meet one about the other axis with a radius in the range of these."""
+    reached = (others.min() < distance + radii) & (others.max() > np.abs(distance - radii))
+    return np.asarray(reached, dtype=np.bool_)
 
 
 def _margins(

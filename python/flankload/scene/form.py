@@ -10,10 +10,11 @@ from fractions import Fraction
 from functools import cache
 from math import inf
 from types import UnionType
-from typing import Annotated, Any, NoReturn, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NoReturn, TypeVar, Union, get_args, get_origin
 
 import msgspec
-from msgspec import inspect
+from msgspec import inspect, structs
+from msgspec.structs import FieldInfo
 
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import Table
@@ -61,7 +62,7 @@ def read_table(form: type[T], table: object, key: str) -> T:
     """
     if not isinstance(table, Mapping):
         refuse(key or "scene", "a table", shown(table))
-    fields, kinds = fields_of(form), _kinds_of(form)
+    fields = fields_of(form)
     tag = form.__struct_config__.tag_field
     for name in table:
         if name not in fields and name != tag:
@@ -70,24 +71,24 @@ def read_table(form: type[T], table: object, key: str) -> T:
     for name, field in fields.items():
         path = f"{key}.{name}" if key else name
         if name in table:
-            values[name] = _read(kinds[name], table[name], path)
+            values[name] = _read(field.type, table[name], path)
         elif field.required:
-            refuse(path, expected_of(field.type), "nothing")
+            refuse(path, expected_of(inspect.type_info(field.type)), "nothing")
     return form(**values)
 
 
 @cache
-def fields_of(form: type[Table]) -> dict[str, inspect.Field]:
-    """Fields of a table, by key."""
-    info = inspect.type_info(form)
-    assert isinstance(info, inspect.StructType)
-    return {field.encode_name: field for field in info.fields}
+def fields_of(form: type[Table]) -> dict[str, FieldInfo]:
+    """Fields of a table with their annotations, by key."""
+    return {field.encode_name: field for field in structs.fields(form)}
 
 
 @cache
-def _kinds_of(form: type[Table]) -> dict[str, Any]:
-    """Annotations of a table's fields, by key."""
-    return get_type_hints(form, include_extras=True)
+def types_of(form: type[Table]) -> dict[str, inspect.Type]:
+    """Types of the fields with all tables below them, by key: for texts, since it takes long."""
+    info = inspect.type_info(form)
+    assert isinstance(info, inspect.StructType)
+    return {field.encode_name: field.type for field in info.fields}
 
 
 def _refuse_unknown(name: str, value: object, known: list[str], key: str) -> NoReturn:

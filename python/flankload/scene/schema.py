@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import msgspec
 from msgspec import inspect
 
-from flankload.scene.form import expected_of, fields_of
+from flankload.scene.form import expected_of, types_of
 from flankload.scene.scene_file import SceneFile
 from flankload.scene.table import Table
 
@@ -69,8 +69,8 @@ def scene_paths() -> tuple[KeyPath, ...]:
 
 def _paths_of(form: type[Table], before: str, kind: str) -> Iterator[KeyPath]:
     """Paths of the keys of a table and of the tables in it."""
-    for name, field in fields_of(form).items():
-        bare: inspect.Type = field.type
+    for name, whole in types_of(form).items():
+        bare = whole
         extra: dict[str, Any] = {}
         if isinstance(bare, inspect.Metadata):
             extra, bare = bare.extra_json_schema or {}, bare.type
@@ -86,7 +86,7 @@ def _paths_of(form: type[Table], before: str, kind: str) -> Iterator[KeyPath]:
         if not tables:
             meaning = str(extra.get("description", ""))
             unit = str(extra.get("unit", ""))
-            yield KeyPath(path, unit, expected_of(field.type), meaning, kind)
+            yield KeyPath(path, unit, expected_of(whole), meaning, kind)
 
 
 def _without_null(node: Any) -> Any:

@@ -6,15 +6,17 @@ The usual range of a key is part of its metadata, next to the allowed range.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from msgspec import Struct, inspect
+from msgspec import Struct
 
 from flankload.scene.form import fields_of
 from flankload.scene.refusal import shown
 
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
+    from flankload.scene.table import Table
 
 #: Factor between units of one quantity (um and mm, GPa and MPa); its square occurs as well.
 THOUSAND = 1000.0
@@ -82,20 +84,24 @@ def _numbers(table: Any, key: str) -> Iterator[tuple[str, Any, tuple[float, floa
     """Path, value and usual range of each key that has one."""
     if not isinstance(table, Struct):
         return
-    for name, field in fields_of(type(table)).items():
+    usual = _usual_ranges(type(table))
+    for name in table.__struct_fields__:
         value, path = getattr(table, name), f"{key}.{name}"
         if isinstance(value, Struct):
             yield from _numbers(value, path)
-        elif value is not None and (usual := _usual(field.type)) is not None:
-            yield path, value, usual
+        elif value is not None and name in usual:
+            yield path, value, usual[name]
 
 
-def _usual(kind: inspect.Type) -> tuple[float, float] | None:
-    """The usual range in the metadata of a key."""
-    if not isinstance(kind, inspect.Metadata):
-        return None
-    known = (kind.extra_json_schema or {}).get("usual")
-    return (known[0], known[1]) if known is not None else _usual(kind.type)
+@cache
+def _usual_ranges(form: type[Table]) -> dict[str, tuple[float, float]]:
+    """The usual ranges in the annotations of a table, by key."""
+    return {
+        name: (meta.extra_json_schema["usual"][0], meta.extra_json_schema["usual"][1])
+        for name, field in fields_of(form).items()
+        for meta in getattr(field.type, "__metadata__", ())
+        if "usual" in (meta.extra_json_schema or {})
+    }
 
 
 def _largest(value: float | Sequence[float]) -> float:

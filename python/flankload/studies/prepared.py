@@ -26,13 +26,14 @@ class Prepared:
     Attributes
     ----------
     scene : Scene
+    parts : Parts
     """
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self._parts = Parts()
+        self.parts = Parts()
         if not scene.steers and scene.effects.choose is None:
-            prepare_parts(scene, self._parts)
+            prepare_parts(scene, self.parts)
 
     def solve(
         self, changes: Mapping[str, Any] | None = None, progress: Progress | None = None
@@ -62,7 +63,7 @@ class Prepared:
             As `Scene.replace` and `solve`.
         """
         scene = self.scene if not changes else self.scene.replace(changes)
-        return solve_scene(scene, progress, self._parts)
+        return solve_scene(scene, progress, self.parts)
 
 
 def solve_scene(

@@ -179,7 +179,7 @@ def variables_of(tree: Mapping[str, Any], key: str = "variables") -> tuple[Varia
         common.
     """
     if not isinstance(tree, Mapping) or not tree:
-        refuse(key, "a table of paths with values or distributions", shown(tree))
+        refuse(key, "a table of paths with values or distributions", shown(tree) if tree else None)
     found = tuple(_variable(path, value, f"{key}.{path}") for path, value in paths_of(tree).items())
     taken: dict[str, str] = {}
     for variable in found:
@@ -215,7 +215,7 @@ def paths_of(tree: Mapping[str, Any], before: str = "") -> dict[str, Any]:
 
 def _variable(path: str, value: Any, key: str) -> Variable:
     """Read one variable."""
-    value = value.tolist() if isinstance(value, np.ndarray) else value
+    value = _plain(value)
     if isinstance(value, Mapping) and KIND in value:
         if value[KIND] == BY_CLASS:
             for name in set(value) - {KIND, CLASS}:
@@ -233,4 +233,9 @@ def _variable(path: str, value: Any, key: str) -> Variable:
         return Variable(path, distribution=value)
     if isinstance(value, str) or not isinstance(value, Sequence) or not len(value):
         refuse(key, "a non-empty list of values or a table with a distribution", shown(value))
-    return Variable(path, values=tuple(value))
+    return Variable(path, values=tuple(_plain(x) for x in value))
+
+
+def _plain(value: Any) -> Any:
+    """Lists and numbers of Python in place of those of NumPy."""
+    return value.tolist() if hasattr(value, "tolist") else value

@@ -232,6 +232,7 @@ def differences(cost: dict[str, Any]) -> dict[tuple[str, str], tuple[int, int]]:
             "body_1__web_width_mm": 4,
             "body_1__rim_thickness_mm": 5,
             "body_1__web_offset_mm": 2,
+            "accuracy__flank_element_mm": 3.0,
             **FEW,
         },
         {

@@ -15,6 +15,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.period import period_of
 from flankload.result.harmonics import over_positions
 from tests.support.paths import SCENES
+from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 #: What is asked of adaptive positions: harmonics against a dense sweep, relative to each of them,
@@ -33,7 +34,7 @@ FEW_TEETH = {
     },
     "pair": {"center_distance_mm": 61.2, "face_width_mm": 10},
     "load": {"torque_Nm": 120},
-    "accuracy": {"estimate": False, "flank_element_mm": 1.5},
+    "accuracy": {"estimate": False, "tangents": False, "flank_element_mm": 1.5},
 }
 
 
@@ -43,9 +44,9 @@ def solved(name: str, torques: tuple[float, ...], **positions: Any) -> tuple[fl.
     tables |= {
         "load": {"torque_Nm": list(torques)},
         "positions": positions,
-        "accuracy": {"estimate": bool(positions.get("adaptive"))},
+        "accuracy": {"estimate": bool(positions.get("adaptive")), "tangents": False},
     }
-    found = fl.solve(fl.Scene.from_dict(tables))
+    found = solve(fl.Scene.from_dict(tables))
     assert isinstance(found, tuple)
     return found
 
@@ -167,7 +168,7 @@ def test_unloaded_motion_has_its_kinks_where_the_next_pair_takes_over() -> None:
         # so long that no pair is at rest on its involute all the time
         tables[body] |= {"tip_relief_um": 40, "tip_relief_start_diameter_mm": start}
     adaptive, even = (
-        fl.solve(fl.Scene.from_dict(tables | {"positions": positions}))
+        solve(fl.Scene.from_dict(tables | {"positions": positions}))
         for positions in ({"adaptive": True}, {"count": DENSE})
     )
     assert isinstance(adaptive, fl.Result)
@@ -231,7 +232,7 @@ def test_positions_many_turns_apart_are_two_positions() -> None:
     scene = few_teeth(positions={"angles_deg": [0.0, 1e7]})
     pair = build_bodies(scene)
     assert pair.pairing.sites.size < 20
-    found = fl.solve(scene)
+    found = solve(scene)
     assert found.rotation_rad.size == 2
 
 
@@ -267,7 +268,7 @@ def test_flanks_that_stand_unevenly_in_a_mesh_are_pitch_errors() -> None:
 
 @pytest.fixture(scope="module")
 def hunting() -> fl.Result:
-    found = fl.solve(
+    found = solve(
         few_teeth(errors_of(12, 1), errors_of(18, 2), positions={"count": 8, "pitches": "hunting"})
     )
     assert isinstance(found, fl.Result)
@@ -277,9 +278,7 @@ def hunting() -> fl.Result:
 def test_curve_closes_over_the_hunting_period_and_not_before(hunting: fl.Result) -> None:
     pitch = 30.0
     angles = [0.0, 7.0, 36 * pitch, 36 * pitch + 7.0, 12 * pitch, 18 * pitch]
-    found = fl.solve(
-        few_teeth(errors_of(12, 1), errors_of(18, 2), positions={"angles_deg": angles})
-    )
+    found = solve(few_teeth(errors_of(12, 1), errors_of(18, 2), positions={"angles_deg": angles}))
     assert isinstance(found, fl.Result)
     rotation = found.rotation_rad
     np.testing.assert_allclose(rotation[2:4], rotation[:2], rtol=1e-8, atol=0)
@@ -308,7 +307,7 @@ def test_harmonics_of_the_hunting_period_and_of_the_mesh(hunting: fl.Result) -> 
 
 def test_window_is_a_part_of_the_hunting_period(hunting: fl.Result) -> None:
     scene = few_teeth(errors_of(12, 1), errors_of(18, 2), positions={"count": 8, "pitches": 3})
-    window = fl.solve(scene)
+    window = solve(scene)
     assert isinstance(window, fl.Result)
     np.testing.assert_allclose(window.rotation_rad, hunting.rotation_rad[:24], rtol=1e-8, atol=0)
     assert not window.closed
@@ -320,7 +319,7 @@ def test_window_is_a_part_of_the_hunting_period(hunting: fl.Result) -> None:
 
 def test_pitches_without_errors_are_periods(hunting: fl.Result) -> None:
     one, three = (
-        fl.solve(few_teeth(positions={"count": 16, "pitches": pitches})) for pitches in (1, 3)
+        solve(few_teeth(positions={"count": 16, "pitches": pitches})) for pitches in (1, 3)
     )
     assert isinstance(one, fl.Result)
     assert isinstance(three, fl.Result)
@@ -339,11 +338,11 @@ def test_adaptive_positions_over_a_window_reach_its_end() -> None:
     scene = few_teeth(
         errors_of(12, 1), errors_of(18, 2), positions={"adaptive": True, "pitches": 2}
     )
-    found = fl.solve(scene)
+    found = solve(scene)
     assert isinstance(found, fl.Result)
     assert found.position_rad[-1] == pytest.approx(2 * found.pitch_rad, rel=ROUND_OFF)
     assert over_positions(found).contiguous
-    dense = fl.solve(
+    dense = solve(
         few_teeth(errors_of(12, 1), errors_of(18, 2), positions={"count": 512, "pitches": 2})
     )
     assert isinstance(dense, fl.Result)
@@ -360,10 +359,10 @@ def test_hunting_period_inside_a_ring() -> None:
     tables = tomllib.loads((SCENES / "internal_gear.toml").read_text(encoding="utf-8"))
     tables["body_1"]["pitch_errors_um"] = errors_of(24, 3).tolist()
     tables["body_2"] |= {"pitch_errors_um": errors_of(60, 4).tolist(), "rigid": True}
-    tables["accuracy"] = {"estimate": False, "flank_element_mm": 1.5}
+    tables["accuracy"] = {"estimate": False, "tangents": False, "flank_element_mm": 1.5}
 
     def rotation(**positions: Any) -> np.ndarray:
-        found = fl.solve(fl.Scene.from_dict(tables | {"positions": positions}))
+        found = solve(fl.Scene.from_dict(tables | {"positions": positions}))
         assert isinstance(found, fl.Result)
         return found.rotation_rad
 
@@ -380,16 +379,14 @@ def test_hunting_period_inside_a_ring() -> None:
 def test_spline_with_errors_on_axes_apart_repeats_after_a_turn() -> None:
     tables = tomllib.loads((SCENES / "spline.toml").read_text(encoding="utf-8"))
     tables["pair"]["center_offset_mm"] = 0.01
-    tables["accuracy"] = {"estimate": False, "flank_element_mm": 1.0}
+    tables["accuracy"] = {"estimate": False, "tangents": False, "flank_element_mm": 1.0}
     tables["body_2"]["rigid"] = True
     around = build_bodies(
         fl.Scene.from_dict(tables | {"positions": {"count": 1, "pitches": "hunting"}})
     )
     assert around.closed
     assert around.period_rad == pytest.approx(2 * np.pi, rel=ROUND_OFF)
-    turned = fl.solve(
-        fl.Scene.from_dict(tables | {"positions": {"angles_deg": [0.0, 15.0, 360.0]}})
-    )
+    turned = solve(fl.Scene.from_dict(tables | {"positions": {"angles_deg": [0.0, 15.0, 360.0]}}))
     assert isinstance(turned, fl.Result)
     rotation = turned.rotation_rad
     assert turned.period_pitches == 24

@@ -438,6 +438,34 @@ def test_picture_folder_may_be_called_like_a_file_if_it_is_there(
 @pytest.mark.parametrize(
     ("error", "code", "line"),
     [
+        (NoContactState("no state"), 1, "{file}: no state"),
+        (SceneError(key="variables[0].start", expected="this", found="that"), 2,
+         "{file}: variables[0].start: expected this, found that"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+    ],
+    ids=["not solved", "bad input", "interrupted"],
+)  # fmt: skip
+def test_failed_optimisation_leaves_no_output(
+    error: BaseException, code: int, line: str, scene: Path, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    def optimise(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr(
+        importlib.import_module("flankload.studies.optimisation"), "optimise", optimise
+    )
+    file = tmp_path / "optimisation.toml"
+    file.write_text(f"scene = '{scene.name}'\n", encoding="utf-8")
+    found, out, err = run(capsys, "optimise", file, "-o", tmp_path / "best.toml")
+    assert (found, out) == (code, "")
+    assert one_line(err) == line.format(file=file)
+    assert sorted(os.listdir(tmp_path)) == ["optimisation.toml", "pair.toml"]
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "line"),
+    [
         (NoContactState("no state at position 3"), 1,
          "{scene}: no state at position 3"),
         (SceneError(file="a.toml", key="pair.x", expected="this", found="that"), 2,

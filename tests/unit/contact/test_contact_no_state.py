@@ -104,19 +104,20 @@ def all_states(
     n, q = motions.shape
     states = []
     for size in range(q, n + 1):
-        for pairs in map(list, itertools.combinations(range(n), size)):
-            matrix = np.block(
-                [
-                    [compliance[np.ix_(pairs, pairs)], -motions[pairs]],
-                    [rows[pairs].T, np.zeros((q, q))],
-                ]
-            )
-            solution = np.linalg.solve(matrix, np.r_[-gaps[pairs], loads])
+        sets = np.array(list(itertools.combinations(range(n), size)))
+        matrices = np.zeros((len(sets), size + q, size + q))
+        matrices[:, :size, :size] = compliance[sets[:, :, None], sets[:, None, :]]
+        matrices[:, :size, size:] = -motions[sets]
+        matrices[:, size:, :size] = rows[sets].transpose(0, 2, 1)
+        right = np.concatenate([-gaps[sets], np.tile(loads, (len(sets), 1))], axis=1)
+        solutions = np.linalg.solve(matrices, right[..., None])[..., 0]
+        for k in np.flatnonzero((solutions[:, :size] >= 0.0).all(axis=1)):
+            pairs, solution = sets[k], solutions[k]
             forces = np.zeros(n)
             forces[pairs] = solution[:size]
             final = compliance @ forces + gaps - motions @ solution[size:]
             final[pairs] = 0.0
-            if (forces >= 0.0).all() and (final >= 0.0).all():
+            if (final >= 0.0).all():
                 states.append(forces)
     return states
 

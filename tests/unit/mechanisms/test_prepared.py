@@ -22,7 +22,7 @@ from tests.support.gear_scenes import SCENE, example
 from tests.support.paths import SCENES
 from tests.support.scene_walk import BESIDE, other_values
 
-#: Few positions and coarse elements, which do not follow modifications.
+#: Few positions, coarse elements, which do not follow modifications, and thin rims.
 QUICK = {
     "accuracy.estimate": False,
     "accuracy.unmodified_elements": True,
@@ -41,11 +41,16 @@ COARSE_3D = {
     "accuracy.tangents": False,
 }
 BASES: dict[str, dict[str, Any]] = {
-    "external_gear": {"accuracy.flank_element_mm": 4.0},
-    "helical_gear": {"accuracy.flank_element_mm": 5.0, **COARSE_3D},
+    "external_gear": {"accuracy.flank_element_mm": 4.0, "body_2.bore_diameter_mm": 85.0},
+    "helical_gear": {
+        **{"accuracy.flank_element_mm": 8.0, "accuracy.modes": 3},
+        **{"body_2.bore_diameter_mm": 160.0, **COARSE_3D},
+    },
     "internal_gear": {"accuracy.flank_element_mm": 3.0, **COARSE},
     "spline": {"accuracy.flank_element_mm": 1.2, **COARSE},
-    "cam": {"positions": {"angles_deg": [40.0, 200.0]}, **COARSE},
+    "cam": {
+        **{"accuracy.flank_element_mm": 4.0, "positions": {"angles_deg": [40.0, 200.0]}, **COARSE}
+    },
     "external_gear_mesh_profile": COARSE,
     "external_gear_compliance": COARSE,
 }

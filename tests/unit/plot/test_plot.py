@@ -22,7 +22,7 @@ from flankload.plot import (
     plot_stiffness,
     plot_transmission_error,
 )
-from flankload.plot.style import png_of
+from flankload.plot.style import new_figure, png_of
 from flankload.result import Result
 from flankload.scene import Load
 from tests.support.made_up_result import made_up_result
@@ -333,9 +333,13 @@ def with_profiles(*profiles: ProfileDeviation | None) -> Result:
     return replace(result, drawing=drawing)
 
 
-def test_profile_diagram_is_one_of_the_pictures_where_an_involute_is_known(tmp_path: Path) -> None:
+def test_profile_diagram_is_one_of_the_pictures_where_an_involute_is_known(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     paths = plot_all(with_profiles(profile(), None), tmp_path / "one")
     assert sorted(path.name for path in paths) == sorted([*NAMES, "profile_deviation.png"])
+    for name in plot.PICTURES:
+        monkeypatch.setitem(plot.PICTURES, name, lambda _: new_figure((1.0, 1.0)))
     paths = plot_all(with_profiles(None, None), tmp_path / "none")
     assert sorted(path.name for path in paths) == NAMES
 

@@ -23,6 +23,7 @@ from flankload.plot.loaded_pair_3d import AXIAL_FACETS, CONTOUR_FACETS, VIEW, te
 from flankload.plot.slices import contact_pattern
 from tests.support.gear_scenes import example
 from tests.support.made_up_result import made_up_result
+from tests.support.solving import solve
 from tests.support.tolerances import SOLVER
 
 NAMES = ("line_load.png", "line_load_map.png", "contact_pattern.png")
@@ -37,7 +38,7 @@ def solved(name: str = "helical_gear", **tables: dict[str, object]) -> fl.Result
     }
     for table, keys in tables.items():
         tree[table] = {**tree[table], **keys}
-    found = fl.solve(fl.Scene.from_dict(tree))
+    found = solve(fl.Scene.from_dict(tree))
     assert isinstance(found, fl.Result)
     return found
 

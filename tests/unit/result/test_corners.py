@@ -10,6 +10,7 @@ import flankload as fl
 from tests.support.gear_pair import ONE, TWO
 from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES
+from tests.support.solving import solve
 
 COARSE = {"flank_element_mm": 2.0, "estimate": False}
 ROUND = {"tip_radius_mm": 0.5}
@@ -19,7 +20,7 @@ CHAMFER = {"tip_chamfer_mm": 0.3}
 
 def corners(one: dict[str, Any], two: dict[str, Any], **effects: Any) -> list[str]:
     """Warnings of corners of the FZG type C pair, of which both are without undercut."""
-    found = fl.solve(
+    found = solve(
         fl.Scene.from_dict(
             {
                 "body_1": {**ONE, **one},
@@ -57,7 +58,7 @@ def test_each_body_and_kind_of_corner_is_said_once() -> None:
 
 def test_undercut_is_named() -> None:
     """16 teeth without profile shift are undercut."""
-    found = fl.solve(
+    found = solve(
         fl.Scene.from_dict(
             changed(body_1__tip_radius_mm=0.5, body_2__tip_radius_mm=0.5, accuracy=COARSE)
         )
@@ -69,7 +70,7 @@ def test_undercut_is_named() -> None:
 
 
 def test_meshes_name_no_key_that_they_do_not_have() -> None:
-    found = fl.solve(fl.read_scene(SCENES / "external_gear_mesh.toml"))
+    found = solve(fl.read_scene(SCENES / "external_gear_mesh.toml"))
     assert isinstance(found, fl.Result)
     said = [line for line in found.warnings if "grows with the resolution" in line]
     assert len(said) == 2

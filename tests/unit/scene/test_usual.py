@@ -13,7 +13,7 @@ import flankload as fl
 from flankload.cli import main
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene import read_scene, scene_schema
-from flankload.scene.form import fields_of
+from flankload.scene.form import types_of
 from flankload.scene.table import Table
 from flankload.scene.usual import question, question_notes, questions
 from tests.support.gear_scenes import MESH, RING, changed
@@ -113,10 +113,10 @@ def test_every_length_of_a_gear_has_a_usual_range() -> None:
     form = fl.scene.Gear
     assert issubclass(form, Table)
     assert issubclass(form, Struct)
-    for key, field in fields_of(form).items():
+    for key, kind in types_of(form).items():
         if key.endswith(("_mm", "_um", "_MPa")):
-            assert isinstance(field.type, inspect.Metadata)
-            assert "usual" in (field.type.extra_json_schema or {}), key
+            assert isinstance(kind, inspect.Metadata)
+            assert "usual" in (kind.extra_json_schema or {}), key
 
 
 def test_questions_stand_in_notes_of_bodies() -> None:

@@ -29,6 +29,7 @@ from flankload.studies.plan import Plan, choose_effects
 from flankload.studies.plan.significance import SIGNIFICANT_PART, against_threshold, threshold_text
 from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES
+from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 #: Sizes are predicted on coarse meshes, with few modes and wide cells: a factor, and the points of
@@ -75,7 +76,7 @@ def planned(example: str) -> tuple[fl.Scene, Plan]:
 
 @cache
 def solved(scene: fl.Scene) -> fl.Result:
-    found = fl.solve(scene)
+    found = solve(scene)
     assert isinstance(found, fl.Result)
     return found
 
@@ -429,8 +430,10 @@ def test_a_section_is_as_wide_as_both_bodies() -> None:
     [
         scene_of(effects__dimension=3),
         scene_of(**SPATIAL | {"accuracy__estimate": True, "load__torque_Nm": [0, 100, 200]}),
-        fl.read_scene(SCENES / "helical_gear.toml"),
-        scene_of(body_1__web_width_mm=6, body_1__rim_thickness_mm=6),
+        fl.read_scene(SCENES / "helical_gear.toml").replace({"accuracy.flank_element_mm": 3.0}),
+        scene_of(
+            body_1__web_width_mm=6, body_1__rim_thickness_mm=6, accuracy__flank_element_mm=3.0
+        ),
     ],
     ids=["spur", "on a shaft", "helical", "web"],
 )
@@ -587,7 +590,7 @@ def test_elements_are_counted_before_the_run_as_by_it(scene: fl.Scene) -> None:
 
 def test_stages_are_those_of_the_run() -> None:
     scene = scene_of(positions__count=4, accuracy__estimate=False)
-    stages = set(solved(scene).cost["stages"]) - {"result"}
+    stages = set(fl.solve(scene).cost["stages"]) - {"result"}
     assert set(fl.plan(scene).predicted["stages"]) == stages
 
 

@@ -56,6 +56,11 @@ CASES: dict[str, tuple[str, dict[str, Any], list[str]]] = {
         {"body_1.pitch_errors_um": [0.0] * 24, "accuracy.flank_element_mm": 2.0},
         ["body_1.pitch_errors_um[0]"],
     ),
+    "coast_flanks": (
+        "external_gear",
+        {"effects.coast_flank": True, "accuracy.flank_element_mm": 2.0},
+        ["pair.center_distance_mm"],
+    ),
     "ring": ("internal_gear", {"accuracy.flank_element_mm": 2.0}, ["pair.center_distance_mm"]),
     "bore": (
         "external_gear",

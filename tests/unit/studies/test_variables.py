@@ -68,7 +68,7 @@ def test_paths_may_be_nested_tables_and_share_a_value() -> None:
 @pytest.mark.parametrize(
     ("tree", "line"),
     [
-        ({}, "variables: expected a table of paths with values or distributions, found a table"),
+        ({}, "variables: expected a table of paths with values or distributions, found nothing"),
         ({PATH: []}, f"variables.{PATH}: expected a non-empty list of values or a table with a"),
         ({PATH: 3}, f"variables.{PATH}: expected a non-empty list of values or a table with a"),
         ({PATH: "a"}, "distribution, found 'a'"),

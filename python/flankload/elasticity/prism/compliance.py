@@ -264,7 +264,8 @@ def _turning(body: Body, twist: float, s: Floats) -> tuple[Floats, Floats]:
     if not twist:
         return np.zeros_like(s), np.zeros_like(s)
     places = np.ravel(s)
-    (x, y), (t_x, t_y) = body.curve.point(places).T, body.curve.tangent(places).T
+    point, first, _ = body.curve.derivatives(places)
+    (x, y), (t_x, t_y) = point.T, (first / np.linalg.norm(first, axis=1, keepdims=True)).T
     across, along = twist * (x * t_y - y * t_x), twist * (x * t_x + y * t_y)
     return across.reshape(np.shape(s)), along.reshape(np.shape(s))
 

@@ -213,6 +213,32 @@ def projected_potential(
     return np.asarray(0.5 * (result + result.T))
 
 
+@dataclass(frozen=True, eq=False)
+class _Lines:
+    """Pairs of places (s, s') of two pieces of the profile at m distances s - s', g for each.
+
+    Many points of a rule are so far apart, and only differ along the axis.
+
+    Attributes
+    ----------
+    index : (k,) array
+        Of each distance among those m that are possible between the pieces; -1 if it is not.
+    spare : (m,) array
+        Length over which the pairs extend, mm.
+    slope, secant : (m, g) array
+        Means of both places.
+    secants : two (m, g) arrays
+    modes : two (m, g, n) arrays
+    """
+
+    index: NDArray[np.int64]
+    spare: Floats
+    slope: Floats
+    secant: Floats
+    secants: tuple[Floats, ...]
+    modes: tuple[Floats, ...]
+
+
 class _Rule:
     """Integrals [a, c, b, d] of P_a(s) P_c(s') P_b(z) P_d(z') over the distance."""
 
@@ -228,6 +254,7 @@ class _Rule:
         shortest = float(lengths.min())
         self._ahead = _panels(surface.length_mm, shortest, lengths)
         self._apart = _panels(surface.width_mm, shortest, np.full(lengths.size - 1, shortest))
+        self._known: dict[bytes, list[_Lines]] = {}
 
     def direct(self) -> Floats:
         """Without an image: over s - s' > 0, and its transpose."""
@@ -285,8 +312,27 @@ class _Rule:
 
     def _profile(self, ahead: Floats, z_change: Floats, y_change: Floats, weight: Floats) -> Floats:
         """Integrals (k, a, c) of P_a(s) P_c(s')/R over all places with s - s' = ahead (k,)."""
-        surface, (at, gauss) = self._surface, self._along
+        gauss = self._along[1]
         total = np.zeros((ahead.size, self._n, self._n))
+        distinct, number = np.unique(ahead, return_inverse=True)
+        for lines in self._lines(distinct):
+            some = np.flatnonzero(lines.index[number] >= 0)
+            at = lines.index[number[some]]
+            x = ahead[some, None] - lines.slope[at] * z_change[some, None]
+            factor = (weight[some] * lines.spare[at])[:, None] * gauss
+            factor = factor * lines.secants[0][at] * lines.secants[1][at]
+            factor = factor / np.hypot(x, lines.secant[at] * y_change[some, None])
+            one, two = (values[at] for values in lines.modes)
+            total[some] += (factor[..., None] * one).transpose(0, 2, 1) @ two
+        return total
+
+    def _lines(self, ahead: Floats) -> list[_Lines]:
+        """Places with s - s' = ahead (m,), once for each pair of pieces of the profile."""
+        surface, (at, _) = self._surface, self._along
+        key = ahead.tobytes()
+        if key in self._known:
+            return self._known[key]
+        found = self._known[key] = []
         pieces = list(pairwise(surface.pieces_mm))
         for (low, high), (low_ahead, high_ahead) in product(pieces, pieces):
             first = np.maximum(low, low_ahead - ahead)
@@ -294,16 +340,22 @@ class _Rule:
             some = np.flatnonzero(spare > 0.0)
             if not some.size:
                 continue
+            index = np.full(ahead.size, -1)
+            index[some] = np.arange(some.size)
             behind = first[some, None] + spare[some, None] * at  # s'
             places = behind + ahead[some, None], behind
-            slope = 0.5 * sum(surface.slope(s) for s in places)
-            secants = [surface.secant(s) for s in places]
-            x = ahead[some, None] - slope * z_change[some, None]
-            factor = (weight * spare)[some, None] * gauss * secants[0] * secants[1]
-            factor = factor / np.hypot(x, 0.5 * sum(secants) * y_change[some, None])
-            one, two = (surface.modes(s, self._n) for s in places)
-            total[some] += (factor[..., None] * one).transpose(0, 2, 1) @ two
-        return total
+            secants = tuple(surface.secant(s) for s in places)
+            found.append(
+                _Lines(
+                    index=index,
+                    spare=spare[some],
+                    slope=0.5 * (surface.slope(places[0]) + surface.slope(places[1])),
+                    secants=secants,
+                    secant=0.5 * (secants[0] + secants[1]),
+                    modes=tuple(surface.modes(s, self._n) for s in places),
+                )
+            )
+        return found
 
     def _overlap(self, z_change: Floats) -> Floats:
         """Integrals (k, b, d) of P_b(z) P_d(z') over all places with z - z' = z_change (k,)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, REGION_KEYS
@@ -322,6 +323,7 @@ def _records() -> tuple[Effect, ...]:
 EFFECTS = _records()
 
 
+@lru_cache(maxsize=64)
 def effects_of(scene: Scene) -> Effects:
     """Effects that a scene requests.
 

@@ -40,7 +40,7 @@ class DesignStudy:
     rows : tuple of Row
         One per design, in their order; failed ones included.
     scene_values : dict
-        By name of the variable: the value in the scene itself, None if there is none.
+        By name of the variable: the value in the scene itself, None if it is no number.
     has_torques : bool
         Whether the scene has a list of torques.
     """

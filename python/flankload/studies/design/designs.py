@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from itertools import product
+from itertools import chain, islice, product
 from math import prod
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 OF_VALUES, OF_DRAWS = ("factorial", "list", "one-at-a-time"), ("sobol", "random")
 #: Points of a Sobol sequence in double precision.
 MOST_DRAWS = 2**30
+#: Points drawn at a time; a power of 2, for which Sobol sequences are made.
+BLOCK = 1024
 
 
 @dataclass(frozen=True)
@@ -109,10 +111,7 @@ class Designs:
         elif self.kind == "list":
             rows = zip(*(variable.values for variable in self.variables), strict=True)
         else:
-            ends = np.cumsum([variable.numbers for variable in self.variables])
-            columns = np.split(self._probabilities(), ends[:-1], axis=1)
-            drawn = (v.quantiles(u) for v, u in zip(self.variables, columns, strict=True))
-            rows = zip(*drawn, strict=True)
+            rows = islice(chain.from_iterable(map(self._drawn, self._blocks())), self.n)
         for row in rows:
             yield dict(zip(names, row, strict=True))
 
@@ -144,17 +143,29 @@ class Designs:
                 found |= variable.changes(values[variable.name])
         return found
 
-    def _probabilities(self) -> NDArray[np.float64]:
-        """(n, numbers of all variables) points of the unit cube."""
-        shape = (int(self.n or 0), sum(variable.numbers for variable in self.variables))
+    @property
+    def _numbers(self) -> int:
+        """Uniform numbers that all variables of a draw need."""
+        return sum(variable.numbers for variable in self.variables)
+
+    def _drawn(self, points: NDArray[np.float64]) -> Iterator[tuple[Any, ...]]:
+        """Iterate over the values at points (n, numbers) of the unit cube."""
+        ends = np.cumsum([variable.numbers for variable in self.variables])
+        columns = np.split(points, ends[:-1], axis=1)
+        drawn = (v.quantiles(u) for v, u in zip(self.variables, columns, strict=True))
+        return zip(*drawn, strict=True)
+
+    def _blocks(self) -> Iterator[NDArray[np.float64]]:
+        """Iterate endlessly over blocks of points of the unit cube (BLOCK, numbers)."""
         if self.kind == "random":
-            return np.random.default_rng(self.seed).random(shape)
+            random = np.random.default_rng(self.seed)
+            while True:
+                yield random.random((BLOCK, self._numbers))
         from scipy.stats import qmc
 
-        sequence = qmc.Sobol(shape[1], scramble=True, seed=self.seed)
-        # whole powers of two, for which the sequence is made, begin with the same points
-        points: NDArray[np.float64] = sequence.random_base2((shape[0] - 1).bit_length())
-        return points[: shape[0]]
+        sequence = qmc.Sobol(self._numbers, scramble=True, seed=self.seed)
+        while True:
+            yield sequence.random(BLOCK)
 
 
 def _is_number(value: object, least: int, most: int) -> bool:

@@ -194,9 +194,7 @@ class _Runs:
     def stop(self) -> None:
         """Stop the runs in flight and store those that have ended nevertheless."""
         self.stopped.set()
-        for future in self.pending:
-            future.cancel()
-        wait(self.pending)
+        wait([future for future in self.pending if not future.cancel()])
         for future, key in self.pending.items():
             if not future.cancelled() and future.exception() is None:
                 self._keep(key, future.result())

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flankload.errors import SceneError
 from flankload.scene.refusal import refuse, shown
+from flankload.scene.tree import number_at
 from flankload.studies.design.design_study import DesignStudy
 from flankload.studies.design.designs import Designs
 from flankload.studies.design.run_designs import run_designs
@@ -152,16 +152,12 @@ def check_first(scene: Scene, designs: Designs) -> None:
 
 
 def _values_in(scene: Scene, designs: Designs) -> dict[str, Any]:
-    """Values of the variables in the scene itself; None where it has none."""
+    """Values of the variables in the scene itself; None where it has no number."""
     found: dict[str, Any] = {}
     with suppress(SceneError):
         scene = scene.replace(designs.changes({}))
     for variable in designs.variables:
-        place: Any = scene
-        for name, index in re.findall(r"(\w+)|\[(\d+)\]", variable.paths[0]):
-            try:
-                place = getattr(place, name) if name else place[int(index)]
-            except (AttributeError, LookupError, TypeError):
-                place = None
-        found[variable.name] = place
+        found[variable.name] = None
+        with suppress(SceneError):
+            found[variable.name] = number_at(scene, variable.paths[0])
     return found

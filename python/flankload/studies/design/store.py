@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.base.digest import digest_of
 from flankload.scene.refusal import refuse
-from flankload.studies.design.run import ABORTED, SOLVED, Outcome
+from flankload.studies.design.run import SOLVED, Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -142,12 +142,12 @@ class Store:
             )
 
     def find(self, key: str) -> Outcome | None:
-        """Outcome of a run, if it is there and final."""
+        """Outcome of a run, if it is there."""
         with self._errors():
             row = self._db.execute(
                 "SELECT status, seconds, error, results FROM runs WHERE key = ?", (key,)
             ).fetchone()
-        if row is None or row[0] == ABORTED:
+        if row is None:
             return None
         status, seconds, error, results = row
         return Outcome(status, seconds, error, tuple(json.loads(results)))

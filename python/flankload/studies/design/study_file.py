@@ -85,11 +85,12 @@ def read_study(path: str | Path) -> StudyFile:
     tree = read_tables(path, "a study file")
     try:
         variables, changes = (tree.pop(name, {}) for name in ("variables", "changes"))
+        found = variables_of(variables)
         keys = read_table(StudyKeys, tree, "")
         if not isinstance(changes, dict):
             refuse("changes", "a table of paths with values", shown(changes))
         fixed = paths_of(changes)
-        designs = Designs(variables_of(variables), keys.design, keys.n, keys.seed, fixed)
+        designs = Designs(found, keys.design, keys.n, keys.seed, fixed)
         designs.check()
     except SceneError as error:
         raise error.with_file(path) from None
