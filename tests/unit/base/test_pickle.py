@@ -76,7 +76,7 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "Plan": fl.plan(scene),
         "Prepared": fl.prepare(scene),
         "Result": fl.solve(scene),
-        "Robust": fl.robust(scene, {"load.torque_Nm": norm(302, 3)}, n=2),
+        "Robust": fl.robust(scene, {"load.torque_Nm": norm(302, 3)}),
         "Scene": scene,
         "Sensitivity": fl.sensitivity(scene, ["load.torque_Nm"]),
         "Study": accuracy(scene, ("transmission_error",), 1e-9),
