@@ -67,7 +67,7 @@ def test_the_report_has_both_beside_each_other(found: Robust) -> None:
 
 
 def test_shares_of_all_variables_are_one_and_only_loaded_teeth_have_one() -> None:
-    found = fl.robust(lumped(), {**VARIABLES, ERRORS: CLASS_5}, [SWING, CURVE])
+    found = fl.robust(fl.prepare(lumped()), {**VARIABLES, ERRORS: CLASS_5}, [SWING, CURVE])
     linear = found.first_order[SWING]
     assert next(iter(linear.shares)) == ERRORS
     np.testing.assert_allclose(sum(linear.shares.values()), 1.0)

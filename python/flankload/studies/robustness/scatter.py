@@ -196,7 +196,7 @@ def robust(
     SceneError, FlankloadError, KeyboardInterrupt
         As `sensitivity` and `study`.
     """
-    parts, scene = (scene._parts, scene.scene) if isinstance(scene, Prepared) else (Parts(), scene)
+    parts, scene = (scene.parts, scene.scene) if isinstance(scene, Prepared) else (Parts(), scene)
     if design not in OF_DRAWS:
         refuse("design", " or ".join(f"'{kind}'" for kind in OF_DRAWS), shown(design))
     if isinstance(quantities, str) or not quantities:
