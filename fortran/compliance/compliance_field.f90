@@ -13,11 +13,11 @@ module flankload_compliance_field
     implicit none
     private
 
-    public :: compliance_type, tip_modes
+    public :: compliance_type, least_tip_modes
     public :: mode_values, strip_kernel, mean_strip_kernel, closed_strip_kernel, strip_jump
 
-    !> Number of modes of a tip.
-    integer, parameter :: tip_modes = 2
+    !> Least number of modes of a tip; it has a third of all modes.
+    integer, parameter :: least_tip_modes = 2
 
     !> Compliance of one body for its face width. In three dimensions, with slices, modes also vary
     !> along the width, and the kernel is in mm²/N.
@@ -79,9 +79,10 @@ contains
     !> harmonics on a closed one.
     !>
     !> Beyond the ends of the range (in a root fillet) they keep their end values. With a tip
-    !> rounding or chamfer, the last two modes are powers of the relative position on the tip. They
-    !> follow the direction of the force: on a rounding they are those of the place with this
-    !> normal; at the corner of a chamfer the force has components along both normals.
+    !> rounding or chamfer, the last third of the modes, at least two, are powers of the relative
+    !> position on the tip. They follow the direction of the force: on a rounding they are those of
+    !> the place with this normal; at the corner of a chamfer the force has components along both
+    !> normals.
     pure function mode_values(compliance, s, turn) result(values)
         !> Compliance of the body
         type(compliance_type), intent(in) :: compliance
@@ -99,7 +100,7 @@ contains
         n_modes = size(values, 2)
         on_flank = 1.0_wp
         if (compliance%s_tip > compliance%s_high .and. .not. compliance%closed) then
-            n_modes = n_modes - tip_modes
+            n_modes = n_modes - max(least_tip_modes, n_modes/3)
             call set_tip_modes(compliance, s, turn, values(:, n_modes + 1:), on_flank)
         end if
         if (compliance%closed) then
@@ -125,11 +126,12 @@ contains
         !> Arc lengths [mm] and turns of the forces from the normals there [rad], shape (n)
         real(wp), intent(in) :: s(:)
         real(wp), intent(in), optional :: turn(:)
-        !> Values, shape (n, tip_modes)
+        !> Values, shape (n, number of the tip's own modes)
         real(wp), intent(out) :: values(:, :)
         !> Factor of the flank's modes, shape (n)
         real(wp), intent(out) :: on_flank(:)
 
+        integer :: k
         real(wp) :: passed(size(s)), direction(size(s)), share(size(s))
 
         passed = max(0.0_wp, min(1.0_wp, (s - compliance%s_high) &
@@ -140,7 +142,9 @@ contains
             if (present(turn)) direction = max(0.0_wp, min(1.0_wp, passed &
                 & + turn/compliance%tip_turn))
             values(:, 1) = direction
-            values(:, 2) = direction**2
+            do k = 2, size(values, 2)
+                values(:, k) = direction**k
+            end do
         else
             direction = merge(compliance%tip_turn, 0.0_wp, s > compliance%s_high)
             if (present(turn)) direction = direction + turn
@@ -148,7 +152,9 @@ contains
             share = sin(direction)/sin(compliance%tip_turn)
             on_flank = share + sin(compliance%tip_turn - direction)/sin(compliance%tip_turn)
             values(:, 1) = share
-            values(:, 2) = share*passed
+            do k = 2, size(values, 2)
+                values(:, k) = share*passed**(k - 1)
+            end do
         end if
     end subroutine set_tip_modes
 

@@ -87,7 +87,7 @@ end subroutine flankload_pack_body
 !> | fl_part_tip       | (3): where the modes of a tip rounding or chamfer end [mm]; the lowest    |
 !> |                   | power of the part of the tip that is passed, 1 on a rounding, 0 at the    |
 !> |                   | corner of a chamfer; by how much the normal turns over the tip [rad],     |
-!> |                   | above 0. These are the last two modes                                     |
+!> |                   | above 0. The last third of the modes are these, at least two              |
 !> | fl_part_wedge     | (2): strengths psi of the mirror images behind free corners at both ends  |
 !> |                   | of the range of the modes; 0 where the surface goes on smoothly           |
 !> | fl_part_nodes     | (n_modes): arc lengths of nodes of the flank [mm], ascending. The smooth  |

@@ -11,7 +11,7 @@
 module flankload_body_record
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
     use flankload_kinds, only: wp
-    use flankload_compliance_field, only: tip_modes
+    use flankload_compliance_field, only: least_tip_modes
     implicit none
     private
 
@@ -169,7 +169,7 @@ contains
         select case (part)
         case (part_tip)
             ! the modes of the tip are the last ones; its normal turns by an angle above 0
-            valid = n%modes > tip_modes .and. values(2) >= 0.0_wp .and. values(2) <= 1.0_wp &
+            valid = n%modes > least_tip_modes .and. values(2) >= 0.0_wp .and. values(2) <= 1.0_wp &
                 & .and. values(3) > 0.0_wp
         case (part_wedge, part_kernel)
             valid = all(values >= 0.0_wp)

@@ -3,10 +3,13 @@
 On a rounding the normal turns by 50 to 75 degrees towards the axis of the tooth, in which the tooth
 hardly yields: within a few tenths of a millimetre the compliance of a gear falls to a quarter. The
 Legendre polynomials of the flank cannot follow that. They keep their end values beyond the flank,
-and two powers of u, which grows from 0 to 1 over the tip, are added to them:
+and powers of u, which grows from 0 to 1 over the tip, are added to them:
 
-    u and u^2 on a rounding, which the flank meets smoothly; 1 and u on a chamfer, where it has a
-    corner.
+    u, u^2, ... on a rounding, which the flank meets smoothly; 1, u, ... on a chamfer, where it has
+    a corner.
+
+There are half as many as modes of the flank, at least two: if only those of the flank become finer,
+pressures at the start of the tip are wrong by several percent.
 
 They follow the direction of the force (the core's `mode_values`): where a contact reaches over the
 start of a tip, the force is normal to the other flank, not to each place of the profile. On a
@@ -14,7 +17,7 @@ rounding u is that of the place with this normal. At the corner of a chamfer, wh
 by T, a force turned by d has the parts sin(T - d)/sin T along the flank's normal and sin d/sin T
 along that of the chamfer.
 
-So a mode is the same combination of a polynomial of the flank and of 1, u, u^2 on the tip,
+So a mode is the same combination of a polynomial of the flank and of powers of u on the tip,
 whatever is projected on it. The near field stays the logarithm of the distance along the profile:
 the corner behind the tip is as far away as the tip is long, and the modes carry its image.
 """
@@ -24,7 +27,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander
+from numpy.polynomial.legendre import leggauss, legvander, poly2leg
+from numpy.polynomial.polynomial import polypow
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,13 +37,11 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-#: Modes that a tip has of its own.
-TIP_MODES = 2
+#: Least number of modes that a tip has of its own.
+LEAST_TIP_MODES = 2
 #: Gauss's rule on each of the panels that shrink towards the place where two pieces meet, their
 #: ratio and number: the logarithm of the sum of both distances is exact to round-off.
 POINTS, RATIO, PANELS = 12, 0.2, 16
-#: 1, u and u^2 by the first three Legendre polynomials over the tip.
-POWERS = np.array([[1.0, 0.5, 1.0 / 3.0], [0.0, 0.5, 0.5], [0.0, 0.0, 1.0 / 6.0]])
 
 
 class Tip(NamedTuple):
@@ -68,17 +70,30 @@ class Tip(NamedTuple):
         return self._replace(end_mm=self.end_mm - low_mm)
 
 
-def tip_values(s: Floats, high: float, tip: Tip) -> Floats:
-    """Values (n, 2) of the tip's own modes at arc lengths s (n,), mm; the flank ends at `high`."""
+def with_tip(flank_modes: int) -> int:
+    """Number of modes of a flank and its tip: the tip has half as many, at least two."""
+    return flank_modes + max(LEAST_TIP_MODES, flank_modes // 2)
+
+
+def tip_modes(n_modes: int) -> int:
+    """How many of all modes are the tip's own, the last ones: the inverse of `with_tip`."""
+    return max(LEAST_TIP_MODES, n_modes // 3)
+
+
+def tip_values(s: Floats, high: float, tip: Tip, count: int) -> Floats:
+    """Values (n, count) of the tip's own modes at arc lengths s (n,), mm; `high` is the flank's."""
     u = np.clip((s - high) / (tip.end_mm - high), 0.0, 1.0)[:, None]
-    return np.where(s[:, None] > high, u ** (tip.power + np.arange(TIP_MODES)), 0.0)
+    return np.where(s[:, None] > high, u ** (tip.power + np.arange(count)), 0.0)
 
 
 def on_tip(n_modes: int, tip: Tip) -> Floats:
-    """All modes on the tip (3, n_modes) as its first three Legendre polynomials."""
-    parts = np.zeros((3, n_modes))
-    parts[0, : n_modes - TIP_MODES] = 1.0
-    parts[:, n_modes - TIP_MODES :] = POWERS[:, tip.power : tip.power + TIP_MODES]
+    """All modes on the tip (q + 1, n_modes) as Legendre polynomials; q modes are the tip's own."""
+    own = tip_modes(n_modes)
+    parts = np.zeros((own + 1, n_modes))
+    parts[0, : n_modes - own] = 1.0
+    for k in range(own):
+        power = tip.power + k
+        parts[: power + 1, n_modes - own + k] = poly2leg(polypow([0.5, 0.5], power))
     return parts
 
 
@@ -113,8 +128,8 @@ def joined(
     (n_modes, n_modes) array
     """
     low, high = mode_range_mm
-    flank, parts = n_modes - TIP_MODES, on_tip(n_modes, tip)
-    result = parts.T @ projected(3, tip.end_mm - high) @ parts
+    flank, parts = n_modes - tip_modes(n_modes), on_tip(n_modes, tip)
+    result = parts.T @ projected(len(parts), tip.end_mm - high) @ parts
     result[:flank, :flank] += projected(flank, high - low)
     (x, before), (y, behind) = _pieces(n_modes, mode_range_mm, tip)
     across = before.T @ kernel(x[:, None] + y) @ behind
@@ -150,12 +165,12 @@ def _pieces(
 ) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
     """Distances (k,) from where both meet, and modes times weights (k, n_modes), on each piece."""
     low, high = mode_range_mm
-    flank = n_modes - TIP_MODES
+    flank, parts = n_modes - tip_modes(n_modes), on_tip(n_modes, tip)
     (x, weight_x), (y, weight_y) = graded(high - low), graded(tip.end_mm - high)
     before = np.zeros((x.size, n_modes))
     before[:, :flank] = legvander(1.0 - 2.0 * x / (high - low), flank - 1) * weight_x[:, None]
-    behind = legvander(2.0 * y / (tip.end_mm - high) - 1.0, 2) * weight_y[:, None]
-    return (x, before), (y, behind @ on_tip(n_modes, tip))
+    behind = legvander(2.0 * y / (tip.end_mm - high) - 1.0, len(parts) - 1) * weight_y[:, None]
+    return (x, before), (y, behind @ parts)
 
 
 def graded(length_mm: float) -> tuple[Floats, Floats]:

@@ -9,7 +9,6 @@ import numpy as np
 from flankload.bodies.flank_elements import gauss_places
 from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.imported.given import ModalCompliance, NodalCompliance
-from flankload.bodies.tip_modes import TIP_MODES
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.elasticity.job_log import JobCost
 from flankload.elasticity.near_field import (
@@ -150,7 +149,7 @@ def _of_modes(
         turned=given.turned,
         job=JobCost(max(given.asymmetry, asymmetry)),
     )
-    spare = n - n_modes - (0 if tip is None else TIP_MODES)
+    spare = found.flank_modes - n_modes
     return found.fewer_modes(spare) if spare > 0 else found
 
 

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
 
 from flankload.bodies.body import MeshedFlank
-from flankload.bodies.tip_modes import TIP_MODES, Tip, joined, joined_image, on_tip, tip_values
+from flankload.bodies.tip_modes import Tip, joined, joined_image, on_tip, tip_modes, tip_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -97,7 +97,8 @@ def mode_values(
     closed : bool
         The range is a turn: 1, cos t, sin t, cos 2t, … instead, t from 0 to 2 pi.
     tip : Tip, optional
-        Behind the range: the last two modes are the tip's own, the others keep their end values.
+        Behind the range: the last modes are the tip's own (`tip_modes`), the others keep their end
+        values.
 
     Returns
     -------
@@ -106,8 +107,9 @@ def mode_values(
     low, high = mode_range_mm
     if tip is not None:
         s = np.asarray(s, dtype=float)
-        flank = mode_values(np.minimum(s, high), mode_range_mm, n_modes - TIP_MODES)
-        return np.hstack([flank, tip_values(s, high, tip)])
+        own = tip_modes(n_modes)
+        flank = mode_values(np.minimum(s, high), mode_range_mm, n_modes - own)
+        return np.hstack([flank, tip_values(s, high, tip, own)])
     if closed:
         turn = 2 * np.pi * (np.asarray(s, dtype=float) - low) / (high - low)
         order = np.arange(1, n_modes + 1) // 2  # 0, 1, 1, 2, 2, …
@@ -152,9 +154,9 @@ def mode_products(
     mode_range_mm: tuple[float, float], n_modes: int, tip: Tip
 ) -> NDArray[np.float64]:
     """<P_a, P_b> over flank and tip, mm; those of the flank alone are orthogonal."""
-    high, flank = mode_range_mm[1], n_modes - TIP_MODES
+    high, flank = mode_range_mm[1], n_modes - tip_modes(n_modes)
     parts = on_tip(n_modes, tip)
-    products = parts.T @ (mode_norms((high, tip.end_mm), 3)[:, None] * parts)
+    products = parts.T @ (mode_norms((high, tip.end_mm), len(parts))[:, None] * parts)
     products[:flank, :flank] += np.diag(mode_norms(mode_range_mm, flank))
     return np.asarray(products)
 
@@ -448,7 +450,7 @@ def projected_near_field(
         span = (0.0, length_mm)
         near = joined(projected_logarithm, np.log, n_modes, span, tip)
         if wedge[0]:
-            image = projected_image(n_modes - TIP_MODES, length_mm, at_high_end=False)
+            image = projected_image(n_modes - tip_modes(n_modes), length_mm, at_high_end=False)
             near = near + wedge[0] * joined_image(image, n_modes, span, tip)
         return near
     near = projected_logarithm(n_modes, length_mm, closed=closed)

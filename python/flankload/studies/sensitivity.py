@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.base.text_table import text_table
+from flankload.contact.sweep import known_contacts
 from flankload.errors import InputError, SceneError
 from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.mechanisms.registry import require_flanks
@@ -223,7 +224,10 @@ def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) 
         results = run_once(plain.replace(changes), on_states=states.append, earlier=earlier)
         return _all_of(results)
 
-    middle = continued({})
+    # complete states beside the scene differ from its own; continued ones from continued ones
+    known = known_contacts(states[0].found)
+    complete = known is None or not known.count.any()
+    middle = _all_of(results) if complete else continued({})
     stencils = tuple(
         _stencil(path, number_at(scene, path), step, middle, continued)
         for path, step in zip(paths, steps, strict=True)

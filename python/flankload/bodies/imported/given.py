@@ -49,7 +49,7 @@ class ModalCompliance:
         Interior angles of the metal at the low and the high end of the modes' range; 180 without a
         corner.
     tip : Tip or None
-        Where modes of a tip rounding or chamfer end; the last two are theirs.
+        Where modes of a tip rounding or chamfer end; the last modes are theirs.
     turned : (z, p) array, or (f * f, p) array; or None
         Response to a unit force along the flank at its sharp tip, mm²/N.
     """

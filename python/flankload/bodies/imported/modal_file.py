@@ -20,7 +20,7 @@ from flankload.bodies.imported.given import (
     read_material,
 )
 from flankload.bodies.profile.involute import Involute
-from flankload.bodies.tip_modes import TIP_MODES, Tip
+from flankload.bodies.tip_modes import LEAST_TIP_MODES, Tip
 from flankload.flank import FlankCurve
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
 
@@ -174,8 +174,8 @@ def _read_tip(found: NamedArrays, high: float, end: float, n_modes: int) -> Tip 
             f"an arc length from {high:g} to {end:g}, 0 or 1, and an angle up to pi",
             f"{tip:g}, {power:g} and {turn:g}",
         )
-    if n_modes <= TIP_MODES:
-        found.refuse("smooth", f"more than the {TIP_MODES} modes of the tip", f"{n_modes}")
+    if n_modes <= LEAST_TIP_MODES:
+        found.refuse("smooth", f"more than the {LEAST_TIP_MODES} modes of the tip", f"{n_modes}")
     return Tip(float(tip), int(power), float(turn))
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.bodies.tip_modes import TIP_MODES
+from flankload.bodies.tip_modes import tip_modes, with_tip
 from flankload.elasticity.compliance.parts import (
     AxialModes,
     CoastCompliance,
@@ -94,7 +94,7 @@ class BodyCompliance:
     def flank_modes(self) -> int:
         """Number of pressure modes along the arc length, without those of the tip."""
         n = self.smooth.shape[1] // self.modes_per_place
-        return n - TIP_MODES * (self.modes.tip is not None)
+        return n if self.modes.tip is None else n - tip_modes(n)
 
     @property
     def own_blocks(self) -> NDArray[np.int64]:
@@ -218,20 +218,21 @@ class BodyCompliance:
     def fewer_modes(self, fewer: int = 1) -> BodyCompliance:
         """The same without the highest modes of the flank.
 
-        Without a tip, the modes are orthogonal, and a block of the matrices is left; with modes of
-        a tip, responses are projected anew. The highest harmonic of a turn has two modes. Tables
-        between nodes are reduced to half as many nodes.
+        Without a tip, the modes are orthogonal, and a block of the matrices is left; a tip loses
+        the highest of its own, too, and responses are projected anew. The highest harmonic of a
+        turn has two modes. Tables between nodes are reduced to half as many nodes.
         """
         if self.modes.nodes is not None:
             half, parts = every_second(self.modes.nodes)
             halved = self.with_blocks(lambda table: parts.T @ table @ parts)
             return replace(halved, modes=replace(self.modes, nodes=half))
         n, each, tip = self.smooth.shape[1], self.modes_per_place, self.modes.tip
-        flank = n - (0 if tip is None else each * TIP_MODES)
+        flank = each * self.flank_modes
         kept = flank - each * (2 * fewer if self.modes.closed else fewer)
         if kept < 1:
             return self
-        parts = np.delete(np.eye(n), np.s_[kept:flank], axis=0)
+        own = 0 if tip is None else each * with_tip(kept // each) - kept
+        parts = np.eye(n)[np.r_[:kept, flank : flank + own]]
         if tip is not None:
             along_axis = np.diag(1.0 / (2.0 * np.arange(each) + 1.0))
             products = np.kron(mode_products(self.modes.range_mm, n // each, tip), along_axis)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.body import WholeMesh
-from flankload.bodies.tip_modes import TIP_MODES
+from flankload.bodies.tip_modes import with_tip
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
 from flankload.elasticity.compliance.modes import ModeLoads
 from flankload.elasticity.compliance.nodes import node_loads
@@ -210,7 +210,7 @@ def _loads(body: Body, options: JobOptions) -> ModeLoads | NodeLoads:
     """Unit loads of a flank."""
     if options.nodal:
         return node_loads(body, options.plane)
-    count = options.n_modes + TIP_MODES * (body.tip is not None)
+    count = options.n_modes if body.tip is None else with_tip(options.n_modes)
     return ModeLoads(body, count, options.plane, friction=options.friction)
 
 

@@ -79,7 +79,7 @@ class FlankModes:
     closed : bool
         The modes are harmonics of a turn around the body.
     tip : Tip or None
-        End of the modes of a tip rounding or chamfer; the last two modes are the tip's.
+        End of the modes of a tip rounding or chamfer; the last modes are the tip's.
     axial : AxialModes or None
         In three dimensions modes are products of modes along profile and axis.
     nodes : (n,) array or None

@@ -11,7 +11,7 @@ import numpy as np
 from flankload.base.blas_threads import one_blas_thread
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.free_corner import image_strengths
-from flankload.bodies.tip_modes import TIP_MODES
+from flankload.bodies.tip_modes import with_tip
 from flankload.cost import Account
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
 from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearField
@@ -114,7 +114,7 @@ def prism_compliance(
 
     with area elements ds dz/cos(beta_b), which the loads n/cos(beta_b) = (n_t, -kappa l) per
     ds dz hold already. With a tip rounding or chamfer behind the flank D = <P, P> over both, the
-    two modes of the tip (`bodies.tip_modes`) times the same polynomials of z among them.
+    modes of the tip (`bodies.tip_modes`) times the same polynomials of z among them.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def prism_compliance(
     prism : Prism
     n_modes : int
         Pressure modes along s; their degree should be at most half the number of flank elements.
-        A tip rounding or chamfer has two more.
+        A tip rounding or chamfer has half as many more.
     account : Account, optional
         Where factorisations are counted.
 
@@ -142,7 +142,8 @@ def prism_compliance(
     if body.rigid or body.mesh is None:
         return no_compliance(body)
     mesh, log = _sector_of(body), JobLog(account)
-    n_modes += TIP_MODES * (body.tip is not None)
+    if body.tip is not None:
+        n_modes = with_tip(n_modes)
     response = _ring_response(body, mesh, prism, n_modes, log)
     surface = flank_surface(body, prism)
     kernel = logarithm_strength(body.material, "strain")

@@ -189,7 +189,7 @@ def projected_potential(
     ----------
     surface : FlankSurface
     n_modes : int
-        a = 0 ... n_modes - 1, the two of a tip included.
+        a = 0 ... n_modes - 1, those of a tip included.
     degree_z : int
         b = 0 ... degree_z.
     finer : int

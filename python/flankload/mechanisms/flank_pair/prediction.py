@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from flankload.analysis.estimate import n_sweeps
 from flankload.analysis.tangent import SIDES
 from flankload.bodies.body import SectorMesh, WholeMesh
-from flankload.bodies.tip_modes import TIP_MODES
+from flankload.bodies.tip_modes import with_tip
 from flankload.elasticity.compliance.turned import has_turned_forces
 from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.elasticity.prism import prism_unknowns
@@ -61,7 +61,7 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
                 work = replace(work, factorisations=1, normal_loads=1)
             modes = modes_of(body, scene, pair.discretization)
             if body.tip is not None and not pair.effects.nodal_near_field:
-                modes += TIP_MODES
+                modes = with_tip(modes)
             if pair.effects.three_dimensions:
                 stages[stage] = _prism(body, modes, *degrees_of(scene.accuracy))
                 continue
