@@ -67,7 +67,9 @@ def test_the_report_has_both_beside_each_other(found: Robust) -> None:
 
 
 def test_shares_of_all_variables_are_one_and_only_loaded_teeth_have_one() -> None:
-    found = fl.robust(fl.prepare(lumped()), {**VARIABLES, ERRORS: CLASS_5}, [SWING, CURVE])
+    names = [SWING, CURVE, "transmission_error_mean_um"]
+    found = fl.robust(fl.prepare(lumped()), {**VARIABLES, ERRORS: CLASS_5}, names)
+    assert found.notes == ()  # mean and samples have the same period, that of unequal teeth
     linear = found.first_order[SWING]
     assert next(iter(linear.shares)) == ERRORS
     np.testing.assert_allclose(sum(linear.shares.values()), 1.0)
