@@ -32,16 +32,19 @@ if TYPE_CHECKING:
     )
     from flankload.result import Result
     from flankload.scene import Scene, read_scene
+    from flankload.scene.iso_1328 import FlankTolerances, iso_1328
     from flankload.studies.accuracy import Study, accuracy
     from flankload.studies.design import DesignStudy, study
     from flankload.studies.optimisation import Optimum, optimise
     from flankload.studies.plan import Plan, plan
+    from flankload.studies.robustness import Robust, robust
     from flankload.studies.sensitivity import Sensitivity
     from flankload.studies.verification import Verification, verify
 
 __all__ = [
     "ContactState",
     "DesignStudy",
+    "FlankTolerances",
     "FlankloadError",
     "InputError",
     "MeshError",
@@ -54,6 +57,7 @@ __all__ = [
     "PremiseError",
     "Prepared",
     "Result",
+    "Robust",
     "Scene",
     "SceneError",
     "Sensitivity",
@@ -63,10 +67,12 @@ __all__ = [
     "__version__",
     "accuracy",
     "errors",
+    "iso_1328",
     "optimise",
     "plan",
     "prepare",
     "read_scene",
+    "robust",
     "sensitivity",
     "solve",
     "solve_contact",
@@ -91,6 +97,8 @@ _MODULE_OF_NAME = {
     "SingularContact": "errors",
     "Scene": "scene",
     "read_scene": "scene",
+    "FlankTolerances": "scene.iso_1328",
+    "iso_1328": "scene.iso_1328",
     "ContactState": "contact",
     "solve_contact": "contact",
     "solve_contact_general": "contact",
@@ -108,6 +116,8 @@ _MODULE_OF_NAME = {
     "solve": "api",
     "DesignStudy": "studies.design",
     "study": "studies.design",
+    "Robust": "studies.robustness",
+    "robust": "studies.robustness",
     "Sensitivity": "studies.sensitivity",
     "Study": "studies.accuracy",
     "accuracy": "studies.accuracy",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from contextlib import contextmanager
+from functools import lru_cache
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
@@ -22,9 +24,7 @@ def one_blas_thread() -> Iterator[None]:
     and restored it by itself, one would restore what another has set, and it would remain 1.
     """
     global _inside, _limits
-    from threadpoolctl import ThreadpoolController
-
-    found = ThreadpoolController().select(user_api="blas")
+    found = _blas(len(sys.modules))
     by_thread = found.select(threading_layer="openmp")
     own = {library.filepath for library in by_thread.lib_controllers}
     shared = [lib.filepath for lib in found.lib_controllers if lib.filepath not in own]
@@ -40,6 +40,14 @@ def one_blas_thread() -> Iterator[None]:
             _inside -= 1
             if _inside == 0:
                 _restore(_limits)
+
+
+@lru_cache(maxsize=1)
+def _blas(_modules: int) -> Any:
+    """Libraries of BLAS, sought again after another module is loaded: that takes milliseconds."""
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController().select(user_api="blas")
 
 
 def _restore(limits: Any) -> None:

@@ -58,8 +58,11 @@ def flank_contacts(
     for p, table in enumerate(tables):
         motion = pair_velocities(table, geometry, p)
         loaded = table.force_N > 0
-        for s in np.flatnonzero(np.isin(sites, table.site[loaded])):
-            laid = table.site == sites[s]
+        there = set(table.site[loaded].tolist())
+        for s, site in enumerate(sites.tolist()):
+            if site not in there:
+                continue
+            laid = table.site == site
             own = laid & loaded
             if table.half_width_mm is None:
                 found[0, p, s] = 0.5 * loaded_length(

@@ -286,9 +286,19 @@ def _meeting(
     at_low = before.values(low) - after.values(low)
     at_high = before.values(high) - after.values(high)
     meets = (at_low * at_high <= 0) & (before.degree > 0) & (after.degree > 0)
+    if not meets.any():
+        return low, meets
+    # both sides in one array: the steps are many and the arrays short
+    nodes, coefficients = (
+        np.stack([getattr(side, name) for side in (before, after)], axis=1)
+        for name in ("nodes", "coefficients")
+    )
     for _ in range(MEETING_STEPS):
         middle = 0.5 * (low + high)
-        beyond = (before.values(middle) - after.values(middle)) * at_low <= 0
+        values = coefficients[..., DEGREE]
+        for d in range(DEGREE - 1, -1, -1):
+            values = values * (middle[:, None] - nodes[..., d]) + coefficients[..., d]
+        beyond = (values[:, 0] - values[:, 1]) * at_low <= 0
         low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
     return 0.5 * (low + high), meets
 

@@ -334,25 +334,8 @@ class Result(ContactQuantities):
         return frozen(stiffness_Nm_per_rad / self.reference_radius_mm**2)
 
     @cached_property
-    def summary(self) -> dict[str, Any]:
-        """Summary of a report.
-
-        `transmission_error_mean_um` (over the period; for uneven positions the integral of the
-        curve through them), `transmission_error_by_load_mean_um` (the same minus the state without
-        torque), `transmission_error_peak_to_peak_um` (of the positions);
-        `transmission_error_harmonics_um` (amplitudes of the first five of the period),
-        `transmission_error_mesh_harmonics_um` (the same of a tooth pitch: waves that pass once,
-        twice, ... in a pitch) and `contact_ratio_under_load` (mean number of loaded pairs), None if
-        the positions do not cover the period; `loaded_pairs_min`, `loaded_pairs_max`;
-        `peak_pressure_MPa` with `peak_pressure_position_rad`, `peak_pressure_pair`,
-        `peak_pressure_at_corner`; and the same for `peak_pressure_off_corners`, the largest
-        meaningful one. In addition `contact_ratio_geometric` (path of contact divided by base
-        pitch; None if unknown), `contact_ratio_usable` (the same between form circles and tip
-        roundings or chamfers), the means of both stiffnesses over the period,
-        `peak_line_load_N_per_mm` with its position and pair, `largest_sliding_mm_per_rad`
-        (magnitude) and `coast_flank_gap_min_um`; if requested, `root_stress_1` and `root_stress_2`
-        with largest `tension` and `compression`, and the `coast_summary` of the coast flanks.
-        """
+    def key_figures(self) -> dict[str, Any]:
+        """Part of the summary that follows from few curves: its entries up to the pressures."""
         error = self.transmission_error_um
         loaded = self.loaded_pairs
         smooth = np.where(self.corner_contact, 0.0, self.peak_pressure_MPa)
@@ -373,12 +356,36 @@ class Result(ContactQuantities):
             **self._largest("peak_pressure", self.peak_pressure_MPa),
             "peak_pressure_at_corner": bool(self.peak_pressure_MPa.max() > smooth.max()),
             **self._largest("peak_pressure_off_corners", smooth),
+        }
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """Summary of a report.
+
+        `transmission_error_mean_um` (over the period; for uneven positions the integral of the
+        curve through them), `transmission_error_by_load_mean_um` (the same minus the state without
+        torque), `transmission_error_peak_to_peak_um` (of the positions);
+        `transmission_error_harmonics_um` (amplitudes of the first five of the period),
+        `transmission_error_mesh_harmonics_um` (the same of a tooth pitch: waves that pass once,
+        twice, ... in a pitch) and `contact_ratio_under_load` (mean number of loaded pairs), None if
+        the positions do not cover the period; `loaded_pairs_min`, `loaded_pairs_max`;
+        `peak_pressure_MPa` with `peak_pressure_position_rad`, `peak_pressure_pair`,
+        `peak_pressure_at_corner`; and the same for `peak_pressure_off_corners`, the largest
+        meaningful one. In addition `contact_ratio_geometric` (path of contact divided by base
+        pitch; None if unknown), `contact_ratio_usable` (the same between form circles and tip
+        roundings or chamfers), the means of both stiffnesses over the period,
+        `peak_line_load_N_per_mm` with its position and pair, `largest_sliding_mm_per_rad`
+        (magnitude) and `coast_flank_gap_min_um`; if requested, `root_stress_1` and `root_stress_2`
+        with largest `tension` and `compression`, and the `coast_summary` of the coast flanks.
+        """
+        return {
+            **self.key_figures,
             **stiffness_means(self),
             **summary_of_contacts(self),
             **coast_summary(self),
             **self._root_summary(),
             **slice_summary(self.slices),
-            **shaft_summary(self.shafts, over.mean),
+            **shaft_summary(self.shafts, over_positions(self).mean),
         }
 
     def _root_summary(self) -> dict[str, Any]:

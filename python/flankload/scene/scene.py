@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -169,7 +171,7 @@ class Scene:
         >>> scene.replace({"body_1.tip_relief_um": 25, "load.torque_Nm": [100, 200]})
         """
         try:
-            tree = with_changes(self.to_dict(), changes)
+            tree = with_changes(self._tree, changes)
         except SceneError as error:
             raise (error if self.file is None else error.with_file(self.file)) from None
         return type(self).from_dict(tree, file=self.file)
@@ -182,6 +184,11 @@ class Scene:
         dict
             `from_dict` makes an equal scene of it, with the same `file`. The name is included.
         """
+        return deepcopy(self._tree)
+
+    @cached_property
+    def _tree(self) -> dict[str, Any]:
+        """Keys of the scene; changes of one scene by the thousand begin with them."""
         tree = scene_tree(self, implied=False)
         try:
             again = type(self).from_dict(tree, file=self.file)

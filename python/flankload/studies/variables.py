@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -12,9 +12,12 @@ from msgspec import Meta
 from flankload.scene.form import read_table
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import Table
+from flankload.studies.quality import JointNormal, Quality, of_quality
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+
+    from flankload.scene import Scene
 
 #: Key of a table that makes it a distribution.
 KIND = "distribution"
@@ -73,6 +76,8 @@ class Uniform(Table, frozen=True, kw_only=True):
 
 #: Tables of distributions by their names.
 DISTRIBUTIONS: dict[str, type[Normal | Uniform]] = {"normal": Normal, "uniform": Uniform}
+#: Distribution that follows from the tolerance class of a body, its only other key.
+BY_CLASS, CLASS = "iso_1328", "class"
 
 
 @dataclass(frozen=True)
@@ -85,7 +90,7 @@ class Variable:
         Path of a key as in `Scene.replace`; several paths separated by commas have the same value.
     values : tuple
         Values in their order; empty if it has a distribution.
-    distribution : frozen distribution of scipy.stats, or None
+    distribution : frozen distribution of scipy.stats, JointNormal, Quality, or None
     """
 
     name: str
@@ -101,22 +106,50 @@ class Variable:
         """Changes of a scene that give the keys a value, for `Scene.replace`."""
         return dict.fromkeys(self.paths, value)
 
+    def in_scene(self, scene: Scene) -> Variable:
+        """Return the variable with its distribution by the tolerance class of a body.
+
+        Raises
+        ------
+        SceneError
+            If the class does not describe the key, or the body is beyond the standard.
+        """
+        if not isinstance(self.distribution, Quality):
+            return self
+        return replace(self, distribution=of_quality(scene, self.name, self.distribution))
+
+    @property
+    def numbers(self) -> int:
+        """Number of uniform numbers that a draw needs."""
+        return self.distribution.numbers if isinstance(self.distribution, JointNormal) else 1
+
+    @property
+    def bounds(self) -> list[Any]:
+        """Least and largest value, as far as the distribution is bounded."""
+        if isinstance(self.distribution, JointNormal) or not hasattr(self.distribution, "support"):
+            return []
+        ends = zip(self.distribution.support(), self.quantiles([[0.0], [1.0]]), strict=True)
+        return [value for end, value in ends if np.isfinite(end)]
+
     def quantiles(self, probabilities: ArrayLike) -> list[Any]:
         """Values that the distribution does not exceed with given probabilities.
 
         Parameters
         ----------
-        probabilities : (n,) array
+        probabilities : (n, numbers) array, or (n,) if a draw needs one number
             From 0 to 1.
 
         Returns
         -------
-        list of n numbers
+        list of n numbers, or of n lists
             Integers if the distribution is discrete.
         """
         from scipy.stats import rv_discrete
 
         inside = np.clip(probabilities, LEAST_PROBABILITY, 1.0 - LEAST_PROBABILITY)
+        if isinstance(self.distribution, JointNormal):
+            return self.distribution.quantiles(inside)
+        inside = inside.reshape(len(inside))
         found = np.asarray(self.distribution.ppf(inside), dtype=float)
         if isinstance(getattr(self.distribution, "dist", None), rv_discrete):
             return [int(value) for value in found]
@@ -130,8 +163,8 @@ def variables_of(tree: Mapping[str, Any], key: str = "variables") -> tuple[Varia
     ----------
     tree : mapping
         By path: a list of values, a table such as {"distribution": "uniform", "lower": 0,
-        "upper": 30}, or a frozen distribution of scipy.stats. Tables of other keys are part of the
-        path: {"load": {"torque_Nm": [100, 200]}}.
+        "upper": 30} or {"distribution": "iso_1328", "class": 7}, or a frozen distribution of
+        scipy.stats. Tables of other keys are part of the path: {"load": {"torque_Nm": [100, 200]}}.
     key : str
         Its name in error messages.
 
@@ -184,9 +217,13 @@ def _variable(path: str, value: Any, key: str) -> Variable:
     """Read one variable."""
     value = _plain(value)
     if isinstance(value, Mapping) and KIND in value:
+        if value[KIND] == BY_CLASS:
+            for name in set(value) - {KIND, CLASS}:
+                refuse(f"{key}.{name}", f"a known key ({CLASS})", f"the unknown key '{name}'")
+            return Variable(path, distribution=Quality(value.get(CLASS)))
         form = DISTRIBUTIONS.get(str(value[KIND]))
         if form is None:
-            expected = " or ".join(f"'{name}'" for name in DISTRIBUTIONS)
+            expected = " or ".join(f"'{name}'" for name in (*DISTRIBUTIONS, BY_CLASS))
             refuse(f"{key}.{KIND}", expected, shown(value[KIND]))
         table = read_table(form, {name: x for name, x in value.items() if name != KIND}, key)
         if table.lower is not None and table.upper is not None and not table.lower < table.upper:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 import flankload as fl
 from flankload import errors
@@ -71,9 +72,11 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         **raised(),
         "ContactState": held(),
         "DesignStudy": fl.study(scene, {"load.torque_Nm": [100, 302]}),
+        "FlankTolerances": fl.iso_1328(7, teeth=24, module_mm=4.5, face_width_mm=14),
         "Plan": fl.plan(scene),
         "Prepared": fl.prepare(scene),
         "Result": fl.solve(scene),
+        "Robust": fl.robust(scene, {"load.torque_Nm": norm(302, 3)}),
         "Scene": scene,
         "Sensitivity": fl.sensitivity(scene, ["load.torque_Nm"]),
         "Study": accuracy(scene, ("transmission_error",), 1e-9),

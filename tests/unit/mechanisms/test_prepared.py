@@ -299,3 +299,14 @@ def test_digests_are_those_of_bits() -> None:
     assert len({digest_of(x) for x in unlike}) == len(unlike)
     with pytest.raises(TypeError, match="data: expected numbers, text, arrays and tables"):
         digest_of(object())
+
+
+def test_other_pitch_errors_build_no_body(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = base("external_gear")
+    prepared = fl.prepare(scene)
+    changes = {"body_2.pitch_errors_um": [0.5 * (i % 3) for i in range(24)]}
+    with monkeypatch.context() as without:
+        without.setattr("flankload.mechanisms.flank_pair.assembly.build_body", None)
+        found = prepared.solve(changes)
+    assert bits(found) == bits(fl.solve(scene.replace(changes)))
+    assert bits(found) != bits(prepared.solve())

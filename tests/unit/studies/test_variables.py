@@ -75,7 +75,7 @@ def test_paths_may_be_nested_tables_and_share_a_value() -> None:
         ({PATH: {"lower": 0}}, f"variables.{PATH}.lower: expected a non-empty list"),
         (
             {PATH: {"distribution": "gauss"}},
-            f"variables.{PATH}.distribution: expected 'normal' or 'uniform', found 'gauss'",
+            "distribution: expected 'normal' or 'uniform' or 'iso_1328', found 'gauss'",
         ),
         (
             {PATH: {"distribution": "uniform", "lower": 0}},

@@ -343,12 +343,16 @@ def _body(
         )
         return made_once(call, parts)
 
+    errors_um = () if spec.from_file else spec.pitch_errors_um
+    if errors_um:  # they place the teeth of a body and change nothing else: others share it
+        spec = structs.replace(spec, pitch_errors_um=())
     plain = without_modifications(spec) if scene.accuracy.unmodified_elements else spec
     if plain == spec or spec.rigid:
-        return built(spec)
-    # the flank alone: a rigid body has no mesh
-    own, elements = built(structs.replace(spec, rigid=True)), built(plain)
-    return replace(own, rigid=False, mesh=elements.mesh, elements=elements)
+        own = built(spec)
+    else:  # the flank alone: a rigid body has no mesh
+        own, elements = built(structs.replace(spec, rigid=True)), built(plain)
+        own = replace(own, rigid=False, mesh=elements.mesh, elements=elements)
+    return replace(own, pitch_errors_um=tuple(errors_um)) if errors_um else own
 
 
 def _built(stamps: tuple[tuple[int, int], ...], spec: BodySpec, key: str, **keys: Any) -> Body:

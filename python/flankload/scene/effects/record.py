@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 from flankload.scene.effects.keys import EffectsAsked, has_amount
@@ -119,7 +120,7 @@ class Effect:
     of_teeth: bool = False
     coarser: bool = False
 
-    @property
+    @cached_property
     def key(self) -> str | None:
         """The key of [effects] that decides."""
         return next(iter(self.on), None)
@@ -132,12 +133,12 @@ class Effect:
         defaults = {key: getattr(plain, key) for key in keys}
         return {key: False if value is True else value for key, value in defaults.items()}
 
-    @property
+    @cached_property
     def numbers(self) -> dict[str, float]:
         """Keys of [effects] with the numbers that are assumed if a scene sets none."""
         return {key: value for key, value in self.on.items() if type(value) in (int, float)}
 
-    @property
+    @cached_property
     def is_quantity(self) -> bool:
         """Whether the deciding key is a number, not a choice."""
         return self.key in self.numbers

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain, islice, product
 from math import prod
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from flankload.scene import Scene
     from flankload.studies.variables import Variable
 
 #: Kinds that need a list of values for each variable, and those that draw from distributions.
@@ -115,11 +116,24 @@ class Designs:
             yield dict(zip(names, row, strict=True))
 
     def first(self) -> Iterator[dict[str, Any]]:
-        """Iterate over the fewest designs that change every variable."""
+        """Iterate over the fewest designs that change every variable; draws: and their bounds."""
         if self.kind == "one-at-a-time":
             yield from ({variable.name: variable.values[0]} for variable in self.variables)
-        else:
-            yield next(iter(self))
+            return
+        yield (one := next(iter(self)))
+        for variable in self.variables:
+            yield from ({**one, variable.name: bound} for bound in variable.bounds)
+
+    def in_scene(self, scene: Scene) -> Designs:
+        """Return the designs with the distributions that follow from a scene.
+
+        Raises
+        ------
+        SceneError
+            If a tolerance class does not describe its variable.
+        """
+        scene = scene.replace(self.fixed) if self.fixed else scene
+        return replace(self, variables=tuple(one.in_scene(scene) for one in self.variables))
 
     def changes(self, values: dict[str, Any]) -> dict[str, Any]:
         """Changes of the scene in a design, for `Scene.replace`."""
@@ -129,20 +143,27 @@ class Designs:
                 found |= variable.changes(values[variable.name])
         return found
 
+    @property
+    def _numbers(self) -> int:
+        """Uniform numbers that all variables of a draw need."""
+        return sum(variable.numbers for variable in self.variables)
+
     def _drawn(self, points: NDArray[np.float64]) -> Iterator[tuple[Any, ...]]:
-        """Iterate over the values at points of the unit cube."""
-        drawn = (v.quantiles(u) for v, u in zip(self.variables, points.T, strict=True))
+        """Iterate over the values at points (n, numbers) of the unit cube."""
+        ends = np.cumsum([variable.numbers for variable in self.variables])
+        columns = np.split(points, ends[:-1], axis=1)
+        drawn = (v.quantiles(u) for v, u in zip(self.variables, columns, strict=True))
         return zip(*drawn, strict=True)
 
     def _blocks(self) -> Iterator[NDArray[np.float64]]:
-        """Iterate endlessly over blocks of points of the unit cube (BLOCK, variables)."""
+        """Iterate endlessly over blocks of points of the unit cube (BLOCK, numbers)."""
         if self.kind == "random":
             random = np.random.default_rng(self.seed)
             while True:
-                yield random.random((BLOCK, len(self.variables)))
+                yield random.random((BLOCK, self._numbers))
         from scipy.stats import qmc
 
-        sequence = qmc.Sobol(len(self.variables), scramble=True, seed=self.seed)
+        sequence = qmc.Sobol(self._numbers, scramble=True, seed=self.seed)
         while True:
             yield sequence.random(BLOCK)
 

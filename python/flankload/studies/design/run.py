@@ -48,12 +48,15 @@ class Task:
     scene : Scene
         With an absolute path of its file.
     names : tuple of str
-        Quantities that are wanted in addition to the summary.
+        Quantities that are wanted.
+    whole : bool
+        Whether the whole summary is kept beside them, since others may be wanted later.
     """
 
     study: bytes
     scene: Scene
     names: tuple[str, ...]
+    whole: bool = True
 
 
 @dataclass(frozen=True)
@@ -105,7 +108,7 @@ def run_task(task: Task, stopped: Event | None = None) -> Outcome:
         with one_blas_thread():  # its number of threads changes bits, and workers share processors
             found = solve_scene(task.scene, watch, _parts_of(task.study))
         results = found if isinstance(found, tuple) else (found,)
-        rows = tuple(_row(result, task.names) for result in results)
+        rows = tuple(row_of(result, task.names, whole=task.whole) for result in results)
     except StoppedError:
         raise
     except FlankloadError as error:
@@ -136,10 +139,25 @@ def _parts_of(study: bytes) -> Parts:
     return parts
 
 
-def _row(result: Result, names: tuple[str, ...]) -> dict[str, Any]:
-    """Plain numbers of a result."""
-    quantities = _flat(result.summary)
+def row_of(result: Result, names: tuple[str, ...], *, whole: bool = True) -> dict[str, Any]:
+    """Plain numbers of a result.
+
+    Parameters
+    ----------
+    result : Result
+    names : tuple of str
+        Curves that are wanted in addition to the summary.
+    whole : bool
+        False: only the key figures of the summary, if they and the curves are all that is wanted.
+
+    Returns
+    -------
+    dict
+        An entry of `Outcome.results`.
+    """
     curves = _curves(result)
+    known = result.key_figures.keys() | curves.keys()
+    quantities = _flat(result.summary if whole or set(names) - known else result.key_figures)
     if any(name in curves for name in names):
         names = ("position_rad", *names)
     quantities |= {name: _plain(curves[name]) for name in names if name in curves}

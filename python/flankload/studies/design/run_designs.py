@@ -170,7 +170,8 @@ class _Runs:
             self._keep(key, Outcome(FAILED, error=refused))
             return
         names = set(self.names) | (names_in(found) if found else set())
-        task = Task(self.study, replace(scene, file=self.absolute), tuple(sorted(names)))
+        absolute = replace(scene, file=self.absolute)
+        task = Task(self.study, absolute, tuple(sorted(names)), whole=self.store.is_file)
         # only threads see the event
         threads = isinstance(pool, ThreadPoolExecutor)
         call = partial(run_task, task, self.stopped) if threads else partial(run_task, task)
@@ -201,7 +202,7 @@ class _Runs:
     def _keep(self, key: str, outcome: Outcome) -> None:
         """Store a run and add the rows of all its designs."""
         if outcome.status == SOLVED and not self.checked:
-            _refuse_unknown(outcome)
+            refuse_unknown(outcome)
             self.checked = True
         designs = self.waiting.pop(key)
         self.store.add(key, designs[0][1], outcome)
@@ -223,8 +224,13 @@ class _Runs:
             self.progress(stage, len(self.rows), len(self.designs))
 
 
-def _refuse_unknown(outcome: Outcome) -> None:
-    """Refuse quantities that a result does not have."""
+def refuse_unknown(outcome: Outcome) -> None:
+    """Refuse quantities that a result does not have.
+
+    Raises
+    ------
+    SceneError
+    """
     if outcome.unknown:
         name = outcome.unknown[0]
         known = sorted(names_in(outcome) - set(outcome.unknown))

@@ -52,8 +52,9 @@ def study(
         By path of a key as in `Scene.replace` (several paths, separated by commas, have the same
         value): a list of values, or a distribution: {"distribution": "normal", "mean": 0,
         "standard_deviation": 3} (optionally "lower", "upper"), {"distribution": "uniform",
-        "lower": 0, "upper": 30}, or any frozen distribution of scipy.stats. Values have the unit
-        of the key.
+        "lower": 0, "upper": 30}, {"distribution": "iso_1328", "class": 7} for pitch errors and
+        helix slopes of a body, or any frozen distribution of scipy.stats. Values have the unit of
+        the key.
     design : str
         With values: "factorial" (all combinations), "list" (the i-th value of each), or
         "one-at-a-time" (the scene, then each value alone). With distributions: "sobol" or
@@ -78,8 +79,9 @@ def study(
     Raises
     ------
     SceneError
-        Before anything is solved, if the study contradicts itself, the first design is no scene, or
-        the store is another file; after the first run, if it does not have a quantity.
+        Before anything is solved, if the study contradicts itself, the first design or one at the
+        end of a bounded distribution is no scene, or the store is another file; after the first
+        run, if it does not have a quantity.
     FlankloadError
         If a worker is lost; finished runs are in the store.
     KeyboardInterrupt
@@ -117,6 +119,7 @@ def run_study(
         As `study`.
     """
     designs.check()
+    designs = designs.in_scene(scene)
     check_first(scene, designs)
     if isinstance(quantities, str) or not quantities:
         refuse("quantities", "a non-empty list of names", shown(quantities))
@@ -128,7 +131,7 @@ def run_study(
 
 
 def check_first(scene: Scene, designs: Designs) -> None:
-    """Refuse variables whose first values do not give a scene.
+    """Refuse variables whose first values, or bounds, do not give a scene.
 
     Raises
     ------

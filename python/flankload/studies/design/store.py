@@ -102,6 +102,11 @@ class Store:
             self._db.close()
             raise
 
+    @property
+    def is_file(self) -> bool:
+        """Whether later studies find the runs."""
+        return self._path is not None
+
     def _open(self) -> None:
         """Create the table in a new file; refuse a file of another kind."""
         try:

@@ -96,6 +96,7 @@ def read_study(path: str | Path) -> StudyFile:
         raise error.with_file(path) from None
     scene = read_scene(path.parent / keys.scene)
     try:
+        designs = designs.in_scene(scene)
         check_first(scene, designs)
     except SceneError as error:
         raise (error if error.file else error.with_file(path)) from None

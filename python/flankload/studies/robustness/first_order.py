@@ -1,0 +1,213 @@
+"""Scatter to first order: variances of the variables through derivatives of the results.
+
+With independent variables x_v of covariance C_v and the derivatives g_v of a quantity at their
+means, its variance is the sum of g_vᵀ C_v g_v over the variables; each term is a share.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.scene.refusal import refuse
+from flankload.studies.design.run import SOLVED, Outcome, row_of
+from flankload.studies.design.run_designs import refuse_unknown
+from flankload.studies.prepared import solve_scene
+from flankload.studies.quality import JointNormal
+from flankload.studies.sensitivity import sensitivity
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from flankload.mechanisms import Parts
+    from flankload.result import Result
+    from flankload.scene import Scene
+    from flankload.studies.variables import Variable
+
+    Floats = NDArray[np.float64]
+
+#: Deviation of one tooth in um where the mean has equal teeth. Samples have none, so that key
+#: figures are defined over another period: the mean shall have the same.
+UNEVEN_UM = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class FirstOrder:
+    """A quantity to first order; arrays have the dimensions (torques if there is a list, points).
+
+    Attributes
+    ----------
+    mean : array
+        Value with all variables at their means.
+    standard_deviation : array
+    shares : dict of array
+        By variable, the largest first: part of the variance.
+    kinks : dict of array
+        By variable: standard deviation times half the difference of both one-sided derivatives;
+        not 0 where the quantity has a kink at the mean.
+    """
+
+    mean: Floats
+    standard_deviation: Floats
+    shares: dict[str, Floats]
+    kinks: dict[str, Floats]
+
+    def percentile(self, percent: float) -> Floats:
+        """Value that is not exceeded with a probability in percent, if it is normally distributed.
+
+        Parameters
+        ----------
+        percent : float
+
+        Returns
+        -------
+        array
+        """
+        from scipy.special import ndtri
+
+        return np.asarray(self.mean + ndtri(percent / 100.0) * self.standard_deviation)
+
+
+def first_order(
+    scene: Scene, variables: Sequence[Variable], names: Sequence[str], parts: Parts
+) -> tuple[dict[str, FirstOrder], int]:
+    """Scatter of quantities to first order.
+
+    Parameters
+    ----------
+    scene : Scene
+    variables : sequence of Variable
+        With distributions.
+    names : sequence of str
+        Quantities as of a study.
+    parts : Parts
+        Bodies and compliances of similar scenes.
+
+    Returns
+    -------
+    dict of FirstOrder
+        By name.
+    int
+        Number of derivatives.
+
+    Raises
+    ------
+    SceneError, FlankloadError
+        As `sensitivity`; if a quantity is unknown or no number.
+    """
+    base = scene.replace({k: v for one in variables for k, v in one.changes(_mean(one)).items()})
+    begin = solve_scene(base, None, parts)
+    results = begin if isinstance(begin, tuple) else (begin,)
+    shapes = [value.shape for value in _values(results[0], names)]
+    sites = {int(site) for result in results for site in result.sites}
+    loads = [_loads(one, sites) for one in variables]
+    found = sensitivity(base, [path for paths, _ in loads for path in paths], parts)
+    values = [_values(result, names) for result in found.results]
+
+    def together(result: Result) -> Floats:
+        return np.concatenate([np.ravel(value) for value in _values(result, names)])
+
+    slopes, sides = found.derivative(together), found.to_each_side(together)
+    jumps = np.nan_to_num(0.5 * (sides[1] - sides[0]))  # NaN: the end of a range
+    scatter, kinks, first = {}, {}, 0
+    for variable, (paths, factor) in zip(variables, loads, strict=True):
+        own = slice(first, first := first + len(paths))
+        scatter[variable.name] = _variance(factor, slopes[own])
+        kinks[variable.name] = np.sqrt(_variance(factor, jumps[own]))
+    split = _Split(names, shapes, has_torques=base.has_torque_list)
+    mean = split(np.stack([np.concatenate([np.ravel(v) for v in of_one]) for of_one in values]))
+    parts_of = {name: split(of_one) for name, of_one in scatter.items()}
+    bends = {name: split(of_one) for name, of_one in kinks.items()}
+    return {
+        name: _first_order(
+            mean[name],
+            {variable: of_one[name] for variable, of_one in parts_of.items()},
+            {variable: of_one[name] for variable, of_one in bends.items()},
+        )
+        for name in names
+    }, len(found.paths)
+
+
+def _first_order(mean: Floats, scatter: dict[str, Floats], kinks: dict[str, Floats]) -> FirstOrder:
+    """The record of a quantity; the variable with the largest variance is the first."""
+    variance = np.sum(list(scatter.values()), axis=0)
+    with np.errstate(invalid="ignore"):
+        shares = {name: np.nan_to_num(of_one / variance) for name, of_one in scatter.items()}
+    order = sorted(shares, key=lambda name: -float(np.nansum(scatter[name])))
+    return FirstOrder(mean, np.sqrt(variance), {name: shares[name] for name in order}, kinks)
+
+
+@dataclass(frozen=True)
+class _Split:
+    """Parts of arrays (torques, points of all quantities) by quantity."""
+
+    names: Sequence[str]
+    shapes: list[tuple[int, ...]]
+    has_torques: bool
+
+    def __call__(self, values: Floats) -> dict[str, Floats]:
+        """Arrays (torques, points) by name; (points) without a list of torques."""
+        ends = np.cumsum([int(np.prod(shape)) for shape in self.shapes])
+        found = {}
+        for name, shape, part in zip(
+            self.names, self.shapes, np.split(values, ends[:-1], axis=1), strict=True
+        ):
+            part = part.reshape(len(values), *shape)
+            found[name] = part if self.has_torques else part[0]
+        return found
+
+
+def _mean(variable: Variable) -> Any:
+    """Mean of a variable, in the form of its key."""
+    distribution = variable.distribution
+    if not isinstance(distribution, JointNormal):
+        return float(distribution.mean())
+    if not distribution.is_list:
+        return float(distribution.mean[0])
+    mean = distribution.mean.copy()
+    if not np.ptp(mean):
+        mean[mean.size // 2] += UNEVEN_UM
+    return mean.tolist()
+
+
+def _loads(variable: Variable, sites: set[int]) -> tuple[list[str], Floats]:
+    """Paths (p) of numbers, and their deviations (p, m) per independent standard number.
+
+    Of a list these are the entries of the teeth that carry load; the tooth of pair j has entry -j.
+    """
+    distribution = variable.distribution
+    if not isinstance(distribution, JointNormal):
+        return list(variable.paths), np.full((len(variable.paths), 1), distribution.std())
+    if not distribution.is_list:
+        return list(variable.paths), distribution.factor
+    entries = sorted({-site % distribution.mean.size for site in sites})
+    return [f"{variable.name}[{entry}]" for entry in entries], distribution.factor[entries]
+
+
+def _variance(factor: Floats, slopes: Floats) -> Floats:
+    """Variance (...) by deviations (p, m), through the slopes (p, ...)."""
+    return np.asarray((np.tensordot(factor.T, slopes, 1) ** 2).sum(axis=0))
+
+
+def _values(result: Result, names: Sequence[str]) -> list[Floats]:
+    """Numbers and curves of a result.
+
+    Raises
+    ------
+    SceneError
+        If it has none of a name.
+    """
+    row = row_of(result, tuple(names))
+    unknown = tuple(name for name in names if name not in row["quantities"])
+    refuse_unknown(Outcome(SOLVED, results=(row,), unknown=unknown))
+    found = []
+    for name in names:
+        try:
+            found.append(np.asarray(row["quantities"][name], dtype=float))
+        except ValueError:
+            refuse("quantities", "names of numbers and curves", f"'{name}', which is text")
+    return found
