@@ -445,7 +445,7 @@ _PYTHON = (
         ("outward * (two - one), one + two", "outward * (one - two), one + two"),
         ("2.0 * self._overlap(apart)", "self._overlap(apart)"),
         ("(self.slope(s) + self.slope(s_load))", "(self.slope(s) + self.slope(s))"),
-        ("* gauss * secants[0] * secants[1]", "* gauss * secants[0]"),
+        ("* lines.secants[0][at] * lines.secants[1][at]", "* lines.secants[0][at]"),
         ("np.maximum(low, low_ahead - ahead)", "np.maximum(low, low_ahead)"),
         ("psi * rule.behind_end(face)", "psi * rule.behind_end(1 - face)"),
     ),

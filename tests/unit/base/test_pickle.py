@@ -73,6 +73,12 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "ContactState": held(),
         "DesignStudy": fl.study(scene, {"load.torque_Nm": [100, 302]}),
         "FlankTolerances": fl.iso_1328(7, teeth=24, module_mm=4.5, face_width_mm=14),
+        "Optimum": fl.optimise(
+            scene,
+            [{"paths": "pair.center_distance_mm", "lower": 91.5, "upper": 91.6}],
+            "peak_pressure_MPa",
+            starts=1,
+        ),
         "Plan": fl.plan(scene),
         "Prepared": fl.prepare(scene),
         "Result": fl.solve(scene),
