@@ -106,6 +106,11 @@ class Variable:
         """Changes of a scene that give the keys a value, for `Scene.replace`."""
         return dict.fromkeys(self.paths, value)
 
+    @property
+    def follows_from_scene(self) -> bool:
+        """Whether the distribution is known only by the body of a scene."""
+        return isinstance(self.distribution, Quality)
+
     def in_scene(self, scene: Scene) -> Variable:
         """Return the variable with its distribution by the tolerance class of a body.
 

@@ -132,6 +132,8 @@ class Designs:
         SceneError
             If a tolerance class does not describe its variable.
         """
+        if not any(variable.follows_from_scene for variable in self.variables):
+            return self  # the fixed changes alone may contradict each other
         scene = scene.replace(self.fixed) if self.fixed else scene
         return replace(self, variables=tuple(one.in_scene(scene) for one in self.variables))
 
