@@ -110,7 +110,7 @@ class Robust:
                 found.append(f"{name}: {words} {', '.join(bent)}")
             if self.study is not None and (missed := _missed(linear, self.samples(name))):
                 percent, size = missed
-                words = f"its {percent:g} % percentile is {size:.3g} beside that of Monte Carlo"
+                words = f"its {percent:g} % percentile differs by {size:.3g} from Monte Carlo"
                 found.append(f"{name}: first order does not hold: {words}")
         if self.study is not None and self.study.failed:
             count, first = len(self.study.failed), self.study.failed[0].outcome.error
