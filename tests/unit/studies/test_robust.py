@@ -122,7 +122,7 @@ def test_a_kink_at_the_mean_and_a_difference_to_monte_carlo_are_noted() -> None:
     kink, distance = found.notes
     words = f"{mean}: first order does not hold: "
     assert kink == f"{words}its derivatives to both sides differ for {path}"
-    assert distance.startswith(f"{words}its 95 % percentile is ")
+    assert distance.startswith(f"{words}its 95 % percentile differs by ")
 
 
 def test_failed_designs_are_left_out_and_counted() -> None:
