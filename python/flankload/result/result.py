@@ -64,8 +64,8 @@ class Result(ContactQuantities):
         Pair numbers: pair 0 is at the pitch point at position 0, greater numbers are further into
         recess.
     position_rad, rotation_rad : (P,) arrays
-        Angle of body 1 (with a cam: of the cam) from position zero, and the additional rotation of
-        body 1 under load.
+        Angle of body 1 (with a cam: of the cam) from position zero; additional rotation of body 1
+        under load.
     reference_radius_mm, face_width_mm : float
         Radius that converts rotation into transmission error; face width.
     pitch_rad, period_rad : float
@@ -83,6 +83,7 @@ class Result(ContactQuantities):
     site_force_N, peak_pressure_MPa : (P, S) arrays
         Force and largest pressure of each flank pair; 0 if open.
     stiffness_tangent_Nm_per_rad : (P,) array
+        Derivative of the torque with respect to the rotation.
     status : (P,) array
         0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not certain.
     pair_tables : sequence of PairTable, one per position
