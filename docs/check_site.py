@@ -55,7 +55,9 @@ def faults(site: Path) -> list[str]:
             parts = urlsplit(link)
             if parts.scheme or parts.netloc:
                 if link in page.fetched and parts.scheme != "data":
-                    found.append(f"{path.relative_to(site.resolve())}: fetched from elsewhere: {link}")
+                    found.append(
+                        f"{path.relative_to(site.resolve())}: fetched from elsewhere: {link}"
+                    )
                 continue
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
             anchor = unquote(parts.fragment)

@@ -15,8 +15,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
-import flankload as fl
 import msgspec
+from msgspec import inspect as kinds_of
+
+import flankload as fl
 from flankload import result as result_package
 from flankload.cli import parser
 from flankload.contact.status import EXCEPTIONS, words
@@ -26,11 +28,10 @@ from flankload.scene.form import expected_of, fields_of, types_of
 from flankload.scene.scene_file import Body1, Body2, SceneFile
 from flankload.scene.table import Table
 from flankload.scene.usual import _usual_ranges
-from msgspec import inspect as kinds_of
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-import make_manual  # noqa: E402
+import make_manual
 
 #: Statuses of the core are at most this far below 0; `info` has other meanings below.
 LAST_STATUS = -100
@@ -39,7 +40,9 @@ LAST_STATUS = -100
 def table(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     """A Markdown table; `|` and line breaks in cells are escaped."""
     lines = [heads, ("---",) * len(heads), *rows]
-    cells = (" | ".join(" ".join(cell.replace("|", "\\|").split()) for cell in row) for row in lines)
+    cells = (
+        " | ".join(" ".join(cell.replace("|", "\\|").split()) for cell in row) for row in lines
+    )
     return "\n".join(f"| {line} |" for line in cells) + "\n"
 
 
