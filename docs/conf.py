@@ -19,7 +19,7 @@ import site_pages  # noqa: E402
 
 project = "flankload"
 author = "flankload developers"
-copyright = author
+copyright = author  # noqa: A001 - a name of Sphinx
 version = release = installed_version("flankload")
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]

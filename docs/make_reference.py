@@ -13,6 +13,7 @@ import sys
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple, get_args
 
 import msgspec
@@ -23,7 +24,7 @@ from flankload import result as result_package
 from flankload.cli import parser
 from flankload.contact.status import EXCEPTIONS, words
 from flankload.cost import COUNTERS
-from flankload.result import belt, chain, coast_contact, export, friction
+from flankload.result import belt, chain, coast_contact, export, friction, root_stress
 from flankload.scene.form import expected_of, fields_of, types_of
 from flankload.scene.scene_file import Body1, Body2, SceneFile
 from flankload.scene.table import Table
@@ -161,6 +162,22 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
         Quantity(f"friction_{name}", unit, "(P,)", friction.FrictionResult, name)
         for name, unit in friction.ALONG_POSITIONS.items()
     ]
+    # the names do not depend on the stresses
+    stress: Any = SimpleNamespace(
+        tension=SimpleNamespace(stress_MPa=None, arc_length_mm=None),
+        compression=SimpleNamespace(stress_MPa=None, arc_length_mm=None),
+    )
+    roots = [
+        Quantity(
+            name,
+            unit,
+            "(P, S)",
+            root_stress.Extremes,
+            "arc_length_mm" if name.endswith("_mm") else "stress_MPa",
+        )
+        for z in (0, 1)
+        for name, (_, unit) in root_stress.root_arrays(stress, z).items()
+    ]
     chains = group(chain.ALONG_POSITIONS, "(P,)", chain.ChainDrive)
     chains += group(chain.OVER_SITES, "(P, S)", chain.ChainDrive)
     belts = group(belt.BeltDrive.along, "(P,)", belt.BeltDrive)
@@ -185,6 +202,7 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
             "With `effects.coast_flank = true`.",
             group(coast_contact.OVER_SITES, "(P, S)"),
         ),
+        ("Tooth root stress", "With `effects.root_stress = true`; `result.root_stress`.", roots),
         ("Chain drives", "`result.drive` of a chain on its sprocket.", chains),
         ("Belt drives", "`result.drive` of a belt on its pulley.", belts),
     ]

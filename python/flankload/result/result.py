@@ -377,7 +377,10 @@ class Result(ContactQuantities):
         roundings or chamfers), the means of both stiffnesses over the period,
         `peak_line_load_N_per_mm` with its position and pair, `largest_sliding_mm_per_rad`
         (magnitude) and `coast_flank_gap_min_um`; if requested, `root_stress_1` and `root_stress_2`
-        with largest `tension` and `compression`, and the `coast_summary` of the coast flanks.
+        with largest `tension` and `compression`, and the `coast_summary` of the coast flanks. In
+        three dimensions `face_load_factor`, `peak_line_load_z_mm` and the largest magnitudes
+        `axial_force_N` and `tilting_moment_Nm`; with shafts `tilt_mean_um_per_mm` and the largest
+        force on each bearing.
         """
         return {
             **self.key_figures,
