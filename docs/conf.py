@@ -2,8 +2,8 @@
 
 The sources are the Markdown files of the repository as they are: `site_pages.py` adds the tables of
 contents and the generated tables when a file is read. Formulas are plain text, so the pages need no
-script for mathematics. The theme furo is plain, has the sections of one tree at the side, suits narrow
-screens, and brings neither fonts nor icons from elsewhere: the site works without a network.
+script for mathematics. The theme furo is plain, has the sections of one tree at the side, suits
+narrow screens, and brings neither fonts nor icons from elsewhere: the site works without a network.
 """
 
 from __future__ import annotations
