@@ -33,6 +33,7 @@ myst_heading_anchors = 4
 # Excerpts of scene files may contain "…", which no lexer knows.
 suppress_warnings = ["misc.highlighting_failure"]
 
+smartquotes = False
 # Single backticks in docstrings are names in code.
 default_role = "literal"
 autodoc_typehints = "none"

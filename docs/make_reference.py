@@ -135,8 +135,8 @@ def scene_keys() -> str:
         for key in keys:
             value = key.expected.replace("a number from ", "").replace("a number ", "")
             name, unit = f"`{key.name}`", unit_shown(key.unit)
-            rows.append((name, unit, value, key.usual, key.default, key.meaning))
-        heads = ("key", "unit", "value", "usual", "default", "meaning")
+            rows.append((name, key.meaning, unit, value, key.usual, key.default))
+        heads = ("key", "meaning", "unit", "value", "usual", "default")
         parts.append(f"## {title}\n\n{text}\n\n{table(heads, rows)}")
     return "\n".join(parts)
 

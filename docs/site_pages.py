@@ -1,8 +1,8 @@
 """Pages of the documentation site: what a Markdown file gets beyond its own text.
 
 An index page lists its pages as Markdown links, `* [Title](page.md): text`; the site makes the
-table of contents from these lines. A page of `docs/guide` that no index lists appears there under
-"Further pages". A line `<!-- generated: NAME -->` is replaced by the text of the function NAME of
+table of contents from these lines. A page that no index lists appears in the index of its folder
+under "Further pages". A line `<!-- generated: NAME -->` is replaced by the text of the function NAME of
 `make_reference.py`.
 """
 
@@ -20,6 +20,7 @@ SOURCES = (
     "docs/**.md",
     "fortran/README.md",
     "examples/README.md",
+    "benchmarks/README.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
 )
@@ -32,9 +33,6 @@ INDEXES = (
     "docs/theory/index",
     "docs/benchmarks/index",
 )
-#: The index that lists what no other one lists, and the folder of these pages.
-REST, REST_FOLDER = "docs/guide/index", "docs/guide"
-
 LISTED = re.compile(r"^\* \[[^\]]+\]\(([\w./-]+\.md)\)", re.MULTILINE)
 #: Beginning of a program in fixed form, which has a lexer of its own.
 FIXED_FORM = re.compile(r"^```fortran\nC", re.MULTILINE)
@@ -64,7 +62,7 @@ def completed(page: str, text: str) -> str:
     if page not in INDEXES:
         return text
     listed = list(pages_of_indexes()[page])
-    if page == REST and (rest := unlisted()):
+    if rest := unlisted(page):
         lines = [f"* [{title_of(other)}]({PurePosixPath(other).name}.md)" for other in rest]
         text = "\n".join([text.rstrip(), "", "## Further pages", "", *lines, ""])
         listed += rest
@@ -105,11 +103,14 @@ def normalized(path: PurePosixPath) -> str:
     return "/".join(parts)
 
 
-def unlisted() -> list[str]:
-    """Pages of the guide that no index lists."""
+def unlisted(index: str) -> list[str]:
+    """Pages in the folder of an index that no index lists; none for the home page."""
+    if index == INDEXES[0]:
+        return []
     listed = {page for pages in pages_of_indexes().values() for page in pages} | set(INDEXES)
-    pages = sorted(f"{REST_FOLDER}/{path.stem}" for path in (ROOT / REST_FOLDER).glob("*.md"))
-    return [page for page in pages if page not in listed]
+    folder = str(PurePosixPath(index).parent)
+    pages = sorted(f"{folder}/{path.stem}" for path in (ROOT / folder).glob("*.md"))
+    return [page for page in pages if page not in listed and not page.endswith(".in")]
 
 
 def title_of(page: str) -> str:
