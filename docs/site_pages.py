@@ -2,8 +2,8 @@
 
 An index page lists its pages as Markdown links, `* [Title](page.md): text`; the site makes the
 table of contents from these lines. A page that no index lists appears in the index of its folder
-under "Further pages". A line `<!-- generated: NAME -->` is replaced by the text of the function NAME of
-`make_reference.py`.
+under "Further pages". A line `<!-- generated: NAME -->` is replaced by the text of the function
+NAME of `make_reference.py`.
 """
 
 from __future__ import annotations
