@@ -10,7 +10,7 @@ from flankload.scene.chain import Chain, Sprocket
 from flankload.scene.gear import Gear, Ring, SplineHub, SplineShaft
 from flankload.scene.mesh import ComplianceBody, MeshBody, Profile
 from flankload.scene.pair import Load
-from flankload.scene.reader import read_scene
+from flankload.scene.reader import SceneLike, read_scene, scene_of
 from flankload.scene.scene import Scene
 from flankload.scene.scene_file import BodySpec
 from flankload.scene.schema import scene_paths, scene_schema
@@ -29,10 +29,12 @@ __all__ = [
     "Pulley",
     "Ring",
     "Scene",
+    "SceneLike",
     "SplineHub",
     "SplineShaft",
     "Sprocket",
     "read_scene",
+    "scene_of",
     "scene_paths",
     "scene_schema",
 ]

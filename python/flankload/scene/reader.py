@@ -3,14 +3,55 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from flankload.errors import SceneError
+from flankload.errors import InputError, SceneError
+from flankload.scene.refusal import shown
 from flankload.scene.scene import Scene
 
+#: What the public functions accept as a scene.
+SceneLike = Scene | Mapping[str, Any] | str | PathLike[str]
 
-def read_scene(path: str | Path) -> Scene:
+
+def scene_of(given: object) -> Scene:
+    """Return a scene in one of the forms that the public functions accept.
+
+    Parameters
+    ----------
+    given : Scene, path or mapping
+        A scene, the path of a scene file, or the keys of a scene as `Scene.from_dict` takes them.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    InputError
+        If the argument is none of these.
+    SceneError
+        As `read_scene` and `Scene.from_dict`.
+    """
+    if isinstance(given, Scene):
+        return given
+    if isinstance(given, str | PathLike):
+        return read_scene(given)
+    if isinstance(given, Mapping):
+        return Scene.from_dict(given)
+    expected = "a Scene, the path of a scene file, or a dictionary with its keys"
+    raise InputError(f"scene: expected {expected}, found {_named(given)}")
+
+
+def _named(value: object) -> str:
+    """A value of a wrong type in a few words."""
+    plain = value is None or isinstance(value, bool | int | float)
+    return str(value) if plain else f"{shown(value)} ({type(value).__name__})"
+
+
+def read_scene(path: str | PathLike[str]) -> Scene:
     """Read a scene file.
 
     Parameters
@@ -27,6 +68,8 @@ def read_scene(path: str | Path) -> Scene:
     SceneError
         If the file cannot be read, is not valid TOML, or contains an invalid scene.
     """
+    if not isinstance(path, str | PathLike):
+        raise InputError(f"path: expected the path of a scene file, found {_named(path)}")
     path = Path(path)
     return Scene.from_dict(read_tables(path, "a scene file"), file=path)
 

@@ -221,13 +221,12 @@ def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) 
 
     def continued(changes: dict[str, float]) -> tuple[Result, ...]:
         earlier = Earlier(parts=parts, similar=states[0])
-        results = run_once(plain.replace(changes), on_states=states.append, earlier=earlier)
-        return _all_of(results)
+        return run_once(plain.replace(changes), on_states=states.append, earlier=earlier)
 
     # complete states beside the scene differ from its own; continued ones from continued ones
     known = known_contacts(states[0].found)
     complete = known is None or not known.count.any()
-    middle = _all_of(results) if complete else continued({})
+    middle = results if complete else continued({})
     stencils = tuple(
         _stencil(path, number_at(scene, path), step, middle, continued)
         for path, step in zip(paths, steps, strict=True)
@@ -239,12 +238,7 @@ def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) 
         "continued_states": sum(int((~part).sum()) for part in anew),
         "solved_states": sum(int(part.sum()) for part in anew),
     }
-    return Sensitivity(scene, tuple(paths), _all_of(results), cost, stencils)
-
-
-def _all_of(results: Result | tuple[Result, ...]) -> tuple[Result, ...]:
-    """Results as a tuple."""
-    return results if isinstance(results, tuple) else (results,)
+    return Sensitivity(scene, tuple(paths), results, cost, stencils)
 
 
 def _require_steady(scene: Scene) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flankload.errors import SceneError
+from flankload.scene import scene_of
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.tree import number_at
 from flankload.studies.design.design_study import DesignStudy
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from concurrent.futures import Executor
 
-    from flankload.scene import Scene
+    from flankload.scene import Scene, SceneLike
     from flankload.studies.design.run_designs import Progress
 
 #: Quantities of a study that names none.
@@ -33,7 +34,7 @@ QUANTITIES = (
 
 
 def study(
-    scene: Scene,
+    scene: SceneLike,
     variables: Mapping[str, Any],
     design: str = "factorial",
     *,
@@ -47,7 +48,8 @@ def study(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or mapping
+        As of `solve`.
     variables : mapping
         By path of a key as in `Scene.replace` (several paths, separated by commas, have the same
         value): a list of values, or a distribution: {"distribution": "normal", "mean": 0,
@@ -87,6 +89,7 @@ def study(
     KeyboardInterrupt
         After Ctrl-C; finished runs are in the store.
     """
+    scene = scene_of(scene)
     designs = Designs(variables_of(variables), design, n, seed)
     return run_study(scene, designs, quantities, store, executor)
 

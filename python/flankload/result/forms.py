@@ -1,0 +1,110 @@
+"""Access to the torques of a result, and its forms as text, files and tables."""
+
+from __future__ import annotations
+
+from math import isclose
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.base.read_only import KeepsReadOnly
+from flankload.errors import InputError
+from flankload.result.contact_quantities import frozen
+from flankload.result.cost_table import cost_table
+from flankload.result.export import results_to_csv, results_to_json, to_xarray
+from flankload.result.stiffness_table import StiffnessTable, stiffness_table
+from flankload.result.table import texts_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from flankload.result.result import Result
+
+#: Relative difference between torques that counts as rounding.
+ROUNDING = 1e-9
+
+
+class ResultForms(KeepsReadOnly):
+    """What a result of one torque and that of a list of torques have in common."""
+
+    if TYPE_CHECKING:
+        # fields of the result
+
+        @property
+        def cost(self) -> Mapping[str, Any]: ...
+
+    @property
+    def by_torque(self) -> tuple[Result, ...]:
+        """The results of single torques: one per torque of a list, otherwise this one alone."""
+        raise NotImplementedError
+
+    @property
+    def has_torque_list(self) -> bool:
+        """Whether arrays have an axis of torques, since the scene has a list of torques."""
+        return False
+
+    @property
+    def torques_Nm(self) -> NDArray[np.float64]:
+        """(T,) Torques on body 1, N m; T = 1 unless the scene has a list of torques."""
+        return frozen(np.array([one.torque_Nm for one in self.by_torque]))
+
+    def at(self, torque_Nm: float) -> Result:
+        """Return the result of one torque.
+
+        Parameters
+        ----------
+        torque_Nm : float
+            One of `torques_Nm`, up to rounding.
+
+        Returns
+        -------
+        Result
+            Without an axis of torques.
+
+        Raises
+        ------
+        InputError
+            If the result has no such torque.
+        """
+        for one in self.by_torque:
+            if _is_number(torque_Nm) and isclose(one.torque_Nm, torque_Nm, rel_tol=ROUNDING):
+                return one
+        known = ", ".join(f"{torque:.12g}" for torque in self.torques_Nm)
+        raise InputError(f"torque_Nm: expected one of {known}, found {torque_Nm!r}")
+
+    def stiffness_table(self) -> StiffnessTable:
+        """Return stiffness and transmission error over the period, for multibody programs."""
+        return stiffness_table(self.by_torque)
+
+    def to_json(self, path: str | Path | None = None) -> str:
+        """Return the result as strict JSON (null for NaN and infinity); write it to `path`.
+
+        A list of torques gives {"torques_Nm": [...], "results": [...]}.
+        """
+        return results_to_json(self.by_torque if self.has_torque_list else self.by_torque[0], path)
+
+    def to_csv(self, path: str | Path | None = None) -> str:
+        """Return the result as CSV, a row per torque and position; write it to `path`."""
+        return results_to_csv(self.by_torque, path)
+
+    def to_xarray(self) -> Any:
+        """Return the result as a labelled `xarray.Dataset` with units; needs the extra [xarray].
+
+        A list of torques has the dimension `torque`.
+        """
+        return to_xarray(self.by_torque if self.has_torque_list else self.by_torque[0])
+
+    def table(self) -> str:
+        """Return the result as text: a row per position, then the summary, for each torque."""
+        return texts_of(self.by_torque)
+
+    def cost_table(self) -> str:
+        """Return the cost of the run as text, stage by stage, beside the prediction."""
+        return cost_table(self.by_torque[0].cost)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
