@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flankload.errors import InputError
+from flankload.base.arguments import require
 from flankload.scene import scene_of
 from flankload.studies import sensitivity as derivatives
 from flankload.studies.prepared import Prepared, solve_scene
@@ -60,8 +60,7 @@ def solve(
         If a position has no answer, or the plan is one of another scene.
     """
     _check_calls(progress=progress, on_duration=on_duration)
-    if plan is not None and not isinstance(getattr(plan, "predicted", None), dict):
-        raise InputError(f"plan: expected a Plan, found {plan!r}")
+    require("plan", plan, "a Plan", fits=plan is None or hasattr(plan, "predicted"))
     return solve_scene(scene_of(scene), progress, None, plan=plan, on_duration=on_duration)
 
 
@@ -121,5 +120,4 @@ def sensitivity(scene: SceneLike | Prepared, paths: Sequence[str]) -> Sensitivit
 def _check_calls(**calls: object) -> None:
     """Refuse what cannot be called, before anything is solved."""
     for name, call in calls.items():
-        if call is not None and not callable(call):
-            raise InputError(f"{name}: expected a function, found {call!r}")
+        require(name, call, "a function", fits=call is None or callable(call))

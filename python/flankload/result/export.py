@@ -145,7 +145,7 @@ def _tree(result: Result) -> dict[str, Any]:
     return tree
 
 
-def _more_arrays(result: Result) -> dict[str, tuple[Any, str]]:
+def more_arrays(result: Result) -> dict[str, tuple[Any, str]]:
     """Arrays (P, S) that only some results have, with their units."""
     found = _arrays_asked_for(result)
     if result.drive is not None:
@@ -198,7 +198,7 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
     rubs = list(FRICTION) if any(result.friction is not None for result in several) else []
     drives = list(several[0].drive.along) if several[0].drive is not None else []
     sites = sorted({int(site) for result in several for site in result.sites})
-    keys = list(dict.fromkeys([*OVER_SITES, *(k for r in several for k in _more_arrays(r))]))
+    keys = list(dict.fromkeys([*OVER_SITES, *(k for r in several for k in more_arrays(r))]))
     along = along_positions(*several)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
@@ -214,7 +214,7 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
     for result in several:
         over = {key: getattr(result, key) for key in OVER_SITES}
         over["line_load_N_per_mm"] = result.site_force_N / result.face_width_mm  # not by slices
-        over |= {key: values for key, (values, _) in _more_arrays(result).items()}
+        over |= {key: values for key, (values, _) in more_arrays(result).items()}
         column = {int(site): s for s, site in enumerate(result.sites)}
         for p in range(result.position_rad.size):
             row = [result.torque_Nm, *(_at(result, key, p) for key in along)]
@@ -325,7 +325,7 @@ def _dataset(result: Result) -> Any:
     }
     for key, unit in OVER_SLICES.items():
         over[key] = variable(dimensions, key, unit)
-    for key, (values, unit) in _more_arrays(result).items():
+    for key, (values, unit) in more_arrays(result).items():
         over[key] = ("position", "site"), values, {"units": unit}
     return xarray.Dataset(
         {**along, **over},

@@ -7,32 +7,46 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.arguments import is_number
+from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
 from flankload.errors import InputError
 from flankload.result.contact_quantities import frozen
 from flankload.result.cost_table import cost_table
 from flankload.result.export import results_to_csv, results_to_json, to_xarray
+from flankload.result.frames import pairs_frame, positions_frame, summary_frame
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.table import texts_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
 
     from flankload.result.result import Result
 
+#: Key figures of the short form, with the names of their estimates.
+FIGURES = {
+    "transmission_error_mean_um": "transmission_error_mean",
+    "transmission_error_peak_to_peak_um": "transmission_error_peak_to_peak",
+    "contact_ratio_under_load": "",
+    "peak_pressure_off_corners_MPa": "peak_pressure",
+}
 #: Relative difference between torques that counts as rounding.
 ROUNDING = 1e-9
 
 
-class ResultForms(KeepsReadOnly):
+class ResultForms(Card, KeepsReadOnly):
     """What a result of one torque and that of a list of torques have in common."""
 
     if TYPE_CHECKING:
         # fields of the result
 
+        @property
+        def name(self) -> str: ...
+        @property
+        def warnings(self) -> Sequence[str]: ...
         @property
         def cost(self) -> Mapping[str, Any]: ...
 
@@ -70,10 +84,23 @@ class ResultForms(KeepsReadOnly):
             If the result has no such torque.
         """
         for one in self.by_torque:
-            if _is_number(torque_Nm) and isclose(one.torque_Nm, torque_Nm, rel_tol=ROUNDING):
+            if is_number(torque_Nm) and isclose(one.torque_Nm, torque_Nm, rel_tol=ROUNDING):
                 return one
         known = ", ".join(f"{torque:.12g}" for torque in self.torques_Nm)
         raise InputError(f"torque_Nm: expected one of {known}, found {torque_Nm!r}")
+
+    def _card_title(self) -> str:
+        return f"Result {self.name!r}"
+
+    def _card_lines(self) -> Iterator[tuple[str, str]]:
+        """Torques, positions, key figures with their estimated errors."""
+        every = self.by_torque
+        yield "torque_Nm", ", ".join(f"{torque:.6g}" for torque in self.torques_Nm)
+        yield "positions", _positions(every[0])
+        yield "pairs", ", ".join(str(site) for site in sorted({s for r in every for s in r.sites}))
+        for key, source in FIGURES.items():
+            yield key, _figure(every, key, source)
+        yield "warnings", f"{len(self.warnings)}{': see result.warnings' * bool(self.warnings)}"
 
     def stiffness_table(self) -> StiffnessTable:
         """Return stiffness and transmission error over the period, for multibody programs."""
@@ -97,6 +124,21 @@ class ResultForms(KeepsReadOnly):
         """
         return to_xarray(self.by_torque if self.has_torque_list else self.by_torque[0])
 
+    def to_dataframe(self) -> Any:
+        """Return a `pandas.DataFrame`, a row per torque and position; needs the extra [pandas].
+
+        Its columns are those of CSV without single pairs, and angles also in degrees.
+        """
+        return positions_frame(self.by_torque)
+
+    def pairs_dataframe(self) -> Any:
+        """Return a `pandas.DataFrame`, a row per torque, position and flank pair."""
+        return pairs_frame(self.by_torque)
+
+    def summary_dataframe(self) -> Any:
+        """Return a `pandas.DataFrame`, a row per torque with the numbers of the summary."""
+        return summary_frame(self.by_torque)
+
     def table(self) -> str:
         """Return the result as text: a row per position, then the summary, for each torque."""
         return texts_of(self.by_torque)
@@ -106,5 +148,19 @@ class ResultForms(KeepsReadOnly):
         return cost_table(self.by_torque[0].cost)
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
+def _positions(result: Result) -> str:
+    """Number and range of the positions of body 1."""
+    place = result.position_deg
+    covered = ", over the whole period" if result.closed else ""
+    where = f" from {place.min():.6g} to {place.max():.6g} deg{covered}" if place.size > 1 else ""
+    return f"{place.size}{where}"
+
+
+def _figure(results: Sequence[Result], key: str, source: str) -> str:
+    """A key figure of each torque with its estimated error."""
+    texts = []
+    for one in results:
+        value, error = one.key_figures[key], (one.estimate or {}).get(source)
+        text = "unknown" if value is None else f"{value:.5g}"
+        texts.append(text if error is None or value is None else f"{text} (+- {error:.1%})")
+    return ", ".join(texts)

@@ -46,7 +46,7 @@ ARRAYS: Mapping[str, tuple[str, type]] = {
 OPTIONAL_ARRAYS = ("follower_angle_rad", "unloaded_rotation_rad")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Result(ContactQuantities, ResultForms):
     """Load distribution at P positions on S sites (flank pairs), for one torque.
 

@@ -8,12 +8,13 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from flankload.errors import InputError, SceneError
-from flankload.scene.refusal import shown
+from flankload.base.arguments import refuse_argument, require
+from flankload.errors import SceneError
 from flankload.scene.scene import Scene
+from flankload.scene.typed_pairs import AsScene
 
 #: What the public functions accept as a scene.
-SceneLike = Scene | Mapping[str, Any] | str | PathLike[str]
+SceneLike = Scene | AsScene | Mapping[str, Any] | str | PathLike[str]
 
 
 def scene_of(given: object) -> Scene:
@@ -21,8 +22,9 @@ def scene_of(given: object) -> Scene:
 
     Parameters
     ----------
-    given : Scene, path or mapping
-        A scene, the path of a scene file, or the keys of a scene as `Scene.from_dict` takes them.
+    given : Scene, typed pair, path or mapping
+        A scene, a `GearPair` or its like, the path of a scene file, or the keys of a scene as
+        `Scene.from_dict` takes them.
 
     Returns
     -------
@@ -37,18 +39,14 @@ def scene_of(given: object) -> Scene:
     """
     if isinstance(given, Scene):
         return given
+    if isinstance(given, AsScene):
+        return given.to_scene()
     if isinstance(given, str | PathLike):
         return read_scene(given)
-    if isinstance(given, Mapping):
-        return Scene.from_dict(given)
-    expected = "a Scene, the path of a scene file, or a dictionary with its keys"
-    raise InputError(f"scene: expected {expected}, found {_named(given)}")
-
-
-def _named(value: object) -> str:
-    """A value of a wrong type in a few words."""
-    plain = value is None or isinstance(value, bool | int | float)
-    return str(value) if plain else f"{shown(value)} ({type(value).__name__})"
+    if not isinstance(given, Mapping):
+        expected = "a Scene, a GearPair or its like, the path of a scene file, or a dictionary"
+        refuse_argument("scene", given, expected)
+    return Scene.from_dict(given)
 
 
 def read_scene(path: str | PathLike[str]) -> Scene:
@@ -68,8 +66,7 @@ def read_scene(path: str | PathLike[str]) -> Scene:
     SceneError
         If the file cannot be read, is not valid TOML, or contains an invalid scene.
     """
-    if not isinstance(path, str | PathLike):
-        raise InputError(f"path: expected the path of a scene file, found {_named(path)}")
+    require("path", path, "the path of a scene file", fits=isinstance(path, str | PathLike))
     path = Path(path)
     return Scene.from_dict(read_tables(path, "a scene file"), file=path)
 

@@ -36,6 +36,9 @@ class Prepared:
         if not scene.steers and scene.effects.choose is None:
             prepare_parts(scene, self.parts)
 
+    def __repr__(self) -> str:
+        return f"Prepared\n{self.scene!r}"
+
     def solve(
         self, changes: Mapping[str, Any] | None = None, progress: Progress | None = None
     ) -> Result:

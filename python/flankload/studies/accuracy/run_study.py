@@ -8,6 +8,7 @@ from pathlib import Path
 from time import process_time
 from typing import TYPE_CHECKING
 
+from flankload.base.arguments import require_names, require_number, require_path
 from flankload.errors import SceneError
 from flankload.scene import scene_of
 from flankload.scene.named_discretization import NamedDiscretization
@@ -85,6 +86,9 @@ def accuracy(
         `PremiseError` if it violates a premise of the model.
     """
     scene = scene_of(scene)
+    require_names("quantities", quantities)
+    require_number("budget_s", budget_s)
+    require_path("resume", resume)
     _check(scene, quantities, budget_s)
     scene, _ = choose_effects(scene)
     run_study = _StudyRuns(

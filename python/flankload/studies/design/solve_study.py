@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flankload.base.arguments import require, require_path
 from flankload.errors import SceneError
 from flankload.scene import scene_of
 from flankload.scene.refusal import refuse, shown
@@ -90,6 +92,9 @@ def study(
         After Ctrl-C; finished runs are in the store.
     """
     scene = scene_of(scene)
+    require_path("store", store)
+    able = executor is None or hasattr(executor, "submit")
+    require("executor", executor, "an Executor", fits=able)
     designs = Designs(variables_of(variables), design, n, seed)
     return run_study(scene, designs, quantities, store, executor)
 
@@ -124,7 +129,7 @@ def run_study(
     designs.check()
     designs = designs.in_scene(scene)
     check_first(scene, designs)
-    if isinstance(quantities, str) or not quantities:
+    if isinstance(quantities, str) or not isinstance(quantities, Iterable) or not quantities:
         refuse("quantities", "a non-empty list of names", shown(quantities))
     names = tuple(dict.fromkeys(quantities))
     with closing(Store(None if store is None else Path(store))) as opened:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.card import Card
 from flankload.base.text_table import text_table
 from flankload.errors import FlankloadError
 from flankload.mechanisms import Parts
@@ -45,8 +47,8 @@ LEAST_SAMPLES = 2
 HOLDS = 0.1
 
 
-@dataclass(frozen=True, eq=False)
-class Robust:
+@dataclass(frozen=True, eq=False, repr=False)
+class Robust(Card):
     """Scatter of a scene's results; from `robust`.
 
     Attributes
@@ -201,7 +203,7 @@ def robust(
     scene = scene.scene if isinstance(scene, Prepared) else scene_of(scene)
     if design not in OF_DRAWS:
         refuse("design", " or ".join(f"'{kind}'" for kind in OF_DRAWS), shown(design))
-    if isinstance(quantities, str) or not quantities:
+    if isinstance(quantities, str) or not isinstance(quantities, Iterable) or not quantities:
         refuse("quantities", "a non-empty list of names", shown(quantities))
     designs = Designs(variables_of(variables), design, n or 1, seed)
     designs.check()

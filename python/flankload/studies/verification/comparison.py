@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.arguments import require, require_path
+from flankload.base.card import Card
 from flankload.base.files import write_atomically
 from flankload.errors import OtherProgramError, SceneError
 from flankload.mechanisms import run_once
@@ -32,8 +34,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Verification:
+@dataclass(frozen=True, eq=False, repr=False)
+class Verification(Card):
     """One position by both programs; S pairs that may touch.
 
     Attributes
@@ -158,6 +160,8 @@ def verify(
     OtherProgramError
         If CalculiX is missing or finds no solution; `folder` of the exception keeps its files.
     """
+    require("position", position, "an integer", fits=isinstance(position, int | np.integer))
+    require_path("folder", folder)
     scene, result = _solved(scene_of(scene), position)
     model = model_of(
         scene,
