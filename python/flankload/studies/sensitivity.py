@@ -49,8 +49,8 @@ ANGLE_STEP, RELATIVE_STEP = 1e-6, 1e-5
 STEPS_OF_LENGTH = {"mm": LENGTH_STEP, "um": 1e3 * DEVIATION_STEP, "um/mm": 1e3 * SLOPE_STEP}
 #: Tables whose keys set the discretization, not the drive.
 NOT_PHYSICAL = ("accuracy", "positions")
-#: Weights of the values at 0, 1 and 2 steps for a derivative to one side, at 0 and 1 for one of first
-#: order, and at -1, 0 and 1 for one in the middle.
+#: Weights of the values at 0, 1 and 2 steps for a derivative to one side, at 0 and 1 for one of
+#: first order, and at -1, 0 and 1 for one in the middle.
 TO_ONE_SIDE, FIRST_ORDER, CENTRAL = (-1.5, 2.0, -0.5), (-1.0, 1.0, 0.0), (-0.5, 0.0, 0.5)
 
 
