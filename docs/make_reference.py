@@ -241,14 +241,11 @@ def meaning_of(owner: type, name: str) -> str:
     LookupError
         If nothing documents it.
     """
-    for form in owner.__mro__:
+    for form in (*owner.__mro__, *result_classes()):
         found = documented(form).get(name)
         if found:
-            return found
-    for form in result_classes():
-        found = documented(form).get(name)
-        if found:
-            return found
+            found = found[0].upper() + found[1:]
+            return found if ". " in found else found.removesuffix(".")
     raise LookupError(f"{owner.__name__}.{name} has no documentation")
 
 
