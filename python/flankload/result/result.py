@@ -80,7 +80,7 @@ class Result(ContactQuantities, ResultForms):
         axes to the line through its axis and its roller's centre (along its flat). None for other
         pairs.
     site_force_N, peak_pressure_MPa : (P, S) arrays
-        Force of each flank pair, 0 if open; its largest pressure, 0 if open.
+        Force of each flank pair, 0 if open; largest pressure of each flank pair, 0 if open.
     stiffness_tangent_Nm_per_rad : (P,) array
         Derivative of the torque with respect to the rotation.
     status : (P,) array
