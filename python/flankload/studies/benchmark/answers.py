@@ -105,8 +105,8 @@ def answers_of(case: Case, folder: Path) -> tuple[dict[str, float], float]:
     elif any(place_of(identifier)[0] == "compliance" for identifier in case.quantities):
         known = {"compliance": _compliance(case, folder)}
     else:
-        scene = read_scene(folder / case.name / "scene.toml")
-        known = _of_result(solve_scene(scene, None, None))
+        found = solve_scene(read_scene(folder / case.name / "scene.toml"), None, None)
+        known = _of_result(found)
     values = {}
     for identifier in case.quantities:
         name, place = place_of(identifier)
