@@ -29,7 +29,7 @@ WIDE, THIN, HUB = (-3.0, 4.0), (-0.5, 1.5), (-2.0, 6.0)
 WEBBED = build_involute_body(
     gear(web_width_mm=4.0, rim_thickness_mm=6.0, hub_diameter_mm=38.0, hub_width_mm=20.0),
     "body_1",
-    flank_element_mm=2.25,
+    flank_element_mm=3.5,
     regions=("web", "hub"),
 )
 COARSE = Prism((-7.0, 7.0), degree=6, load_degree=2, cut_degree=3)
