@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -190,6 +191,7 @@ def test_the_response_is_positive_definite() -> None:
     assert np.linalg.eigvalsh(whole).min() > 0
 
 
+@cache
 def _found(prism: Prism = COARSE, **keys) -> BodyCompliance:
     return prism_compliance(WEBBED, replace(prism, **keys), n_modes=3)
 
