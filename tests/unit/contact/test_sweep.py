@@ -86,7 +86,7 @@ def test_without_torque_nothing_yields_and_no_elements_are_solved() -> None:
     assert found.estimate is None
     np.testing.assert_allclose(found.transmission_error_um, 0.0, rtol=0, atol=1e-6)
     torques = {"torque_Nm": [0, 302]}
-    unloaded, loaded = solved(load=torques, positions={"count": 4}, by=fl.solve)
+    unloaded, loaded = solved(load=torques, positions={"count": 4}, by=fl.solve).by_torque
     assert loaded.cost["fe_factorisations"] == 2
     assert not unloaded.site_force_N.any()
 
@@ -212,7 +212,7 @@ def test_stiffness_tangent_is_the_slope_of_torque_over_rotation() -> None:
     torques = [302 * (1 - step), 302.0, 302 * (1 + step)]
     below, at, above = solved(
         load={"torque_Nm": torques}, positions={"count": 4}, accuracy={"estimate": False}
-    )
+    ).by_torque
     slope = (torques[2] - torques[0]) / (above.rotation_rad - below.rotation_rad)
     # the cells are laid for each torque anew: their own error differs a little
     np.testing.assert_allclose(at.stiffness_tangent_Nm_per_rad, slope, rtol=2e-2)
