@@ -11,13 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
 from flankload.plot.style import GREY, SIZE, STYLE, short
+from flankload.result.plotting import torques_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
-    from matplotlib.text import Annotation
 
     from flankload.result import Result
 
@@ -38,8 +38,7 @@ def as_results(results: Result | Sequence[Result]) -> tuple[Result, ...]:
     ----------
     results : Result, or sequence of Result
     """
-    several = (results,) if hasattr(results, "torque_Nm") else tuple(results)
-    return tuple(sorted(several, key=lambda result: result.torque_Nm))
+    return tuple(sorted(torques_of(results), key=lambda result: result.torque_Nm))
 
 
 def heaviest(results: Result | Sequence[Result]) -> Result:
@@ -113,7 +112,8 @@ def fit(figure: Figure) -> None:
     """
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     width, height = figure.get_size_inches()
-    shape, reach = (1, 1), {}
+    shape = (1, 1)
+    reach: dict[tuple[str, int], float] = {}
     for axes in figure.axes:
         if (spec := axes.get_subplotspec()) is None:
             continue
@@ -168,7 +168,8 @@ def _part(gap: float, whole: float, count: int) -> float:
 
 def legend_below(axes: Axes, *handles_and_labels: Any, **options: Any) -> None:
     """A legend below the label of the horizontal axis, where it covers nothing."""
-    below = offset_copy(axes.transAxes, axes.figure, y=-LEGEND_BELOW, units="points")
+    figure: Any = axes.figure
+    below = offset_copy(axes.transAxes, figure, y=-LEGEND_BELOW, units="points")
     axes.legend(
         *handles_and_labels,
         loc="upper center",
@@ -212,9 +213,7 @@ def label_curves(
 
 def spread_labels(axes: Axes) -> None:
     """Move the labels of curves apart, by no more than necessary, within the panel's height."""
-    labels: list[Annotation] = [
-        text for text in axes.texts if text.get_gid() == CURVE_LABEL  # type: ignore[misc]
-    ]
+    labels: list[Any] = [text for text in axes.texts if text.get_gid() == CURVE_LABEL]
     if not labels:
         return
     per_point = axes.figure.dpi / 72.0

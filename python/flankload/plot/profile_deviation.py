@@ -25,9 +25,7 @@ LEAST_SPAN_UM = 5.0
 ROW = 0.085
 
 
-def plot_profile_deviation(
-    results: Result | Sequence[Result], body: int | None = None
-) -> Figure:
+def plot_profile_deviation(results: Result | Sequence[Result], body: int | None = None) -> Figure:
     """Deviation from the involute along its normal, a panel for each body that has one.
 
     Parameters
