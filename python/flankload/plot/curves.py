@@ -305,8 +305,8 @@ def draw_follower_motion(axes: Axes, results: Sequence[Result]) -> None:
         raise ValueError("result: expected a follower on its cam, found none")
     label_positions(axes, result)
     angle, turned = curve(result, np.degrees(result.follower_angle_rad))
-    axes.plot(angle, turned, color=BODIES[1], **marks(result))
-    axes.set_ylabel("follower angle in degrees", color=BODIES[1])
+    axes.plot(angle, turned, color=BODIES[0], **marks(result))
+    axes.set_ylabel("follower angle in degrees", color=BODIES[0])
     if (result.site_force_N > 0).any():
         second = axes.twinx()
         second.spines["right"].set_visible(True)

@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
-from flankload.plot.style import GREY, SIZE, STYLE, short
+from flankload.plot.style import GREY, SIZE, STYLE, missing_letters_are_boxes, short
 from flankload.result.plotting import torques_of
 
 if TYPE_CHECKING:
@@ -110,6 +110,28 @@ def fit(figure: Figure) -> None:
     One pass: text sizes do not depend on the size of a panel. (A layout engine of matplotlib
     needs the time of two more drawings.)
     """
+    width, height = figure.get_size_inches()
+    with missing_letters_are_boxes():
+        shape, reach = _reach(figure)
+    above = TITLE if figure.get_suptitle() else 0.0
+    left, right = reach.get(("left", 0), PAD), reach.get(("right", shape[1]), PAD)
+    top, bottom = above + reach.get(("top", 0), PAD), reach.get(("bottom", shape[0]), PAD)
+    across = _gap(reach, "right", "left", shape[1])
+    down = _gap(reach, "bottom", "top", shape[0])
+    figure.subplots_adjust(
+        left=left / width,
+        right=1.0 - right / width,
+        top=1.0 - top / height,
+        bottom=bottom / height,
+        wspace=_part(across, width - left - right, shape[1]),
+        hspace=_part(down, height - top - bottom, shape[0]),
+    )
+    for axes in figure.axes:
+        spread_labels(axes)
+
+
+def _reach(figure: Figure) -> tuple[tuple[int, int], dict[tuple[str, int], float]]:
+    """Rows and columns of the panels; inches that texts need on each side of each row or column."""
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     width, height = figure.get_size_inches()
     shape = (1, 1)
@@ -131,21 +153,7 @@ def fit(figure: Figure) -> None:
             ("bottom", cell.rowspan.stop, inside.y0 * height - y0),
         ):
             reach[side, place] = max(beyond + PAD, reach.get((side, place), PAD))
-    above = TITLE if figure.get_suptitle() else 0.0
-    left, right = reach.get(("left", 0), PAD), reach.get(("right", shape[1]), PAD)
-    top, bottom = above + reach.get(("top", 0), PAD), reach.get(("bottom", shape[0]), PAD)
-    across = _gap(reach, "right", "left", shape[1])
-    down = _gap(reach, "bottom", "top", shape[0])
-    figure.subplots_adjust(
-        left=left / width,
-        right=1.0 - right / width,
-        top=1.0 - top / height,
-        bottom=bottom / height,
-        wspace=_part(across, width - left - right, shape[1]),
-        hspace=_part(down, height - top - bottom, shape[0]),
-    )
-    for axes in figure.axes:
-        spread_labels(axes)
+    return shape, reach
 
 
 def _outside(axes: Axes) -> list[Artist]:

@@ -49,7 +49,7 @@ def plot_load_per_tooth(results: Result | Sequence[Result], position: int | None
         figure = empty_figure((6.2, 5.6))
         axes = figure.add_subplot(projection="polar")
         draw_load_per_tooth(axes, (result,), position=p)
-        _title(figure, result, f"Load per tooth{_where(result, p)}", _beside_mean(result, p))
+        _title(figure, result, f"Load per tooth{_where(result, p)}", _beside_mean(result, p), 24.0)
         fit(figure)
         return figure
 
@@ -218,10 +218,10 @@ def _where(result: Result, p: int) -> str:
     return f" at {degrees(result.position_rad[p]):.4g}°"
 
 
-def _title(figure: Figure, result: Result, title: str, second: str) -> None:
+def _title(figure: Figure, result: Result, title: str, second: str, pad: float = 6.0) -> None:
     set_title(figure, result, title)
     axes = figure.axes[0]
-    axes.set_title(second, fontsize=9, fontweight="normal", color=GREY, loc="left")
+    axes.set_title(second, fontsize=9, fontweight="normal", color=GREY, loc="left", pad=pad)
 
 
 def _round_steps(largest: float) -> NDArray[np.float64]:
