@@ -46,7 +46,7 @@ def run(arguments: Namespace) -> None:
         plan = _plan(scene, progress) if arguments.cost else None
         announce = None if arguments.quiet else partial(_announce, progress)
         found = solve(scene, progress=progress.tell, plan=plan, on_duration=announce)
-    results = found if isinstance(found, tuple) else (found,)
+    results = found.by_torque
     pictures: tuple[Path, ...] = ()
     if arguments.plot is not None:
         from flankload.plot import plot_all

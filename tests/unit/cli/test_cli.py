@@ -17,7 +17,7 @@ import pytest
 
 from flankload.cli import main
 from flankload.errors import NoContactState, SceneError
-from flankload.result import results_to_text, stiffness_table
+from flankload.result import TorqueSeries
 from tests.support.made_up_result import made_up_result
 from tests.support.paths import DOCS
 from tests.support.small_job import SCENE
@@ -79,7 +79,8 @@ def test_run_solves_and_writes_everything(
     assert tree["cost"]["fe_factorisations"] == 2
     rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8"))))
     assert [float(row["transmission_error_um"]) for row in rows] == tree["transmission_error_um"]
-    assert len(os.listdir(tmp_path / "out")) == 6
+    for name in sorted(os.listdir(tmp_path / "out")):
+        assert f"\nwrote {tmp_path / 'out' / name}" in out
 
 
 def test_installed_command_prints_no_progress_into_a_pipe(scene: Path) -> None:
@@ -253,9 +254,9 @@ def test_costs_follow_the_tables_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(importlib.import_module("flankload.studies.plan"), "plan", lambda _: None)
-    solved[0] = (made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0))
-    cost = solved[0][0].cost_table()
-    expected = "\n\n".join([results_to_text(solved[0]), cost]) + "\n"
+    solved[0] = TorqueSeries([made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)])
+    cost = solved[0].cost_table()
+    expected = "\n\n".join([solved[0].table(), cost]) + "\n"
     assert run(capsys, "run", scene, "--cost") == (0, expected, "")
     assert run(capsys, "run", scene, "--cost", "--quiet") == (0, cost + "\n", "")
     assert "0.120  0.100" in cost
@@ -267,8 +268,8 @@ def test_costs_follow_the_tables_once(
 def test_stiffness_of_all_torques_goes_to_one_file(
     scene: Path, tmp_path: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    solved[0] = (made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0))
-    expected = stiffness_table(solved[0]).to_csv()
+    solved[0] = TorqueSeries([made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)])
+    expected = solved[0].stiffness_table().to_csv()
     path = tmp_path / "stiffness.csv"
     assert run(capsys, "run", scene, "--stiffness-csv", path, "--quiet") == (0, "", "")
     assert path.read_text(encoding="utf-8") == expected
@@ -285,7 +286,7 @@ def test_dash_sends_only_the_data_to_stdout(
 def test_list_of_torques_gives_a_list_of_everything(
     scene: Path, tmp_path: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    solved[0] = (made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0))
+    solved[0] = TorqueSeries([made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)])
     code, out, _ = run(
         capsys, "run", scene, "--json", tmp_path / "a.json", "--plot", tmp_path / "out"
     )
@@ -294,7 +295,22 @@ def test_list_of_torques_gives_a_list_of_everything(
     assert "made-up pair: 302 N m" in out
     tree = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert tree["torques_Nm"] == [100.0, 302.0]
-    assert sorted(os.listdir(tmp_path / "out")) == ["torque_100_Nm", "torque_302_Nm"]
+    names = os.listdir(tmp_path / "out")
+    assert {"transmission_error.png", "loaded_pair.png", "torque_sweep.png"} < set(names)
+    assert sorted(re.findall(r"wrote .*/(.*)", out)) == sorted(names)
+
+
+def test_plots_have_the_formats_and_the_size_asked_for(
+    scene: Path, tmp_path: Path, solved: list[Any], monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    import flankload.plot
+
+    given: dict[str, Any] = {}
+    monkeypatch.setattr(flankload.plot, "plot_all", lambda *_, **options: given.update(options))
+    options = ("--format", "svg", "--format", "PDF,svg", "--size", "160x90", "--dpi", "300")
+    assert run(capsys, "run", scene, "--quiet", "--plot", tmp_path / "out", *options)[0] == 0
+    assert given == {"formats": ("svg", "pdf"), "dpi": 300.0, "size_mm": (160.0, 90.0)}
 
 
 @pytest.mark.parametrize(
@@ -307,6 +323,16 @@ def test_list_of_torques_gives_a_list_of_everything(
         (["--plot", "pair.toml/out"], "--plot: expected a folder, found the file pair.toml"),
         (["--plot", "p.pdf"],
          "--plot: expected a folder for PNG files, such as p, found p.pdf, the name of a file"),
+        (["--plot", "p.svg", "--format", "svg"],
+         "--plot: expected a folder for SVG files, such as p, found p.svg, the name of a file"),
+        (["--format", "svg"], "--format: expected --plot DIR beside it, found no --plot"),
+        (["--plot", "out", "--format", "svg,gif"],
+         "--format: expected png, svg or pdf, or several with commas, found 'gif'"),
+        (["--plot", "out", "--dpi", "5"], "--dpi: expected a number from 30 to 1200, found '5'"),
+        (["--plot", "out", "--size", "160"],
+         "--size: expected WxH, such as 160x100, each from 40 to 1000 mm, found '160'"),
+        (["--plot", "out", "--size", "160x5"],
+         "--size: expected WxH, such as 160x100, each from 40 to 1000 mm, found '160x5'"),
         (["--json", "pair.toml"], "--json: expected a file other than the scene, found pair.toml"),
         (["--csv", "./pair.toml"], "--csv: expected a file other than the scene, found pair.toml"),
         (["--json", "link.toml"], "--json: expected a file other than the scene, found link.toml"),

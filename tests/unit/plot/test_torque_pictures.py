@@ -21,7 +21,7 @@ from flankload.plot.diameters import path_on_flank
 from flankload.plot.figures import CURVE_LABEL, label_curves, spread_labels
 from flankload.plot.spectrum import spectrum
 from flankload.plot.style import BODIES, COLOURS, torque_colours
-from flankload.result import Result
+from flankload.result import Result, TorqueSeries
 from flankload.result.geometry import PairGeometry
 from flankload.result.plotting import Plots
 from tests.support.made_up_result import BASE_RADII, DISTANCE, TEETH, made_up_result
@@ -240,6 +240,16 @@ def test_accessor_has_a_method_for_every_picture(results: tuple[Result, ...]) ->
         assert callable(getattr(Plots, name))
         assert name in plot.DRAWINGS
     assert results[0].plot.names() == plot.pictures_of(results[0])
+
+
+def test_result_of_a_list_of_torques_draws_all_of_them(
+    results: tuple[Result, ...], axes: Axes
+) -> None:
+    series = TorqueSeries(results)
+    assert series.plot.stiffness(axes) is axes
+    assert labels(axes) == ["100 N m", "200 N m", "302 N m"]
+    assert series.plot.names() == plot.pictures_of(results)
+    assert "torque_sweep" not in series.at(200.0).plot.names()
 
 
 def test_without_axes_a_figure_with_a_title_is_made(results: tuple[Result, ...]) -> None:
