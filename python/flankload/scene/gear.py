@@ -23,6 +23,7 @@ from flankload.scene.axial import (
     ToothHelixSlopes,
     TopographyFile,
 )
+from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse
 from flankload.scene.regions import (
     HubDiameter,
@@ -35,6 +36,7 @@ from flankload.scene.regions import (
     WebWidth,
 )
 from flankload.scene.table import (
+    MOST_TEETH,
     USUAL_ERRORS,
     USUAL_MODIFICATION,
     USUAL_ROUNDING,
@@ -59,7 +61,47 @@ LEAST_BORE = 1e-3
 LARGEST_PITCH_ERROR = 0.1
 
 
-class InvoluteKeys(Table, frozen=True, kw_only=True):
+class ThicknessKeys(Table, frozen=True, kw_only=True):
+    """Keys of the tooth thickness, in the normal section; at most one measurement."""
+
+    tooth_thickness_allowance_um: Annotated[
+        Deviation | None,
+        about(
+            "um",
+            "deviation of the tooth thickness on the reference circle from that of the profile "
+            "shift, in the normal section (E_sn); negative = thinner teeth; the root is cut "
+            "deeper accordingly",
+            usual=USUAL_MODIFICATION,
+        ),
+    ] = None
+    span_measurement_mm: Annotated[
+        Length | None,
+        about(
+            "mm",
+            "span measurement W_k of the finished teeth, in place of the allowance; requires "
+            "span_teeth",
+            usual=USUAL_SIZE,
+        ),
+    ] = None
+    span_teeth: Annotated[
+        Annotated[int, Meta(ge=1, le=MOST_TEETH)] | None,
+        about("-", "number of teeth spanned, k"),
+    ] = None
+    ball_measurement_mm: Annotated[
+        Length | None,
+        about(
+            "mm",
+            "dimension over two balls, or between them for internal teeth (M_dK), in place of "
+            "the allowance; requires measuring_ball_mm",
+            usual=USUAL_SIZE,
+        ),
+    ] = None
+    measuring_ball_mm: Annotated[
+        Length | None, about("mm", "diameter of the balls", usual=(0.1, 200.0))
+    ] = None
+
+
+class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
     """Keys of an involute profile in the transverse section, without those of its root."""
 
     module_mm: Annotated[Length, about("mm", "module", usual=(0.02, 100.0))]
@@ -142,6 +184,7 @@ class Gear(RegionKeys, AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True
     bore_diameter_mm: Annotated[
         Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
     ]
+    material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
@@ -210,6 +253,7 @@ class RingKeys(InvoluteKeys, BodyTable, frozen=True, kw_only=True):
     outer_diameter_mm: Annotated[
         Length, about("mm", "outer diameter of the rim, where the body is fixed", usual=USUAL_SIZE)
     ]
+    material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
@@ -281,6 +325,7 @@ class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="splin
     bore_diameter_mm: Annotated[
         Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
     ]
+    material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
@@ -347,6 +392,7 @@ def check_tip(
     body: InvoluteKeys, given: Mapping[str, Any], key: str, *, inwards: bool = False
 ) -> None:
     """Check that a tip has a rounding or a chamfer, and a relief both depth and start."""
+    check_thickness(body, key, inwards=inwards)
     if body.tip_radius_mm is not None and body.tip_chamfer_mm is not None:
         refuse(
             f"{key}.tip_radius_mm",
@@ -374,6 +420,37 @@ def check_tip(
             f"{key}.tip_relief_start_diameter_mm",
             f"{side} than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
             start,
+        )
+
+
+#: Measurements of the tooth thickness, with the key that each requires.
+MEASURED = {"span_measurement_mm": "span_teeth", "ball_measurement_mm": "measuring_ball_mm"}
+
+
+def check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
+    """Check that there is one key of the thickness, with the one that it requires."""
+    named = [
+        name
+        for name in ("tooth_thickness_allowance_um", *MEASURED)
+        if getattr(body, name) is not None
+    ]
+    if len(named) > 1:
+        refuse(
+            f"{key}.{named[1]}",
+            f"nothing beside {key}.{named[0]}, which gives the tooth thickness as well",
+            getattr(body, named[1]),
+        )
+    for name, beside in MEASURED.items():
+        value, other = getattr(body, name), getattr(body, beside)
+        if value is not None and other is None:
+            refuse(f"{key}.{beside}", f"a number, since there is a {key}.{name}", None)
+        if value is None and other is not None:
+            refuse(f"{key}.{name}", f"a number, since there is a {key}.{beside}", None)
+    if inwards and body.span_measurement_mm is not None:
+        refuse(
+            f"{key}.span_measurement_mm",
+            "nothing for internal teeth (ball_measurement_mm instead)",
+            body.span_measurement_mm,
         )
 
 

@@ -26,6 +26,7 @@ from flankload.bodies.profile.involute import (
     involute_function,
     roll_of_involute_angle,
 )
+from flankload.bodies.profile.tooth_thickness import generating_shift
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece, FlankCurve, Place
 
@@ -132,18 +133,19 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     if z < 3:
         raise SceneError(key=f"{key}.teeth", expected="at least 3 teeth", found=f"{z}")
     normal_angle = radians(spec.pressure_angle_deg)
+    shift = generating_shift(spec, z, key, helix_rad=spec.helix_rad)
     rack = basic_rack(
         teeth=z,
         module_mm=spec.module_mm,
         pressure_angle_rad=normal_angle,
-        profile_shift=spec.profile_shift,
+        profile_shift=shift,
         dedendum_factor=spec.dedendum_factor,
         fillet_radius_factor=spec.fillet_radius_factor,
         key=key,
         helix_angle_rad=spec.helix_rad,
     )
     base_radius = rack.reference_radius_mm * cos(rack.pressure_angle_rad)
-    base_half_angle = (0.5 * pi + 2 * spec.profile_shift * tan(normal_angle)) / z
+    base_half_angle = (0.5 * pi + 2 * shift * tan(normal_angle)) / z
     base_half_angle += involute_function(rack.pressure_angle_rad)
     plain = InvoluteFlank(base_radius, base_half_angle, Modifications.none())
     start = _form_point(rack, plain)

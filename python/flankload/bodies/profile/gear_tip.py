@@ -13,6 +13,7 @@ import numpy as np
 
 from flankload.bodies.bisection import sign_change
 from flankload.bodies.profile.involute import Involute, InvoluteFlank, Modifications
+from flankload.bodies.profile.tooth_thickness import ThicknessKeys
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece, Place, fit_flank_curve, fit_tolerance_mm
 
@@ -26,15 +27,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-class FlankGeometry(Protocol):
+class FlankGeometry(ThicknessKeys, Protocol):
     """Keys of an involute profile without those of its root, as in the scene."""
 
-    @property
-    def module_mm(self) -> float: ...
-    @property
-    def pressure_angle_deg(self) -> float: ...
-    @property
-    def profile_shift(self) -> float: ...
     @property
     def tip_diameter_mm(self) -> float: ...
     @property

@@ -26,6 +26,7 @@ from flankload.bodies.profile.involute import (
     involute_function,
     roll_of_involute_angle,
 )
+from flankload.bodies.profile.tooth_thickness import generating_shift
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece, FlankCurve
 
@@ -135,7 +136,8 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
     """
     z, pressure_angle = spec.teeth, radians(spec.pressure_angle_deg)
     reference_radius = 0.5 * z * spec.module_mm
-    base_half_angle = (0.5 * pi + 2 * spec.profile_shift * tan(pressure_angle)) / z
+    shift = generating_shift(spec, z, key, outward=-1)
+    base_half_angle = (0.5 * pi + 2 * shift * tan(pressure_angle)) / z
     involute = Involute(
         base_radius_mm=reference_radius * cos(pressure_angle),
         reference_radius_mm=reference_radius,
