@@ -123,12 +123,41 @@ class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
         about("mm", "diameter at which the tip relief begins", usual=USUAL_SIZE),
     ] = None
     tip_relief_shape: Annotated[
-        Literal["linear", "parabolic"],
+        Literal["linear", "parabolic", "double_linear"],
         about(
             "",
             "shape of the tip relief over the roll angle: 'linear', as on drawings, begins "
-            "with a kink, which acts as a sharp corner; 'parabolic' begins without a kink",
+            "with a kink, which acts as a sharp corner; 'parabolic' begins without a kink; "
+            "'double_linear' has two straight parts that meet at tip_relief_knee_diameter_mm",
         ),
+    ] = "linear"
+    tip_relief_knee_um: Annotated[
+        Relief | None,
+        about(
+            "um",
+            "tip relief at tip_relief_knee_diameter_mm, with tip_relief_shape = 'double_linear'",
+            usual=USUAL_MODIFICATION,
+        ),
+    ] = None
+    tip_relief_knee_diameter_mm: Annotated[
+        Length | None,
+        about("mm", "diameter at which both parts of the tip relief meet", usual=USUAL_SIZE),
+    ] = None
+    root_relief_um: Annotated[
+        Relief | None,
+        about(
+            "um",
+            "root relief at the form circle, normal to the involute",
+            usual=USUAL_MODIFICATION,
+        ),
+    ] = None
+    root_relief_start_diameter_mm: Annotated[
+        Length | None,
+        about("mm", "diameter at which the root relief begins", usual=USUAL_SIZE),
+    ] = None
+    root_relief_shape: Annotated[
+        Literal["linear", "parabolic"],
+        about("", "shape of the root relief over the roll angle, as tip_relief_shape"),
     ] = "linear"
     tip_radius_mm: Annotated[
         Length | None,
@@ -165,6 +194,9 @@ class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
         return pi * self.module_mm / cos(self.helix_rad) * cos(transverse)
 
 
+ToolLength = Annotated[float, Meta(ge=0, le=1000)]
+
+
 class Geometry(InvoluteKeys, frozen=True, kw_only=True):
     """Keys of the profile of an external gear, whose root is cut by a generating rack."""
 
@@ -175,6 +207,28 @@ class Geometry(InvoluteKeys, frozen=True, kw_only=True):
         Annotated[float, Meta(ge=0, le=2)],
         about("-", "tip radius of the generating rack in modules; determines the root fillet"),
     ] = 0.38
+    protuberance_mm: Annotated[
+        ToolLength | None,
+        about(
+            "mm",
+            "protuberance of the rack's tip beyond its flank, normal to the flank (pr_P0): the "
+            "root is cut free by protuberance_mm - grinding_stock_mm",
+            usual=(5e-3, 3.0),
+        ),
+    ] = None
+    protuberance_angle_deg: Annotated[
+        Annotated[float, Meta(ge=0, lt=45)],
+        about("deg", "pressure angle of the protuberance flank, less than that of the rack"),
+    ] = 8.0
+    grinding_stock_mm: Annotated[
+        ToolLength,
+        about(
+            "mm",
+            "stock that the rack leaves on each flank, normal to it, and that is ground off; the "
+            "keys of the thickness are those of the finished teeth",
+            usual=(5e-3, 3.0),
+        ),
+    ] = 0.0
 
 
 class Gear(RegionKeys, AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
@@ -393,6 +447,9 @@ def check_tip(
 ) -> None:
     """Check that a tip has a rounding or a chamfer, and a relief both depth and start."""
     check_thickness(body, key, inwards=inwards)
+    _check_reliefs(body, given, key)
+    if isinstance(body, Geometry):
+        check_protuberance(body, given, key)
     if body.tip_radius_mm is not None and body.tip_chamfer_mm is not None:
         refuse(
             f"{key}.tip_radius_mm",
@@ -423,8 +480,31 @@ def check_tip(
         )
 
 
+_DOUBLE = "double_linear"
 #: Measurements of the tooth thickness, with the key that each requires.
 MEASURED = {"span_measurement_mm": "span_teeth", "ball_measurement_mm": "measuring_ball_mm"}
+
+
+def check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> None:
+    """Check that a protuberance exceeds the grinding stock and has a smaller pressure angle."""
+    if body.protuberance_mm is None:
+        for name in ("protuberance_angle_deg", "grinding_stock_mm"):
+            if name in given:
+                refuse(f"{key}.protuberance_mm", f"a number, since there is a {key}.{name}", None)
+        return
+    if body.protuberance_mm <= body.grinding_stock_mm:
+        refuse(
+            f"{key}.protuberance_mm",
+            f"more than {key}.grinding_stock_mm ({body.grinding_stock_mm:g}), so that the root is "
+            "cut free",
+            body.protuberance_mm,
+        )
+    if body.protuberance_angle_deg >= body.pressure_angle_deg:
+        refuse(
+            f"{key}.protuberance_angle_deg",
+            f"less than {key}.pressure_angle_deg ({body.pressure_angle_deg:g})",
+            body.protuberance_angle_deg,
+        )
 
 
 def check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
@@ -451,6 +531,29 @@ def check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
             f"{key}.span_measurement_mm",
             "nothing for internal teeth (ball_measurement_mm instead)",
             body.span_measurement_mm,
+        )
+
+
+def _check_reliefs(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> None:
+    """Check that a knee belongs to a double-linear tip relief, and a root relief has a start."""
+    double = body.tip_relief_shape == "double_linear"
+    for name in ("tip_relief_knee_um", "tip_relief_knee_diameter_mm"):
+        value = getattr(body, name)
+        if double and value is None:
+            refuse(f"{key}.{name}", f"a number, since {key}.tip_relief_shape is '{_DOUBLE}'", None)
+        if not double and value is not None:
+            refuse(f"{key}.{name}", f"nothing without {key}.tip_relief_shape = '{_DOUBLE}'", value)
+    if body.root_relief_um is None:
+        for name in ("root_relief_start_diameter_mm", "root_relief_shape"):
+            if name in given:
+                refuse(
+                    f"{key}.root_relief_um", f"a number >= 0, since there is a {key}.{name}", None
+                )
+    elif body.root_relief_start_diameter_mm is None:
+        refuse(
+            f"{key}.root_relief_start_diameter_mm",
+            f"a number > 0, since there is a {key}.root_relief_um",
+            None,
         )
 
 
