@@ -6,9 +6,9 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
-from flankload.scene.materials import MaterialName
 from flankload.scene.belt_profiles import ProfileName
 from flankload.scene.drive import DriveTable, WrappedTable
+from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse
 from flankload.scene.table import (
     USUAL_SIZE,

@@ -101,11 +101,14 @@ class ChainSize(NamedTuple):
         }
 
 
-def _inches(
-    pitch: float, roller: float, width: float, pin: float, strength_lb: float
-) -> ChainSize:
-    lengths = (round(INCH * value, 3) for value in (pitch, roller, width, pin))
-    return ChainSize(*lengths, round(4.448222e-3 * strength_lb, 1))
+def _inches(pitch: float, roller: float, width: float, pin: float, strength_lb: float) -> ChainSize:
+    return ChainSize(
+        round(INCH * pitch, 3),
+        round(INCH * roller, 3),
+        round(INCH * width, 3),
+        round(INCH * pin, 3),
+        round(4.448222e-3 * strength_lb, 1),
+    )
 
 
 #: ISO 606, series B; series A by its number in ASME B29.1.

@@ -74,7 +74,9 @@ def read_table(form: type[T], table: object, key: str) -> T:
         if name in table:
             values[name] = _read(field.type, table[name], path)
         elif field.required:
-            more = [other for other in required_of(form) if key and other not in table and other != name]
+            more = [
+                other for other in required_of(form) if key and other not in table and other != name
+            ]
             expected = expected_of(inspect.type_info(field.type))
             also = f" (also missing: {', '.join(more)})" if more else ""
             refuse(path, expected + also, "nothing")

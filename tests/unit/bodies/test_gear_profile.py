@@ -459,8 +459,10 @@ def test_parabolic_root_relief_begins_without_a_kink() -> None:
                 **{"root_relief_um": 10.0, "root_relief_start_diameter_mm": 78.0},
                 **{"tip_relief_um": 10.0, "tip_relief_start_diameter_mm": 77.0},
             },
-            "body_1.tip_relief_start_diameter_mm: expected between "
-            "body_1.root_relief_start_diameter_mm (78) and the tip diameter 82.46, found 77",
+            (
+                "body_1.tip_relief_start_diameter_mm: expected between "
+                "body_1.root_relief_start_diameter_mm (78) and the tip diameter 82.46, found 77"
+            ),
         ),
         (
             {
@@ -468,8 +470,10 @@ def test_parabolic_root_relief_begins_without_a_kink() -> None:
                 **{"tip_relief_shape": "double_linear", "tip_relief_knee_um": 5.0},
                 "tip_relief_knee_diameter_mm": 76.0,
             },
-            "body_1.tip_relief_knee_diameter_mm: expected between "
-            "body_1.tip_relief_start_diameter_mm (77) and",
+            (
+                "body_1.tip_relief_knee_diameter_mm: expected between "
+                "body_1.tip_relief_start_diameter_mm (77) and"
+            ),
         ),
     ],
 )
@@ -506,6 +510,9 @@ def test_protuberance_frees_the_root_up_to_the_form_circle(keys: dict[str, float
     form = involute.roll_at(involute.form_radius_mm)
     assert depth_in_rack(spec, plain.point(form + 2e-3)) > 1e-6
     assert depth_in_rack(spec, plain.point(form - 2e-3)) < -1e-6
-    assert involute.form_radius_mm > gear_profile(
-        structs.replace(spec, protuberance_mm=None, grinding_stock_mm=0.0), "body_1"
-    ).involute.form_radius_mm
+    assert (
+        involute.form_radius_mm
+        > gear_profile(
+            structs.replace(spec, protuberance_mm=None, grinding_stock_mm=0.0), "body_1"
+        ).involute.form_radius_mm
+    )

@@ -179,7 +179,11 @@ def test_every_key_gives_the_bits_of_a_single_run_and_only_some_reach_elements(n
         missing = {f"body_1.{key}" for key in fl.Scene.from_dict(SCENE).body_1.__struct_fields__}
         of_three = ("axial", "hand", "helix", "end_relief", *MAKE_3D)
         left = {p for p in missing - tried if not any(word in p for word in of_three)}
-        assert {p.rpartition(".")[2] for p in left} <= {*BESIDE, "tip_relief_shape", "root_relief_shape"}
+        assert {p.rpartition(".")[2] for p in left} <= {
+            *BESIDE,
+            "tip_relief_shape",
+            "root_relief_shape",
+        }
 
 
 @pytest.mark.parametrize("name", ["belt", "chain"])

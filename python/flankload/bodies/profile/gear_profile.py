@@ -214,9 +214,7 @@ def _form_point(rack: BasicRack, flank: InvoluteFlank, key: str) -> FormPoint:
     return FormPoint(max(flank.roll_at(place(beta)[0]), LEAST_ROLL), beta, True)
 
 
-def _on_protuberance(
-    rack: BasicRack, flank: InvoluteFlank, low: float, key: str
-) -> FormPoint:
+def _on_protuberance(rack: BasicRack, flank: InvoluteFlank, low: float, key: str) -> FormPoint:
     """End of the fillet on the involute of the protuberance flank, above a radius."""
     free = InvoluteFlank(*rack.protuberance_flank(), Modifications.none())
 

@@ -143,7 +143,7 @@ def _with_places(
         low, said = 0.5 * diameter, f"{key}.{place} ({diameter:g})"
     if "knee_roll" in places:
         places["knee_mm"] = involute.outward * (spec.tip_relief_knee_um or 0.0) / 1000.0
-    return replace(modifications, **places)
+    return replace(modifications, **places)  # type: ignore[arg-type]
 
 
 def _check_amounts(
@@ -203,34 +203,36 @@ def flank_and_tip(
     kink = flank.modifications.relief_start
     relieved = bool(flank.modifications.tip_relief_mm) and involute.outward * (end - kink) > 0.0
     first_end = kink if relieved else end
-    pieces = _flank_pieces(flank.modifications, flank, start, first_end)
+    pieces = _flank_pieces(flank, start, first_end, involute.outward)
     if relieved:
-        pieces += _relief_pieces(flank.modifications, flank, end, involute.outward)
+        pieces += _relief_pieces(flank, end, involute.outward)
     return [*pieces, *tip]
 
 
 def _flank_pieces(
-    modifications: Modifications, flank: InvoluteFlank, start: FormPoint, end: float
+    flank: InvoluteFlank, start: FormPoint, end: float, outward: int
 ) -> list[CurvePiece]:
     """Pieces from the form point to the start of the tip relief.
 
     At a kink the flank has the slope of the piece, without the reliefs of the others.
     """
+    modifications = flank.modifications
     below = replace(flank, modifications=replace(modifications, tip_relief_mm=0.0))
     if not modifications.root_relief_mm:
         return [CurvePiece("flank", below.place, start.roll, end, start.undercut)]
     plain = replace(flank, modifications=replace(below.modifications, root_relief_mm=0.0))
     kink, kinked = modifications.root_start, modifications.root_power == 1
-    pieces = [CurvePiece("root_relief", below.place, start.roll, kink, start.undercut)]
-    if kink != end:
+    goes_on = outward * (end - kink) > 0.0
+    upper = kink if goes_on else end
+    pieces = [CurvePiece("root_relief", below.place, start.roll, upper, start.undercut)]
+    if goes_on:
         pieces.append(CurvePiece("flank", plain.place, kink, end, kinked))
     return pieces
 
 
-def _relief_pieces(
-    modifications: Modifications, flank: InvoluteFlank, end: float, outward: int
-) -> list[CurvePiece]:
+def _relief_pieces(flank: InvoluteFlank, end: float, outward: int) -> list[CurvePiece]:
     """Pieces of the tip relief, up to the tip or its rounding."""
+    modifications = flank.modifications
     start, knee = modifications.relief_start, modifications.knee_roll
     flank = replace(flank, modifications=replace(modifications, root_relief_mm=0.0))
     first = replace(flank, modifications=flank.modifications.before_knee)

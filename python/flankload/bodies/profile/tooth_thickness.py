@@ -104,10 +104,11 @@ def generating_shift(
     gear = _Gear(teeth, spec.module_mm, radians(spec.pressure_angle_deg), helix_rad, outward)
     if spec.tooth_thickness_allowance_um is not None:
         allowance = spec.tooth_thickness_allowance_um / 1000.0
-        # x_E = x + E_sn/(2 m_n tan alpha_n), DIN 3960 Eq. (3.5.05)
+        # x_E = x + E_sn/(2 m_n tan alpha_n) (DIN 3960)
         return spec.profile_shift + outward * allowance / (
             2 * spec.module_mm * tan(gear.normal_angle)
         )
+    shift: float | None
     if spec.span_measurement_mm is not None:
         name, value = "span_measurement_mm", spec.span_measurement_mm
         shift = _shift_of_span(gear, value, spec.span_teeth or 1)
