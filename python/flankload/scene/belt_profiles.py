@@ -165,12 +165,12 @@ BELT_PROFILES = {
         8.0,
         _round(3.38, 6.0, 0.686),
         {**_scaled(35200.0, "8/5 of that of HTD 5M"), **_round_tooth(2.57)},
-        _HTD,
+        "ISO 13050",
     ),
     "HTD 14M": BeltProfile(
         14.0,
         _round(6.02, 10.0, 1.397),
         {**_scaled(61600.0, "14/5 of that of HTD 5M"), **_round_tooth(4.65)},
-        _HTD,
+        "ISO 13050",
     ),
 }

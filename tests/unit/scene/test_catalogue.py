@@ -1,6 +1,7 @@
 """Names in place of keys: profiles of belts, chains and materials."""
 
 import tomllib
+from collections.abc import Callable
 from typing import Any, get_args
 
 import pytest
@@ -12,6 +13,7 @@ from flankload.scene.chain_sizes import CHAIN_SIZES, ChainName
 from flankload.scene.materials import MATERIALS, MaterialName
 from flankload.scene.usual import question_notes
 from tests.support.gear_scenes import changed
+from tests.support.paths import DOCS
 from tests.support.tolerances import ROUND_OFF
 
 BELT: dict[str, Any] = {
@@ -132,3 +134,63 @@ def test_a_material_gives_elastic_constants_expansion_and_density() -> None:
 def test_the_default_modulus_beside_another_material_is_kept() -> None:
     scene = fl.Scene.from_dict(changed(body_1__material="bronze", body_1__young_modulus_MPa=206000))
     assert scene.replace({"body_1.poisson_ratio": 0.3}).body_1.young_modulus_MPa == 206000
+
+
+PAGE = DOCS / "guide" / "catalogues.md"
+
+
+def belt_table() -> list[str]:
+    """Lines of the table of belt profiles; a value that the scene has to set is a dash."""
+    keys = ("tooth_height_mm", "tooth_width_mm", "flank_angle_deg", "land_distance_mm", "back_mm")
+    lines = [
+        "| profile | pitch | tooth height | width at the land | flank angle | land to cord | back "
+        "| cord, N/mm | source of the dimensions |",
+        "|" + "---|" * 9,
+    ]
+    for name, profile in BELT_PROFILES.items():
+        values = [f"{profile.belt[key]:g}" if key in profile.belt else "–" for key in keys]
+        if "tooth_width_mm" in profile.estimates:
+            values[1] = f"{profile.estimates['tooth_width_mm'].value:g} (est.)"
+        values[2] = "round" if name.startswith("HTD") else values[2]
+        cord = profile.estimates["cord_stiffness_N_per_mm"].value
+        cells = [name, f"{profile.pitch_mm:g}", *values, f"{cord:g}", profile.source]
+        lines.append("| " + " | ".join(cells) + " |")
+    return lines
+
+
+def chain_table() -> list[str]:
+    """Lines of the table of chains."""
+    lines = [
+        "| chain | pitch | roller diameter | inner width | pin diameter | strength, kN "
+        "| link stiffness, N | contact stiffness, N/mm |",
+        "|" + "---|" * 8,
+    ]
+    for name, size in CHAIN_SIZES.items():
+        stiffness = [f"{estimate.value:g}" for estimate in size.estimates.values()]
+        cells = [name, *(f"{value:g}" for value in size), *stiffness]
+        lines.append("| " + " | ".join(cells) + " |")
+    return lines
+
+
+def material_table() -> list[str]:
+    """Lines of the table of materials."""
+    lines = [
+        "| material | E, MPa | Poisson's ratio | expansion, 1/K | density, kg/m³ | source |",
+        "|" + "---|" * 6,
+    ]
+    for name, material in MATERIALS.items():
+        cells = [f"`{name}`", *(f"{value:g}" for value in material[:4]), material.source]
+        lines.append("| " + " | ".join(cells) + " |")
+    return lines
+
+
+@pytest.mark.parametrize("table", [belt_table, chain_table, material_table])
+def test_the_page_of_catalogues_has_the_tables(table: Callable[[], list[str]]) -> None:
+    """Where this fails, put these lines in: python -m tests.unit.scene.test_catalogue."""
+    page, lines = PAGE.read_text(encoding="utf-8").splitlines(), table()
+    first = page.index(lines[0])
+    assert page[first : first + len(lines)] == lines
+
+
+if __name__ == "__main__":
+    print(*belt_table(), "", *chain_table(), "", *material_table(), sep="\n")
