@@ -43,6 +43,17 @@ def test_measurement_over_balls_of_a_textbook_spline() -> None:
     assert found.ball_mm == pytest.approx(over, abs=1e-7)
 
 
+@pytest.mark.parametrize("spec", [spur(), spur(teeth=21, profile_shift=0.3, tip_diameter_mm=47.0)])
+def test_the_balls_touch_near_the_middle_of_the_flank(spec: Gear) -> None:
+    involute, found = gear_profile(spec, "body_1").involute, measured(spec)
+    # distance of a ball's centre from the axis; its roll less D/(2 r_b) is that of the contact
+    over = 0.5 * (found.ball_mm - found.ball_diameter_mm)
+    over /= cos(0.5 * pi / spec.teeth) if spec.teeth % 2 else 1.0
+    at = involute.roll_at(over) - 0.5 * found.ball_diameter_mm / involute.base_radius_mm
+    low, high = (involute.roll_at(r) for r in (involute.form_radius_mm, involute.tip_radius_mm))
+    assert abs(at - 0.5 * (low + high)) < 0.1 * (high - low)
+
+
 @pytest.mark.parametrize("helix", [0.0, 25.0])
 @pytest.mark.parametrize("teeth", [20, 21])
 def test_measurements_as_input_give_the_same_gear(helix: float, teeth: int) -> None:
