@@ -112,8 +112,8 @@ def test_a_measurement_of_another_gear_is_refused() -> None:
             {"body_1__tooth_thickness_allowance_um": -50, "body_1__span_measurement_mm": 21.0},
             "body_1.span_measurement_mm",
             (
-                "nothing beside body_1.tooth_thickness_allowance_um, which gives the tooth thickness "
-                "as well"
+                "nothing beside body_1.tooth_thickness_allowance_um, which gives the tooth "
+                "thickness as well"
             ),
             "21.0",
         ),

@@ -143,8 +143,10 @@ def belt_table() -> list[str]:
     """Lines of the table of belt profiles; a value that the scene has to set is a dash."""
     keys = ("tooth_height_mm", "tooth_width_mm", "flank_angle_deg", "land_distance_mm", "back_mm")
     lines = [
-        "| profile | pitch | tooth height | width at the land | flank angle | land to cord | back "
-        "| cord, N/mm | source of the dimensions |",
+        (
+            "| profile | pitch | tooth height | width at the land | flank angle | land to cord "
+            "| back | cord, N/mm | source of the dimensions |"
+        ),
         "|" + "---|" * 9,
     ]
     for name, profile in BELT_PROFILES.items():
@@ -161,8 +163,10 @@ def belt_table() -> list[str]:
 def chain_table() -> list[str]:
     """Lines of the table of chains."""
     lines = [
-        "| chain | pitch | roller diameter | inner width | pin diameter | strength, kN "
-        "| link stiffness, N | contact stiffness, N/mm |",
+        (
+            "| chain | pitch | roller diameter | inner width | pin diameter | strength, kN "
+            "| link stiffness, N | contact stiffness, N/mm |"
+        ),
         "|" + "---|" * 8,
     ]
     for name, size in CHAIN_SIZES.items():
