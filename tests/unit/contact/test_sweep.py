@@ -212,7 +212,7 @@ def test_stiffness_tangent_is_the_slope_of_torque_over_rotation() -> None:
     torques = [302 * (1 - step), 302.0, 302 * (1 + step)]
     below, at, above = solved(
         load={"torque_Nm": torques}, positions={"count": 4}, accuracy={"estimate": False}
-    ).by_torque
+    )
     slope = (torques[2] - torques[0]) / (above.rotation_rad - below.rotation_rad)
     # the cells are laid for each torque anew: their own error differs a little
     np.testing.assert_allclose(at.stiffness_tangent_Nm_per_rad, slope, rtol=2e-2)
