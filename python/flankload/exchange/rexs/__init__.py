@@ -2,8 +2,9 @@
 
 `reading` makes a `Model` (components, attributes, relations) of an XML, JSON or ZIP file;
 `attributes` is the table of the attributes that are read, each with its key of a scene;
-`translation` makes the scene of one stage. Ids, units and allowed values are those of the attribute database of REXS 1.5
-and of its specification 1.4 to 1.7, with the older names of components of REXS 1.0 to 1.2.
+`translation` makes the scene of one stage. Ids, units and allowed values are those of the attribute
+database of REXS 1.5 and of its specification 1.4 to 1.7, with the older names of components of REXS
+1.0 to 1.2.
 """
 
 from flankload.exchange.rexs.model import Model

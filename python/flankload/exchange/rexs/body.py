@@ -128,19 +128,13 @@ def _required(stock: Stock, body: Gear) -> None:
     for path, value in stock.settings.items():
         table, _, key = path.partition(".")
         if table == body.name and isinstance(value, int | float):
-            if body.keys.get(key, value) != value:
-                stock.lines.append(replaced(path, body.keys[key], value))
+            stock.replace(path, body.keys.get(key))
             body.keys[key] = value
     for key in ("teeth", *wanted, *of_flank):
         value = body.keys.get(key)
         if value is None or (key != "profile_shift" and value <= 0 and key != "bore_diameter_mm"):
             found = stock.settings.get(f"{body.name}.{key}", value)
             stock.model.refuse(f"{body.component.label}: {key}", "a number > 0", found)
-
-
-def replaced(path: str, own: object, value: object) -> str:
-    """Line about a value of the file that another one replaces."""
-    return f"not taken: {path} = {own} of the file: replaced by {value}"
 
 
 def _helix(stock: Stock, body: Gear) -> None:

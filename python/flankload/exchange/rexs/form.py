@@ -47,9 +47,9 @@ class Form:
         return number
 
     def text(self, value: object, what: str, key: str) -> str:
-        """A text that is required."""
+        """A text that is required; `key` has its article."""
         if not isinstance(value, str) or not value.strip():
-            self.refuse(what, f"a {key}", "nothing" if value is None else repr(value)[:40])
+            self.refuse(what, key, "nothing" if value is None else repr(value)[:40])
         return value.strip()
 
     def component(
@@ -60,11 +60,11 @@ class Form:
         attributes: Iterable[tuple[object, Attribute]],
     ) -> Component:
         """A component; refused if an attribute has no id or occurs twice."""
-        kind = self.text(kind, f"component {number}", "type")
+        kind = self.text(kind, f"component {number}", "a type")
         kind = RENAMED.get(kind, kind)
         found: dict[str, Attribute] = {}
         for key, attribute in attributes:
-            key = self.text(key, f"{kind} {number}: attribute", "id")
+            key = self.text(key, f"{kind} {number}: attribute", "an id")
             if key in found:
                 self.refuse(f"{kind} {number}: {key}", "one attribute with this id", "two")
             found[key] = attribute
@@ -75,8 +75,8 @@ class Form:
     ) -> Relation:
         """A relation with its type, and roles and ids of its components."""
         what = f"relation {number}"
-        pairs = tuple((self.text(role, what, "role"), self.id(ref, what)) for role, ref in refs)
-        return Relation(number, self.text(kind, what, "type"), pairs)
+        pairs = tuple((self.text(role, what, "a role"), self.id(ref, what)) for role, ref in refs)
+        return Relation(number, self.text(kind, what, "a type"), pairs)
 
     def model(
         self,
@@ -93,7 +93,7 @@ class Form:
         SceneError
             If the version is not 1, an id is used twice, or an id refers to no component.
         """
-        version = self.text(version, "model", "version")
+        version = self.text(version, "model", "a version")
         if not re.fullmatch(r"1\.[0-9]+", version):
             self.refuse("model: version", "version 1 of REXS, such as 1.5", f"'{version[:40]}'")
         return checked(

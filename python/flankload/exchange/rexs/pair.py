@@ -40,9 +40,11 @@ def pair_of(stock: Stock, stage: Stage, bodies: Sequence[Gear]) -> dict[str, flo
     """
     source = stock.source(stage.component)
     pair: dict[str, float] = {}
-    distance = stock.required(source, "center_distance", "mm", "pair.center_distance_mm")
-    if distance is None or "pair.center_distance_mm" in stock.settings:
-        distance = _given(stock, "pair.center_distance_mm")
+    key = "pair.center_distance_mm"
+    distance = stock.required(source, "center_distance", "mm", key)
+    if distance is None or key in stock.settings:
+        stock.replace(key, distance)
+        distance = _given(stock, key)
     distance = abs(distance) if stage.is_internal else distance
     if distance <= 0:
         source.refuse("center_distance", "a number > 0", distance)

@@ -72,7 +72,7 @@ def _unpacked(path: Path, data: bytes) -> tuple[str, bytes]:
                 # the header of a member may understate its size
                 content = member.read(LARGEST + 1)
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError) as error:
-        _refuse(path, "a ZIP archive", str(error) or type(error).__name__)
+        _refuse(path, "a ZIP archive", str(error).lower() or type(error).__name__)
     except (RuntimeError, NotImplementedError) as error:
         _refuse(path, "a ZIP archive without encryption, compressed by deflate", str(error))
     if len(content) > LARGEST:

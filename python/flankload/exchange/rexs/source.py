@@ -153,6 +153,12 @@ class Stock:
         self.source(component).read |= set(component.attributes)
         self.lines.append(f"not taken: {component.label}: {why}")
 
+    def replace(self, path: str, own: object) -> None:
+        """Report a value of the file that is replaced by another one."""
+        value = self.settings[path]
+        if own is not None and own != value:
+            self.lines.append(f"not taken: {path} = {own} of the file: replaced by {value}")
+
     def rest(self) -> list[str]:
         """Lines of all attributes that nothing read, and of components of other parts."""
         lines = [

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from flankload.errors import SceneError
-from flankload.exchange.rexs.body import body_of, replaced
+from flankload.exchange.rexs.body import body_of
 from flankload.exchange.rexs.load import model_of_case, torque_of
 from flankload.exchange.rexs.modifications import modifications_of
 from flankload.exchange.rexs.pair import pair_of
@@ -78,9 +78,9 @@ def scene_of_stage(
     """
     choices = choices or Choices()
     given = "load.torque_Nm" in choices.settings
-    model, lines = model_of_case(model, choices.load_case, needed=not given)
+    model, other_cases = model_of_case(model, choices.load_case, needed=not given)
     stage = stage_of(model, choices.stage)
-    stock = Stock(model, choices.settings, lines=lines)
+    stock = Stock(model, choices.settings, lines=other_cases)
     stock.source(stage.component)
     data = (_data_of(stock, stage, 0), _data_of(stock, stage, 1))
     bodies = [
@@ -98,24 +98,15 @@ def scene_of_stage(
         "pair": pair,
         "load": {} if torque is None else {"torque_Nm": torque},
     }
-    lines += _replaced(tree, choices.settings)
+    for path in choices.settings:
+        table, _, key = path.partition(".")
+        own = tree.get(table)
+        stock.replace(path, own.get(key) if isinstance(own, dict) else None)
     try:
         scene = Scene.from_dict(with_changes(tree, choices.settings), file=file)
     except SceneError as error:
         raise error.with_file(model.file) from None
     return Translation(scene, stage.component.label, (*stock.lines, *stock.rest()))
-
-
-def _replaced(tree: Mapping[str, Any], settings: Mapping[str, Any]) -> list[str]:
-    """Lines about values of the file that others replace."""
-    lines = []
-    for path, value in settings.items():
-        table, _, key = path.partition(".")
-        found = tree.get(table)
-        own = found.get(key) if isinstance(found, dict) else None
-        if own is not None and own != value:
-            lines.append(replaced(path, own, value))
-    return lines
 
 
 def _data_of(stock: Stock, stage: Stage, index: int) -> Source | None:
