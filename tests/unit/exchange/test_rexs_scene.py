@@ -132,6 +132,10 @@ def test_an_attribute_without_unit_has_that_of_the_database(tmp_path: Path) -> N
     assert keys(made(tmp_path, text)) == keys(made(tmp_path))
 
 
+def test_an_empty_unit_is_none(tmp_path: Path) -> None:
+    assert keys(made(tmp_path, TEXT.replace('unit="none"', 'unit=""'))) == keys(made(tmp_path))
+
+
 def test_the_sign_of_the_helix_angle_is_its_hand(tmp_path: Path) -> None:
     other = TEXT.replace(">15<", ">+<").replace(">-15<", ">15<").replace(">+<", ">-15<")
     found = keys(made(tmp_path, other))
@@ -159,6 +163,12 @@ def test_a_shift_of_a_ring_whose_sign_is_open_is_refused(tmp_path: Path) -> None
     text = TEXT.replace(">0.3<", ">0<").replace(">53.93<", ">54<")
     line = refused(tmp_path, text, 22, settings=RING)
     assert line.startswith("ring_gear 14: addendum_modification_coefficient: expected ")
+
+
+def test_a_ring_without_a_helix_angle_is_spur(tmp_path: Path) -> None:
+    text = without("helix_angle_reference_diameter", 14)
+    wanted = keys(made(tmp_path, stage=22, settings=RING))
+    assert keys(made(tmp_path, text, 22, settings=RING)) == wanted
 
 
 def test_a_ring_with_a_helix_is_refused(tmp_path: Path) -> None:

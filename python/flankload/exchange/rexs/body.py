@@ -139,7 +139,9 @@ def _required(stock: Stock, body: Gear) -> None:
 
 def _helix(stock: Stock, body: Gear) -> None:
     name = "helix_angle_reference_diameter"
-    angle = stock.required(body.source, name, "deg", f"{body.name}.helix_angle_deg")
+    angle = body.source.number(name, "deg")
+    if angle is None and not body.is_ring:
+        stock.missing(body.source, name, f"{body.name}.helix_angle_deg")
     if not angle:
         return
     if body.is_ring:

@@ -65,10 +65,11 @@ def torque_of(
     """
     teeth = [abs(stock.source(gear).number("number_of_teeth", "") or 0.0) for gear in stage.gears]
     ratios = (1.0, teeth[0] / teeth[1] if teeth[1] else 0.0)
-    of_stage = [None if source is None else source.number("torque", "N m") for source in data]
-    of_shaft = [_torque_of_shaft(stock, gear) for gear in stage.gears]
-    for value, ratio in zip((*of_stage, *of_shaft), (*ratios, *ratios), strict=True):
-        if value and ratio:
+    for source, ratio in zip(data, ratios, strict=True):
+        if source is not None and (value := source.number("torque", "N m")) and ratio:
+            return float(f"{abs(value) * ratio:.12g}")
+    for gear, ratio in zip(stage.gears, ratios, strict=True):
+        if (value := _torque_of_shaft(stock, gear)) and ratio:
             return float(f"{abs(value) * ratio:.12g}")
     return None
 
