@@ -107,8 +107,7 @@ def run_task(task: Task, stopped: Event | None = None) -> Outcome:
         watch()
         with one_blas_thread():  # its number of threads changes bits, and workers share processors
             found = solve_scene(task.scene, watch, _parts_of(task.study))
-        results = found if isinstance(found, tuple) else (found,)
-        rows = tuple(row_of(result, task.names, whole=task.whole) for result in results)
+        rows = tuple(row_of(one, task.names, whole=task.whole) for one in found.by_torque)
     except StoppedError:
         raise
     except FlankloadError as error:
