@@ -147,7 +147,15 @@ def test_a_bomb_is_not_unpacked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(reading, "LARGEST", 2**20)
     bomb = zipped(box_rexs=HEAD + " " * 2**24 + "</model>")
     assert len(bomb) < 2**16
+    sizes, read = [], zipfile.ZipExtFile.read
+
+    def counted(member: zipfile.ZipExtFile, size: int = -1) -> bytes:
+        sizes.append(size)
+        return read(member, size)
+
+    monkeypatch.setattr(zipfile.ZipExtFile, "read", counted)
     line = refused(written(tmp_path, bomb, "box.rexsz"))
+    assert sizes == [2**20 + 1]
     assert line == "file: expected a model of at most 1 MiB, found a larger one in the archive"
     line = refused(written(tmp_path, HEAD + " " * 2**21 + "</model>"))
     assert line == "file: expected at most 1 MiB, found a larger file"

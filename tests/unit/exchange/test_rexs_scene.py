@@ -114,6 +114,7 @@ def test_the_gear_that_is_a_ring_is_the_second_body(tmp_path: Path) -> None:
         ("helix_angle_reference_diameter", 11, "0.2617993877991494", "rad"),
         ("helix_angle_reference_diameter", 12, "-15", "°"),
         ("tip_relief_depth", 51, "20", "um"),
+        ("tip_relief_depth", 51, "20", "mum"),
         ("helix_crowning_amount_datum_face", 52, "4e-06", "m"),
         ("torque_around_u_axis", 81, "0.25", "kN m"),
         ("elastic_modulus", 72, "206", "GPa"),
