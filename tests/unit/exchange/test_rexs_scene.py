@@ -286,6 +286,14 @@ def test_profile_crowning_and_the_other_end(tmp_path: Path) -> None:
     assert (body["profile_crowning_um"], body.get("lead_crowning_um")) == (4.0, None)
 
 
+def test_a_modification_with_two_relations_is_one(tmp_path: Path) -> None:
+    relation = (
+        '<relation id="900" type="reference"><ref id="42" role="origin"/>'
+        '<ref id="51" role="referenced"/></relation></relations>'
+    )
+    assert made(tmp_path, TEXT.replace("</relations>", relation)).lines == made(tmp_path).lines
+
+
 # --- flanks ---------------------------------------------------------------------------------------
 def test_the_loaded_flank_has_the_profile(tmp_path: Path) -> None:
     left = TEXT.replace(">right<", ">left<")

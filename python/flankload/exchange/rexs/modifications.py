@@ -54,9 +54,10 @@ def add_modifications(stock: Stock, body: Gear, width_mm: float, datum_low: bool
     """
     owners = [body.component] if body.flank is None else [body.flank.component, body.component]
     parts: dict[str, list[Component]] = {}
-    for owner in owners:
-        for part in modifications_of(stock.model, owner):
-            parts.setdefault(part.type, []).append(part)
+    for part in {
+        part.id: part for owner in owners for part in modifications_of(stock.model, owner)
+    }.values():
+        parts.setdefault(part.type, []).append(part)
     takes: tuple[Callable[[Source], str | None], ...] = (
         lambda source: _tip_relief(body, source),
         lambda source: _profile_crowning(body, source),
