@@ -54,6 +54,7 @@ __all__ = [
     "draw_map",
     "draw_over_torque",
     "draw_pareto",
+    "names_of",
     "plot_all",
     "plot_belt_on_pulley",
     "plot_chain_on_sprocket",
@@ -132,10 +133,7 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     OSError
         If the directory cannot be created or a file cannot be written.
     """
-    names = result.drive.pictures(result) if result.drive is not None else _of_flanks(result)
-    if any(stress is not None for stress in result.root_stress):
-        names = (*names, "root_stress")
-    pictures = {f"{name}.png": PICTURES[name] for name in names}
+    pictures = {f"{name}.png": PICTURES[name] for name in names_of(result)}
     # Every plot is drawn before the first is written.
     drawn = {name: png_of(picture(result)) for name, picture in pictures.items()}
     folder = Path(directory)
@@ -143,6 +141,14 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     for name, content in drawn.items():
         write_atomically(folder / name, content)
     return tuple(folder / name for name in drawn)
+
+
+def names_of(result: Result) -> tuple[str, ...]:
+    """Names of the plots that suit a result."""
+    names = result.drive.pictures(result) if result.drive is not None else _of_flanks(result)
+    if any(stress is not None for stress in result.root_stress):
+        names = (*names, "root_stress")
+    return names
 
 
 def _of_flanks(result: Result) -> tuple[str, ...]:

@@ -1,0 +1,332 @@
+"""The loaded pair to be turned in a page: outlines of both bodies, loads of each position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, degrees
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.result.belt import BeltDrive
+from flankload.result.chain import ChainDrive
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from flankload.result import PairTable, Result
+
+    Floats = NDArray[np.float64]
+
+#: Most positions in a page; more are thinned evenly.
+MOST_POSITIONS = 128
+#: Points of an outline may lie off by this part of the picture's width.
+OFF = 5e-4
+#: Length of the largest force or pressure, as part of the height of the picture.
+REACH = 0.2
+#: Most points of the pressure on a flank.
+MOST_POINTS = 24
+
+
+@dataclass(frozen=True)
+class Turning:
+    """Picture of both bodies that a page turns.
+
+    Attributes
+    ----------
+    view_box : str
+        Left, top, width and height, mm; y points down, as in SVG.
+    outlines : tuple of str
+        SVG path of each body in its own frame, y upwards.
+    center_mm : float
+        Place of the axis of body 2 on the x axis.
+    start : int
+        Position that is shown at first.
+    data : dict
+        For the script: `deg` (P,) angles of the positions; `turn` of both bodies (2, P), deg;
+        `torques` (T,); `states` (T, P) of transmission error in um, rows of pairs (number, force in
+        kN, share in %, pressure in MPa or None on a corner) and paths of their loads.
+    """
+
+    view_box: str
+    outlines: tuple[str, ...]
+    center_mm: float
+    start: int
+    data: dict[str, Any]
+
+
+def turning(results: Sequence[Result]) -> Turning:
+    """Picture of the loaded bodies at every position.
+
+    Parameters
+    ----------
+    results : sequence of Result
+        One per torque, at the same positions.
+
+    Returns
+    -------
+    Turning
+    """
+    result = results[-1]
+    drawing = result.drawing
+    shown = _positions(result)
+    low, high = _window(results, shown)
+    size = float((high - low).max())
+    outlines = [_outline(drawing.outline_1, drawing.teeth_1, OFF * size)]
+    turns = [drawing.angle_1]
+    if result.drive is None:
+        outlines.append(_outline(drawing.outline_2, drawing.teeth_2, OFF * size))
+        turns.append(drawing.angle_2)
+    outlines = [
+        outline + _hole(radius, _largest(shape))
+        for outline, radius, shape in zip(
+            outlines,
+            (drawing.bore_radius_1_mm, drawing.bore_radius_2_mm),
+            (drawing.outline_1, drawing.outline_2),
+            strict=False,
+        )
+    ]
+    states = [[_state(one, p, _scales(results), size) for p in shown] for one in results]
+    return Turning(
+        f"{low[0]:.3f} {-high[1]:.3f} {high[0] - low[0]:.3f} {high[1] - low[1]:.3f}",
+        tuple(outlines),
+        drawing.center_distance_mm,
+        int(np.argmin(np.abs(np.array(shown) - _start(result)))),
+        {
+            "deg": [_short(degrees(result.position_rad[p])) for p in shown],
+            "turn": [[round(degrees(angle[p]), 4) for p in shown] for angle in turns],
+            "torques": [one.torque_Nm for one in results],
+            "states": states,
+        },
+    )
+
+
+def _positions(result: Result) -> list[int]:
+    """Positions in the order of their angles, thinned evenly if there are many."""
+    order = np.argsort(result.position_rad, kind="stable")
+    return [int(p) for p in order[:: ceil(order.size / MOST_POSITIONS)]]
+
+
+def _start(result: Result) -> int:
+    """Position of the largest meaningful pressure, or of the largest force."""
+    smooth = np.where(result.corner_contact, 0.0, result.peak_pressure_MPa).max(axis=1)
+    value = smooth if smooth.max() > 0 else result.site_force_N.max(axis=1)
+    order = np.argsort(result.position_rad, kind="stable")
+    return int(np.argmax(value[order]))
+
+
+def _largest(outline: Floats) -> float:
+    return float(np.hypot(*outline.T).max())
+
+
+def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats]:
+    """Corners of the picture: the contacts of all positions, or whole bodies."""
+    result = results[-1]
+    drawing = result.drawing
+    apart = np.array([drawing.center_distance_mm, 0.0])
+    if result.drive is not None or result.whole_circle:
+        rims = (drawing.bore_radius_2_mm or 0.0, *map(_largest, _outlines(result)))
+        half = 1.05 * max(rims) * np.ones(2)
+        if result.drive is not None:
+            half *= 1.0 + 2 * REACH
+        return apart - half, apart + half
+    if result.has_cam:
+        ends = (-_largest(drawing.outline_1), -_largest(drawing.outline_2) + apart[0])
+        other = (_largest(drawing.outline_1), _largest(drawing.outline_2) + apart[0])
+        high = 1.05 * max(_largest(drawing.outline_1), _largest(drawing.outline_2))
+        return np.array([min(ends), -high]), np.array([max(other), high])
+    places = np.concatenate(
+        [
+            np.column_stack([table.x_mm, table.y_mm])[table.force_N > 0]
+            for one in results
+            for table in (one.pairs(p) for p in shown)
+        ]
+    )
+    pitch = 2 * np.pi * _largest(drawing.outline_1) / drawing.teeth_1
+    if not len(places):
+        places = np.array([[_largest(drawing.outline_1), 0.0]])
+    return places.min(axis=0) - 0.9 * pitch, places.max(axis=0) + 0.9 * pitch
+
+
+def _outlines(result: Result) -> tuple[Floats, ...]:
+    drawing = result.drawing
+    return (drawing.outline_1,) if result.drive else (drawing.outline_1, drawing.outline_2)
+
+
+def _outline(sector: Floats, teeth: int, off_mm: float) -> str:
+    """SVG path of all teeth of a body."""
+    sector = thinned(sector, off_mm)
+    turns = 2 * np.pi / teeth * np.arange(teeth)
+    whole = np.concatenate(
+        [
+            sector @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+            for turn in turns
+        ]
+    )
+    return f"M{_points(whole)}Z"
+
+
+def thinned(points: Floats, off_mm: float) -> Floats:
+    """Leave out points that lie nearer than a distance to the line through those kept.
+
+    Parameters
+    ----------
+    points : (n, 2) array
+    off_mm : float
+
+    Returns
+    -------
+    (k, 2) array
+        With both ends (Douglas and Peucker, 1973).
+    """
+    keep = np.zeros(len(points), dtype=bool)
+    keep[[0, -1]] = True
+    parts = [(0, len(points) - 1)]
+    while parts:
+        one, two = parts.pop()
+        chord, inner = points[two] - points[one], points[one + 1 : two] - points[one]
+        if not len(inner):
+            continue
+        length = float(np.hypot(*chord))
+        off = np.abs(inner @ [-chord[1], chord[0]]) / length if length else np.hypot(*inner.T)
+        k = int(np.argmax(off))
+        if off[k] > off_mm:
+            keep[one + 1 + k] = True
+            parts += [(one, one + 1 + k), (one + 1 + k, two)]
+    return points[keep]
+
+
+def _hole(radius: float | None, largest: float) -> str:
+    """Bore, or the rim around internal teeth: the even-odd rule makes a hole of the smaller."""
+    if not radius or abs(radius - largest) < 1e-9:
+        return ""
+    arc = f"a{radius:.3f} {radius:.3f} 0 1 0"
+    return f"M{-radius:.3f} 0{arc} {2 * radius:.3f} 0{arc} {-2 * radius:.3f} 0Z"
+
+
+def _points(points: Floats) -> str:
+    return "L".join(f"{x:.2f} {y:.2f}" for x, y in points)
+
+
+# --- loads ----------------------------------------------------------------------------------------
+def _scales(results: Sequence[Result]) -> tuple[float, float]:
+    """Largest force, N, and largest pressure off corners, MPa, of all torques."""
+    force = max(float(one.site_force_N.max()) for one in results)
+    pressure = max(
+        float(np.where(one.corner_contact, 0.0, one.peak_pressure_MPa).max()) for one in results
+    )
+    return force or 1.0, pressure or 1.0
+
+
+def _state(result: Result, p: int, scales: tuple[float, float], size_mm: float) -> dict[str, Any]:
+    """Numbers and paths of a position."""
+    table = result.pairs(p)
+    rows, paths = [], []
+    for s, site in enumerate(result.sites):
+        force = float(result.site_force_N[p, s])
+        if force <= 0:
+            continue
+        pressure = None
+        if result.drive is None and not result.corner_contact[p, s]:
+            pressure = _short(result.peak_pressure_MPa[p, s])
+        share = _short(100 * result.load_share[p, s])
+        rows.append([int(site), _short(force / 1e3), share, pressure])
+        paths.append(_path_of_load(result, table, p, s, scales, REACH * size_mm))
+    return {
+        "te": _short(result.transmission_error_um[p]),
+        "pairs": rows,
+        "paths": paths,
+    }
+
+
+def _path_of_load(
+    result: Result,
+    table: PairTable,
+    p: int,
+    s: int,
+    scales: tuple[float, float],
+    reach_mm: float,
+) -> str:
+    """SVG path of the load of a pair: its pressure on the flank, or an arrow of its force."""
+    force = float(result.site_force_N[p, s]) / scales[0]
+    if result.drive is not None:
+        start, direction = _on_wheel(result, p, s)
+        return arrow(start, direction, force * reach_mm)
+    rows = np.flatnonzero((table.site == result.sites[s]) & (table.force_N > 0))
+    place = np.column_stack([table.x_mm, table.y_mm])[rows]
+    normal = np.column_stack([table.normal_x, table.normal_y])[rows]
+    weight = table.force_N[rows]
+    lumped = table.half_width_mm is not None or table.z_mm is not None
+    if lumped or result.whole_circle or result.corner_contact[p, s] or len(rows) < 3:
+        mean = np.average(place, axis=0, weights=weight)
+        out = np.average(normal, axis=0, weights=weight)
+        part = 0.5 if result.whole_circle else 1.0
+        return arrow(mean, out / np.hypot(*out), part * force * reach_mm)
+    order = np.argsort(table.arc_length_1_mm[rows], kind="stable")
+    order = order[:: max(1, len(order) // MOST_POINTS)]
+    height = reach_mm * table.pressure_MPa[rows][order] / scales[1]
+    tips = place[order] + normal[order] * height[:, None]
+    return f"M{_points(place[order])}L{_points(tips[::-1])}Z"
+
+
+def _on_wheel(result: Result, p: int, s: int) -> tuple[Floats, Floats]:
+    """Place and direction of the force on a roller, or of that of a belt's tooth."""
+    drawing = result.drawing
+    angle = drawing.angle_1[p] + 2 * np.pi / drawing.teeth_1 * s
+    radius, turn = result.reference_radius_mm, 0.5 * np.pi
+    if isinstance(result.drive, ChainDrive):
+        turn = float(np.radians(np.nan_to_num(result.drive.force_angle_deg[p, s])))
+        angle += float(result.rotation_rad[p])
+    else:
+        assert isinstance(result.drive, BeltDrive)
+        radius *= 1.0 + 0.35 * result.pitch_rad
+    place = radius * np.array([np.cos(angle), np.sin(angle)])
+    return place, np.array([np.cos(angle + turn), np.sin(angle + turn)])
+
+
+def arrow(start: Floats, direction: Floats, length: float) -> str:
+    """SVG path of an arrow with a head of a third of its length, at most."""
+    aside = np.array([-direction[1], direction[0]])
+    tip = start + length * direction
+    neck = start + 0.68 * length * direction
+    half, wide = 0.045 * length, 0.13 * length
+    corners = [
+        start + half * aside, neck + half * aside, neck + wide * aside, tip,
+        neck - wide * aside, neck - half * aside, start - half * aside,
+    ]  # fmt: skip
+    return f"M{_points(np.array(corners))}Z"
+
+
+def _short(value: float) -> float:
+    """Four significant digits."""
+    return float(f"{float(value):.4g}")
+
+
+def rows_of(state: dict[str, Any]) -> Iterator[tuple[str, str, str, str]]:
+    """Cells of the pairs of a state, as the script writes them."""
+    for pair, force, share, pressure in state["pairs"]:
+        yield (
+            f"{pair}",
+            f"{force:g}",
+            f"{share:g}",
+            "corner" if pressure is None else f"{pressure:g}",
+        )
+
+
+def legend(result: Result) -> str:
+    """What the red areas of the picture are."""
+    if result.drive is not None:
+        return "Arrows: forces on body 1's teeth, to scale with the largest of all positions."
+    if result.slices is not None:
+        return (
+            "Transverse section at z = 0. Arrows: force of each pair, at the centre of its load, to "
+            "scale with the largest of all positions."
+        )
+    if result.whole_circle:
+        return "Arrows: force on each flank, to scale with the largest of all positions."
+    return (
+        "Red: pressure on the flanks, to scale with the largest of all positions; an arrow where a "
+        "pair carries on a sharp corner, to scale with the largest force."
+    )
