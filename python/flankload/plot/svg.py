@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import rc_context
 
-from flankload.plot.style import STYLE, new_figure
+from flankload.plot.figures import empty_figure, fit
+from flankload.plot.style import STYLE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -118,8 +119,9 @@ def panel_of(
     Panel
     """
     with rc_context(IN_PAGE):
-        figure = new_figure(size)
+        figure = empty_figure(size)
         draw(figure.add_subplot())
+        fit(figure)
         return panel(figure, name)
 
 

@@ -18,9 +18,8 @@ TERMS = {
     "greater numbers are further into recess",
     "p_max": "largest pressure of a contact, off sharp corners",
     "w_max": "largest force per face width",
-    "c_γ": "mesh stiffness along the line of action, slope of force over deflection (ISO 6336-1 "
-    "divides it by the face width)",
-    "c'": "force divided by deflection along the line of action",
+    "mesh stiffness": "of all pairs along the line of action, for the whole face width: slope of "
+    "force over deflection (tangent), or force over deflection (secant)",
     "K_Hα": "transverse load factor (ISO 6336-1): largest load share times mean number of pairs",
     "K_Hβ": "face load factor (ISO 6336-1): largest line load over the mean",
     "σ_F": "stress along the surface of the tooth root",
@@ -69,8 +68,16 @@ TERMS = {
     "estimated error": "estimate of the numerical error of the model, exceeded in about 1 of 20 "
     "cases; it does not cover what the model leaves out",
 }
-#: Terms of every report, and those of pairs that roll.
-ALWAYS = ("transmission error", "PPTE", "load share", "pair", "certificate", "estimated error")
+#: Terms of every report.
+ALWAYS = (
+    "transmission error",
+    "PPTE",
+    "load share",
+    "pair",
+    "mesh stiffness",
+    "certificate",
+    "estimated error",
+)
 
 
 def terms_of(symbols: Iterable[str], *, path: bool, orders: bool) -> tuple[tuple[str, str], ...]:

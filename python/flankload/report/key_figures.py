@@ -177,7 +177,7 @@ def _of_contact(results: Sequence[Result]) -> Iterator[Row]:
         )  # fmt: skip
     for kind in ("tangent", "secant"):
         yield _row(
-            results, f"mesh stiffness, {kind}, mean", "c_γ" if kind == "tangent" else "c'", "N/µm",
+            results, f"mesh stiffness, {kind}, mean", "", "N/µm",
             lambda one, kind=kind: _number(
                 one, f"stiffness_{kind}_mean_N_per_um", ".2f", error=f"stiffness_{kind}"
             ),

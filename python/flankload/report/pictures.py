@@ -2,48 +2,63 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.plot import PICTURES, names_of
-from flankload.plot.svg import panel
+from flankload.plot import PICTURES, draw_tension_around_wrap, pictures_of
+from flankload.plot.svg import panel_of
+from flankload.report.turning import thinned
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from flankload.plot.svg import Panel, PlottedAxes
     from flankload.result import Result
 
 #: Sections of plots in their order, with the plots that belong to each.
 SECTIONS = {
-    "Transmission error": (
-        "transmission_error",
-        "transmission_error_spectrum",
-        "follower_motion",
-    ),
+    "Motion": ("transmission_error", "transmission_error_spectrum", "follower_motion"),
     "Load sharing": (
         "load_sharing",
-        "load_map",
         "load_per_tooth",
         "flank_forces",
         "load_around_wrap",
         "force_through_wrap",
         "tensions",
+        "load_map",
     ),
-    "Pressure": ("peak_pressure", "pressure_over_diameter", "flank_pressure"),
+    "Pressure": ("peak_pressure", "flank_pressure", "pressure_over_diameter"),
     "Load over the face width": ("line_load", "line_load_map", "contact_pattern"),
-    "Stiffness": ("stiffness",),
+    "Stiffness and torque": ("stiffness", "torque_sweep"),
     "Root stress": ("root_stress",),
-    "Torque": ("torque_sweep",),
-    "Profiles": ("profile_deviation",),
     "Loaded bodies": ("loaded_pair", "belt_on_pulley", "chain_on_sprocket"),
+    "Profiles": ("profile_deviation",),
 }
 #: Section of plots that are in no other one.
 OTHERS = "Further plots"
-#: Plots that need the width of a page.
-WIDE = ("profile_deviation", "loaded_pair", "contact_pattern", "load_map")
+#: Titles that are not the name of the picture in words.
+TITLES = {
+    "transmission_error_spectrum": "Spectrum of the transmission error",
+    "load_map": "Force of each pair over the positions",
+    "peak_pressure": "Peak pressure over the positions",
+    "line_load": "Line load over the face width",
+    "line_load_map": "Line load of a tooth on its way through the mesh",
+    "load_around_wrap": "Forces around the wrap",
+    "tension_around_wrap": "Tension and lands around the wrap",
+    "force_through_wrap": "Force of a tooth on its way through the wrap",
+    "tensions": "Tension around the sprocket",
+    "load_per_tooth": "Force per tooth",
+}
+#: Sizes in inches: of a plot of half a page, and of drawings.
+SIZE, DRAWING = (5.6, 3.7), (5.6, 5.2)
+#: Pictures with a panel for each body.
+OF_BODIES = ("pressure_over_diameter", "profile_deviation", "contact_pattern")
+DRAWINGS = ("loaded_pair", "belt_on_pulley", "chain_on_sprocket")
+#: Points of an outline may lie off by this part of the tip radius.
+OFF = 2e-4
 #: Significant digits of the curves for the script.
 DIGITS = 4
 #: Words in the label of an axis that shows the positions.
@@ -57,19 +72,17 @@ class Plot:
     Attributes
     ----------
     name : str
-        Name of the picture, unique in a page.
+        Unique in a page.
+    picture : str
+        Name of the picture that it belongs to.
     title : str
     panel : Panel
     """
 
     name: str
+    picture: str
     title: str
     panel: Panel
-
-    @property
-    def wide(self) -> bool:
-        """Whether it needs the width of the page."""
-        return self.name in WIDE
 
 
 def plots_of(results: Sequence[Result]) -> dict[str, tuple[Plot, ...]]:
@@ -85,16 +98,80 @@ def plots_of(results: Sequence[Result]) -> dict[str, tuple[Plot, ...]]:
     dict of str to tuple of Plot
         Without empty sections.
     """
+    light = tuple(_light(result) for result in results)
     drawn: dict[str, list[Plot]] = {title: [] for title in (*SECTIONS, OTHERS)}
     section = {name: title for title, names in SECTIONS.items() for name in names}
-    for name in names_of(results[-1]):
-        drawn[section.get(name, OTHERS)].append(_plot(name, results))
+    for name in pictures_of(light):
+        drawn[section.get(name, OTHERS)] += _plots(name, light)
+    for title, names in SECTIONS.items():
+        drawn[title].sort(key=lambda plot, names=names: names.index(plot.picture))
     return {title: tuple(plots) for title, plots in drawn.items() if plots}
 
 
-def _plot(name: str, results: Sequence[Result]) -> Plot:
-    title = name.replace("_", " ").capitalize()
-    return Plot(name, title, panel(PICTURES[name](results[-1]), name))
+def _light(result: Result) -> Result:
+    """The result with fewer points in the outlines, which no reader of a page could see."""
+    drawing = result.drawing
+    outlines = {
+        name: thinned(outline, OFF * float(np.hypot(*outline.T).max()))
+        for name, outline in (
+            ("outline_1", drawing.outline_1),
+            ("outline_2", drawing.outline_2),
+        )
+    }
+    return replace(result, drawing=replace(drawing, **outlines))
+
+
+def _plots(name: str, results: Sequence[Result]) -> list[Plot]:
+    """The panels of a picture, each a plot of its own."""
+    draw = PICTURES[name].draw
+    title = TITLES.get(name, name.replace("_", " ").capitalize())
+    if PICTURES[name].one_torque and len(results) > 1:
+        title += f", {results[-1].torque_Nm:g} N m"
+    if name == "load_around_wrap":
+        return [
+            _plot(name, name, title, draw, results),
+            _plot("tension_around_wrap", name, TITLES["tension_around_wrap"],
+                  draw_tension_around_wrap, results),
+        ]  # fmt: skip
+    if name in OF_BODIES:
+        known = _bodies(name, results)
+        return [
+            _plot(f"{name}_{z}", name, f"{title}, body {z}", partial(draw, body=z), results)
+            for z in known
+        ]
+    if name == "torque_sweep":
+        return [
+            _plot(quantity, name, f"{quantity.replace('_', ' ').capitalize()} over the torque",
+                  partial(draw, quantity=quantity), results)
+            for quantity in _swept(results)
+        ]  # fmt: skip
+    return [_plot(name, name, title, draw, results)]
+
+
+def _bodies(name: str, results: Sequence[Result]) -> tuple[int, ...]:
+    """Bodies that a picture of one body can show."""
+    if name != "profile_deviation":
+        return (1, 2)
+    profiles = results[-1].drawing.profiles
+    return tuple(z for z, profile in zip((1, 2), profiles, strict=True) if profile is not None)
+
+
+def _swept(results: Sequence[Result]) -> list[str]:
+    """Quantities over the torque that are known."""
+    last = results[-1]
+    names = ["transmission_error_mean"]
+    if last.position_rad.size > 1:
+        names.append("transmission_error_peak_to_peak")
+    names.append("peak_pressure" if last.drive is None else "tooth_force")
+    known = all(one.summary["stiffness_tangent_mean_N_per_um"] is not None for one in results)
+    return names + ["stiffness"] * known
+
+
+def _plot(
+    name: str, picture: str, title: str, draw: Callable[..., None], results: Sequence[Result]
+) -> Plot:
+    size = DRAWING if picture in DRAWINGS else SIZE
+    return Plot(name, picture, title, panel_of(partial(draw, results=results), name, size))
 
 
 # --- data for the script --------------------------------------------------------------------------
