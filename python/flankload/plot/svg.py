@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.collections import QuadMesh
 
 from flankload.plot.figures import empty_figure, fit
 from flankload.plot.style import STYLE
@@ -139,6 +140,10 @@ def panel(figure: Figure, name: str) -> Panel:
     Panel
     """
     out = io.StringIO()
+    for axes in figure.axes:
+        for artist in axes.collections:
+            # an image: cells drawn one by one are large and have seams
+            artist.set_rasterized(isinstance(artist, QuadMesh))
     with rc_context(IN_PAGE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from", UserWarning)
         warnings.filterwarnings("ignore", r"Matplotlib currently does not support", UserWarning)

@@ -19,7 +19,7 @@ from flankload.report.findings import certificate_rows, findings_of, source_rows
 from flankload.report.glossary import terms_of
 from flankload.report.key_figures import key_rows, percent
 from flankload.report.pictures import curve_data, plots_of
-from flankload.report.turning import legend, rows_of, turning
+from flankload.report.turning import heads_of, legend, turning
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ def _content(results: Sequence[Result], scene: Scene, origin: Origin) -> dict[st
         "sheet_rows": _merged(sheet),
         "plots": plots,
         "turned": turned,
-        "shown": tuple(rows_of(turned.data["states"][-1][turned.start])),
+        "heads": heads_of(results[-1]),
         "legend": legend(results[-1]),
         "stages": _stages(results[-1].cost),
         "sources": source_rows(results[-1]),

@@ -53,7 +53,7 @@ TITLES = {
     "load_per_tooth": "Force per tooth",
 }
 #: Sizes in inches: of a plot of half a page, and of drawings.
-SIZE, DRAWING = (5.6, 3.7), (5.6, 5.2)
+SIZE, DRAWING = (4.9, 3.4), (5.2, 4.8)
 #: Pictures with a panel for each body.
 OF_BODIES = ("pressure_over_diameter", "profile_deviation", "contact_pattern")
 DRAWINGS = ("loaded_pair", "belt_on_pulley", "chain_on_sprocket")

@@ -12,7 +12,7 @@ from flankload.result.belt import BeltDrive
 from flankload.result.chain import ChainDrive
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -47,7 +47,7 @@ class Turning:
     data : dict
         For the script: `deg` (P,) angles of the positions; `turn` of both bodies (2, P), deg;
         `torques` (T,); `states` (T, P) of transmission error in um, rows of pairs (number, force in
-        kN, share in %, pressure in MPa or None on a corner) and paths of their loads.
+        kN, share in %, pressure in MPa if there is one, or "corner") and paths of their loads.
     """
 
     view_box: str
@@ -133,10 +133,17 @@ def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats
             half *= 1.0 + 2 * REACH
         return apart - half, apart + half
     if result.has_cam:
-        ends = (-_largest(drawing.outline_1), -_largest(drawing.outline_2) + apart[0])
-        other = (_largest(drawing.outline_1), _largest(drawing.outline_2) + apart[0])
-        high = 1.05 * max(_largest(drawing.outline_1), _largest(drawing.outline_2))
-        return np.array([min(ends), -high]), np.array([max(other), high])
+        swept = [
+            _turned(outline, angle) + center
+            for outline, angles, center in (
+                (drawing.outline_1, drawing.angle_1, 0.0 * apart),
+                (drawing.outline_2, drawing.angle_2, apart),
+            )
+            for angle in angles[shown]
+        ]
+        whole = np.concatenate(swept)
+        room = 0.03 * float(np.ptp(whole, axis=0).max())
+        return whole.min(axis=0) - room, whole.max(axis=0) + room
     places = np.concatenate(
         [
             np.column_stack([table.x_mm, table.y_mm])[table.force_N > 0]
@@ -159,13 +166,13 @@ def _outline(sector: Floats, teeth: int, off_mm: float) -> str:
     """SVG path of all teeth of a body."""
     sector = thinned(sector, off_mm)
     turns = 2 * np.pi / teeth * np.arange(teeth)
-    whole = np.concatenate(
-        [
-            sector @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
-            for turn in turns
-        ]
-    )
+    whole = np.concatenate([_turned(sector, turn) for turn in turns])
     return f"M{_points(whole)}Z"
+
+
+def _turned(points: Floats, angle: float) -> Floats:
+    """Points (n, 2), rotated counter-clockwise about the axis."""
+    return points @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
 
 
 def thinned(points: Floats, off_mm: float) -> Floats:
@@ -228,11 +235,12 @@ def _state(result: Result, p: int, scales: tuple[float, float], size_mm: float) 
         force = float(result.site_force_N[p, s])
         if force <= 0:
             continue
-        pressure = None
-        if result.drive is None and not result.corner_contact[p, s]:
-            pressure = _short(result.peak_pressure_MPa[p, s])
-        share = _short(100 * result.load_share[p, s])
-        rows.append([int(site), _short(force / 1e3), share, pressure])
+        row: list[float | str] = [int(site), _short(force / 1e3)]
+        row.append(_short(100 * result.load_share[p, s]))
+        if result.drive is None:
+            corner = bool(result.corner_contact[p, s])
+            row.append("corner" if corner else _short(result.peak_pressure_MPa[p, s]))
+        rows.append(row)
         paths.append(_path_of_load(result, table, p, s, scales, REACH * size_mm))
     return {
         "te": _short(result.transmission_error_um[p]),
@@ -304,15 +312,13 @@ def _short(value: float) -> float:
     return float(f"{float(value):.4g}")
 
 
-def rows_of(state: dict[str, Any]) -> Iterator[tuple[str, str, str, str]]:
-    """Cells of the pairs of a state, as the script writes them."""
-    for pair, force, share, pressure in state["pairs"]:
-        yield (
-            f"{pair}",
-            f"{force:g}",
-            f"{share:g}",
-            "corner" if pressure is None else f"{pressure:g}",
-        )
+def heads_of(result: Result) -> tuple[str, ...]:
+    """Heads of the columns of `pairs`."""
+    names = {"belt": "tooth", "chain": "roller"}
+    name = "tooth" if result.whole_circle else "pair"
+    if result.drive is not None:
+        return names[result.drive.name], "force, kN", "share, %"
+    return name, "force, kN", "share, %", "pressure, MPa"
 
 
 def legend(result: Result) -> str:
@@ -321,8 +327,8 @@ def legend(result: Result) -> str:
         return "Arrows: forces on body 1's teeth, to scale with the largest of all positions."
     if result.slices is not None:
         return (
-            "Transverse section at z = 0. Arrows: force of each pair, at the centre of its load, to "
-            "scale with the largest of all positions."
+            "Transverse section at z = 0. Arrows: force of each pair, at the centre of its load, "
+            "to scale with the largest of all positions."
         )
     if result.whole_circle:
         return "Arrows: force on each flank, to scale with the largest of all positions."

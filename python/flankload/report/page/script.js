@@ -108,7 +108,7 @@
     cells.forEach((value) => {
       const cell = document.createElement("td");
       cell.className = "number";
-      cell.textContent = value === null ? "corner" : String(value);
+      cell.textContent = String(value);
       line.append(cell);
     });
     return line;
@@ -148,6 +148,10 @@
     play.textContent = "■ stop";
   };
 
+  // The scene is printed, too.
+  window.addEventListener("beforeprint", () => {
+    document.querySelector("details").open = true;
+  });
   slider.addEventListener("input", show);
   if (torque) torque.addEventListener("change", show);
   play.addEventListener("click", () => (timer === null ? start() : stop()));
