@@ -41,7 +41,7 @@ def run(arguments: Namespace) -> None:
         plan = _plan(scene, progress) if arguments.cost else None
         announce = None if arguments.quiet else partial(_announce, progress)
         found = solve(scene, progress=progress.tell, plan=plan, on_duration=announce)
-    results = found if isinstance(found, tuple) else (found,)
+    results = found.by_torque
     if arguments.plot is not None:
         _plot(results, arguments.plot)
     from flankload.result import results_to_csv, results_to_json, results_to_text

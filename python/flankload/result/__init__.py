@@ -7,6 +7,7 @@ from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.result import Result
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.table import texts_of as results_to_text
+from flankload.result.torque_series import TorqueSeries, result_of_torques
 
 __all__ = [
     "FrictionResult",
@@ -14,6 +15,8 @@ __all__ = [
     "PairTable",
     "Result",
     "StiffnessTable",
+    "TorqueSeries",
+    "result_of_torques",
     "results_to_csv",
     "results_to_json",
     "results_to_text",

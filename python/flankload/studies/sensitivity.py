@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.arguments import require
+from flankload.base.card import Card
 from flankload.base.text_table import text_table
 from flankload.contact.sweep import known_contacts
 from flankload.errors import InputError, SceneError
@@ -61,8 +63,8 @@ class _Stencil:
     results: tuple[tuple[Result, ...], ...]
 
 
-@dataclass(frozen=True, eq=False)
-class Sensitivity:
+@dataclass(frozen=True, eq=False, repr=False)
+class Sensitivity(Card):
     """Derivatives of all results of a scene; from `sensitivity`.
 
     Attributes
@@ -205,8 +207,9 @@ def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) 
     SceneError
         If a path leads to no number, or the scene is impossible on both sides of its value.
     """
-    if isinstance(paths, str) or not all(isinstance(path, str) for path in paths) or not paths:
-        raise InputError(f"paths: expected a sequence of paths, found {paths!r}")
+    fits = isinstance(paths, Sequence) and not isinstance(paths, str) and bool(paths)
+    fits = fits and all(isinstance(path, str) for path in paths)
+    require("paths", paths, "a sequence of paths", fits=fits)
     try:
         _require_steady(scene)
         steps = [_step_of(scene, path) for path in paths]
@@ -221,13 +224,12 @@ def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) 
 
     def continued(changes: dict[str, float]) -> tuple[Result, ...]:
         earlier = Earlier(parts=parts, similar=states[0])
-        results = run_once(plain.replace(changes), on_states=states.append, earlier=earlier)
-        return _all_of(results)
+        return run_once(plain.replace(changes), on_states=states.append, earlier=earlier)
 
     # complete states beside the scene differ from its own; continued ones from continued ones
     known = known_contacts(states[0].found)
     complete = known is None or not known.count.any()
-    middle = _all_of(results) if complete else continued({})
+    middle = results if complete else continued({})
     stencils = tuple(
         _stencil(path, number_at(scene, path), step, middle, continued)
         for path, step in zip(paths, steps, strict=True)
@@ -239,12 +241,7 @@ def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) 
         "continued_states": sum(int((~part).sum()) for part in anew),
         "solved_states": sum(int(part.sum()) for part in anew),
     }
-    return Sensitivity(scene, tuple(paths), _all_of(results), cost, stencils)
-
-
-def _all_of(results: Result | tuple[Result, ...]) -> tuple[Result, ...]:
-    """Results as a tuple."""
-    return results if isinstance(results, tuple) else (results,)
+    return Sensitivity(scene, tuple(paths), results, cost, stencils)
 
 
 def _require_steady(scene: Scene) -> None:

@@ -135,8 +135,7 @@ class Evaluator:
 
     def results_of(self, scene: Scene) -> tuple[Result, ...]:
         """Results of a similar scene at its own settings, one per torque."""
-        found = solve_scene(scene, None, self.parts)
-        return found if isinstance(found, tuple) else (found,)
+        return solve_scene(scene, None, self.parts).by_torque
 
     def objective_of(self, results: Sequence[Result]) -> float:
         """Objective of results, as their summaries have it."""
