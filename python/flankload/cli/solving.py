@@ -9,6 +9,7 @@ from pathlib import Path
 from threading import Timer
 from typing import TYPE_CHECKING, Any, Self
 
+from flankload.cli.drawing import plot_options
 from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder
 from flankload.errors import SceneError
 
@@ -30,7 +31,8 @@ LONG_S = 10.0
 
 def run(arguments: Namespace) -> None:
     """Solve a scene; write and print the results."""
-    _check_outputs(arguments)
+    options = plot_options(arguments)
+    _check_outputs(arguments, options["formats"])
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
@@ -42,8 +44,11 @@ def run(arguments: Namespace) -> None:
         announce = None if arguments.quiet else partial(_announce, progress)
         found = solve(scene, progress=progress.tell, plan=plan, on_duration=announce)
     results = found.by_torque
+    written: tuple[Path, ...] = ()
     if arguments.plot is not None:
-        _plot(results, arguments.plot)
+        from flankload.plot import plot_all
+
+        written = plot_all(results, arguments.plot, **options)
     from flankload.result import results_to_csv, results_to_json, results_to_text
 
     for path, text_of in ((arguments.json, results_to_json), (arguments.csv, results_to_csv)):
@@ -56,6 +61,8 @@ def run(arguments: Namespace) -> None:
     texts = [] if arguments.quiet else [results_to_text(results)]
     if arguments.cost:  # for all torques together
         texts.append(results[0].cost_table())
+    if written and not arguments.quiet:
+        texts.append("\n".join(f"wrote {path}" for path in written))
     if texts and STDOUT not in _files(arguments).values():
         print("\n\n".join(texts))
 
@@ -84,7 +91,7 @@ def _files(arguments: Namespace) -> dict[str, str]:
     return {key: path for key, path in named.items() if path is not None}
 
 
-def _check_outputs(arguments: Namespace) -> None:
+def _check_outputs(arguments: Namespace, formats: tuple[str, ...]) -> None:
     """Refuse outputs that could not be written, before the computation."""
     printed = [key for key, path in _files(arguments).items() if path == STDOUT]
     if len(printed) > 1:
@@ -95,7 +102,8 @@ def _check_outputs(arguments: Namespace) -> None:
         if path != STDOUT:
             check_file(key, Path(path))
     if arguments.plot is not None:
-        check_folder("--plot", arguments.plot, content="PNG files")
+        kinds = " and ".join(kind.upper() for kind in formats)
+        check_folder("--plot", arguments.plot, content=f"{kinds} files")
 
 
 def _places(arguments: Namespace) -> Iterator[tuple[str, Path]]:
@@ -115,14 +123,6 @@ def _write_stiffness(results: tuple[Result, ...], path: str) -> None:
         print(table.to_csv(), end="")
     else:
         table.to_csv(path)
-
-
-def _plot(results: tuple[Result, ...], folder: Path) -> None:
-    from flankload.plot import plot_all
-
-    for result in results:
-        several = len(results) > 1
-        plot_all(result, folder / f"torque_{result.torque_Nm:g}_Nm" if several else folder)
 
 
 class Progress:

@@ -7,7 +7,6 @@ the same with and without a screen. Each plot is a pair: `draw_…(axes, results
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -43,7 +42,7 @@ from flankload.plot.diameters import (
     path_on_flank,
     plot_pressure_over_diameter,
 )
-from flankload.plot.figures import as_results, fit, one_panel
+from flankload.plot.figures import as_results, fit
 from flankload.plot.flank_forces import draw_flank_forces, plot_flank_forces
 from flankload.plot.load_map import draw_load_map, plot_load_map
 from flankload.plot.loaded_pair import draw_loaded_pair, plot_loaded_pair
@@ -81,7 +80,7 @@ from flankload.plot.whole_circle import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -90,8 +89,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FORMATS",
+    "DRAWINGS",
     "PICTURES",
-    "Picture",
     "draw_bands",
     "draw_belt_on_pulley",
     "draw_chain_on_sprocket",
@@ -157,50 +156,57 @@ __all__ = [
 MM_PER_INCH = 25.4
 
 
-@dataclass(frozen=True)
-class Picture:
-    """A plot of a result.
-
-    Attributes
-    ----------
-    plot : callable
-        Figure of a sequence of results, one per torque.
-    draw : callable
-        Draws on Axes: draw(axes, results). Of several panels it draws one.
-    one_torque : bool
-        Whether it shows one torque only, so that several torques need several figures.
-    """
-
-    plot: Callable[..., Figure]
-    draw: Callable[..., None]
-    one_torque: bool = False
-
-
 #: All plots by name.
-PICTURES: dict[str, Picture] = {
-    "transmission_error": Picture(plot_transmission_error, draw_transmission_error),
-    "transmission_error_spectrum": Picture(plot_transmission_error_spectrum, draw_transmission_error_spectrum),
-    "load_sharing": Picture(plot_load_sharing, draw_load_sharing),
-    "peak_pressure": Picture(plot_peak_pressure, draw_peak_pressure),
-    "pressure_over_diameter": Picture(plot_pressure_over_diameter, draw_pressure_over_diameter),
-    "load_map": Picture(plot_load_map, draw_load_map, one_torque=True),
-    "loaded_pair": Picture(plot_loaded_pair, draw_loaded_pair, one_torque=True),
-    "flank_forces": Picture(plot_flank_forces, draw_flank_forces, one_torque=True),
-    "stiffness": Picture(plot_stiffness, draw_stiffness),
-    "torque_sweep": Picture(plot_torque_sweep, draw_torque_sweep),
-    "profile_deviation": Picture(plot_profile_deviation, draw_profile_deviation),
-    "follower_motion": Picture(plot_follower_motion, draw_follower_motion, one_torque=True),
-    "load_per_tooth": Picture(plot_load_per_tooth, draw_load_per_tooth, one_torque=True),
-    "flank_pressure": Picture(plot_flank_pressure, draw_flank_pressure, one_torque=True),
-    "root_stress": Picture(plot_root_stress, draw_root_stress, one_torque=True),
-    "line_load": Picture(plot_line_load, draw_line_load, one_torque=True),
-    "line_load_map": Picture(plot_line_load_map, draw_line_load_map, one_torque=True),
-    "contact_pattern": Picture(plot_contact_pattern, draw_contact_pattern, one_torque=True),
-    "belt_on_pulley": Picture(plot_belt_on_pulley, draw_belt_on_pulley, one_torque=True),
-    "load_around_wrap": Picture(plot_load_around_wrap, draw_load_around_wrap, one_torque=True),
-    "force_through_wrap": Picture(plot_force_through_wrap, draw_force_through_wrap, one_torque=True),
-    "chain_on_sprocket": Picture(plot_chain_on_sprocket, draw_chain_on_sprocket, one_torque=True),
-    "tensions": Picture(plot_tensions, draw_tensions, one_torque=True),
+PICTURES: dict[str, Callable[..., Figure]] = {
+    "transmission_error": plot_transmission_error,
+    "transmission_error_spectrum": plot_transmission_error_spectrum,
+    "load_sharing": plot_load_sharing,
+    "peak_pressure": plot_peak_pressure,
+    "pressure_over_diameter": plot_pressure_over_diameter,
+    "load_map": plot_load_map,
+    "loaded_pair": plot_loaded_pair,
+    "flank_forces": plot_flank_forces,
+    "stiffness": plot_stiffness,
+    "torque_sweep": plot_torque_sweep,
+    "profile_deviation": plot_profile_deviation,
+    "follower_motion": plot_follower_motion,
+    "load_per_tooth": plot_load_per_tooth,
+    "flank_pressure": plot_flank_pressure,
+    "root_stress": plot_root_stress,
+    "line_load": plot_line_load,
+    "line_load_map": plot_line_load_map,
+    "contact_pattern": plot_contact_pattern,
+    "belt_on_pulley": plot_belt_on_pulley,
+    "load_around_wrap": plot_load_around_wrap,
+    "force_through_wrap": plot_force_through_wrap,
+    "chain_on_sprocket": plot_chain_on_sprocket,
+    "tensions": plot_tensions,
+}
+#: The functions that draw them on given Axes; of several panels they draw one.
+DRAWINGS: dict[str, Callable[..., None]] = {
+    "transmission_error": draw_transmission_error,
+    "transmission_error_spectrum": draw_transmission_error_spectrum,
+    "load_sharing": draw_load_sharing,
+    "peak_pressure": draw_peak_pressure,
+    "pressure_over_diameter": draw_pressure_over_diameter,
+    "load_map": draw_load_map,
+    "loaded_pair": draw_loaded_pair,
+    "flank_forces": draw_flank_forces,
+    "stiffness": draw_stiffness,
+    "torque_sweep": draw_torque_sweep,
+    "profile_deviation": draw_profile_deviation,
+    "follower_motion": draw_follower_motion,
+    "load_per_tooth": draw_load_per_tooth,
+    "flank_pressure": draw_flank_pressure,
+    "root_stress": draw_root_stress,
+    "line_load": draw_line_load,
+    "line_load_map": draw_line_load_map,
+    "contact_pattern": draw_contact_pattern,
+    "belt_on_pulley": draw_belt_on_pulley,
+    "load_around_wrap": draw_load_around_wrap,
+    "force_through_wrap": draw_force_through_wrap,
+    "chain_on_sprocket": draw_chain_on_sprocket,
+    "tensions": draw_tensions,
 }
 
 
@@ -217,8 +223,8 @@ def plot_all(
     Parameters
     ----------
     results : Result, or sequence of Result
-        Of one scene, one per torque. Plots over positions have a curve per torque; plots that show
-        one torque are written for each, with the torque in the name: loaded_pair_100_Nm.png.
+        Of one scene, one per torque. Plots over positions have a curve per torque; plots of one
+        torque show the largest.
     directory : path
         Created if it does not exist.
     formats : sequence of {"png", "svg", "pdf"}
@@ -244,8 +250,9 @@ def plot_all(
         raise ValueError(f"formats: expected {', '.join(FORMATS)}, found {unknown[0]!r}")
     folder, drawn = Path(directory), {}
     # Every plot is drawn before the first is written.
-    for name, plot, shown in _files(as_results(results)):
-        figure = plot(shown)
+    several = as_results(results)
+    for name in pictures_of(several):
+        figure = PICTURES[name](_suited(name, several))
         if size_mm is not None:
             scale = [wanted / MM_PER_INCH / own for wanted, own in zip(size_mm, SIZE, strict=True)]
             figure.set_size_inches(figure.get_size_inches() * scale)
@@ -276,13 +283,11 @@ def draw_on(name: str, results: Result | Sequence[Result], axes: Axes | None, **
     -------
     matplotlib.axes.Axes
     """
-    picture, shown = PICTURES[name], as_results(results)
+    shown = as_results(results)
     if axes is not None:
-        picture.draw(axes, shown, **options)
+        DRAWINGS[name](axes, shown, **options)
         return axes
-    if set(options) <= {"position"}:
-        return picture.plot(shown, **options).axes[0]
-    return one_panel(picture.draw, shown, name.replace("_", " ").capitalize(), **options).axes[0]
+    return PICTURES[name](shown, **options).axes[0]
 
 
 def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
@@ -311,19 +316,9 @@ def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
     return (*found, *["torque_sweep"] * (len(shown) > 1))
 
 
-def _files(
-    results: Sequence[Result],
-) -> Iterator[tuple[str, Callable[[Sequence[Result]], Figure], Sequence[Result]]]:
-    """Name, function and results of each figure; a plot of one torque has one figure for each."""
-    several = len(results) > 1
-    for name in pictures_of(results):
-        picture = PICTURES[name]
-        suited = [result for result in results if name in _names(result)] or results
-        if several and picture.one_torque:
-            for result in suited:
-                yield f"{name}_{result.torque_Nm:.12g}_Nm", picture.plot, (result,)
-        else:
-            yield name, picture.plot, suited
+def _suited(name: str, results: Sequence[Result]) -> Sequence[Result]:
+    """The results that a plot shows: with load for a stiffness, for instance."""
+    return [result for result in results if name in _names(result)] or results
 
 
 def _names(result: Result) -> tuple[str, ...]:

@@ -93,7 +93,7 @@ def _mark_corners(axes: Axes, result: Result, colour: Any) -> None:
     few = corner.size <= MOST_MARKS
     named = axes.get_legend() is not None
     x, y = curve(result, np.where(corner, result.transmission_error_um, np.nan))
-    axes.plot(
+    (marked,) = axes.plot(
         x,
         y,
         linestyle="none",
@@ -101,10 +101,11 @@ def _mark_corners(axes: Axes, result: Result, colour: Any) -> None:
         markersize=5 if few else 1.5,
         markerfacecolor="white" if few else colour,
         markeredgecolor=colour,
-        label=None if named else "a pair carries on a sharp corner",
+        label="a pair carries on a sharp corner",
     )
     if not named:
-        legend_below(axes)
+        legend_below(axes, handles=[marked])
+        axes.get_legend().legend_handles[0].set(markeredgecolor=GREY)
 
 
 def _note_mean(axes: Axes, result: Result) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.ticker import MaxNLocator
 
 from flankload.plot.curves import DASHED, ON_CORNER, draw_off_corners
 from flankload.plot.figures import (
@@ -32,6 +33,9 @@ if TYPE_CHECKING:
     from flankload.result import Result
 
     Floats = NDArray[np.float64]
+
+#: Least distance of two ticks of the roll angle, as part of the width.
+CLOSEST = 0.05
 
 
 @dataclass(frozen=True)
@@ -109,13 +113,24 @@ def path_on_flank(result: Result, body: int) -> PathOnFlank | None:
     return PathOnFlank(base, base * tan(angle), pitch, geometry.path_pitches)
 
 
-def plot_pressure_over_diameter(results: Result | Sequence[Result]) -> Figure:
-    """Peak pressure over the diameter of each body, a curve per torque; points A to E."""
+def plot_pressure_over_diameter(
+    results: Result | Sequence[Result], body: int | None = None
+) -> Figure:
+    """Peak pressure over the diameter of each body, a curve per torque; points A to E.
+
+    Parameters
+    ----------
+    results : Result, or sequence of Result
+    body : int, optional
+        1 or 2; by default both, in two panels.
+    """
     shown = as_results(results)
+    bodies = (1, 2) if body is None else (body,)
     with rc_context(STYLE):
-        figure = empty_figure((SIZE[0], 1.5 * SIZE[1]))
-        for body, axes in zip((1, 2), figure.subplots(2, 1), strict=True):
-            draw_pressure_over_diameter(axes, shown, body=body, key=body == 2)
+        figure = empty_figure((SIZE[0], (0.5 + 0.5 * len(bodies)) * SIZE[1]))
+        for row, each in enumerate(bodies):
+            axes = figure.add_subplot(len(bodies), 1, row + 1)
+            draw_pressure_over_diameter(axes, shown, body=each, key=each == bodies[-1])
         set_title(figure, shown, "Peak pressure over the flanks")
         fit(figure)
         return figure
@@ -158,8 +173,7 @@ def draw_pressure_over_diameter(
     axes.set_ylim(0, 1.15 * max(tops) or None)
     axes.set_xlabel(f"diameter on body {body} in mm", color=BODIES[body - 1])
     axes.set_ylabel("peak pressure in MPa")
-    turns = (path.roll_angle_deg, path.diameter_of_roll_mm)
-    axes.secondary_xaxis("top", functions=turns).set_xlabel(f"roll angle of body {body} in degrees")
+    _add_roll_axis(axes, path, body)
     _mark_points(axes, path)
     if len(results) > 1:
         texts = [
@@ -170,6 +184,21 @@ def draw_pressure_over_diameter(
     if key and any(result.corner_contact.any() for result in results):
         (dashed,) = axes.plot([], [], color=GREY, **DASHED)
         legend_below(axes, [dashed], [ON_CORNER])
+
+
+def _add_roll_axis(axes: Axes, path: PathOnFlank, body: int) -> None:
+    """A second axis of roll angles, whose ticks come closer towards the base circle."""
+    turns = (path.roll_angle_deg, path.diameter_of_roll_mm)
+    second = axes.secondary_xaxis("top", functions=turns)
+    second.set_xlabel(f"roll angle of body {body} in degrees")
+    low, high = axes.get_xlim()
+    shown: list[float] = []
+    for angle in MaxNLocator(nbins=9).tick_values(*path.roll_angle_deg(np.array([low, high]))):
+        place = float(path.diameter_of_roll_mm(angle))
+        before = float(path.diameter_of_roll_mm(shown[-1])) if shown else -np.inf
+        if angle > 0 and low <= place <= high and place - before > CLOSEST * (high - low):
+            shown.append(float(angle))
+    second.set_xticks(shown, [f"{angle:g}" for angle in shown])
 
 
 def _along_flank(

@@ -15,6 +15,7 @@ from flankload.plot.style import GREY, SIZE, STYLE, short
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.text import Annotation
 
@@ -48,7 +49,8 @@ def heaviest(results: Result | Sequence[Result]) -> Result:
 
 def empty_figure(size: tuple[float, float] = SIZE) -> Figure:
     """Figure on an Agg canvas without a layout engine: `fit` sets its margins."""
-    figure = Figure(figsize=size)
+    # the resolution of the file: texts are measured once
+    figure = Figure(figsize=size, dpi=STYLE["savefig.dpi"])
     FigureCanvasAgg(figure)
     return figure
 
@@ -117,7 +119,8 @@ def fit(figure: Figure) -> None:
             continue
         cell = spec.get_topmost_subplotspec()
         shape = cell.get_gridspec().nrows, cell.get_gridspec().ncols
-        inside, box = cell.get_position(figure), axes.get_tightbbox(renderer)
+        inside = cell.get_position(figure)
+        box = axes.get_tightbbox(renderer, bbox_extra_artists=_outside(axes))
         if box is None:
             continue
         x0, y0, x1, y1 = np.array(box.extents) / figure.dpi
@@ -143,6 +146,13 @@ def fit(figure: Figure) -> None:
     )
     for axes in figure.axes:
         spread_labels(axes)
+
+
+def _outside(axes: Axes) -> list[Artist]:
+    """What may lie outside the panel beside its axes and titles."""
+    legend = axes.get_legend()
+    labels = [text for text in axes.texts if text.get_gid() == CURVE_LABEL]
+    return [*axes.child_axes, *labels, *([legend] if legend is not None else [])]
 
 
 def _gap(reach: dict[tuple[str, int], float], before: str, after: str, count: int) -> float:

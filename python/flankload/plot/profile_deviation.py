@@ -25,19 +25,29 @@ LEAST_SPAN_UM = 5.0
 ROW = 0.085
 
 
-def plot_profile_deviation(results: Result | Sequence[Result]) -> Figure:
-    """Deviation from the involute along its normal, a panel for each body that has one."""
+def plot_profile_deviation(
+    results: Result | Sequence[Result], body: int | None = None
+) -> Figure:
+    """Deviation from the involute along its normal, a panel for each body that has one.
+
+    Parameters
+    ----------
+    results : Result, or sequence of Result
+    body : int, optional
+        1 or 2; by default both, in two panels.
+    """
     result = heaviest(results)
-    bodies = [z + 1 for z, profile in enumerate(result.drawing.profiles) if profile is not None]
+    known = [z + 1 for z, profile in enumerate(result.drawing.profiles) if profile is not None]
+    bodies = known if body is None else [body]
     with rc_context(STYLE):
         figure = empty_figure((7.2, 1.0 + 2.9 * max(1, len(bodies))))
         figure.suptitle("Profile deviation", x=0.01, ha="left", fontsize=11, fontweight="bold")
         name = short(result.name)
         figure.text(0.99, 0.985, name, ha="right", va="top", fontsize=9, color=GREY)
-        for row, body in enumerate(bodies):
+        for row, each in enumerate(bodies):
             axes = figure.add_subplot(len(bodies), 1, row + 1)
-            draw_profile_deviation(axes, (result,), body=body)
-            axes.set_title(f"body {body}", color=BODIES[body - 1], fontsize=10)
+            draw_profile_deviation(axes, (result,), body=each)
+            axes.set_title(f"body {each}", color=BODIES[each - 1], fontsize=10)
         fit(figure)
         return figure
 

@@ -132,16 +132,28 @@ def draw_line_load_map(axes: Axes, results: Sequence[Result]) -> None:
     axes.figure.colorbar(shown, ax=axes, label="line load in N per mm face width")
 
 
-def plot_contact_pattern(results: Result | Sequence[Result]) -> Figure:
-    """Largest pressure at each place of both flanks over all positions."""
+def plot_contact_pattern(
+    results: Result | Sequence[Result], body: int | None = None
+) -> Figure:
+    """Largest pressure at each place of both flanks over all positions.
+
+    Parameters
+    ----------
+    results : Result, or sequence of Result
+        The one of the largest torque is drawn; it is three-dimensional.
+    body : int, optional
+        1 or 2; by default both, in two panels.
+    """
     result = heaviest(results)
+    bodies = (1, 2) if body is None else (body,)
     with rc_context(STYLE):
         figure = empty_figure((SIZE[0], 0.9 * SIZE[1]))
-        left, right = figure.subplots(1, 2)
-        largest = max(contact_pattern(result, body)[1].max() for body in (1, 2))
-        for body, axes in ((1, left), (2, right)):
-            draw_contact_pattern(axes, (result,), body=body, largest_MPa=largest, key=body == 2)
-            axes.set_title(f"body {body}", color=BODIES[body - 1])
+        largest = max(contact_pattern(result, each)[1].max() for each in (1, 2))
+        for column, each in enumerate(bodies):
+            axes = figure.add_subplot(1, len(bodies), column + 1)
+            key = each == bodies[-1]
+            draw_contact_pattern(axes, (result,), body=each, largest_MPa=largest, key=key)
+            axes.set_title(f"body {each}", color=BODIES[each - 1])
         set_title(figure, result, "Contact pattern")
         fit(figure)
         return figure

@@ -53,6 +53,7 @@ STYLE: Any = {
     "axes.titlesize": 11,
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
+    "axes.titley": 1.0,  # not searched for: titles have no axis above the panel to avoid
     "axes.labelsize": 10,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -70,7 +71,7 @@ STYLE: Any = {
 
 #: Formats of files, and what `savefig` receives for them.
 FORMATS: dict[str, dict[str, Any]] = {
-    "png": {"pil_kwargs": {"compress_level": 3}},  # a third of the time for a tenth of the size
+    "png": {"pil_kwargs": {"compress_level": 1}},  # an eighth more bytes, a third of the time
     "svg": {"metadata": {"Date": None}},
     "pdf": {"metadata": {"CreationDate": None}},
 }

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import rc_context
 
-from flankload.plot.figures import as_results, empty_figure, fit, set_title
+from flankload.plot.figures import as_results, empty_figure, fit, one_panel, set_title
 from flankload.plot.style import SIZE, STYLE, torque_colours
 
 if TYPE_CHECKING:
@@ -36,9 +36,20 @@ QUANTITIES: dict[str, tuple[str, str | Callable[[Result], float]]] = {
 }
 
 
-def plot_torque_sweep(results: Result | Sequence[Result]) -> Figure:
-    """Transmission error, pressure or force, and stiffness over the torque."""
+def plot_torque_sweep(
+    results: Result | Sequence[Result], quantity: str | None = None
+) -> Figure:
+    """Transmission error, pressure or force, and stiffness over the torque.
+
+    Parameters
+    ----------
+    results : Result, or sequence of Result
+    quantity : str, optional
+        One of `QUANTITIES`; by default four of them, in four panels.
+    """
     shown = as_results(results)
+    if quantity is not None:
+        return one_panel(draw_torque_sweep, shown, "Over the torque", quantity=quantity)
     pressed = shown[0].drive is None
     third = "peak_pressure" if pressed else "tooth_force"
     names = ("transmission_error_peak_to_peak", "transmission_error_mean", third, "stiffness")

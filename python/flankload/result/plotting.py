@@ -56,7 +56,8 @@ class Plots:
         return tuple(_plot().plot_all(self._results, folder, **options))
 
     def _draw(self, name: str, ax: Any, **options: Any) -> Any:
-        return _plot().draw_on(name, self._results, ax, **options)
+        named = {key: value for key, value in options.items() if value is not None}
+        return _plot().draw_on(name, self._results, ax, **named)
 
     def transmission_error(self, ax: Any = None) -> Any:
         """Transmission error over the positions."""
@@ -74,7 +75,7 @@ class Plots:
         """Peak pressure of each pair over the positions."""
         return self._draw("peak_pressure", ax)
 
-    def pressure_over_diameter(self, ax: Any = None, *, body: int = 1) -> Any:
+    def pressure_over_diameter(self, ax: Any = None, *, body: int | None = None) -> Any:
         """Peak pressure over the diameter of a body, with points A to E."""
         return self._draw("pressure_over_diameter", ax, body=body)
 
@@ -95,12 +96,12 @@ class Plots:
         return self._draw("stiffness", ax)
 
     def torque_sweep(
-        self, ax: Any = None, *, quantity: str = "transmission_error_peak_to_peak"
+        self, ax: Any = None, *, quantity: str | None = None
     ) -> Any:
         """A key figure over the torque."""
         return self._draw("torque_sweep", ax, quantity=quantity)
 
-    def profile_deviation(self, ax: Any = None, *, body: int = 1) -> Any:
+    def profile_deviation(self, ax: Any = None, *, body: int | None = None) -> Any:
         """Deviation of a body from its involute."""
         return self._draw("profile_deviation", ax, body=body)
 
@@ -128,7 +129,7 @@ class Plots:
         """Line load of a tooth over its way and the face width."""
         return self._draw("line_load_map", ax)
 
-    def contact_pattern(self, ax: Any = None, *, body: int = 1) -> Any:
+    def contact_pattern(self, ax: Any = None, *, body: int | None = None) -> Any:
         """Largest pressure at each place of a flank."""
         return self._draw("contact_pattern", ax, body=body)
 
