@@ -74,8 +74,6 @@ def _number(
     return number
 
 
-def _wrong(
-    key: str, given: str, bounds: tuple[float, float], what: str, unit: str
-) -> SceneError:
+def _wrong(key: str, given: str, bounds: tuple[float, float], what: str, unit: str) -> SceneError:
     expected = f"{what} from {bounds[0]:g} to {bounds[1]:g}{unit}"
     return SceneError(key=key, expected=expected, found=repr(given))

@@ -41,8 +41,8 @@ def run(arguments: Namespace) -> None:
 
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
         plan = _plan(scene, progress) if arguments.cost else None
-        announce = None if arguments.quiet else partial(_announce, progress)
-        found = solve(scene, progress=progress.tell, plan=plan, on_duration=announce)
+        told = None if arguments.quiet else partial(announce, progress)
+        found = solve(scene, progress=progress.tell, plan=plan, on_duration=told)
     results = found.by_torque
     written: tuple[Path, ...] = ()
     if arguments.plot is not None:
@@ -58,6 +58,11 @@ def run(arguments: Namespace) -> None:
             text_of(found, path)
     if arguments.stiffness_csv is not None:
         _write_stiffness(results, arguments.stiffness_csv)
+    if arguments.report is not None:
+        from flankload.cli.reporting import write_page
+
+        write_page(found, scene, arguments.report, arguments.line)
+        written += (Path(arguments.report),) * (arguments.report != STDOUT)
     texts = [] if arguments.quiet else [results_to_text(results)]
     if arguments.cost:  # for all torques together
         texts.append(results[0].cost_table())
@@ -67,7 +72,7 @@ def run(arguments: Namespace) -> None:
         print("\n\n".join(texts))
 
 
-def _announce(progress: Progress, duration: Duration) -> None:
+def announce(progress: Progress, duration: Duration) -> None:
     """Announce the predicted duration of a long run."""
     if duration.seconds > LONG_S:
         progress.say(f"flankload: {duration}")
@@ -87,6 +92,7 @@ def _files(arguments: Namespace) -> dict[str, str]:
         "--json": arguments.json,
         "--csv": arguments.csv,
         "--stiffness-csv": arguments.stiffness_csv,
+        "--report": arguments.report,
     }
     return {key: path for key, path in named.items() if path is not None}
 

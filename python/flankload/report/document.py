@@ -20,13 +20,13 @@ from flankload.report.glossary import terms_of
 from flankload.report.key_figures import key_rows, percent
 from flankload.report.pictures import curve_data, plots_of
 from flankload.report.turning import heads_of, legend, turning
+from flankload.result import Result
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flankload.mechanisms.data_sheet import DataSheet
-    from flankload.result import Result
     from flankload.scene import Scene
 
 #: A symbol with an index.
@@ -53,14 +53,14 @@ class Origin:
 
 
 def write_report(
-    results: Sequence[Result], scene: Scene, path: str | Path, *, line: str = ""
+    results: Result | Sequence[Result], scene: Scene, path: str | Path, *, line: str = ""
 ) -> None:
     """Write the report of a scene: completely or not at all.
 
     Parameters
     ----------
-    results : sequence of Result
-        One per torque.
+    results : Result, or sequence of Result
+        Of `solve`, or one per torque.
     scene : Scene
         The scene that was solved.
     path : path
@@ -76,14 +76,18 @@ def write_report(
 
 
 def report_html(
-    results: Sequence[Result], scene: Scene, *, line: str = "", day: date | None = None
+    results: Result | Sequence[Result],
+    scene: Scene,
+    *,
+    line: str = "",
+    day: date | None = None,
 ) -> str:
     """Return the report of a scene as one page without references to other files.
 
     Parameters
     ----------
-    results : sequence of Result
-        One per torque.
+    results : Result, or sequence of Result
+        Of `solve`, or one per torque.
     scene : Scene
         The scene that was solved.
     line : str
@@ -102,8 +106,13 @@ def report_html(
         If jinja2 is not installed.
     """
     origin = Origin(line or _line(scene), day or date.today())
-    ordered = tuple(sorted(results, key=lambda result: result.torque_Nm))
-    return str(_template().render(_content(ordered, scene, origin)))
+    return str(_template().render(_content(_by_torque(results), scene, origin)))
+
+
+def _by_torque(results: Result | Sequence[Result]) -> tuple[Result, ...]:
+    """Results of single torques, ascending."""
+    several = results.by_torque if isinstance(results, Result) else results
+    return tuple(sorted(several, key=lambda result: result.torque_Nm))
 
 
 def _line(scene: Scene) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.plot import PICTURES, draw_tension_around_wrap, pictures_of
+from flankload import plot as pictures
 from flankload.plot.svg import panel_of
 from flankload.report.turning import thinned
 
@@ -54,6 +54,12 @@ TITLES = {
 }
 #: Sizes in inches: of a plot of half a page, and of drawings.
 SIZE, DRAWING = (4.9, 3.4), (5.2, 4.8)
+#: Pictures that show the largest torque alone.
+ONE_TORQUE = (
+    "load_map", "loaded_pair", "flank_forces", "follower_motion", "root_stress", "line_load",
+    "line_load_map", "contact_pattern", "load_per_tooth", "flank_pressure", "belt_on_pulley",
+    "load_around_wrap", "force_through_wrap", "chain_on_sprocket", "tensions",
+)  # fmt: skip
 #: Pictures with a panel for each body.
 OF_BODIES = ("pressure_over_diameter", "profile_deviation", "contact_pattern")
 DRAWINGS = ("loaded_pair", "belt_on_pulley", "chain_on_sprocket")
@@ -101,8 +107,8 @@ def plots_of(results: Sequence[Result]) -> dict[str, tuple[Plot, ...]]:
     light = tuple(_light(result) for result in results)
     drawn: dict[str, list[Plot]] = {title: [] for title in (*SECTIONS, OTHERS)}
     section = {name: title for title, names in SECTIONS.items() for name in names}
-    for name in pictures_of(light):
-        drawn[section.get(name, OTHERS)] += _plots(name, light)
+    for name in pictures.pictures_of(light):
+        drawn[section.get(name, OTHERS)] += _plots(name, _suited(name, light))
     for title, names in SECTIONS.items():
         drawn[title].sort(key=lambda plot, names=names: names.index(plot.picture))
     return {title: tuple(plots) for title, plots in drawn.items() if plots}
@@ -121,17 +127,23 @@ def _light(result: Result) -> Result:
     return replace(result, drawing=replace(drawing, **outlines))
 
 
+def _suited(name: str, results: tuple[Result, ...]) -> tuple[Result, ...]:
+    """Results that have a picture: without torque there is no stiffness."""
+    suited = tuple(one for one in results if name in pictures.pictures_of((one,)))
+    return suited or results
+
+
 def _plots(name: str, results: Sequence[Result]) -> list[Plot]:
     """The panels of a picture, each a plot of its own."""
-    draw = PICTURES[name].draw
+    draw = getattr(pictures, f"draw_{name}")
     title = TITLES.get(name, name.replace("_", " ").capitalize())
-    if PICTURES[name].one_torque and len(results) > 1:
+    if name in ONE_TORQUE and len(results) > 1:
         title += f", {results[-1].torque_Nm:g} N m"
     if name == "load_around_wrap":
         return [
             _plot(name, name, title, draw, results),
             _plot("tension_around_wrap", name, TITLES["tension_around_wrap"],
-                  draw_tension_around_wrap, results),
+                  pictures.draw_tension_around_wrap, results),
         ]  # fmt: skip
     if name in OF_BODIES:
         known = _bodies(name, results)
