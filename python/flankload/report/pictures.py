@@ -153,7 +153,7 @@ def _plots(name: str, results: Sequence[Result]) -> list[Plot]:
         ]
     if name == "torque_sweep":
         return [
-            _plot(quantity, name, f"{quantity.replace('_', ' ').capitalize()} over the torque",
+            _plot(f"{name}_{quantity}", name, f"{quantity.replace('_', ' ').capitalize()} over the torque",
                   partial(draw, quantity=quantity), results)
             for quantity in _swept(results)
         ]  # fmt: skip
