@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from math import degrees, isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from flankload.result import Result
 
@@ -107,24 +108,17 @@ def _number(
 
 
 def _of_motion(results: Sequence[Result]) -> Iterator[Row]:
-    for name, symbol, key, error in (
-        ("transmission error, mean", "", "transmission_error_mean_um", "transmission_error_mean"),
-        ("transmission error, peak to peak", "PPTE", "transmission_error_peak_to_peak_um",
-         "transmission_error_peak_to_peak"),
-    ):  # fmt: skip
-        yield _row(
-            results, name, symbol, "µm",
-            lambda one, key=key, error=error: _number(one, key, ".2f", error=error),
-        )  # fmt: skip
+    for name, symbol, part in (("mean", "", "mean"), ("peak to peak", "PPTE", "peak_to_peak")):
+        key = f"transmission_error_{part}"
+        cell = partial(_number, key=f"{key}_um", form=".2f", error=key)
+        yield _row(results, f"transmission error, {name}", symbol, "µm", cell)
     if any(_beyond(result) for result in results):
-        key = "transmission_error_by_load_mean_um"
-        yield _row(
-            results, "part of the mean by load", "", "µm", lambda one: _number(one, key, ".2f")
-        )
+        cell = partial(_number, key="transmission_error_by_load_mean_um", form=".2f")
+        yield _row(results, "part of the mean by load", "", "µm", cell)
     count = max(len(one.summary["transmission_error_mesh_harmonics_um"] or ()) for one in results)
     for k in range(count):
         name = f"amplitude of mesh order {k + 1}"
-        yield _row(results, name, "", "µm", lambda one, k=k: _harmonic(one, k))
+        yield _row(results, name, "", "µm", partial(_harmonic, k=k))
 
 
 def _beyond(result: Result) -> bool:
@@ -143,45 +137,44 @@ def _harmonic(result: Result, k: int) -> Cell | None:
 
 
 def _of_contact(results: Sequence[Result]) -> Iterator[Row]:
-    def loaded(result: Result) -> Cell:
-        least, most = (result.summary[f"loaded_pairs_{end}"] for end in ("min", "max"))
-        text = f"{least}" if least == most else f"{least} to {most}"
-        return Cell(text, text)
-
-    circle = all(result.whole_circle for result in results)
-    names = {"belt": "loaded teeth", "chain": "loaded rollers"}
     drive = results[0].drive
+    names = {"belt": "loaded teeth", "chain": "loaded rollers"}
     name = "loaded pairs" if drive is None else names[drive.name]
-    yield _row(results, "teeth that carry" if circle else name, "", "", loaded)
-    yield _row(
-        results, "contact ratio under load", "", "",
-        lambda one: _number(one, "contact_ratio_under_load", ".3f"),
-    )  # fmt: skip
-    key = "peak_pressure_off_corners"
-    yield _row(
-        results, "largest pressure", "p_max", "MPa",
-        lambda one: _positive(_number(one, f"{key}_MPa", ".0f", error="peak_pressure", place=key)),
-    )  # fmt: skip
-    key_line = "peak_line_load"
+    circle = all(result.whole_circle for result in results)
+    yield _row(results, "teeth that carry" if circle else name, "", "", _loaded)
+    ratio = partial(_number, key="contact_ratio_under_load", form=".3f")
+    yield _row(results, "contact ratio under load", "", "", ratio)
+    yield _row(results, "largest pressure", "p_max", "MPa", _pressure)
     if drive is None:
-        yield _row(
-            results, "largest line load", "w_max", "N/mm",
-            lambda one: _positive(_number(one, f"{key_line}_N_per_mm", ".1f", place=key_line)),
-        )  # fmt: skip
+        yield _row(results, "largest line load", "w_max", "N/mm", _line_load)
     else:
         yield _row(results, "largest force of one of them", "", "N", _largest_force)
-        yield _row(
-            results, "share of the force, largest", "", "%",
-            lambda one: Cell(float(100 * one.load_share.max()), f"{100 * one.load_share.max():.2f}",
-                             (one.estimate or {}).get("load_share")),
-        )  # fmt: skip
+        yield _row(results, "largest share of the force", "", "%", _largest_share)
     for kind in ("tangent", "secant"):
-        yield _row(
-            results, f"mesh stiffness, {kind}, mean", "", "N/µm",
-            lambda one, kind=kind: _number(
-                one, f"stiffness_{kind}_mean_N_per_um", ".2f", error=f"stiffness_{kind}"
-            ),
-        )  # fmt: skip
+        key = f"stiffness_{kind}"
+        cell = partial(_number, key=f"{key}_mean_N_per_um", form=".2f", error=key)
+        yield _row(results, f"mesh stiffness, {kind}, mean", "", "N/µm", cell)
+
+
+def _loaded(result: Result) -> Cell:
+    least, most = (result.summary[f"loaded_pairs_{end}"] for end in ("min", "max"))
+    text = f"{least}" if least == most else f"{least} to {most}"
+    return Cell(text, text)
+
+
+def _pressure(result: Result) -> Cell | None:
+    key = "peak_pressure_off_corners"
+    return _positive(_number(result, f"{key}_MPa", ".0f", error="peak_pressure", place=key))
+
+
+def _line_load(result: Result) -> Cell | None:
+    key = "peak_line_load"
+    return _positive(_number(result, f"{key}_N_per_mm", ".1f", place=key))
+
+
+def _largest_share(result: Result) -> Cell:
+    share = float(100 * result.load_share.max())
+    return Cell(share, f"{share:.2f}", (result.estimate or {}).get("load_share"))
 
 
 def _positive(cell: Cell | None) -> Cell | None:
@@ -195,44 +188,47 @@ def _largest_force(result: Result) -> Cell:
 
 def _of_face(results: Sequence[Result]) -> Iterator[Row]:
     """Load over the width, and transverse."""
-
-    def transverse(result: Result) -> Cell | None:
-        factor = result.transverse_load_factor
-        if factor is None or result.drive is not None or result.has_cam or result.whole_circle:
-            return None
-        return Cell(factor, f"{factor:.3f}")
-
-    yield _row(results, "transverse load factor", "K_Hα", "", transverse)
-    for name, symbol, unit, key, form in (
+    yield _row(results, "transverse load factor", "K_Hα", "", _transverse)
+    yield from _plain(
+        results,
         ("face load factor", "K_Hβ", "", "face_load_factor", ".3f"),
         ("axial position of the largest line load", "z", "mm", "peak_line_load_z_mm", ".2f"),
         ("axial force, largest", "F_x", "N", "axial_force_N", ".1f"),
         ("tilting moment, largest", "", "N m", "tilting_moment_Nm", ".3f"),
         ("tilt of the teeth by the shafts, mean", "", "µm/mm", "tilt_mean_um_per_mm", ".4f"),
-    ):
-        yield _row(
-            results, name, symbol, unit, lambda one, key=key, form=form: _number(one, key, form)
-        )
+    )
+
+
+def _transverse(result: Result) -> Cell | None:
+    factor = result.transverse_load_factor
+    if factor is None or result.drive is not None or result.has_cam or result.whole_circle:
+        return None
+    return Cell(factor, f"{factor:.3f}")
 
 
 def _of_others(results: Sequence[Result]) -> Iterator[Row]:
-    """Root stress, sliding, friction, coast flanks."""
+    """Root stress, friction, sliding, coast flanks."""
     for z in (1, 2):
         for side in ("tension", "compression"):
-            yield _row(
-                results, f"root stress of body {z}, largest {side}", "σ_F", "MPa",
-                lambda one, z=z, side=side: _root(one.summary.get(f"root_stress_{z}"), side),
-            )  # fmt: skip
+            name = f"root stress of body {z}, largest {side}"
+            yield _row(results, name, "σ_F", "MPa", partial(_root, z=z, side=side))
     yield _row(results, "efficiency", "η", "%", _efficiency)
-    for name, unit, key, form in (
-        ("sliding, largest, per rad of rotation", "mm", "largest_sliding_mm_per_rad", ".2f"),
-        ("force of a coast flank, largest", "N", "coast_force_N", ".4g"),
-        ("gap of the coast flanks, least", "µm", "coast_flank_gap_min_um", ".1f"),
-    ):
-        yield _row(results, name, "", unit, lambda one, key=key, form=form: _number(one, key, form))
+    yield from _plain(
+        results,
+        ("sliding, largest, per rad of rotation", "", "mm", "largest_sliding_mm_per_rad", ".2f"),
+        ("force of a coast flank, largest", "", "N", "coast_force_N", ".4g"),
+        ("gap of the coast flanks, least", "", "µm", "coast_flank_gap_min_um", ".1f"),
+    )
 
 
-def _root(found: Mapping[str, Any] | None, side: str) -> Cell | None:
+def _plain(results: Sequence[Result], *rows: tuple[str, str, str, str, str]) -> Iterator[Row]:
+    """Rows of entries of the summary: name, symbol, unit, key and format."""
+    for name, symbol, unit, key, form in rows:
+        yield _row(results, name, symbol, unit, partial(_number, key=key, form=form))
+
+
+def _root(result: Result, z: int, side: str) -> Cell | None:
+    found = result.summary.get(f"root_stress_{z}")
     if found is None:
         return None
     extreme = found[side]

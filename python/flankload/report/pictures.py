@@ -109,22 +109,20 @@ def plots_of(results: Sequence[Result]) -> dict[str, tuple[Plot, ...]]:
     section = {name: title for title, names in SECTIONS.items() for name in names}
     for name in pictures.pictures_of(light):
         drawn[section.get(name, OTHERS)] += _plots(name, _suited(name, light))
-    for title, names in SECTIONS.items():
-        drawn[title].sort(key=lambda plot, names=names: names.index(plot.picture))
+    order = [name for names in SECTIONS.values() for name in names]
+    for title in SECTIONS:
+        drawn[title].sort(key=lambda plot: order.index(plot.picture))
     return {title: tuple(plots) for title, plots in drawn.items() if plots}
 
 
 def _light(result: Result) -> Result:
     """The result with fewer points in the outlines, which no reader of a page could see."""
     drawing = result.drawing
-    outlines = {
-        name: thinned(outline, OFF * float(np.hypot(*outline.T).max()))
-        for name, outline in (
-            ("outline_1", drawing.outline_1),
-            ("outline_2", drawing.outline_2),
-        )
-    }
-    return replace(result, drawing=replace(drawing, **outlines))
+    one, two = (
+        thinned(outline, OFF * float(np.hypot(*outline.T).max()))
+        for outline in (drawing.outline_1, drawing.outline_2)
+    )
+    return replace(result, drawing=replace(drawing, outline_1=one, outline_2=two))
 
 
 def _suited(name: str, results: tuple[Result, ...]) -> tuple[Result, ...]:
