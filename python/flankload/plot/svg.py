@@ -196,6 +196,8 @@ def _curves(axes: Axes) -> tuple[PlottedCurve, ...]:
     for line in axes.lines:
         x, y = (np.asarray(values, dtype=float) for values in line.get_data())
         known = x[np.isfinite(x)]
+        if np.all(np.diff(known) <= 0):
+            x, y, known = x[::-1], y[::-1], known[::-1]
         if line.get_transform() != axes.transData or np.isfinite(y).sum() < LEAST_POINTS:
             continue
         if line.get_linestyle() == "None" or np.any(np.diff(known) < 0):

@@ -171,8 +171,12 @@ def _content(results: Sequence[Result], scene: Scene, origin: Origin) -> dict[st
         "sources": source_rows(results[-1]),
         "certificates": certificate_rows(results),
         "terms": _terms(sheet, figures),
-        "data": _json({"plots": curve_data(plots), **turned.data, "start": turned.start}),
+        "data": _json({"plots": curve_data(plots, _torques(results)), **turned.data}),
     }
+
+
+def _torques(results: Sequence[Result]) -> list[str]:
+    return [f"{result.torque_Nm:g} N m" for result in results]
 
 
 def _positions(result: Result) -> str:

@@ -53,7 +53,7 @@ TITLES = {
     "load_per_tooth": "Force per tooth",
 }
 #: Sizes in inches: of a plot of half a page, and of drawings.
-SIZE, DRAWING = (4.9, 3.4), (5.2, 4.8)
+SIZE, DRAWING = (5.4, 3.65), (5.4, 5.0)
 #: Pictures that show the largest torque alone.
 ONE_TORQUE = (
     "load_map", "loaded_pair", "flank_forces", "follower_motion", "root_stress", "line_load",
@@ -151,10 +151,9 @@ def _plots(name: str, results: Sequence[Result]) -> list[Plot]:
         ]
     if name == "torque_sweep":
         return [
-            _plot(f"{name}_{quantity}", name, f"{quantity.replace('_', ' ').capitalize()} over the torque",
-                  partial(draw, quantity=quantity), results)
-            for quantity in _swept(results)
-        ]  # fmt: skip
+            _plot(f"{name}_{quantity}", name, words, partial(draw, quantity=quantity), results)
+            for quantity, words in _swept(results).items()
+        ]
     return [_plot(name, name, title, draw, results)]
 
 
@@ -166,15 +165,19 @@ def _bodies(name: str, results: Sequence[Result]) -> tuple[int, ...]:
     return tuple(z for z, profile in zip((1, 2), profiles, strict=True) if profile is not None)
 
 
-def _swept(results: Sequence[Result]) -> list[str]:
-    """Quantities over the torque that are known."""
+def _swept(results: Sequence[Result]) -> dict[str, str]:
+    """Quantities over the torque that are known, with their titles."""
     last = results[-1]
-    names = ["transmission_error_mean"]
+    found = {"transmission_error_mean": "Mean transmission error over the torque"}
     if last.position_rad.size > 1:
-        names.append("transmission_error_peak_to_peak")
-    names.append("peak_pressure" if last.drive is None else "tooth_force")
-    known = all(one.summary["stiffness_tangent_mean_N_per_um"] is not None for one in results)
-    return names + ["stiffness"] * known
+        found["transmission_error_peak_to_peak"] = "Peak to peak over the torque"
+    if last.drive is None:
+        found["peak_pressure"] = "Peak pressure over the torque"
+    else:
+        found["tooth_force"] = "Largest force over the torque"
+    if all(one.summary["stiffness_tangent_mean_N_per_um"] is not None for one in results):
+        found["stiffness"] = "Stiffness over the torque"
+    return found
 
 
 def _plot(
@@ -185,13 +188,17 @@ def _plot(
 
 
 # --- data for the script --------------------------------------------------------------------------
-def curve_data(plots: dict[str, tuple[Plot, ...]]) -> dict[str, list[dict[str, Any]]]:
+def curve_data(
+    plots: dict[str, tuple[Plot, ...]], torques: Sequence[str] = ()
+) -> dict[str, list[dict[str, Any]]]:
     """Curves of all plots, for the script of the page.
 
     Parameters
     ----------
     plots : dict
         From `plots_of`.
+    torques : sequence of str
+        Names of curves without a label, if there is one for each of several torques.
 
     Returns
     -------
@@ -200,14 +207,17 @@ def curve_data(plots: dict[str, tuple[Plot, ...]]) -> dict[str, list[dict[str, A
         ordinate), `position` (whether the abscissa is the position) and `curves` (name, x, y).
     """
     return {
-        plot.name: [_axes_data(axes) for axes in plot.panel.axes]
+        plot.name: [_axes_data(axes, torques) for axes in plot.panel.axes]
         for section in plots.values()
         for plot in section
         if plot.panel.axes
     }
 
 
-def _axes_data(axes: PlottedAxes) -> dict[str, Any]:
+def _axes_data(axes: PlottedAxes, torques: Sequence[str]) -> dict[str, Any]:
+    names = [curve.name for curve in axes.curves]
+    if len(names) > 1 and len(names) == len(torques) and not any(names):
+        names = list(torques)
     return {
         "box": [round(float(value), 2) for value in axes.box],
         "x": _numbers(np.array(axes.x_range)),
@@ -215,7 +225,8 @@ def _axes_data(axes: PlottedAxes) -> dict[str, Any]:
         "label": axes.y_label,
         "position": axes.x_label.startswith(OF_POSITIONS),
         "curves": [
-            [curve.name, _numbers(curve.x, DIGITS + 1), _numbers(curve.y)] for curve in axes.curves
+            [name, _numbers(curve.x, DIGITS + 1), _numbers(curve.y)]
+            for name, curve in zip(names, axes.curves, strict=True)
         ],
     }
 
