@@ -49,9 +49,9 @@ ANGLE_STEP, RELATIVE_STEP = 1e-6, 1e-5
 STEPS_OF_LENGTH = {"mm": LENGTH_STEP, "um": 1e3 * DEVIATION_STEP, "um/mm": 1e3 * SLOPE_STEP}
 #: Tables whose keys set the discretization, not the drive.
 NOT_PHYSICAL = ("accuracy", "positions")
-#: Weights of the values at 0, 1 and 2 steps for a derivative to one side, and at -1, 0 and 1 for
-#: one in the middle.
-TO_ONE_SIDE, CENTRAL = (-1.5, 2.0, -0.5), (-0.5, 0.0, 0.5)
+#: Weights of the values at 0, 1 and 2 steps for a derivative to one side, at 0 and 1 for one of
+#: first order, and at -1, 0 and 1 for one in the middle.
+TO_ONE_SIDE, FIRST_ORDER, CENTRAL = (-1.5, 2.0, -0.5), (-1.0, 1.0, 0.0), (-0.5, 0.0, 0.5)
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ class Sensitivity(Card):
                 self._combined(weights, stencil, quantity)
                 for weights in ((-1.0, 1.0, 0.0), (0.0, -1.0, 1.0))
             )
-            if stencil.weights == TO_ONE_SIDE:
+            if stencil.weights != CENTRAL:
                 nothing = np.full_like(first, np.nan)
                 first, last = (nothing, first) if stencil.step > 0 else (first, nothing)
             below.append(first)
@@ -185,7 +185,9 @@ class Sensitivity(Card):
         return np.stack(per_torque)
 
 
-def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) -> Sensitivity:
+def sensitivity(
+    scene: Scene, paths: Sequence[str], parts: Parts | None = None, *, first_order: bool = False
+) -> Sensitivity:
     """Derivatives of all results of a scene with respect to some of its keys.
 
     Parameters
@@ -197,6 +199,9 @@ def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) 
         differentiated by elements that are solved anew.
     parts : Parts, optional
         Bodies and compliances of similar scenes.
+    first_order : bool
+        Whether states that must be solved completely are solved on one side only, which halves
+        their number: the error of a derivative is then the step, 1e-4, instead of its square.
 
     Returns
     -------
@@ -231,7 +236,10 @@ def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) 
     complete = known is None or not known.count.any()
     middle = results if complete else continued({})
     stencils = tuple(
-        _stencil(path, number_at(scene, path), step, middle, continued)
+        _stencil(
+            *(path, number_at(scene, path), step, middle, continued),
+            first_order=first_order and complete,
+        )
         for path, step in zip(paths, steps, strict=True)
     )
     anew = [np.isfinite(part.certificate[:, 0]) for beside in states[1:] for part in beside.found]
@@ -275,15 +283,19 @@ def _stencil(
     step: float,
     middle: tuple[Result, ...],
     continued: Callable[[dict[str, float]], tuple[Result, ...]],
+    *,
+    first_order: bool,
 ) -> _Stencil:
-    """Results on both sides of a value, or on one side at the end of its range."""
+    """Results on both sides of a value, or on one side: at the end of its range, to first order."""
     sides: dict[int, tuple[Result, ...]] = {}
     refused: SceneError | None = None
-    for sense in (-1, 1):
+    for sense in (1, -1):
         try:
             sides[sense] = continued({path: value + sense * step})
         except SceneError as error:
             refused = error
+        if first_order and sense in sides:
+            return _Stencil(sense * step, FIRST_ORDER, (middle, sides[sense], sides[sense]))
     if refused is None:
         return _Stencil(step, CENTRAL, (sides[-1], middle, sides[1]))
     if not sides:

@@ -118,7 +118,9 @@ class Evaluator:
         """
         values = self.values_of(x)
         changes = changes_of(self.variables, values)
-        found = sensitivity(self.scene.replace(changes), tuple(changes), self.parts)
+        found = sensitivity(
+            self.scene.replace(changes), tuple(changes), self.parts, first_order=True
+        )
         n = len(found.results)
         if not self.figures:
             self.figures = tuple(self._figures_of(found.results[0]))
