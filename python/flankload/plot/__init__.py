@@ -10,6 +10,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from flankload.base.files import write_atomically
 from flankload.plot.belt import (
     draw_belt_on_pulley,
@@ -88,8 +90,8 @@ if TYPE_CHECKING:
     from flankload.result import Result
 
 __all__ = [
-    "FORMATS",
     "DRAWINGS",
+    "FORMATS",
     "PICTURES",
     "draw_bands",
     "draw_belt_on_pulley",
@@ -254,8 +256,8 @@ def plot_all(
     for name in pictures_of(several):
         figure = PICTURES[name](_suited(name, several))
         if size_mm is not None:
-            scale = [wanted / MM_PER_INCH / own for wanted, own in zip(size_mm, SIZE, strict=True)]
-            figure.set_size_inches(figure.get_size_inches() * scale)
+            scale = np.array(size_mm) / MM_PER_INCH / SIZE
+            figure.set_size_inches(*(figure.get_size_inches() * scale))
             fit(figure)
         for kind in dict.fromkeys(formats):
             drawn[f"{name}.{kind}"] = file_of(figure, kind, dpi)
@@ -265,7 +267,9 @@ def plot_all(
     return tuple(folder / name for name in drawn)
 
 
-def draw_on(name: str, results: Result | Sequence[Result], axes: Axes | None, **options: Any) -> Axes:
+def draw_on(
+    name: str, results: Result | Sequence[Result], axes: Axes | None, **options: Any
+) -> Axes:
     """Draw a plot on given Axes, or on those of a new figure.
 
     Parameters
@@ -352,6 +356,5 @@ def _of_flanks(result: Result) -> tuple[str, ...]:
         *["flank_forces"] * (result.coast is not None),
         *["stiffness"] * loaded,
         *["profile_deviation"] * profiles,
-        *["line_load", "line_load_map", "contact_pattern"]
-        * (result.slices is not None and loaded),
+        *["line_load", "line_load_map", "contact_pattern"] * (result.slices is not None and loaded),
     )

@@ -56,9 +56,7 @@ def _shown(result: Result, position: int | None) -> int:
     return int(np.argmax(result.site_force_N.max(axis=1))) if position is None else position
 
 
-def plot_belt_on_pulley(
-    results: Result | Sequence[Result], position: int | None = None
-) -> Figure:
+def plot_belt_on_pulley(results: Result | Sequence[Result], position: int | None = None) -> Figure:
     """Pulley, belt and the circumferential forces of its teeth.
 
     Parameters

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.lines import Line2D
 
 from flankload.plot.figures import heaviest, label_curves, legend_below, one_panel
 from flankload.plot.positions import (
@@ -44,6 +45,7 @@ LEAST_SPAN_UM = 1e-3
 LEAST_SPAN_PART = 5e-3
 #: Lines at values that mean nothing.
 DASHED: dict[str, Any] = {"linewidth": 1.1, "linestyle": (0, (3, 2))}
+ON_SHARP = "a pair carries on a sharp corner"
 ON_CORNER = "dashed: on a sharp corner, not meaningful"
 
 
@@ -101,11 +103,13 @@ def _mark_corners(axes: Axes, result: Result, colour: Any) -> None:
         markersize=5 if few else 1.5,
         markerfacecolor="white" if few else colour,
         markeredgecolor=colour,
-        label="a pair carries on a sharp corner",
+        label=ON_SHARP,
     )
     if not named:
-        legend_below(axes, handles=[marked])
-        axes.get_legend().legend_handles[0].set(markeredgecolor=GREY)
+        key = Line2D([], [])
+        key.update_from(marked)
+        key.set(markeredgecolor=GREY, markerfacecolor="white" if few else GREY)
+        legend_below(axes, [key], [ON_SHARP])
 
 
 def _note_mean(axes: Axes, result: Result) -> None:
@@ -158,8 +162,8 @@ def draw_load_sharing(axes: Axes, results: Sequence[Result]) -> None:
     label_positions(axes, result)
     for s, site in loaded_sites(result):
         angle, share = pair_curve(result, 100 * result.load_share, s)
-        look = {"color": colour_of(result, site), "label": pair_name(site)}
-        axes.plot(angle, lifted(share), **look, **marks(result))
+        label = pair_name(site)
+        axes.plot(angle, lifted(share), color=colour_of(result, site), label=label, **marks(result))
     _add_force_axis(axes, result)
     legend_of_pairs(axes)
 
@@ -193,8 +197,8 @@ def _draw_on_way(
         if corners:
             on_corner = way_curve(result, result.corner_contact.astype(float))[1] > 0
         tops.append(float(np.nanmax(np.where(on_corner, np.nan, whole), initial=0.0)))
-        label = f"{result.torque_Nm:g} N m"
-        draw_off_corners(axes, place, whole, on_corner, color=colour, label=label)
+        look = {"color": colour, "label": f"{result.torque_Nm:g} N m", **marks(result)}
+        draw_off_corners(axes, place, whole, on_corner, **look)
     return tops
 
 
@@ -301,8 +305,8 @@ def draw_follower_motion(axes: Axes, results: Sequence[Result]) -> None:
         raise ValueError("result: expected a follower on its cam, found none")
     label_positions(axes, result)
     angle, turned = curve(result, np.degrees(result.follower_angle_rad))
-    axes.plot(angle, turned, color=BODIES[1], **marks(result))
-    axes.set_ylabel("follower angle in degrees", color=BODIES[1])
+    axes.plot(angle, turned, color=BODIES[0], **marks(result))
+    axes.set_ylabel("follower angle in degrees", color=BODIES[0])
     if (result.site_force_N > 0).any():
         second = axes.twinx()
         second.spines["right"].set_visible(True)

@@ -215,13 +215,18 @@ def _along_flank(
 
 def _mark_points(axes: Axes, path: PathOnFlank) -> None:
     """A line with a letter for each characteristic point."""
-    for name, place in path.points().items():
-        diameter = float(path.diameter_mm(place))
+    low, high = axes.get_xlim()
+    before, row = -np.inf, 0
+    for diameter, name in sorted((float(path.diameter_mm(p)), n) for n, p in path.points().items()):
+        row = 1 - row if diameter - before < CLOSEST * (high - low) else 0
+        before = diameter
         axes.axvline(diameter, color=GREY, linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
         axes.annotate(
             name,
             (diameter, 0.03),
             xycoords=("data", "axes fraction"),
+            xytext=(0.0, 13.0 * row),
+            textcoords="offset points",
             ha="center",
             fontsize=9,
             fontweight="bold",

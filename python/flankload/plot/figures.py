@@ -10,14 +10,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
-from flankload.plot.style import GREY, SIZE, STYLE, short
+from flankload.plot.style import GREY, SIZE, STYLE, missing_letters_are_boxes, short
+from flankload.result.plotting import torques_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
-    from matplotlib.text import Annotation
 
     from flankload.result import Result
 
@@ -38,8 +38,7 @@ def as_results(results: Result | Sequence[Result]) -> tuple[Result, ...]:
     ----------
     results : Result, or sequence of Result
     """
-    several = (results,) if hasattr(results, "torque_Nm") else tuple(results)
-    return tuple(sorted(several, key=lambda result: result.torque_Nm))
+    return tuple(sorted(torques_of(results), key=lambda result: result.torque_Nm))
 
 
 def heaviest(results: Result | Sequence[Result]) -> Result:
@@ -111,9 +110,32 @@ def fit(figure: Figure) -> None:
     One pass: text sizes do not depend on the size of a panel. (A layout engine of matplotlib
     needs the time of two more drawings.)
     """
+    width, height = figure.get_size_inches()
+    with missing_letters_are_boxes():
+        shape, reach = _reach(figure)
+    above = TITLE if figure.get_suptitle() else 0.0
+    left, right = reach.get(("left", 0), PAD), reach.get(("right", shape[1]), PAD)
+    top, bottom = above + reach.get(("top", 0), PAD), reach.get(("bottom", shape[0]), PAD)
+    across = _gap(reach, "right", "left", shape[1])
+    down = _gap(reach, "bottom", "top", shape[0])
+    figure.subplots_adjust(
+        left=left / width,
+        right=1.0 - right / width,
+        top=1.0 - top / height,
+        bottom=bottom / height,
+        wspace=_part(across, width - left - right, shape[1]),
+        hspace=_part(down, height - top - bottom, shape[0]),
+    )
+    for axes in figure.axes:
+        spread_labels(axes)
+
+
+def _reach(figure: Figure) -> tuple[tuple[int, int], dict[tuple[str, int], float]]:
+    """Rows and columns of the panels; inches that texts need on each side of each row or column."""
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     width, height = figure.get_size_inches()
-    shape, reach = (1, 1), {}
+    shape = (1, 1)
+    reach: dict[tuple[str, int], float] = {}
     for axes in figure.axes:
         if (spec := axes.get_subplotspec()) is None:
             continue
@@ -131,21 +153,7 @@ def fit(figure: Figure) -> None:
             ("bottom", cell.rowspan.stop, inside.y0 * height - y0),
         ):
             reach[side, place] = max(beyond + PAD, reach.get((side, place), PAD))
-    above = TITLE if figure.get_suptitle() else 0.0
-    left, right = reach.get(("left", 0), PAD), reach.get(("right", shape[1]), PAD)
-    top, bottom = above + reach.get(("top", 0), PAD), reach.get(("bottom", shape[0]), PAD)
-    across = _gap(reach, "right", "left", shape[1])
-    down = _gap(reach, "bottom", "top", shape[0])
-    figure.subplots_adjust(
-        left=left / width,
-        right=1.0 - right / width,
-        top=1.0 - top / height,
-        bottom=bottom / height,
-        wspace=_part(across, width - left - right, shape[1]),
-        hspace=_part(down, height - top - bottom, shape[0]),
-    )
-    for axes in figure.axes:
-        spread_labels(axes)
+    return shape, reach
 
 
 def _outside(axes: Axes) -> list[Artist]:
@@ -168,7 +176,8 @@ def _part(gap: float, whole: float, count: int) -> float:
 
 def legend_below(axes: Axes, *handles_and_labels: Any, **options: Any) -> None:
     """A legend below the label of the horizontal axis, where it covers nothing."""
-    below = offset_copy(axes.transAxes, axes.figure, y=-LEGEND_BELOW, units="points")
+    figure: Any = axes.figure
+    below = offset_copy(axes.transAxes, figure, y=-LEGEND_BELOW, units="points")
     axes.legend(
         *handles_and_labels,
         loc="upper center",
@@ -212,9 +221,7 @@ def label_curves(
 
 def spread_labels(axes: Axes) -> None:
     """Move the labels of curves apart, by no more than necessary, within the panel's height."""
-    labels: list[Annotation] = [
-        text for text in axes.texts if text.get_gid() == CURVE_LABEL  # type: ignore[misc]
-    ]
+    labels: list[Any] = [text for text in axes.texts if text.get_gid() == CURVE_LABEL]
     if not labels:
         return
     per_point = axes.figure.dpi / 72.0

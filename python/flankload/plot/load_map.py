@@ -10,6 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from flankload.plot.figures import heaviest, one_panel
 from flankload.plot.positions import is_closed, label_positions, pair_curve
 from flankload.plot.style import SIZE, loaded_sites
+from flankload.result.chain import ChainDrive
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,7 +28,17 @@ MOST_TICKS = 12
 
 def plot_load_map(results: Result | Sequence[Result]) -> Figure:
     """Force of each pair at each position."""
-    return one_panel(draw_load_map, heaviest(results), "Load of the pairs", (SIZE[0], 3.6))
+    result = heaviest(results)
+    _, several = _words(result)
+    return one_panel(draw_load_map, result, f"Load of the {several}", (SIZE[0], 3.6))
+
+
+def _words(result: Result) -> tuple[str, str]:
+    """The word for a site, and for several."""
+    if isinstance(result.drive, ChainDrive):
+        return "roller", "rollers"
+    on_teeth = result.drive is not None or result.whole_circle
+    return ("tooth", "teeth") if on_teeth else ("pair", "pairs")
 
 
 def draw_load_map(axes: Axes, results: Sequence[Result]) -> None:
@@ -60,7 +71,7 @@ def draw_load_map(axes: Axes, results: Sequence[Result]) -> None:
         axes.set_yticks(sites, [f"{site}".replace("-", "−") for site in sites])
     else:
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set_ylabel("tooth" if result.drive is not None or result.whole_circle else "pair")
+    axes.set_ylabel(_words(result)[0])
     axes.figure.colorbar(shown, ax=axes, label="force in kN", pad=0.02)
 
 

@@ -38,9 +38,7 @@ if TYPE_CHECKING:
 HERTZ_POINTS = 41
 
 
-def plot_loaded_pair(
-    results: Result | Sequence[Result], position: int | None = None
-) -> Figure:
+def plot_loaded_pair(results: Result | Sequence[Result], position: int | None = None) -> Figure:
     """Teeth in mesh at one position with pressures on the flanks, and each pressure separately.
 
     Three-dimensional bodies are drawn over their face width, with the line load on their flanks.
@@ -87,9 +85,7 @@ def plot_loaded_pair(
         return figure
 
 
-def draw_loaded_pair(
-    axes: Axes, results: Sequence[Result], *, position: int | None = None
-) -> None:
+def draw_loaded_pair(axes: Axes, results: Sequence[Result], *, position: int | None = None) -> None:
     """Draw the teeth in mesh at one position with pressures on the flanks, forces on a spline.
 
     Three-dimensional bodies: the teeth of body 1 with the line load on their flanks.

@@ -137,9 +137,7 @@ def _of_largest(result: Result) -> int:
     return int(result.slices.line_load_N_per_mm.max(axis=(1, 2)).argmax())
 
 
-def draw_loaded_body(
-    axes: Axes, result: Result, position: int | None, body: int
-) -> PolyCollection:
+def draw_loaded_body(axes: Axes, result: Result, position: int | None, body: int) -> PolyCollection:
     """Draw the teeth of a body over its width, contours of its mate, and the line load.
 
     Parameters

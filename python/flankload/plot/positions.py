@@ -100,7 +100,9 @@ def pair_curve(
     return angle, np.append(values[:, s], end)
 
 
-def way_curve(result: Result, values: NDArray[Any], closing: float = 0.0) -> tuple[NDArray[Any], NDArray[Any]]:
+def way_curve(
+    result: Result, values: NDArray[Any], closing: float = 0.0
+) -> tuple[NDArray[Any], NDArray[Any]]:
     """Curve of a quantity of the pairs (P, S) on the way of a pair through the mesh.
 
     Pair j is j pitches further along than pair 0, so the curves of all pairs, one after the other,

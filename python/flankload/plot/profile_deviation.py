@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 #: Least range of the plotted deviations, um: smaller values are roundoff.
 LEAST_SPAN_UM = 5.0
+#: Height of the title of a panel: that of the label of the upper axis, beside it; points.
+BESIDE = 21.0
 #: Height of a row of names, as part of the plot.
 ROW = 0.085
 
 
-def plot_profile_deviation(
-    results: Result | Sequence[Result], body: int | None = None
-) -> Figure:
+def plot_profile_deviation(results: Result | Sequence[Result], body: int | None = None) -> Figure:
     """Deviation from the involute along its normal, a panel for each body that has one.
 
     Parameters
@@ -47,7 +47,7 @@ def plot_profile_deviation(
         for row, each in enumerate(bodies):
             axes = figure.add_subplot(len(bodies), 1, row + 1)
             draw_profile_deviation(axes, (result,), body=each)
-            axes.set_title(f"body {each}", color=BODIES[each - 1], fontsize=10)
+            axes.set_title(f"body {each}", color=BODIES[each - 1], fontsize=10, pad=BESIDE)
         fit(figure)
         return figure
 

@@ -132,9 +132,7 @@ def draw_line_load_map(axes: Axes, results: Sequence[Result]) -> None:
     axes.figure.colorbar(shown, ax=axes, label="line load in N per mm face width")
 
 
-def plot_contact_pattern(
-    results: Result | Sequence[Result], body: int | None = None
-) -> Figure:
+def plot_contact_pattern(results: Result | Sequence[Result], body: int | None = None) -> Figure:
     """Largest pressure at each place of both flanks over all positions.
 
     Parameters

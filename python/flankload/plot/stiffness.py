@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flankload.result import Result
 
 #: Place of the second axis beside the labels of the curves, as part of the width of the panel.
-BESIDE_LABELS = 1.14
+BESIDE_LABELS = 1.17
 
 
 def plot_stiffness(results: Result | Sequence[Result]) -> Figure:

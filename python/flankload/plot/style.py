@@ -6,6 +6,7 @@ A colour has one meaning in all pictures of a result: `COLOURS` are pairs, `BODI
 
 from __future__ import annotations
 
+import contextlib
 import io
 import warnings
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,8 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import fontManager
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
@@ -114,13 +117,20 @@ def png_of(figure: Figure) -> bytes:
     return file_of(figure, "png")
 
 
-def file_of(figure: Figure, kind: str, dpi: float | None = None) -> bytes:
-    """The plot as a file of a format of `FORMATS`, without the time of writing."""
-    out = io.BytesIO()
-    with rc_context(STYLE), warnings.catch_warnings():
+@contextlib.contextmanager
+def missing_letters_are_boxes() -> Iterator[None]:
+    """No warning of a letter that no font has."""
+    with warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from", UserWarning)
         # matplotlib before 3.10 sets such scripts letter by letter, with a warning
         warnings.filterwarnings("ignore", r"Matplotlib currently does not support", UserWarning)
+        yield
+
+
+def file_of(figure: Figure, kind: str, dpi: float | None = None) -> bytes:
+    """The plot as a file of a format of `FORMATS`, without the time of writing."""
+    out = io.BytesIO()
+    with rc_context(STYLE), missing_letters_are_boxes():
         figure.savefig(out, format=kind, dpi=dpi or STYLE["savefig.dpi"], **FORMATS[kind])
     return out.getvalue()
 

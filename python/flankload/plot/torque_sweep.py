@@ -36,9 +36,7 @@ QUANTITIES: dict[str, tuple[str, str | Callable[[Result], float]]] = {
 }
 
 
-def plot_torque_sweep(
-    results: Result | Sequence[Result], quantity: str | None = None
-) -> Figure:
+def plot_torque_sweep(results: Result | Sequence[Result], quantity: str | None = None) -> Figure:
     """Transmission error, pressure or force, and stiffness over the torque.
 
     Parameters

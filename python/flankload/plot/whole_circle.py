@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import degrees
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import rc_context
@@ -29,9 +29,7 @@ def most_loaded(result: Result) -> tuple[int, int]:
     return int(p), int(s)
 
 
-def plot_load_per_tooth(
-    results: Result | Sequence[Result], position: int | None = None
-) -> Figure:
+def plot_load_per_tooth(results: Result | Sequence[Result], position: int | None = None) -> Figure:
     """Force on each tooth as bars around the axis, at the place of each tooth.
 
     Parameters
@@ -51,7 +49,7 @@ def plot_load_per_tooth(
         figure = empty_figure((6.2, 5.6))
         axes = figure.add_subplot(projection="polar")
         draw_load_per_tooth(axes, (result,), position=p)
-        _title(figure, result, f"Load per tooth{_where(result, p)}", _beside_mean(result, p))
+        _title(figure, result, f"Load per tooth{_where(result, p)}", _beside_mean(result, p), 24.0)
         fit(figure)
         return figure
 
@@ -119,7 +117,12 @@ def _beside_mean(result: Result, p: int) -> str:
 
 
 def _draw_bars(
-    axes: Axes, place: Floats, force: Floats, coast: Floats | None, bottom: float, pitch: float
+    axes: Axes,
+    place: NDArray[Any],
+    force: Floats,
+    coast: Floats | None,
+    bottom: float,
+    pitch: float,
 ) -> None:
     parts = [(force, SLATE, 0.0)]
     if coast is not None:
@@ -136,9 +139,7 @@ def _draw_bars(
         )
 
 
-def plot_flank_pressure(
-    results: Result | Sequence[Result], position: int | None = None
-) -> Figure:
+def plot_flank_pressure(results: Result | Sequence[Result], position: int | None = None) -> Figure:
     """Pressure over the height of the flank of the tooth with the largest force.
 
     Parameters
@@ -217,10 +218,10 @@ def _where(result: Result, p: int) -> str:
     return f" at {degrees(result.position_rad[p]):.4g}°"
 
 
-def _title(figure: Figure, result: Result, title: str, second: str) -> None:
+def _title(figure: Figure, result: Result, title: str, second: str, pad: float = 6.0) -> None:
     set_title(figure, result, title)
     axes = figure.axes[0]
-    axes.set_title(second, fontsize=9, fontweight="normal", color=GREY, loc="left")
+    axes.set_title(second, fontsize=9, fontweight="normal", color=GREY, loc="left", pad=pad)
 
 
 def _round_steps(largest: float) -> NDArray[np.float64]:

@@ -14,9 +14,13 @@ if TYPE_CHECKING:
 
     from flankload.result.result import Result
 
-def torques_of(result: Result | Sequence[Result]) -> tuple[Result, ...]:
+
+def torques_of(results: Result | Sequence[Result]) -> tuple[Result, ...]:
     """A result per torque."""
-    return tuple(result) if not hasattr(result, "torque_Nm") else (result,)
+    alone = getattr(results, "by_torque", None) or (
+        [results] if hasattr(results, "sites") else None
+    )
+    return tuple(alone or results)  # type: ignore[arg-type]
 
 
 class Plots:
@@ -95,9 +99,7 @@ class Plots:
         """Stiffness over the positions."""
         return self._draw("stiffness", ax)
 
-    def torque_sweep(
-        self, ax: Any = None, *, quantity: str | None = None
-    ) -> Any:
+    def torque_sweep(self, ax: Any = None, *, quantity: str | None = None) -> Any:
         """A key figure over the torque."""
         return self._draw("torque_sweep", ax, quantity=quantity)
 

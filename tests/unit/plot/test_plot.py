@@ -30,11 +30,13 @@ from tests.support.paths import SCENES
 from tests.support.tolerances import ROUND_OFF
 
 NAMES = [
+    "load_map.png",
     "load_sharing.png",
     "loaded_pair.png",
     "peak_pressure.png",
     "stiffness.png",
     "transmission_error.png",
+    "transmission_error_spectrum.png",
 ]
 
 
@@ -270,13 +272,14 @@ def test_pairs_of_far_positions_have_colours_of_their_own() -> None:
     assert len({line.get_color() for line in lines}) == len(lines) >= 2
 
 
-@pytest.mark.parametrize("count", [1, 2])
-def test_few_positions_can_be_drawn(count: int, tmp_path: Path) -> None:
-    assert len(plot_all(made_up_result(count=count, closed=False), tmp_path)) == 5
+@pytest.mark.parametrize(("count", "pictures"), [(1, 5), (2, 6)])
+def test_few_positions_can_be_drawn(count: int, pictures: int, tmp_path: Path) -> None:
+    """A map of positions needs two of them, a spectrum a period."""
+    assert len(plot_all(made_up_result(count=count, closed=False), tmp_path)) == pictures
 
 
 def test_unloaded_pair_can_be_drawn(tmp_path: Path) -> None:
-    assert len(plot_all(made_up_result(torque_Nm=0.0), tmp_path)) == 4
+    assert len(plot_all(made_up_result(torque_Nm=0.0), tmp_path)) == 6
 
 
 def test_stiffness_is_drawn_along_the_line_of_action_and_about_the_axis(result: Result) -> None:
