@@ -129,7 +129,11 @@ def _template() -> Any:
     folder = files("flankload.report") / "page"
     parts = {name: (folder / name).read_text(encoding="utf-8") for name in PARTS}
     environment = Environment(
-        loader=DictLoader(parts), autoescape=True, trim_blocks=True, lstrip_blocks=True
+        loader=DictLoader(parts),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
     )
     environment.filters["symbol"] = _symbol
     environment.filters["percent"] = percent
