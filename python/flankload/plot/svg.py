@@ -32,7 +32,6 @@ MOST_POINTS = 600
 POINTS = 72.0
 
 DECLARATION = re.compile(r"^.*?(?=<svg)", re.DOTALL)
-METADATA = re.compile(r"<metadata>.*?</metadata>", re.DOTALL)
 NAMESPACES = re.compile(r'\s+xmlns(:\w+)?="[^"]*"')
 SIZE = re.compile(r'\s(?:width|height)="[^"]*"')
 ID = re.compile(r'\s+id="([^"]*)"')
@@ -154,7 +153,7 @@ def panel(figure: Figure, name: str) -> Panel:
 
 def _in_page(text: str, name: str) -> str:
     """Leave the drawing alone, with ids of its own and two decimals."""
-    text = METADATA.sub("", DECLARATION.sub("", text))
+    text = DECLARATION.sub("", text)
     text = NAMESPACES.sub("", text).replace("xlink:href", "href")
     head, rest = text.split(">", 1)
     head = SIZE.sub("", head)

@@ -114,10 +114,12 @@ def test_sections_come_in_their_order(page: Page) -> None:
     assert {"Motion", "Load sharing", "Pressure", "Loaded bodies"} <= set(headings)
 
 
-def test_ids_are_unique_and_every_reference_has_its_target(page: Page) -> None:
+def test_ids_are_unique_and_every_reference_has_its_target(page: Page, text: str) -> None:
     assert len(page.ids) == len(set(page.ids))
     outside = [name for name in page.references if not name.startswith(("#", "data:image/png;"))]
     assert outside == []
+    addresses = re.findall(r"\w+://[^\"' ]*", text)
+    assert addresses == ["http://www.w3.org/2000/svg"]  # the name of SVG in the script
     targets = {name[1:] for name in page.references if name.startswith("#")}
     assert targets
     assert targets <= set(page.ids)
@@ -324,8 +326,9 @@ NO_SCRIPT = """<head><meta http-equiv="Content-Security-Policy" content="script-
 #: What a reader does: another position, another torque, a look at a curve.
 READER = """<script>
 const slider = document.getElementById("place"), torque = document.getElementById("torque");
-slider.value = 0; slider.dispatchEvent(new Event("input"));
 torque.value = 0; torque.dispatchEvent(new Event("change"));
+document.body.dataset.first = document.getElementById("load").textContent;
+slider.value = 0; slider.dispatchEvent(new Event("input"));
 const svg = document.querySelector("#plot-transmission_error svg");
 const box = svg.getBoundingClientRect();
 svg.dispatchEvent(new PointerEvent("pointermove", {
@@ -345,6 +348,7 @@ def test_browser_shows_the_page_with_and_without_script(
     words = "".join(shown.texts)
     error = f"{small.transmission_error_um[0]:.4g}".rstrip("0")
     assert f"0°, 151 N m: transmission error {error} µm" in words
+    assert 'data-first="151 N m"' in done.stdout
     assert '<div class="controls">' in done.stdout
     assert re.search(r'class="tip" style="[^"]*"><div>[\d.]+°</div><div>', done.stdout)
 
