@@ -43,7 +43,7 @@ OTHERS = "Further plots"
 TITLES = {
     "transmission_error_spectrum": "Spectrum of the transmission error",
     "load_map": "Force of each pair over the positions",
-    "peak_pressure": "Peak pressure over the positions",
+    "peak_pressure": "Peak pressure",
     "line_load": "Line load over the face width",
     "line_load_map": "Line load of a tooth on its way through the mesh",
     "load_around_wrap": "Forces around the wrap",

@@ -26,6 +26,8 @@ MOST_POSITIONS = 128
 OFF = 5e-4
 #: Length of the largest force or pressure, as part of the height of the picture.
 REACH = 0.2
+#: Height of letters, as part of the width of the picture.
+LETTER = 0.03
 #: Most points of the pressure on a flank.
 MOST_POINTS = 24
 
@@ -42,17 +44,21 @@ class Turning:
         SVG path of each body in its own frame, y upwards.
     center_mm : float
         Place of the axis of body 2 on the x axis.
+    letter_mm : float
+        Height of the numbers of the pairs.
     start : int
         Position that is shown at first.
     data : dict
         For the script: `deg` (P,) angles of the positions; `turn` of both bodies (2, P), deg;
         `torques` (T,); `states` (T, P) of transmission error in um, rows of pairs (number, force in
-        kN, share in %, pressure in MPa if there is one, or "corner") and paths of their loads.
+        kN, share in %, pressure in MPa if there is one, or "corner") and loads of the pairs (path,
+        x and y of the pair's number).
     """
 
     view_box: str
     outlines: tuple[str, ...]
     center_mm: float
+    letter_mm: float
     start: int
     data: dict[str, Any]
 
@@ -93,6 +99,7 @@ def turning(results: Sequence[Result]) -> Turning:
         f"{low[0]:.3f} {-high[1]:.3f} {high[0] - low[0]:.3f} {high[1] - low[1]:.3f}",
         tuple(outlines),
         drawing.center_distance_mm,
+        round(LETTER * size, 3),
         int(np.argmin(np.abs(np.array(shown) - _start(result)))),
         {
             "deg": [_short(degrees(result.position_rad[p])) for p in shown],
@@ -241,7 +248,9 @@ def _state(result: Result, p: int, scales: tuple[float, float], size_mm: float) 
             corner = bool(result.corner_contact[p, s])
             row.append("corner" if corner else _short(result.peak_pressure_MPa[p, s]))
         rows.append(row)
-        paths.append(_path_of_load(result, table, p, s, scales, REACH * size_mm))
+        path, tip, out = _path_of_load(result, table, p, s, scales, REACH * size_mm)
+        name = tip + LETTER * size_mm * (out - [0.0, 0.4])
+        paths.append([path, *(round(float(value), 2) for value in name)])
     return {
         "te": _short(result.transmission_error_um[p]),
         "pairs": rows,
@@ -256,8 +265,8 @@ def _path_of_load(
     s: int,
     scales: tuple[float, float],
     reach_mm: float,
-) -> str:
-    """SVG path of the load of a pair: its pressure on the flank, or an arrow of its force."""
+) -> tuple[str, Floats, Floats]:
+    """SVG path of the load of a pair, its tip and direction: pressure on the flank, or an arrow."""
     force = float(result.site_force_N[p, s]) / scales[0]
     if result.drive is not None:
         start, direction = _on_wheel(result, p, s)
@@ -276,7 +285,9 @@ def _path_of_load(
     order = order[:: max(1, len(order) // MOST_POINTS)]
     height = reach_mm * table.pressure_MPa[rows][order] / scales[1]
     tips = place[order] + normal[order] * height[:, None]
-    return f"M{_points(place[order])}L{_points(tips[::-1])}Z"
+    tip = tips[int(np.argmax(height))]
+    middle = normal[order][int(np.argmax(height))]
+    return f"M{_points(place[order])}L{_points(tips[::-1])}Z", tip, middle
 
 
 def _on_wheel(result: Result, p: int, s: int) -> tuple[Floats, Floats]:
@@ -294,8 +305,8 @@ def _on_wheel(result: Result, p: int, s: int) -> tuple[Floats, Floats]:
     return place, np.array([np.cos(angle + turn), np.sin(angle + turn)])
 
 
-def arrow(start: Floats, direction: Floats, length: float) -> str:
-    """SVG path of an arrow with a head of a third of its length, at most."""
+def arrow(start: Floats, direction: Floats, length: float) -> tuple[str, Floats, Floats]:
+    """SVG path of an arrow with a head of a third of its length, its tip and direction."""
     aside = np.array([-direction[1], direction[0]])
     tip = start + length * direction
     neck = start + 0.68 * length * direction
@@ -304,12 +315,13 @@ def arrow(start: Floats, direction: Floats, length: float) -> str:
         start + half * aside, neck + half * aside, neck + wide * aside, tip,
         neck - wide * aside, neck - half * aside, start - half * aside,
     ]  # fmt: skip
-    return f"M{_points(np.array(corners))}Z"
+    return f"M{_points(np.array(corners))}Z", tip, direction
 
 
-def _short(value: float) -> float:
-    """Four significant digits."""
-    return float(f"{float(value):.4g}")
+def _short(value: float) -> float | int:
+    """Four significant digits; an integer where the rest is 0."""
+    rounded = float(f"{float(value):.4g}")
+    return int(rounded) if rounded.is_integer() else rounded
 
 
 def heads_of(result: Result) -> tuple[str, ...]:
@@ -322,17 +334,18 @@ def heads_of(result: Result) -> tuple[str, ...]:
 
 
 def legend(result: Result) -> str:
-    """What the red areas of the picture are."""
+    """Meaning of the red areas of the picture."""
+    scale = "to scale with the largest of all positions"
     if result.drive is not None:
-        return "Arrows: forces on body 1's teeth, to scale with the largest of all positions."
+        return f"Arrows: forces on the teeth of body 1, {scale}."
     if result.slices is not None:
         return (
             "Transverse section at z = 0. Arrows: force of each pair, at the centre of its load, "
-            "to scale with the largest of all positions."
+            f"{scale}."
         )
     if result.whole_circle:
-        return "Arrows: force on each flank, to scale with the largest of all positions."
+        return f"Arrows: force on each flank, {scale}."
     return (
-        "Red: pressure on the flanks, to scale with the largest of all positions; an arrow where a "
-        "pair carries on a sharp corner, to scale with the largest force."
+        f"Red: pressure on the flanks, {scale}; an arrow where a pair carries on a sharp corner, "
+        "to scale with the largest force. Numbers: pairs."
     )

@@ -121,11 +121,18 @@
     data.turn.forEach((angles, z) => {
       byId(`body-${z + 1}`).setAttribute("transform", `rotate(${angles[p]})`);
     });
-    byId("loads").replaceChildren(...state.paths.map((d) => {
+    byId("loads").replaceChildren(...state.paths.map(([d]) => {
       const path = document.createElementNS(NS, "path");
       path.setAttribute("class", "load");
       path.setAttribute("d", d);
       return path;
+    }));
+    byId("names").replaceChildren(...state.paths.map(([, x, y], k) => {
+      const text = document.createElementNS(NS, "text");
+      text.setAttribute("x", x);
+      text.setAttribute("y", -y);
+      text.textContent = String(state.pairs[k][0]);
+      return text;
     }));
     byId("angle").textContent = `${data.deg[p]}°`;
     byId("load").textContent = `${data.torques[t]} N m`;
