@@ -144,9 +144,11 @@ def source_rows(result: Result) -> tuple[tuple[str, ...], tuple[tuple[str, ...],
         return (), ()
     whole = {key: value for key, value in result.estimate.items() if isinstance(value, int | float)}
     by_source = result.estimate.get("by_source", {})
+    # harmonics have errors by single sources only
+    keys = dict.fromkeys([*whole, *(key for errors in by_source.values() for key in errors)])
     rows = [
-        (source, *(percent(errors.get(key)) for key in whole))
+        (source, *(percent(errors.get(key)) for key in keys))
         for source, errors in by_source.items()
     ]
-    rows.append(("whole", *(percent(value) for value in whole.values())))
-    return tuple(key.replace("_", " ") for key in whole), tuple(rows)
+    rows.append(("whole", *(percent(whole.get(key)) for key in keys)))
+    return tuple(key.replace("_", " ") for key in keys), tuple(rows)

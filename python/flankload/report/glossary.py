@@ -32,6 +32,7 @@ TERMS = {
     "α_wt": "working transverse pressure angle",
     "β": "helix angle on the reference cylinder",
     "x": "profile shift coefficient",
+    "D": "pitch diameter of a spline",
     "d": "reference diameter (belts and chains: pitch diameter)",
     "d_b": "base diameter",
     "d_a": "tip diameter",
@@ -60,6 +61,7 @@ TERMS = {
     "ε_β": "overlap ratio",
     "ε_γ": "total contact ratio",
     "j_wt": "circumferential backlash on the working pitch circles",
+    "j_t": "circumferential backlash on the pitch circle",
     "j_bn": "normal backlash",
     "A to E": "points of the path of contact: A start, B and D ends of single contact, C pitch "
     "point, E end",
@@ -71,7 +73,6 @@ TERMS = {
 #: Terms of every report.
 ALWAYS = (
     "transmission error",
-    "PPTE",
     "load share",
     "pair",
     "mesh stiffness",

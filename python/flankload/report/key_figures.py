@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 #: Relative errors below this are roundoff.
 ROUNDING = 1e-9
-#: Quantities that need several positions.
-OF_SEVERAL = ("transmission_error_peak_to_peak",)
+#: Entries of the summary that need several positions.
+OF_SEVERAL = ("transmission_error_peak_to_peak_um",)
 
 
 @dataclass(frozen=True)
@@ -97,9 +97,9 @@ def _number(
     value = result.summary.get(key)
     if value is None:
         return None
+    if key in OF_SEVERAL and result.position_rad.size == 1:
+        return None
     known = (result.estimate or {}).get(error) if error else None
-    if error in OF_SEVERAL and result.position_rad.size == 1:
-        known = None
     note = ""
     if place and result.summary.get(f"{place}_pair") is not None:
         pair, at = (result.summary[f"{place}_{what}"] for what in ("pair", "position_rad"))
@@ -192,7 +192,7 @@ def _of_face(results: Sequence[Result]) -> Iterator[Row]:
     yield from _plain(
         results,
         ("face load factor", "K_Hβ", "", "face_load_factor", ".3f"),
-        ("axial position of the largest line load", "z", "mm", "peak_line_load_z_mm", ".2f"),
+        ("axial position of the largest line load", "", "mm", "peak_line_load_z_mm", ".2f"),
         ("axial force, largest", "F_x", "N", "axial_force_N", ".1f"),
         ("tilting moment, largest", "", "N m", "tilting_moment_Nm", ".3f"),
         ("tilt of the teeth by the shafts, mean", "", "µm/mm", "tilt_mean_um_per_mm", ".4f"),

@@ -109,10 +109,10 @@ def _sheet_of_strip(belt: Belt) -> Iterator[SheetRow]:
     yield SheetRow("pitch", "p_b", f"{belt.pitch_mm:g} mm")
     yield SheetRow("width", "b_s", f"{belt.width_mm:g} mm")
     yield SheetRow("tooth height", "h_t", f"{belt.tooth_height_mm:g} mm")
-    yield SheetRow("tooth width at the land", "s", f"{belt.tooth_width_mm:g} mm")
+    yield SheetRow("tooth width at the land", "", f"{belt.tooth_width_mm:g} mm")
     if belt.flank_angle_deg is not None:
         yield SheetRow("flank angle to the centre line", "", f"{belt.flank_angle_deg:g}°")
-    yield SheetRow("land to pitch line", "a", f"{belt.land_distance_mm:g} mm")
+    yield SheetRow("land to pitch line", "", f"{belt.land_distance_mm:g} mm")
     yield SheetRow("land to back", "", f"{belt.back_mm:g} mm")
     cord = belt.cord_stiffness_N_per_mm * belt.width_mm
     yield SheetRow("cord stiffness, tension over strain", "", f"{cord:g} N")
