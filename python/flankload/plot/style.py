@@ -69,7 +69,6 @@ STYLE: Any = {
     "legend.fontsize": 9,
     "savefig.dpi": 160,
     "svg.hashsalt": "flankload",  # the same picture, the same file
-    "pdf.fonttype": 42,
 }
 
 #: Formats of files, and what `savefig` receives for them.

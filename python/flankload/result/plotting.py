@@ -12,15 +12,14 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from flankload.result.forms import ResultForms
     from flankload.result.result import Result
 
 
-def torques_of(results: Result | Sequence[Result]) -> tuple[Result, ...]:
+def torques_of(results: ResultForms | Sequence[Result]) -> tuple[Result, ...]:
     """A result per torque."""
-    alone = getattr(results, "by_torque", None) or (
-        [results] if hasattr(results, "sites") else None
-    )
-    return tuple(alone or results)  # type: ignore[arg-type]
+    several: Sequence[Result] = getattr(results, "by_torque", results)  # type: ignore[arg-type]
+    return tuple(several)
 
 
 class Plots:
@@ -33,10 +32,10 @@ class Plots:
 
     Parameters
     ----------
-    results : Result, or sequence of Result
+    results : Result, or sequence of Result of single torques
     """
 
-    def __init__(self, results: Result | Sequence[Result]) -> None:
+    def __init__(self, results: ResultForms | Sequence[Result]) -> None:
         self._results = torques_of(results)
 
     def names(self) -> tuple[str, ...]:

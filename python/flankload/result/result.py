@@ -19,7 +19,6 @@ from flankload.result.forms import ResultForms
 from flankload.result.friction import FrictionResult
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable
-from flankload.result.plotting import Plots
 from flankload.result.root_stress import RootReading, RootStress, root_stress, root_summary
 from flankload.result.shafts import ShaftLoads, shaft_summary
 from flankload.result.slices import SliceLoads, slice_summary
@@ -447,8 +446,3 @@ class Result(ContactQuantities, ResultForms):
     def pairs(self, p: int) -> PairTable:
         """Contact pairs of position p: radius, force, pressure, gap and place."""
         return self.pair_tables[p]
-
-    @property
-    def plot(self) -> Plots:
-        """Plots by name: `result.plot.transmission_error(axes)`, `result.plot.all(folder)`."""
-        return Plots(self)
