@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flankload.cli.outputs import STDOUT, check_apart, check_file
-from flankload.cli.solving import Progress, announce
+from flankload.cli.solving import Progress, announce, import_plot_meanwhile
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -31,6 +31,7 @@ def report(arguments: Namespace) -> None:
     from flankload.report.positions import scene_of_report
 
     scene = scene_of_report(scene)
+    import_plot_meanwhile()
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
         told = None if arguments.quiet else partial(announce, progress)
         found = solve(scene, progress=progress.tell, on_duration=told)

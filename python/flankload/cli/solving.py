@@ -40,8 +40,8 @@ def run(arguments: Namespace) -> None:
     check_apart(_places(arguments), scene)
     from flankload.api import solve
 
-    if arguments.plot is not None:  # its import needs a third of the time of a small run
-        Thread(target=import_module, args=("flankload.plot",), daemon=True).start()
+    if arguments.plot is not None or arguments.report is not None:
+        import_plot_meanwhile()
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
         plan = _plan(scene, progress) if arguments.cost else None
         told = None if arguments.quiet else partial(announce, progress)
@@ -73,6 +73,11 @@ def run(arguments: Namespace) -> None:
         texts.append("\n".join(f"wrote {path}" for path in written))
     if texts and STDOUT not in _files(arguments).values():
         print("\n\n".join(texts))
+
+
+def import_plot_meanwhile() -> None:
+    """Import the plots beside the run: that needs a third of the time of a small run."""
+    Thread(target=import_module, args=("flankload.plot",), daemon=True).start()
 
 
 def announce(progress: Progress, duration: Duration) -> None:
