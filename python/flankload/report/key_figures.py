@@ -142,8 +142,7 @@ def _of_contact(results: Sequence[Result]) -> Iterator[Row]:
     name = "loaded pairs" if drive is None else names[drive.name]
     circle = all(result.whole_circle for result in results)
     yield _row(results, "teeth that carry" if circle else name, "", "", _loaded)
-    ratio = partial(_number, key="contact_ratio_under_load", form=".3f")
-    yield _row(results, "contact ratio under load", "", "", ratio)
+    yield _row(results, "contact ratio under load", "", "", _contact_ratio)
     yield _row(results, "largest pressure", "p_max", "MPa", _pressure)
     if drive is None:
         yield _row(results, "largest line load", "w_max", "N/mm", _line_load)
@@ -160,6 +159,10 @@ def _loaded(result: Result) -> Cell:
     least, most = (result.summary[f"loaded_pairs_{end}"] for end in ("min", "max"))
     text = f"{least}" if least == most else f"{least} to {most}"
     return Cell(text, text)
+
+
+def _contact_ratio(result: Result) -> Cell | None:
+    return _positive(_number(result, "contact_ratio_under_load", ".3f"))
 
 
 def _pressure(result: Result) -> Cell | None:
@@ -203,7 +206,7 @@ def _transverse(result: Result) -> Cell | None:
     factor = result.transverse_load_factor
     if factor is None or result.drive is not None or result.has_cam or result.whole_circle:
         return None
-    return Cell(factor, f"{factor:.3f}")
+    return _positive(Cell(factor, f"{factor:.3f}"))
 
 
 def _of_others(results: Sequence[Result]) -> Iterator[Row]:

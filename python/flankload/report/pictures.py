@@ -53,7 +53,7 @@ TITLES = {
     "load_per_tooth": "Force per tooth",
 }
 #: Sizes in inches: of a plot of half a page, and of drawings.
-SIZE, DRAWING = (5.4, 3.65), (5.4, 5.0)
+SIZE, DRAWING = (5.8, 3.9), (5.8, 5.4)
 #: Pictures that show the largest torque alone.
 ONE_TORQUE = (
     "load_map", "loaded_pair", "flank_forces", "follower_motion", "root_stress", "line_load",

@@ -28,6 +28,8 @@ OFF = 5e-4
 REACH = 0.2
 #: Height of letters, as part of the width of the picture.
 LETTER = 0.03
+#: Decimals of a transmission error in um: the rest is roundoff.
+DECIMALS = 6
 #: Most points of the pressure on a flank.
 MOST_POINTS = 24
 
@@ -252,7 +254,7 @@ def _state(result: Result, p: int, scales: tuple[float, float], size_mm: float) 
         name = tip + LETTER * size_mm * (out - [0.0, 0.4])
         paths.append([path, *(round(float(value), 2) for value in name)])
     return {
-        "te": _short(result.transmission_error_um[p]),
+        "te": _short(round(float(result.transmission_error_um[p]), DECIMALS)),
         "pairs": rows,
         "paths": paths,
     }
