@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 
 @dataclass(frozen=True)
@@ -65,18 +61,3 @@ class DataSheet:
     bodies: tuple[tuple[SheetRow, ...], tuple[SheetRow, ...]]
     pair: tuple[SheetRow, ...]
     path: tuple[PathPoint, ...] = ()
-
-
-def plain_rows(rows: Iterable[tuple[str, str]]) -> tuple[SheetRow, ...]:
-    """Rows without symbols.
-
-    Parameters
-    ----------
-    rows : iterable of (str, str)
-        Name and value of each.
-
-    Returns
-    -------
-    tuple of SheetRow
-    """
-    return tuple(SheetRow(name, "", value) for name, value in rows)

@@ -18,8 +18,9 @@ from flankload.mechanisms.registry import mechanism_of
 from flankload.report.findings import certificate_rows, findings_of, source_rows
 from flankload.report.glossary import terms_of
 from flankload.report.key_figures import key_rows, percent
+from flankload.report.loads import heads_of, legend
 from flankload.report.pictures import curve_data, plots_of
-from flankload.report.turning import heads_of, legend, turning
+from flankload.report.turning import turning
 from flankload.result import Result
 from flankload.studies.tolerance import first_scene
 
