@@ -557,6 +557,7 @@ def test_pictures_of_positions(tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {
         "belt_on_pulley.png",
         "load_around_wrap.png",
+        "load_map.png",
         "transmission_error.png",
         "force_through_wrap.png",
     }

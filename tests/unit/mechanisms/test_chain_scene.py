@@ -250,9 +250,11 @@ def test_run_draws_and_check_describes(tmp_path: Path, capsys: pytest.CaptureFix
     assert main(["run", str(EXAMPLE), "--plot", str(tmp_path), "--quiet"]) == 0
     assert {path.name for path in tmp_path.iterdir()} == {
         "chain_on_sprocket.png",
+        "load_map.png",
         "stiffness.png",
         "tensions.png",
         "transmission_error.png",
+        "transmission_error_spectrum.png",
     }
     assert main(["check", str(EXAMPLE)]) == 0
     assert "chain jumps below about" in capsys.readouterr().out
