@@ -231,6 +231,17 @@ def test_numbers_that_are_not_finite_leave_strict_json() -> None:
     assert named == ["b", [0.0, 1.0, 2.0, 3.0], [1.0, 2.0, 3.0, 12350.0]]
 
 
+def test_allowance_of_the_thickness_is_a_generating_profile_shift() -> None:
+    from flankload.mechanisms.registry import mechanism_of
+
+    tree = example("external_gear")
+    tree["body_1"]["tooth_thickness_allowance_um"] = -100
+    scene = fl.Scene.from_dict(tree)
+    rows = {row.symbol: row.value for row in mechanism_of(scene).data_sheet(scene).bodies[0]}
+    shift = 0.182 - 0.1 / (2 * 4.5 * np.tan(np.radians(20)))
+    assert (rows["x"], rows["x_E"]) == ("0.1820", f"{shift:.4f}")
+
+
 # --- kinds ----------------------------------------------------------------------------------------
 def kinds() -> dict[str, dict[str, Any]]:
     internal = example("internal_gear")

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 #: Helix angles below this, rad, are those of spur teeth.
 STRAIGHT = 1e-9
+#: Larger differences between the profile shift of the flank and that of the scene are allowances.
+ALLOWANCE = 1e-6
 #: Deviations from the involute below this, um, are roundoff.
 ROUNDING_UM = 1e-6
 
@@ -75,7 +77,7 @@ def _deg(value_rad: float) -> str:
 # --- bodies ---------------------------------------------------------------------------------------
 def _rows_of_profile(body: Body, spec: BodySpec) -> Iterator[SheetRow]:
     if body.involute is not None:
-        yield from _rows_of_involute(body, body.involute)
+        yield from _rows_of_involute(body, body.involute, spec)
         yield from _rows_of_flank(body, spec)
     elif body.curve.closed:
         radii = np.hypot(*body.outline.T)
@@ -147,7 +149,7 @@ def _base_helix_rad(body: Body) -> float:
     return atan(tan(_helix_rad(body)) * involute.base_radius_mm / involute.reference_radius_mm)
 
 
-def _rows_of_involute(body: Body, involute: Involute) -> Iterator[SheetRow]:
+def _rows_of_involute(body: Body, involute: Involute, spec: BodySpec) -> Iterator[SheetRow]:
     reference, base = involute.reference_radius_mm, involute.base_radius_mm
     helix = _helix_rad(body)
     transverse = float(np.arccos(base / reference))
@@ -168,7 +170,12 @@ def _rows_of_involute(body: Body, involute: Involute) -> Iterator[SheetRow]:
     # half the angle at the base circle: (pi/2 + 2 x tan(alpha_n))/z + inv(alpha_t)
     half = involute.base_half_angle_rad - involute_function(transverse)
     shift = (half * body.teeth - 0.5 * pi) / (2 * tan(normal))
-    yield SheetRow("profile shift coefficient", "x", f"{round(shift, 6) + 0.0:.4f}")
+    nominal = getattr(spec.flank_keys[1], "profile_shift", None)
+    if nominal is not None and abs(shift - nominal) > ALLOWANCE:
+        yield SheetRow("profile shift coefficient", "x", f"{nominal:.4f}")
+        yield SheetRow("generating profile shift coefficient", "x_E", f"{shift:.4f}")
+    else:
+        yield SheetRow("profile shift coefficient", "x", f"{round(shift, 6) + 0.0:.4f}")
     for name, symbol, radius in (
         ("reference diameter", "d", reference),
         ("base diameter", "d_b", base),
@@ -181,11 +188,11 @@ def _rows_of_involute(body: Body, involute: Involute) -> Iterator[SheetRow]:
     thickness = 2 * reference * involute.tooth_half_angle_at(reference)
     yield SheetRow("transverse tooth thickness", "s_t", _mm(thickness))
     yield SheetRow("tooth thickness at the tip", "s_a", _mm(tip))
-    yield from _span(body, involute)
+    yield from _span(body, involute, getattr(spec.flank_keys[1], "span_teeth", None))
 
 
-def _span(body: Body, involute: Involute) -> Iterator[SheetRow]:
-    """Span measurement W_k over the number of teeth whose contact is nearest to the mid-flank."""
+def _span(body: Body, involute: Involute, teeth: int | None) -> Iterator[SheetRow]:
+    """Span measurement W_k: over the named teeth, or those touched nearest to the mid-flank."""
     if body.conforms or involute.outward < 0:
         return
     base, helix_base = involute.base_radius_mm, _base_helix_rad(body)
@@ -200,7 +207,7 @@ def _span(body: Body, involute: Involute) -> Iterator[SheetRow]:
         """Radius at which the measuring planes touch."""
         return hypot(base, 0.5 * span(k) * cos(helix_base))
 
-    k = min(range(1, body.teeth // 2 + 1), key=lambda k: abs(touched(k) - middle))
+    k = teeth or min(range(1, body.teeth // 2 + 1), key=lambda k: abs(touched(k) - middle))
     if involute.form_radius_mm < touched(k) < involute.tip_radius_mm:
         yield SheetRow("span measurement", "W_k", f"{span(k):.4f} mm over k = {k} teeth")
 
@@ -217,6 +224,11 @@ def _rows_of_flank(body: Body, spec: BodySpec) -> Iterator[SheetRow]:
     if relief:
         shape = getattr(keys, "tip_relief_shape", "")
         yield SheetRow("tip relief", "C_αa", f"{relief:g} µm, {shape}")
+    root = getattr(keys, "root_relief_um", None)
+    if root:
+        start = getattr(keys, "root_relief_start_diameter_mm", None)
+        at = "" if start is None else f" from diameter {start:g} mm"
+        yield SheetRow("root relief", "C_αf", f"{root:g} µm{at}")
     if crowning:
         yield SheetRow("profile crowning", "C_α", f"{crowning:g} µm")
     for name, roll in profile.marks:
