@@ -15,6 +15,7 @@ from flankload.result.chain import ChainDrive
 from flankload.result.coast_contact import CoastContact, coast_summary
 from flankload.result.contact_quantities import ContactQuantities, frozen
 from flankload.result.cost_table import cost_table
+from flankload.result.csv_form import CsvForm
 from flankload.result.export import results_to_csv, results_to_json, to_xarray
 from flankload.result.friction import FrictionResult
 from flankload.result.harmonics import over_positions
@@ -25,6 +26,7 @@ from flankload.result.slices import SliceLoads, slice_summary
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.summary import stiffness_means, summary_of_contacts
 from flankload.result.table import text_of
+from flankload.result.workbook import results_to_xlsx
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -419,9 +421,23 @@ class Result(ContactQuantities):
         """Return the result as strict JSON (null for NaN and infinity); write it to `path`."""
         return results_to_json(self, path)
 
-    def to_csv(self, path: str | Path | None = None) -> str:
-        """Return the result as CSV, a row per position; write it to `path`."""
-        return results_to_csv(self, path)
+    def to_csv(
+        self,
+        path: str | Path | None = None,
+        *,
+        separator: str | None = None,
+        decimal_comma: bool = False,
+        degrees: bool = False,
+    ) -> str:
+        """Return the result as CSV, a row per position; write it to `path`.
+
+        Options as of `CsvForm`.
+        """
+        return results_to_csv(self, path, CsvForm(separator, decimal_comma, degrees))
+
+    def to_xlsx(self, path: str | Path) -> None:
+        """Write the result as a workbook; needs the extra [xlsx]."""
+        results_to_xlsx(self, path)
 
     def to_xarray(self) -> Any:
         """Return the result as a labelled `xarray.Dataset` with units; needs the extra [xarray]."""
