@@ -23,7 +23,7 @@ from flankload.elasticity.finite_elements import (
     lame_parameters,
     stiffness,
 )
-from flankload.elasticity.near_field import carrying_edges, mirrored_loads
+from flankload.elasticity.near_field import SAME_NODE, carrying_edges, mirrored_loads
 from flankload.elasticity.sector_closure import CondensedSector, turned_cuts
 
 if TYPE_CHECKING:
@@ -203,11 +203,16 @@ def _on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
 def _ring_of(mesh: SectorMesh) -> tuple[Floats, Numbers]:
     """Nodes (M, 2) of all sectors of a ring and their numbers (z, N) by sector."""
     z, n = mesh.teeth, len(mesh.nodes)
-    own = np.setdiff1d(np.arange(n), mesh.right_nodes)
+    pitch = 2 * np.pi / z
+    fixed = mesh.nodes[mesh.fixed_nodes]
+    apart = np.linalg.norm(turned(fixed, pitch)[:, None] - fixed, axis=2)
+    left, right = np.nonzero(apart < SAME_NODE * float(np.abs(mesh.nodes).max()))
+    left = np.concatenate([mesh.left_nodes, mesh.fixed_nodes[left]])
+    right = np.concatenate([mesh.right_nodes, mesh.fixed_nodes[right]])
+    own = np.setdiff1d(np.arange(n), right)
     numbers = np.empty((z, n), dtype=np.int64)
     numbers[:, own] = np.arange(z * own.size).reshape(z, own.size)
-    numbers[:, mesh.right_nodes] = np.roll(numbers, -1, axis=0)[:, mesh.left_nodes]
-    pitch = 2 * np.pi / z
+    numbers[:, right] = np.roll(numbers, -1, axis=0)[:, left]
     return np.concatenate([turned(mesh.nodes[own], k * pitch) for k in range(z)]), numbers
 
 
