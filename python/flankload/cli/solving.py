@@ -14,6 +14,7 @@ from flankload.cli.result_files import check_outputs, files_of, places_of, write
 
 if TYPE_CHECKING:
     from argparse import Namespace
+
     from flankload.mechanisms.duration import Duration
     from flankload.result import Result
     from flankload.scene import Scene

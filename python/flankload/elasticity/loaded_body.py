@@ -99,7 +99,7 @@ class LoadedBody:
         lengths = np.abs(s[:, 1] - s[:, 0])
         # Simpson's weights: the integrals of the shape functions of an edge
         parts = lengths[:, None] * np.array([1.0, 1.0, 4.0]) / 6.0
-        return nodes, np.bincount(place.ravel(), weights=parts.ravel())
+        return nodes, np.asarray(np.bincount(place.ravel(), weights=parts.ravel()), dtype=float)
 
     def stress_MPa(self, moved: Floats) -> Floats:
         """Stress at the nodes, recovered and averaged over the elements of a node.

@@ -41,10 +41,10 @@ def write_vtu(
     `loaded_pair.pvd` lists all files over the angle of body 1 in degrees. `body_1_0000.vtu`, … have
     the elements of a whole body at position 0, in mm, undeformed, in the frame of the drawings,
     with displacement_mm, stress_MPa (xx, yy, zz, xy, yz, xz), von_mises_MPa, contact_pressure_MPa
-    and contact_force_N of the nodes: the displacement and stress that the contact forces of the
-    result cause in the elements of the scene, in single precision. `contacts_0000.vtu`, … have a line for each contact
-    cell, with pressure_MPa, force_N, gap_um and pair, as in `Result.pairs`. Several torques have a
-    folder each.
+    and contact_force_N of the nodes, in single precision: displacement and stress that the contact
+    forces of the result cause in the elements of the scene. `contacts_0000.vtu`, … have a line for
+    each contact cell, with pressure_MPa, force_N, gap_um and pair, as in `Result.pairs`. Several
+    torques have a folder each.
 
     Parameters
     ----------

@@ -113,8 +113,7 @@ def modelica_text(table: Table) -> str:
     lines = [
         "#1",
         f"# {table.name}",
-        f"# first column: angle of body 1, rad; the last row repeats the first one after the "
-        f"period {table.period_rad!r} rad",
+        f"# first column: angle of body 1, rad; it repeats after {table.period_rad!r} rad",
         f"# torques on body 1, N m: {torques}",
         f"# reference_radius_mm {table.reference_radius_mm!r}",
     ]

@@ -69,7 +69,9 @@ def test_positions_of_fields_are_chosen(scene: Path, capsys: pytest.CaptureFixtu
     assert " nodes at 2 positions" in out
     names = sorted(path.name for path in folder.iterdir())
     parts = ("body_1", "body_2", "contacts")
-    assert names == sorted([*(f"{part}_000{p}.vtu" for part in parts for p in (0, 1)), "loaded_pair.pvd"])
+    assert names == sorted(
+        [*(f"{part}_000{p}.vtu" for part in parts for p in (0, 1)), "loaded_pair.pvd"]
+    )
 
 
 @pytest.mark.parametrize(
@@ -77,13 +79,13 @@ def test_positions_of_fields_are_chosen(scene: Path, capsys: pytest.CaptureFixtu
     [
         (
             ["--csv-format", "comma,point"],
-            "--csv-format: expected words among semicolon, tab, decimal-comma, degrees, with one "
-            "separator, found comma,point",
+            ("--csv-format: expected words among semicolon, tab, decimal-comma, degrees, with one "
+            "separator, found comma,point"),
         ),
         (
             ["--csv-format", "tab,semicolon"],
-            "--csv-format: expected words among semicolon, tab, decimal-comma, degrees, with one "
-            "separator, found tab,semicolon",
+            ("--csv-format: expected words among semicolon, tab, decimal-comma, degrees, with one "
+            "separator, found tab,semicolon"),
         ),
         (["--vtu-positions", "1"], "--vtu-positions: expected --vtu DIR beside it, found 1"),
         (
@@ -91,8 +93,14 @@ def test_positions_of_fields_are_chosen(scene: Path, capsys: pytest.CaptureFixtu
             "--vtu-positions: expected indices such as 0,8,16, found '1,-2'",
         ),
         (["--fmu", "-"], "--fmu: expected a file, since it is no text, found -"),
-        (["--modelica", "-", "--csv", "-"], "--modelica: expected a file, since --csv uses stdout, found -"),
-        (["--vtu", "a.vtu"], "--vtu: expected a folder for VTU files, such as a, found a.vtu, the name of a file"),
+        (
+            ["--modelica", "-", "--csv", "-"],
+            "--modelica: expected a file, since --csv uses stdout, found -",
+        ),
+        (
+            ["--vtu", "a.vtu"],
+            "--vtu: expected a folder for VTU files, such as a, found a.vtu, the name of a file",
+        ),
     ],
 )  # fmt: skip
 def test_options_that_cannot_be_met_are_refused_before_the_run(

@@ -213,7 +213,9 @@ def test_files_read_back_and_their_collection_lists_them(tmp_path: Path) -> None
     contacts = meshio.read(tmp_path / "contacts_0002.vtu")
     table = result.pairs(2)
     np.testing.assert_array_equal(contacts.cell_data["pressure_MPa"][0], table.pressure_MPa)
-    np.testing.assert_allclose(contacts.points[::2, 0] / 2 + contacts.points[1::2, 0] / 2, table.x_mm)
+    np.testing.assert_allclose(
+        contacts.points[::2, 0] / 2 + contacts.points[1::2, 0] / 2, table.x_mm
+    )
 
 
 def test_several_torques_have_a_folder_each(tmp_path: Path) -> None:
@@ -236,5 +238,7 @@ def test_bodies_without_elements_have_a_line_with_the_reason(tmp_path: Path) -> 
 
 
 def test_a_position_that_does_not_exist_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(SceneError, match=r"--vtu-positions: expected indices from 0 to 31, found 32"):
+    with pytest.raises(
+        SceneError, match=r"--vtu-positions: expected indices from 0 to 31, found 32"
+    ):
         fl.write_vtu(scene_of(), made_up_result(), tmp_path, positions=[32])

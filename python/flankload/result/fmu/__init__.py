@@ -126,7 +126,7 @@ def _description(table: Table, name: str, guid: str) -> str:
     scalars = "".join(
         f'    <ScalarVariable name="{key}" valueReference="{k}" {kind} '
         f"description={quoteattr(text)}>\n"
-        f'      <Real unit="{unit}"{"" if start is None else f" start={quoteattr(repr(start))}"}/>\n'
+        f'      <Real unit="{unit}"{_start(start)}/>\n'
         "    </ScalarVariable>\n"
         for k, (key, kind, unit, start, text) in enumerate(variables)
     )
@@ -152,6 +152,10 @@ def _description(table: Table, name: str, guid: str) -> str:
         f"    <InitialUnknowns>\n{_unknowns(outputs, '1 2 6')}    </InitialUnknowns>\n"
         "  </ModelStructure>\n</fmiModelDescription>\n"
     )
+
+
+def _start(value: float | None) -> str:
+    return "" if value is None else f' start="{value!r}"'
 
 
 def _unknowns(numbers: Iterable[int], known: str) -> str:
