@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import flankload as fl
-from flankload.result import StiffnessTable, stiffness_table
+from flankload.result import StiffnessTable
 
 SCENE = Path(__file__).parents[1] / "scenes" / "external_gear.toml"
 TORQUES_NM = [150.0, 302.0, 450.0]
@@ -12,5 +12,4 @@ TORQUES_NM = [150.0, 302.0, 450.0]
 def solved_table() -> StiffnessTable:
     """Transmission error and stiffness over angle and torque."""
     scene = fl.read_scene(SCENE).replace({"load.torque_Nm": TORQUES_NM})
-    found = fl.solve(scene)
-    return stiffness_table(getattr(found, "by_torque", found))
+    return fl.solve(scene).stiffness_table()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flankload.base.arguments import require
+from flankload.scene import scene_of
 from flankload.studies import sensitivity as derivatives
 from flankload.studies.prepared import Prepared, solve_scene
 
@@ -13,24 +15,24 @@ if TYPE_CHECKING:
     from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
-    from flankload.scene import Scene
+    from flankload.scene import SceneLike
     from flankload.studies.plan import Plan
     from flankload.studies.sensitivity import Sensitivity
 
 
 def solve(
-    scene: Scene,
+    scene: SceneLike,
     progress: Progress | None = None,
     *,
     plan: Plan | None = None,
     on_duration: Callable[[Duration], None] | None = None,
-) -> Result | tuple[Result, ...]:
+) -> Result:
     """Load distribution of a scene at all its positions.
 
     Parameters
     ----------
-    scene : Scene
-        From `read_scene` or `Scene.from_dict`.
+    scene : Scene, path or mapping
+        A scene, the path of a scene file, or its keys as `Scene.from_dict` takes them.
     progress : callable, optional
         Called as progress(stage, done, total) when a stage begins, on the way through its
         positions, and at the end; done grows up to total. An exception that it raises ends the
@@ -43,26 +45,32 @@ def solve(
 
     Returns
     -------
-    Result, or a tuple of Results where the scene has a list of torques
+    Result
+        If the scene has a list of torques, its arrays have an axis of torques in front
+        (`result.TorqueSeries`); `result.at(torque_Nm)` is the result of one of them.
 
     Raises
     ------
+    InputError
+        If an argument is of a wrong type.
     SceneError
         If the scene asks for something impossible; `PremiseError` if it breaks a premise of the
         model.
     FlankloadError
         If a position has no answer, or the plan is one of another scene.
     """
-    return solve_scene(scene, progress, None, plan=plan, on_duration=on_duration)
+    _check_calls(progress=progress, on_duration=on_duration)
+    require("plan", plan, "a Plan", fits=plan is None or hasattr(plan, "predicted"))
+    return solve_scene(scene_of(scene), progress, None, plan=plan, on_duration=on_duration)
 
 
-def prepare(scene: Scene) -> Prepared:
+def prepare(scene: SceneLike) -> Prepared:
     """Solve what most changes of a scene leave as it is: its bodies and their compliances.
 
     Parameters
     ----------
-    scene : Scene
-        With `effects.choose` the first run prepares, since it finds the effects.
+    scene : Scene, path or mapping
+        As of `solve`. With `effects.choose` the first run prepares, since it finds the effects.
 
     Returns
     -------
@@ -73,10 +81,10 @@ def prepare(scene: Scene) -> Prepared:
     SceneError
         If the scene is impossible.
     """
-    return Prepared(scene)
+    return Prepared(scene_of(scene))
 
 
-def sensitivity(scene: Scene | Prepared, paths: Sequence[str]) -> Sensitivity:
+def sensitivity(scene: SceneLike | Prepared, paths: Sequence[str]) -> Sensitivity:
     """Derivatives of all results of a scene with respect to some of its keys.
 
     They are exact for the pairs in contact of each state: central differences over a step so small
@@ -85,7 +93,7 @@ def sensitivity(scene: Scene | Prepared, paths: Sequence[str]) -> Sensitivity:
 
     Parameters
     ----------
-    scene : Scene or Prepared
+    scene : Scene, path, mapping or Prepared
         A prepared scene lends its bodies and compliances. `accuracy.tolerance` and
         `effects.choose` are refused, since derivatives need one discretization.
     paths : sequence of str
@@ -106,4 +114,10 @@ def sensitivity(scene: Scene | Prepared, paths: Sequence[str]) -> Sensitivity:
     """
     if isinstance(scene, Prepared):
         return derivatives.sensitivity(scene.scene, paths, scene.parts)
-    return derivatives.sensitivity(scene, paths)
+    return derivatives.sensitivity(scene_of(scene), paths)
+
+
+def _check_calls(**calls: object) -> None:
+    """Refuse what cannot be called, before anything is solved."""
+    for name, call in calls.items():
+        require(name, call, "a function", fits=call is None or callable(call))

@@ -66,7 +66,7 @@ def _try(tally: Tally, tree: Tree, why: str | None, place: str, *, plan: bool) -
         if plan:
             fl.plan(scene)
         found = fl.solve(scene)
-        for result in found if isinstance(found, tuple) else (found,):
+        for result in found.by_torque:
             for fault in faults_of(result):
                 tally.fault("wrong", f"{place}: {fault}")
     except FlankloadError as error:

@@ -115,8 +115,7 @@ def _evolution(scene: fl.Scene, case: Case, wanted: float) -> tuple[float, int, 
             for variable, value in zip(case.variables, x, strict=True)
             for path in variable["paths"]
         }
-        found = prepared.solve(changes)
-        results = found if isinstance(found, tuple) else (found,)
+        results = prepared.solve(changes).by_torque
         states += sum(result.position_rad.size for result in results)
         value = max(float(result.summary[case.objective]) for result in results)
         best = min(best, value)

@@ -139,7 +139,7 @@ def _solved(scene: fl.Scene, *, once: bool = False) -> tuple[tuple[fl.Result, ..
         shortest = min(shortest, time.process_time() - start)
         if shortest > LONG_S:
             break
-    return (found if isinstance(found, tuple) else (found,)), shortest
+    return found.by_torque, shortest
 
 
 def _states(results: tuple[fl.Result, ...]) -> list[States]:

@@ -140,8 +140,7 @@ class _Truth:
             TRUE_PART * default.flank_element_parts, TRUE_MODES, Grid(strips, 3.0 * strips)
         )
         scene = replace(self._scene, positions=positions)
-        found = run_once(scene, self._kept, discretization=fine)
-        assert isinstance(found, fl.Result)
+        (found,) = run_once(scene, self._kept, discretization=fine)
         return found
 
     def at(self, result: fl.Result) -> fl.Result:

@@ -239,7 +239,7 @@ def test_teeth_without_a_flank_are_named_as_the_first_cure(folder: Path) -> None
     some = dataclasses.replace(
         every, smooth=blocks.reshape(-1, 3, 3), turned=turned, flanks=tuple(named)
     )
-    found = run_once(scene, {1: (some, Account())})
+    (found,) = run_once(scene, {1: (some, Account())})
     assert found.period_pitches == 1
     (text,) = said(found)
     assert "(name the flanks of all teeth of body_2, then positions.pitches" in text

@@ -141,7 +141,7 @@ def _paths_made_whole(tree: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 def _quantities(tree: dict[str, Any], beside: tuple[str, ...]) -> dict[str, Any]:
     solved = fl.solve(fl.Scene.from_dict(_paths_made_whole(deepcopy(tree), SCENES)))
-    results = solved if isinstance(solved, tuple) else (solved,)
+    results = solved.by_torque
     several = len(results) > 1
     found: dict[str, Any] = {}
     for result in results:

@@ -87,7 +87,7 @@ def finer_solution(scene: dict[str, Any]) -> Truth:
         {**scene, "positions": {"count": count}, "accuracy": {"estimate": False}}
     )
     default = choose_discretization(fine)
-    result = run_once(
+    (result,) = run_once(
         fine,
         {},
         discretization=Discretization(
@@ -100,7 +100,6 @@ def finer_solution(scene: dict[str, Any]) -> Truth:
             ),
         ),
     )
-    assert isinstance(result, fl.Result)
     return Truth(**{field.name: np.asarray(getattr(result, field.name)) for field in fields(Truth)})
 
 
@@ -130,7 +129,6 @@ Errors = dict[str, float]
 def compared(scene: dict[str, Any], truth: Truth | None = None) -> dict[str, Any]:
     """Estimated and true errors of a scene, and the share of the estimate in the run's CPU time."""
     result = fl.solve(fl.Scene.from_dict(scene))
-    assert isinstance(result, fl.Result)
     assert result.estimate is not None
     stages = {name: stage["cpu_s"] for name, stage in result.cost["stages"].items()}
     return {

@@ -118,8 +118,7 @@ def nodal_sweep(
     tree["load"]["torque_Nm"] = [part * tree["load"]["torque_Nm"] for part in parts]
     scene = fl.Scene.from_dict(tree)
     pair = build_bodies(scene)
-    results = fl.solve(scene)
-    assert isinstance(results, tuple)
+    results = fl.solve(scene).by_torque
     tables = [results[-1].pairs(p) for p in range(positions)]
     sites = [
         k

@@ -30,5 +30,7 @@ def solve(
     """
     if scene.steers or scene.effects.choose is not None:
         assert discretization is None
-        return fl.solve(scene)
-    return run_once(scene, discretization=discretization, earlier=Earlier(parts=PARTS))
+        results = fl.solve(scene).by_torque
+    else:
+        results = run_once(scene, discretization=discretization, earlier=Earlier(parts=PARTS))
+    return results if scene.has_torque_list else results[0]

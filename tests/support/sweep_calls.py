@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 
 import flankload as fl
+from flankload.contact.core_call import Level
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -54,6 +55,7 @@ def run(
     *,
     kind: str = "gears",
     count: int = 24,
+    level: Level = "pairs",
     keep_pairs: bool = True,
     progress: Callable[[int, int], None] | None = None,
     pairing: Pairing | None = None,
@@ -67,6 +69,7 @@ def run(
         torques_Nmm=torques,
         face_width_mm=14.0,
         grid=pair.discretization.grid,
+        level=level,
         keep_pairs=keep_pairs,
         progress=progress,
     )

@@ -52,11 +52,11 @@ def _prepared(name: str) -> fl.Prepared:
 
 
 @cache
-def _solved(name: str, changes: str) -> fl.Result | tuple[fl.Result, ...]:
+def _solved(name: str, changes: str) -> fl.Result:
     return _prepared(name).solve(json.loads(changes))
 
 
-def solve_small(name: str, changes: dict[str, Any]) -> fl.Result | tuple[fl.Result, ...]:
+def solve_small(name: str, changes: dict[str, Any]) -> fl.Result:
     """A small example with keys changed: solved once, its bodies and elements reused."""
     paths = {path.replace("__", "."): value for path, value in changes.items()}
     return _solved(name, json.dumps(paths, sort_keys=True))

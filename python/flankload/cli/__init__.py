@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from flankload.cli.benchmarking import benchmark
 from flankload.cli.checking import check
 from flankload.cli.compliance import compliance
 from flankload.cli.designing import study
@@ -117,6 +118,7 @@ def parser() -> argparse.ArgumentParser:
     _add_accuracy(commands)
     _add_study(commands)
     _add_verify(commands)
+    _add_benchmark(commands)
     _add_optimise(commands)
     check_parser = _described(
         commands, "check", "validate a scene or a mesh file and print how it is interpreted"
@@ -254,6 +256,29 @@ def _add_optimise(commands: Any) -> None:
         "-o", dest="output", metavar="FILE", type=Path, help="write the optimal scene to this file"
     )
     parser.set_defaults(command=optimise)
+
+
+def _add_benchmark(commands: Any) -> None:
+    parser = _described(
+        commands, "benchmark", "compare with reference results of other programs and closed forms"
+    )
+    parser.add_argument(
+        "cases", metavar="CASE", nargs="*",
+        help="cases, each with all of its quantities; default: all, a line each",
+    )  # fmt: skip
+    parser.add_argument(
+        "--folder", metavar="DIR", type=Path, default=Path("benchmarks"),
+        help="folder of the cases; default: benchmarks",
+    )  # fmt: skip
+    parser.add_argument(
+        "--answers", metavar="FILE", type=Path,
+        help="compare the answers of another program in this file (JSON) instead",
+    )  # fmt: skip
+    parser.add_argument(
+        "-o", dest="output", metavar="FILE", type=Path, help="write the answers to this file (JSON)"
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON instead of the table")
+    parser.set_defaults(command=benchmark)
 
 
 def _add_study(commands: Any) -> None:

@@ -40,10 +40,10 @@ def run(arguments: Namespace) -> None:
         plan = _plan(scene, progress) if arguments.cost else None
         announce = None if arguments.quiet else partial(_announce, progress)
         found = solve(scene, progress=progress.tell, plan=plan, on_duration=announce)
-    results = found if isinstance(found, tuple) else (found,)
+    results = found.by_torque
     if arguments.plot is not None:
         _plot(results, arguments.plot)
-    said = write_files(arguments, scene, results, listed=isinstance(found, tuple))
+    said = write_files(arguments, scene, results, listed=found.has_torque_list)
     from flankload.result import results_to_text
 
     texts = [] if arguments.quiet else [results_to_text(results)]

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 #: Contact models in order of decreasing cost, as numbered in the core.
 Level = Literal["pairs", "lumped"]
 LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
+#: Lumped contacts, summed over the states, that take less than 0.02 s.
+SHORT_CALL = 1000
 #: Counters of the core for every state, in its order.
 CORE_COUNTERS = (
     "pivots",
@@ -198,10 +200,16 @@ class CoreCall:
             if self.progress is not None:
                 self.progress(done + now, self.motion.shape[1])
 
-        outputs = call_and_watch(call, control, tell=tell) if self.watched else call()
+        watched = self.watched and not self._is_short(which.size)
+        outputs = call_and_watch(call, control, tell=tell) if watched else call()
         found = self._found(outputs, site, table.reshape(-1, n_columns))
         tell(int(control[1]))
         return found
+
+    def _is_short(self, n_positions: int) -> bool:
+        """Whether the call ends before anyone would look at its progress."""
+        sites = n_positions * self.torques_Nmm.size * self.n_sites
+        return self.level == "lumped" and sites <= SHORT_CALL
 
     def _settings(self) -> NDArray[np.float64]:
         """(5,) Cell sizes, contact model and steps of finite forces."""

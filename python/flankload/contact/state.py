@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
 
 Vector = NDArray[np.float64]
@@ -60,8 +61,8 @@ class ContactInfo:
     undetermined: tuple[tuple[int, ...], ...] = ()
 
 
-@dataclass(frozen=True)
-class ContactState(KeepsReadOnly):
+@dataclass(frozen=True, repr=False)
+class ContactState(Card, KeepsReadOnly):
     """State of contact of n pairs; its arrays are read-only.
 
     Attributes

@@ -66,7 +66,7 @@ def write_vtu(
     SceneError
         If a position does not exist.
     """
-    several = tuple(results) if isinstance(results, Sequence) else (results,)
+    several = tuple(results) if isinstance(results, Sequence) else results.by_torque
     chosen = checked_positions(several, positions)
     other = mechanism_of(scene).without_flanks
     if other is not None:

@@ -76,7 +76,7 @@ def run_once(
     on_assembly: Callable[[Any], None] | None = None,
     on_states: Callable[[States], None] | None = None,
     earlier: Earlier | None = None,
-) -> Result | tuple[Result, ...]:
+) -> tuple[Result, ...]:
     """Solve a scene at the discretization that it names, or at the default one.
 
     Parameters
@@ -99,7 +99,8 @@ def run_once(
 
     Returns
     -------
-    Result, or a tuple of Results if the scene has a list of torques
+    tuple of Result
+        One per torque.
 
     Raises
     ------
@@ -140,7 +141,7 @@ def run_once(
         for result, broken in zip(results, by_load, strict=True)
     )
     clock.finish()
-    return finished if scene.has_torque_list else finished[0]
+    return finished
 
 
 def _finished(

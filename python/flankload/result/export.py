@@ -16,6 +16,7 @@ from flankload.result.coast_contact import coast_arrays
 from flankload.result.csv_form import CsvForm
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
 from flankload.result.root_stress import root_arrays
+from flankload.result.warning_lines import warning_lines
 
 if TYPE_CHECKING:
     from flankload.result.result import Result
@@ -84,12 +85,12 @@ def along_positions(*results: Result) -> dict[str, str]:
 
 
 def results_to_json(results: Result | Sequence[Result], path: str | Path | None = None) -> str:
-    """One result, or one per torque, as strict JSON.
+    """A result, or results of single torques, as strict JSON.
 
     Parameters
     ----------
     results : Result or sequence of Result
-        A sequence gives {"torques_Nm": [...], "results": [...]}.
+        A list of torques, or a sequence, gives {"torques_Nm": [...], "results": [...]}.
     path : path, optional
         File to write.
 
@@ -97,7 +98,8 @@ def results_to_json(results: Result | Sequence[Result], path: str | Path | None 
     -------
     str
     """
-    if isinstance(results, Sequence):
+    if isinstance(results, Sequence) or results.has_torque_list:
+        results = results if isinstance(results, Sequence) else results.by_torque
         tree: Any = {
             "torques_Nm": [result.torque_Nm for result in results],
             "results": [_tree(result) for result in results],
@@ -142,7 +144,7 @@ def _tree(result: Result) -> dict[str, Any]:
     return tree
 
 
-def _more_arrays(result: Result) -> dict[str, tuple[Any, str]]:
+def more_arrays(result: Result) -> dict[str, tuple[Any, str]]:
     """Arrays (P, S) that only some results have, with their units."""
     found = _arrays_asked_for(result)
     if result.drive is not None:
@@ -181,7 +183,7 @@ def results_to_csv(
     path: str | Path | None = None,
     form: CsvForm | None = None,
 ) -> str:
-    """One result, or one per torque, as CSV: a row per position (and torque).
+    """A result, or results of single torques, as CSV: a row per position (and torque).
 
     Parameters
     ----------
@@ -197,7 +199,7 @@ def results_to_csv(
         Column names contain units, and the pair number for columns of a single pair; an empty cell
         is not a number.
     """
-    several = results if isinstance(results, Sequence) else (results,)
+    several = results if isinstance(results, Sequence) else results.by_torque
     form = CsvForm() if form is None else form
     rubs = FRICTION if any(result.friction is not None for result in several) else {}
     drives = several[0].drive.along if several[0].drive is not None else {}
@@ -228,7 +230,7 @@ def results_to_csv(
 
 def over_sites(*results: Result) -> dict[str, str]:
     """Arrays over positions and sites of any of several results, with their units."""
-    more = {key: unit for r in results for key, (_, unit) in _more_arrays(r).items()}
+    more = {key: unit for r in results for key, (_, unit) in more_arrays(r).items()}
     return {**OVER_SITES, **more}
 
 
@@ -244,7 +246,7 @@ class SiteValues:
         self._over = {key: getattr(result, key) for key in OVER_SITES}
         # not by slices
         self._over["line_load_N_per_mm"] = result.site_force_N / result.face_width_mm
-        self._over |= {key: values for key, (values, _) in _more_arrays(result).items()}
+        self._over |= {key: values for key, (values, _) in more_arrays(result).items()}
         self._column = {int(site): s for s, site in enumerate(result.sites)}
 
     def __call__(self, key: str, p: int, site: int) -> Any:
@@ -259,25 +261,32 @@ def at_position(result: Result, key: str, p: int) -> Any:
 
 
 def _at_site(over: Mapping[str, Any], key: str, p: int, s: int | None) -> Any:
-    """Value of a pair that is unloaded at all positions of a torque."""
+    """Value of a pair, also of one that is unloaded at all positions of a torque."""
     if s is None:
-        carried = key in OVER_SITES or key in COAST
-        return 0 if carried and key not in ONLY_LOADED else float("nan")
+        return _unloaded(key)
     return over[key][p, s] if key in over else float("nan")
 
 
-def to_xarray(result: Result) -> Any:
-    """One result as a labelled dataset.
+def _unloaded(key: str) -> Any:
+    """Value of a pair that is unloaded at all positions of a torque."""
+    carried = key in OVER_SITES or key in OVER_SLICES or key in COAST
+    return 0 if carried and key not in ONLY_LOADED else float("nan")
+
+
+def to_xarray(results: Result | Sequence[Result]) -> Any:
+    """A result, or results of single torques, as a labelled dataset.
 
     Parameters
     ----------
-    result : Result
+    results : Result or sequence of Result
 
     Returns
     -------
     xarray.Dataset
         Dimensions `position` (coordinate: angle of body 1, rad), `site` (pair number) and `slice`
-        (axial position, mm; one in a plane scene); units in the attributes of each variable.
+        (axial position, mm; one in a plane scene); units in the attributes of each variable. A list
+        of torques, or a sequence, has the dimension `torque` in front (coordinate: N m); a pair
+        that a torque never loads has the values of an open pair there.
 
     Raises
     ------
@@ -290,6 +299,28 @@ def to_xarray(result: Result) -> Any:
         raise ImportError(
             "to_xarray needs the package xarray: pip install 'flankload[xarray]'"
         ) from None
+    if not isinstance(results, Sequence) and not results.has_torque_list:
+        return _dataset(results)
+    several = results if isinstance(results, Sequence) else results.by_torque
+    torque = [one.torque_Nm for one in several]
+    sets = [_dataset(one) for one in several]
+    joined = xarray.concat(
+        sets,
+        xarray.IndexVariable("torque", torque, {"units": "N m"}),
+        data_vars="all",
+        coords="minimal",
+        compat="equals",
+        join="outer",
+        fill_value={key: _unloaded(key) for data in sets for key in data},
+        combine_attrs="override",
+    )
+    del joined.attrs["torque_Nm"]
+    return joined.assign_attrs(warnings=warning_lines(several))
+
+
+def _dataset(result: Result) -> Any:
+    """Dataset of one torque."""
+    import xarray
 
     def variable(dimensions: tuple[str, ...], key: str, unit: str) -> tuple[Any, ...]:
         return dimensions, getattr(result, key), {"units": unit}
@@ -313,7 +344,7 @@ def to_xarray(result: Result) -> Any:
     }
     for key, unit in OVER_SLICES.items():
         over[key] = variable(dimensions, key, unit)
-    for key, (values, unit) in _more_arrays(result).items():
+    for key, (values, unit) in more_arrays(result).items():
         over[key] = ("position", "site"), values, {"units": unit}
     return xarray.Dataset(
         {**along, **over},

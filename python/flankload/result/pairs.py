@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.base.card import Card
+
 if TYPE_CHECKING:
     from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.profile_deviation import ProfileDeviation
@@ -16,8 +18,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class PairTable:
+@dataclass(frozen=True, eq=False, repr=False)
+class PairTable(Card):
     """Contact pairs of one position; n pairs, in the order of the core.
 
     Attributes

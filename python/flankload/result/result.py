@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,23 +15,16 @@ from flankload.result.belt import BeltDrive
 from flankload.result.chain import ChainDrive
 from flankload.result.coast_contact import CoastContact, coast_summary
 from flankload.result.contact_quantities import ContactQuantities, frozen
-from flankload.result.cost_table import cost_table
-from flankload.result.csv_form import CsvForm
-from flankload.result.export import results_to_csv, results_to_json, to_xarray
+from flankload.result.forms import ResultForms
 from flankload.result.friction import FrictionResult
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.root_stress import RootReading, RootStress, root_stress, root_summary
 from flankload.result.shafts import ShaftLoads, shaft_summary
 from flankload.result.slices import SliceLoads, slice_summary
-from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.summary import stiffness_means, summary_of_contacts
-from flankload.result.table import text_of
-from flankload.result.workbook import results_to_xlsx
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from flankload.result.geometry import PairGeometry
 
 Floats = NDArray[np.float64]
@@ -52,9 +46,12 @@ ARRAYS: Mapping[str, tuple[str, type]] = {
 OPTIONAL_ARRAYS = ("follower_angle_rad", "unloaded_rotation_rad")
 
 
-@dataclass(frozen=True, eq=False)
-class Result(ContactQuantities):
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(ContactQuantities, ResultForms):
     """Load distribution at P positions on S sites (flank pairs), for one torque.
+
+    A scene with a list of torques has a `TorqueSeries`, a result whose arrays have an axis of
+    torques in front.
 
     Attributes
     ----------
@@ -154,6 +151,43 @@ class Result(ContactQuantities):
     outside_limits: tuple[str, ...] = ()
     slices: SliceLoads | None = None
     shafts: ShaftLoads | None = None
+
+    @property
+    def by_torque(self) -> tuple[Result, ...]:
+        """The results of single torques: this one alone."""
+        return (self,)
+
+    @property
+    def position_deg(self) -> Floats:
+        """(P,) Angle of body 1 (with a cam: of the cam) from position zero, degrees."""
+        return frozen(np.degrees(self.position_rad))
+
+    @property
+    def rotation_deg(self) -> Floats:
+        """(P,) Additional rotation of body 1 under load, degrees."""
+        return frozen(np.degrees(self.rotation_rad))
+
+    @property
+    def unloaded_rotation_deg(self) -> Floats | None:
+        """(P,) Rotation without torque, degrees; None if no such state exists."""
+        unloaded = self.unloaded_rotation_rad
+        return None if unloaded is None else frozen(np.degrees(unloaded))
+
+    @property
+    def follower_angle_deg(self) -> Floats | None:
+        """(P,) Angle of a follower on its cam without load, degrees; None for other pairs."""
+        angle = self.follower_angle_rad
+        return None if angle is None else frozen(np.degrees(angle))
+
+    @property
+    def pitch_deg(self) -> float:
+        """One tooth pitch of body 1 (a turn of the cam), degrees."""
+        return degrees(self.pitch_rad)
+
+    @property
+    def period_deg(self) -> float:
+        """Rotation of body 1 after which everything repeats, degrees."""
+        return degrees(self.period_rad)
 
     @property
     def slice_z_mm(self) -> Floats:
@@ -412,41 +446,3 @@ class Result(ContactQuantities):
     def pairs(self, p: int) -> PairTable:
         """Contact pairs of position p: radius, force, pressure, gap and place."""
         return self.pair_tables[p]
-
-    def stiffness_table(self) -> StiffnessTable:
-        """Return stiffness and transmission error over the period, for multibody programs."""
-        return stiffness_table((self,))
-
-    def to_json(self, path: str | Path | None = None) -> str:
-        """Return the result as strict JSON (null for NaN and infinity); write it to `path`."""
-        return results_to_json(self, path)
-
-    def to_csv(
-        self,
-        path: str | Path | None = None,
-        *,
-        separator: str | None = None,
-        decimal_comma: bool = False,
-        degrees: bool = False,
-    ) -> str:
-        """Return the result as CSV, a row per position; write it to `path`.
-
-        Options as of `CsvForm`.
-        """
-        return results_to_csv(self, path, CsvForm(separator, decimal_comma, degrees))
-
-    def to_xlsx(self, path: str | Path) -> None:
-        """Write the result as a workbook; needs the extra [xlsx]."""
-        results_to_xlsx(self, path)
-
-    def to_xarray(self) -> Any:
-        """Return the result as a labelled `xarray.Dataset` with units; needs the extra [xarray]."""
-        return to_xarray(self)
-
-    def table(self) -> str:
-        """Return the result as text: a row per position, then the summary."""
-        return text_of(self)
-
-    def cost_table(self) -> str:
-        """Return the cost of the run as text, stage by stage, beside the prediction."""
-        return cost_table(self.cost)

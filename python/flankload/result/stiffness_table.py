@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.card import Card
 from flankload.base.files import write_atomically
 from flankload.result.csv_form import CsvForm
 from flankload.result.fmu import fmu_of
@@ -31,8 +32,8 @@ QUANTITIES = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class StiffnessTable:
+@dataclass(frozen=True, eq=False, repr=False)
+class StiffnessTable(Card):
     """Transmission error and stiffness over N angles of body 1 and T torques.
 
     Attributes

@@ -35,7 +35,7 @@ Row = Sequence[Any]
 
 
 def results_to_xlsx(results: Result | Sequence[Result], path: str | Path) -> None:
-    """Write one result, or one per torque, as a workbook.
+    """Write a result, or results of single torques, as a workbook.
 
     The sheet `summary` has the numbers of `Result.summary` and the estimated errors, a column per
     torque, then violated premises and warnings. Each further sheet is a quantity with its unit in
@@ -61,7 +61,7 @@ def results_to_xlsx(results: Result | Sequence[Result], path: str | Path) -> Non
         raise ImportError(
             "to_xlsx needs the package openpyxl: pip install 'flankload[xlsx]'"
         ) from None
-    several = tuple(results) if isinstance(results, Sequence) else (results,)
+    several = tuple(results) if isinstance(results, Sequence) else results.by_torque
     first = several[0]
     if any(not np.array_equal(first.position_rad, one.position_rad) for one in several):
         raise ValueError("results at different positions make no workbook")

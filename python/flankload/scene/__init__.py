@@ -4,35 +4,56 @@ This package checks the form of the input (types, keys, ranges, combinations of 
 geometry is possible is checked by the packages `bodies` and `pairing`.
 """
 
+from flankload.scene.accuracy import Accuracy
 from flankload.scene.belt import Belt, Pulley
 from flankload.scene.cam import Cam, Follower
 from flankload.scene.chain import Chain, Sprocket
+from flankload.scene.effects.keys import EffectsAsked as Effects
 from flankload.scene.gear import Gear, Ring, SplineHub, SplineShaft
 from flankload.scene.mesh import ComplianceBody, MeshBody, Profile
-from flankload.scene.pair import Load
-from flankload.scene.reader import read_scene
+from flankload.scene.pair import Load, Positions
+from flankload.scene.reader import SceneLike, read_scene, scene_of
 from flankload.scene.scene import Scene
 from flankload.scene.scene_file import BodySpec
 from flankload.scene.schema import scene_paths, scene_schema
+from flankload.scene.shaft import Shaft
+from flankload.scene.typed_pairs import (
+    BeltAndPulley,
+    CamAndFollower,
+    ChainAndSprocket,
+    GearPair,
+    Spline,
+)
 
 __all__ = [
+    "Accuracy",
     "Belt",
+    "BeltAndPulley",
     "BodySpec",
     "Cam",
+    "CamAndFollower",
     "Chain",
+    "ChainAndSprocket",
     "ComplianceBody",
+    "Effects",
     "Follower",
     "Gear",
+    "GearPair",
     "Load",
     "MeshBody",
+    "Positions",
     "Profile",
     "Pulley",
     "Ring",
     "Scene",
+    "SceneLike",
+    "Shaft",
+    "Spline",
     "SplineHub",
     "SplineShaft",
     "Sprocket",
     "read_scene",
+    "scene_of",
     "scene_paths",
     "scene_schema",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import cos, floor, hypot, radians, sqrt
 
+from flankload.base.arguments import require_number
 from flankload.scene.refusal import refuse
 
 #: Ranges of the formulas, 5.2.1; they shall not be extrapolated.
@@ -94,6 +95,7 @@ def iso_1328(
         "helix_angle_deg": (helix_angle_deg, HELIX_DEG),
     }
     for key, (value, (least, most)) in ranges.items():
+        require_number(key, value)
         if not least <= value <= most:
             refuse(key, f"a number from {least:g} to {most:g}, the range of ISO 1328-1", value)
     d = teeth * module_mm / cos(radians(helix_angle_deg))

@@ -96,19 +96,21 @@ class Pair(Table, frozen=True, kw_only=True):
             refuse("pair.center_distance_mm", "a number from 0.001 to 100000", "nothing")
 
 
+TorqueOrTorques = Annotated[
+    Torque | Torques,
+    about("N m", "torque on body 1, or a list with one result per torque; 0 = motion without load"),
+]
+SlackTension = Annotated[
+    Annotated[float, Meta(gt=0, le=1e9)] | None,
+    about("N", "tension of the slack strand of a chain or a belt"),
+]
+
+
 class Load(Table, frozen=True, kw_only=True):
     """Load on body 1."""
 
-    torque_Nm: Annotated[
-        Torque | Torques,
-        about(
-            "N m", "torque on body 1, or a list with one result per torque; 0 = motion without load"
-        ),
-    ]
-    slack_tension_N: Annotated[
-        Annotated[float, Meta(gt=0, le=1e9)] | None,
-        about("N", "tension of the slack strand of a chain or a belt"),
-    ] = None
+    torque_Nm: TorqueOrTorques
+    slack_tension_N: SlackTension = None
 
     @property
     def torques_Nm(self) -> tuple[float, ...]:

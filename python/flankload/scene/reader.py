@@ -3,14 +3,53 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from flankload.base.arguments import refuse_argument, require
 from flankload.errors import SceneError
 from flankload.scene.scene import Scene
+from flankload.scene.typed_pairs import AsScene
+
+#: What the public functions accept as a scene.
+SceneLike = Scene | AsScene | Mapping[str, Any] | str | PathLike[str]
 
 
-def read_scene(path: str | Path) -> Scene:
+def scene_of(given: object) -> Scene:
+    """Return a scene in one of the forms that the public functions accept.
+
+    Parameters
+    ----------
+    given : Scene, typed pair, path or mapping
+        A scene, a `GearPair` or its like, the path of a scene file, or the keys of a scene as
+        `Scene.from_dict` takes them.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    InputError
+        If the argument is none of these.
+    SceneError
+        As `read_scene` and `Scene.from_dict`.
+    """
+    if isinstance(given, Scene):
+        return given
+    if isinstance(given, AsScene):
+        return given.to_scene()
+    if isinstance(given, str | PathLike):
+        return read_scene(given)
+    if not isinstance(given, Mapping):
+        expected = "a Scene, a GearPair or its like, the path of a scene file, or a dictionary"
+        refuse_argument("scene", given, expected)
+    return Scene.from_dict(given)
+
+
+def read_scene(path: str | PathLike[str]) -> Scene:
     """Read a scene file.
 
     Parameters
@@ -27,6 +66,7 @@ def read_scene(path: str | Path) -> Scene:
     SceneError
         If the file cannot be read, is not valid TOML, or contains an invalid scene.
     """
+    require("path", path, "the path of a scene file", fits=isinstance(path, str | PathLike))
     path = Path(path)
     return Scene.from_dict(read_tables(path, "a scene file"), file=path)
 

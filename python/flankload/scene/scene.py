@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,6 +11,8 @@ from typing import Any
 
 from msgspec.structs import replace
 
+from flankload.base.arguments import require_path
+from flankload.base.card import Card
 from flankload.errors import SceneError
 from flankload.scene.accuracy import Accuracy
 from flankload.scene.axial import three_dimensional_key
@@ -18,6 +20,7 @@ from flankload.scene.belt import Belt
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.form import read_table
 from flankload.scene.pair import Load, Pair, Positions
+from flankload.scene.refusal import shown
 from flankload.scene.scene_file import Body1, Body2, SceneFile
 from flankload.scene.tree import scene_tree, toml_of, with_changes
 
@@ -27,8 +30,8 @@ N_MM_PER_N_M = 1000.0
 NO_PAIR = Pair(face_width_mm=1.0)
 
 
-@dataclass(frozen=True)
-class Scene:
+@dataclass(frozen=True, repr=False)
+class Scene(Card):
     """Two bodies, their relative position, the load on them and the requested options.
 
     Attributes
@@ -125,6 +128,17 @@ class Scene:
     def has_friction(self) -> bool:
         """Whether any friction coefficient of the flanks is not 0."""
         return self.effects.has_friction
+
+    def _card_title(self) -> str:
+        return f"Scene {self.name!r}"
+
+    def _card_lines(self) -> Iterator[tuple[str, str]]:
+        """A line per table."""
+        if self.file is not None:
+            yield "file", str(self.file)
+        for name, table in scene_tree(self, implied=False).items():
+            if isinstance(table, dict):
+                yield name, ", ".join(f"{key} = {shown(value)}" for key, value in table.items())
 
     def check(self) -> None:
         """Check a scene whose keys were changed, with the same rules as for a scene file.
@@ -228,6 +242,7 @@ class Scene:
             At the first key that is unknown, missing, of a wrong type, out of range, or that
             contradicts another one; names file, key, expected and found.
         """
+        require_path("file", file)
         path = Path(file) if file is not None else None
         try:
             asked = read_table(SceneFile, d, "")

@@ -41,6 +41,7 @@ def tree_of(table: Table, named: frozenset[str] = frozenset()) -> Tree:
     tree: Tree = {} if tag is None else {tag: table.__struct_config__.tag}
     for name, field in fields_of(type(table)).items():
         value = getattr(table, name)
+        value = value.tolist() if hasattr(value, "tolist") else value  # an array in a typed table
         is_default = field.default is not NODEFAULT and value == field.default
         if value is not None and (not is_default or name in named):
             tree[name] = _plain(value)

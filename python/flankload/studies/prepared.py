@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.cost import Account
 from flankload.mechanisms import Earlier, Parts, mechanism_of, run_once
 from flankload.mechanisms import prepare as prepare_parts
+from flankload.result import result_of_torques
 from flankload.studies.tolerance import solve_to_tolerance
 
 if TYPE_CHECKING:
@@ -35,9 +36,12 @@ class Prepared:
         if not scene.steers and scene.effects.choose is None:
             prepare_parts(scene, self.parts)
 
+    def __repr__(self) -> str:
+        return f"Prepared\n{self.scene!r}"
+
     def solve(
         self, changes: Mapping[str, Any] | None = None, progress: Progress | None = None
-    ) -> Result | tuple[Result, ...]:
+    ) -> Result:
         """Load distribution of the scene with other values of some keys.
 
         Bodies and compliances are reused if all that they follow from has the same bits; new ones
@@ -55,7 +59,7 @@ class Prepared:
 
         Returns
         -------
-        Result, or a tuple of Results where the scene has a list of torques
+        Result
 
         Raises
         ------
@@ -73,7 +77,7 @@ def solve_scene(
     *,
     plan: Plan | None = None,
     on_duration: Callable[[Duration], None] | None = None,
-) -> Result | tuple[Result, ...]:
+) -> Result:
     """Solve a scene, to its tolerance if it names one.
 
     Parameters
@@ -90,7 +94,8 @@ def solve_scene(
 
     Returns
     -------
-    Result, or a tuple of Results where the scene has a list of torques
+    Result
+        With an axis of torques if the scene has a list of them.
 
     Raises
     ------
@@ -98,15 +103,15 @@ def solve_scene(
         As `flankload.solve`.
     """
     if not scene.steers:
-        return _solve_chosen(scene, {}, progress, parts, (plan, on_duration))
+        found = _solve_chosen(scene, {}, progress, parts, (plan, on_duration))
+        return result_of_torques(found, listed=scene.has_torque_list)
     firsts = iter([(plan, on_duration)])  # they concern the first run
 
-    def solve_once(
-        scene: Scene, kept: Kept, progress: Progress | None
-    ) -> Result | tuple[Result, ...]:
+    def solve_once(scene: Scene, kept: Kept, progress: Progress | None) -> tuple[Result, ...]:
         return _solve_chosen(scene, kept, progress, None, next(firsts, (None, None)))
 
-    return solve_to_tolerance(scene, solve_once, progress)
+    found = solve_to_tolerance(scene, solve_once, progress)
+    return result_of_torques(found, listed=scene.has_torque_list)
 
 
 def _solve_chosen(
@@ -115,7 +120,7 @@ def _solve_chosen(
     progress: Progress | None,
     parts: Parts | None,
     first: tuple[Plan | None, Callable[[Duration], None] | None],
-) -> Result | tuple[Result, ...]:
+) -> tuple[Result, ...]:
     """Solve a scene once; the effects that it leaves to the plan are chosen before."""
     plan, on_duration = first
     stages: dict[str, Account] = {}

@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.arguments import require
+from flankload.base.card import Card
 from flankload.base.text_table import text_table
 from flankload.contact.sweep import known_contacts
 from flankload.errors import InputError, SceneError
@@ -47,9 +49,9 @@ ANGLE_STEP, RELATIVE_STEP = 1e-6, 1e-5
 STEPS_OF_LENGTH = {"mm": LENGTH_STEP, "um": 1e3 * DEVIATION_STEP, "um/mm": 1e3 * SLOPE_STEP}
 #: Tables whose keys set the discretization, not the drive.
 NOT_PHYSICAL = ("accuracy", "positions")
-#: Weights of the values at 0, 1 and 2 steps for a derivative to one side, and at -1, 0 and 1 for
-#: one in the middle.
-TO_ONE_SIDE, CENTRAL = (-1.5, 2.0, -0.5), (-0.5, 0.0, 0.5)
+#: Weights of the values at 0, 1 and 2 steps for a derivative to one side, at 0 and 1 for one of
+#: first order, and at -1, 0 and 1 for one in the middle.
+TO_ONE_SIDE, FIRST_ORDER, CENTRAL = (-1.5, 2.0, -0.5), (-1.0, 1.0, 0.0), (-0.5, 0.0, 0.5)
 
 
 @dataclass(frozen=True)
@@ -61,8 +63,8 @@ class _Stencil:
     results: tuple[tuple[Result, ...], ...]
 
 
-@dataclass(frozen=True, eq=False)
-class Sensitivity:
+@dataclass(frozen=True, eq=False, repr=False)
+class Sensitivity(Card):
     """Derivatives of all results of a scene; from `sensitivity`.
 
     Attributes
@@ -128,7 +130,7 @@ class Sensitivity:
                 self._combined(weights, stencil, quantity)
                 for weights in ((-1.0, 1.0, 0.0), (0.0, -1.0, 1.0))
             )
-            if stencil.weights == TO_ONE_SIDE:
+            if stencil.weights != CENTRAL:
                 nothing = np.full_like(first, np.nan)
                 first, last = (nothing, first) if stencil.step > 0 else (first, nothing)
             below.append(first)
@@ -183,7 +185,9 @@ class Sensitivity:
         return np.stack(per_torque)
 
 
-def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) -> Sensitivity:
+def sensitivity(
+    scene: Scene, paths: Sequence[str], parts: Parts | None = None, *, first_order: bool = False
+) -> Sensitivity:
     """Derivatives of all results of a scene with respect to some of its keys.
 
     Parameters
@@ -195,6 +199,9 @@ def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) 
         differentiated by elements that are solved anew.
     parts : Parts, optional
         Bodies and compliances of similar scenes.
+    first_order : bool
+        Whether states that must be solved completely are solved on one side only, which halves
+        their number: the error of a derivative is then the step, 1e-4, instead of its square.
 
     Returns
     -------
@@ -205,8 +212,9 @@ def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) 
     SceneError
         If a path leads to no number, or the scene is impossible on both sides of its value.
     """
-    if isinstance(paths, str) or not all(isinstance(path, str) for path in paths) or not paths:
-        raise InputError(f"paths: expected a sequence of paths, found {paths!r}")
+    fits = isinstance(paths, Sequence) and not isinstance(paths, str) and bool(paths)
+    fits = fits and all(isinstance(path, str) for path in paths)
+    require("paths", paths, "a sequence of paths", fits=fits)
     try:
         _require_steady(scene)
         steps = [_step_of(scene, path) for path in paths]
@@ -221,15 +229,17 @@ def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) 
 
     def continued(changes: dict[str, float]) -> tuple[Result, ...]:
         earlier = Earlier(parts=parts, similar=states[0])
-        results = run_once(plain.replace(changes), on_states=states.append, earlier=earlier)
-        return _all_of(results)
+        return run_once(plain.replace(changes), on_states=states.append, earlier=earlier)
 
     # complete states beside the scene differ from its own; continued ones from continued ones
     known = known_contacts(states[0].found)
     complete = known is None or not known.count.any()
-    middle = _all_of(results) if complete else continued({})
+    middle = results if complete else continued({})
     stencils = tuple(
-        _stencil(path, number_at(scene, path), step, middle, continued)
+        _stencil(
+            *(path, number_at(scene, path), step, middle, continued),
+            first_order=first_order and complete,
+        )
         for path, step in zip(paths, steps, strict=True)
     )
     anew = [np.isfinite(part.certificate[:, 0]) for beside in states[1:] for part in beside.found]
@@ -239,12 +249,7 @@ def sensitivity(scene: Scene, paths: Sequence[str], parts: Parts | None = None) 
         "continued_states": sum(int((~part).sum()) for part in anew),
         "solved_states": sum(int(part.sum()) for part in anew),
     }
-    return Sensitivity(scene, tuple(paths), _all_of(results), cost, stencils)
-
-
-def _all_of(results: Result | tuple[Result, ...]) -> tuple[Result, ...]:
-    """Results as a tuple."""
-    return results if isinstance(results, tuple) else (results,)
+    return Sensitivity(scene, tuple(paths), results, cost, stencils)
 
 
 def _require_steady(scene: Scene) -> None:
@@ -278,15 +283,19 @@ def _stencil(
     step: float,
     middle: tuple[Result, ...],
     continued: Callable[[dict[str, float]], tuple[Result, ...]],
+    *,
+    first_order: bool,
 ) -> _Stencil:
-    """Results on both sides of a value, or on one side at the end of its range."""
+    """Results on both sides of a value, or on one side: at the end of its range, to first order."""
     sides: dict[int, tuple[Result, ...]] = {}
     refused: SceneError | None = None
-    for sense in (-1, 1):
+    for sense in (1, -1):
         try:
             sides[sense] = continued({path: value + sense * step})
         except SceneError as error:
             refused = error
+        if first_order and sense in sides:
+            return _Stencil(sense * step, FIRST_ORDER, (middle, sides[sense], sides[sense]))
     if refused is None:
         return _Stencil(step, CENTRAL, (sides[-1], middle, sides[1]))
     if not sides:

@@ -57,9 +57,7 @@ POSITIONS_AIM, FINEST_DOUBT = 0.4, 1e-5
 class Run(Protocol):
     """A run of a scene with the signature of `run_once`."""
 
-    def __call__(
-        self, scene: Scene, kept: Kept, progress: Progress | None
-    ) -> Result | tuple[Result, ...]:
+    def __call__(self, scene: Scene, kept: Kept, progress: Progress | None) -> tuple[Result, ...]:
         """Results of a scene; newly solved compliances are stored in `kept`."""
 
 
@@ -118,7 +116,7 @@ def _at(scene: Scene, discretization: NamedDiscretization) -> Scene:
 
 def solve_to_tolerance(
     scene: Scene, run: Run, progress: Progress | None = None
-) -> Result | tuple[Result, ...]:
+) -> tuple[Result, ...]:
     """Results of a scene whose discretization meets its tolerance as far as possible.
 
     Parameters
@@ -132,8 +130,8 @@ def solve_to_tolerance(
 
     Returns
     -------
-    Result, or a tuple of Results
-        With `accuracy`.
+    tuple of Result
+        One per torque, with `accuracy`.
     """
     with Account() as control:
         parameters = parameters_of(scene)
@@ -143,7 +141,7 @@ def solve_to_tolerance(
     while True:
         at = _at(scene, choice.discretization(parameters))
         found = run(at, kept, tell.part(len(attempts)))
-        attempts.append(Attempt.of(choice, found if isinstance(found, tuple) else (found,)))
+        attempts.append(Attempt.of(choice, found))
         with control:
             finer = choose_discretization(parameters, attempts, scene.accuracy.tolerance)
         if finer is None:
@@ -158,7 +156,7 @@ def solve_to_tolerance(
         for result in attempts[-1].results
     )
     tell.finish()
-    return results if scene.has_torque_list else results[0]
+    return results
 
 
 def choose_discretization(

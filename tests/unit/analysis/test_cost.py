@@ -40,8 +40,7 @@ PATHS = sorted(SCENES.glob("*.toml"))
 
 def fresh(**changes: Any) -> fl.Result:
     """Solve anew; of a list of torques the first one."""
-    found = fl.solve(fl.Scene.from_dict(changed(**changes)))
-    return found if isinstance(found, fl.Result) else found[0]
+    return fl.solve(fl.Scene.from_dict(changed(**changes))).by_torque[0]
 
 
 KNOWN: dict[str, fl.Result] = {}
@@ -167,7 +166,7 @@ def test_tangent_and_estimate_have_accounts_of_their_own() -> None:
 
 def test_torques_of_a_list_share_the_run_and_tell_their_own_part() -> None:
     scene = fl.Scene.from_dict(changed(load__torque_Nm=[0, 100, 302], **FEW))
-    nothing, light, full = (result.cost for result in fl.solve(scene))
+    nothing, light, full = (result.cost for result in fl.solve(scene).by_torque)
     assert nothing["stages"] == light["stages"] == full["stages"]
     assert nothing["stages"]["sweep"]["counters"]["states"] == 12
     assert nothing["stages"]["tangent"]["counters"]["states"] == 16

@@ -58,6 +58,31 @@ def raised() -> dict[str, errors.FlankloadError]:
     }
 
 
+def tables() -> dict[str, Any]:
+    """One of each table of a scene, and of the pairs made of them."""
+    scenes = [fl.read_scene(path) for path in sorted(SCENES.glob("*.toml"))]
+    bodies = [body for scene in scenes for body in (scene.body_1, scene.body_2)]
+    found: dict[str, Any] = {type(body).__name__: body for body in bodies}
+    pairs: dict[Any, tuple[str, str, dict[str, Any]]] = {
+        fl.GearPair: ("Gear", "Ring", {"face_width_mm": 14}),
+        fl.Spline: ("SplineShaft", "SplineHub", {"face_width_mm": 14}),
+        fl.CamAndFollower: ("Follower", "Cam", {"face_width_mm": 14}),
+        fl.ChainAndSprocket: ("Sprocket", "Chain", {}),
+        fl.BeltAndPulley: ("Pulley", "Belt", {}),
+    }
+    for kind, (one, two, keys) in pairs.items():
+        found[kind.__name__] = kind(found[one], found[two], torque_Nm=10, **keys)
+    profiles = (getattr(body, "profile", None) for body in bodies)
+    return {
+        **found,
+        "Accuracy": scenes[0].accuracy,
+        "Effects": scenes[0].effects,
+        "Positions": scenes[0].positions,
+        "Profile": next(one for one in profiles if isinstance(one, fl.Profile)),
+        "Shaft": fl.Shaft(diameters_mm=(30.0,), lengths_mm=(100.0,)),
+    }
+
+
 @pytest.fixture(scope="module")
 def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """One of each public class."""
@@ -70,6 +95,7 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     wheels = fl.Scene.from_dict(tree)
     return {
         **raised(),
+        **tables(),
         "ContactState": held(),
         "DesignStudy": fl.study(scene, {"load.torque_Nm": [100, 302]}),
         "FlankTolerances": fl.iso_1328(7, teeth=24, module_mm=4.5, face_width_mm=14),

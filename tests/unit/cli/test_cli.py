@@ -17,7 +17,7 @@ import pytest
 
 from flankload.cli import main
 from flankload.errors import NoContactState, SceneError
-from flankload.result import results_to_text, stiffness_table
+from flankload.result import TorqueSeries
 from tests.support.made_up_result import made_up_result
 from tests.support.paths import DOCS
 from tests.support.small_job import SCENE
@@ -253,9 +253,9 @@ def test_costs_follow_the_tables_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(importlib.import_module("flankload.studies.plan"), "plan", lambda _: None)
-    solved[0] = (made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0))
-    cost = solved[0][0].cost_table()
-    expected = "\n\n".join([results_to_text(solved[0]), cost]) + "\n"
+    solved[0] = TorqueSeries([made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)])
+    cost = solved[0].cost_table()
+    expected = "\n\n".join([solved[0].table(), cost]) + "\n"
     assert run(capsys, "run", scene, "--cost") == (0, expected, "")
     assert run(capsys, "run", scene, "--cost", "--quiet") == (0, cost + "\n", "")
     assert "0.120  0.100" in cost
@@ -267,8 +267,8 @@ def test_costs_follow_the_tables_once(
 def test_stiffness_of_all_torques_goes_to_one_file(
     scene: Path, tmp_path: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    solved[0] = (made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0))
-    expected = stiffness_table(solved[0]).to_csv()
+    solved[0] = TorqueSeries([made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)])
+    expected = solved[0].stiffness_table().to_csv()
     path = tmp_path / "stiffness.csv"
     assert run(capsys, "run", scene, "--stiffness-csv", path, "--quiet") == (0, "", "")
     assert path.read_text(encoding="utf-8") == expected
@@ -285,7 +285,7 @@ def test_dash_sends_only_the_data_to_stdout(
 def test_list_of_torques_gives_a_list_of_everything(
     scene: Path, tmp_path: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    solved[0] = (made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0))
+    solved[0] = TorqueSeries([made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)])
     code, out, _ = run(
         capsys, "run", scene, "--json", tmp_path / "a.json", "--plot", tmp_path / "out"
     )

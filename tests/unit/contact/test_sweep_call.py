@@ -6,12 +6,14 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import flankload as fl
 from flankload import _core
+from flankload.contact import core_call as core_room
 from flankload.contact import sweep as sweep_room
 from flankload.contact.interruptible import call_and_watch
 from flankload.contact.pair_table import COLUMNS
@@ -183,3 +185,22 @@ def test_every_status_of_a_position_has_an_exception_and_words() -> None:
             )
         assert (IN_A_SCENE.get(code) or words(code)) in str(caught.value)
     assert words(-18) == "the half-widths of the lumped contacts do not settle"
+
+
+def test_a_short_call_needs_no_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[object] = []
+
+    def counted(call: Any, *arguments: Any, **options: Any) -> Any:
+        calls.append(call)
+        return call_and_watch(call, *arguments, **options)
+
+    monkeypatch.setattr(core_room, "call_and_watch", counted)
+    done: list[tuple[int, int]] = []
+    run([TORQUES[0]], count=4, level="lumped", progress=lambda *now: done.append(now))
+    assert (calls, done) == ([], [(4, 4)])
+    monkeypatch.setattr(core_room, "SHORT_CALL", 3)
+    run([TORQUES[0]], count=4, level="lumped")
+    monkeypatch.undo()
+    monkeypatch.setattr(core_room, "call_and_watch", counted)
+    run([TORQUES[0]], count=4)
+    assert len(calls) == 2

@@ -237,8 +237,7 @@ def test_of_pairs_that_name_the_same_tooth_one_that_carries_is_quoted() -> None:
 
 def test_stress_is_linear_in_the_torque_where_the_contact_stays_one_pair() -> None:
     results = fl.solve(scene_of(load={"torque_Nm": [0.0, 30.0, 60.0]}, positions={"count": 1}))
-    assert isinstance(results, tuple)
-    zero, one, two = (result.root_stress[0].stress_MPa[0] for result in results)
+    zero, one, two = (stress[0].stress_MPa[0] for stress in results.root_stress)
     assert not zero.any()
     assert two.max() == pytest.approx(2 * one.max(), rel=1e-3)
 

@@ -326,7 +326,7 @@ def run_of(changes: dict[str, Any]) -> Run:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(_core, "flankload_sweep", watched)
         found = fl.solve(scene)
-    RUNS[name] = Run(scene, found if isinstance(found, fl.Result) else found[-1], calls)
+    RUNS[name] = Run(scene, found.by_torque[-1], calls)
     return RUNS[name]
 
 

@@ -210,8 +210,7 @@ def test_stiffness_is_the_growth_of_the_rotation() -> None:
 
 def test_torques_share_the_elements_and_one_may_be_none() -> None:
     found = fl.solve(fl.Scene.from_dict(tables(**{**SMALL, "load": {"torque_Nm": [0, 10]}})))
-    assert isinstance(found, tuple)
-    free, loaded = found
+    free, loaded = found.by_torque
     assert free.site_force_N.max() == 0.0
     np.testing.assert_allclose(drive_of(free).tight_tension_N, 320.0, rtol=SOLVER, atol=0.0)
     assert loaded.rotation_rad[0] > free.rotation_rad[0]
@@ -492,8 +491,7 @@ def test_run_draws_and_check_describes(tmp_path: Path, capsys: pytest.CaptureFix
 
 def test_costs_are_a_table_without_a_plan() -> None:
     found = fl.solve(fl.Scene.from_dict(tables(**{**SMALL, "load": {"torque_Nm": [5, 10]}})))
-    assert isinstance(found, tuple)
-    lines = [line.split() for line in found[0].cost_table().splitlines()]
+    lines = [line.split() for line in found.cost_table().splitlines()]
     assert ["states", "2", "2"] in lines
     assert ["fe", "factorisations", "3", "3"] in lines
 
@@ -546,8 +544,7 @@ def test_work_is_counted_before_it_is_done(changes: dict[str, Any]) -> None:
         table: {**SMALL.get(table, {}), **changes.get(table, {})} for table in {**SMALL, **changes}
     }
     found = fl.solve(fl.Scene.from_dict(tables(**merged)))
-    result = found[0] if isinstance(found, tuple) else found
-    stages = result.cost["stages"]
+    stages = found.cost["stages"]
     assert stages.pop("result")["counters"] == {}
     for stage in stages.values():
         spent = {name: n for name, n in stage["counters"].items() if name != "pivots"}

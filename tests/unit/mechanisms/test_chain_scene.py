@@ -169,8 +169,7 @@ def test_several_torques_and_a_loose_sprocket() -> None:
             tables(load={"torque_Nm": [0, 40]}, positions={"count": 2}),
         )
     )
-    assert isinstance(found, tuple)
-    free, loaded = found
+    free, loaded = found.by_torque
     assert free.drive is not None
     assert loaded.drive is not None
     np.testing.assert_allclose(free.drive.tight_tension_N, 100.0, rtol=0.03, atol=0.0)

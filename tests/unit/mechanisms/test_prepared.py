@@ -107,10 +107,9 @@ def base(name: str) -> fl.Scene:
     return fl.read_scene(SCENES / f"{name}.toml").replace(QUICK | BASES[name])
 
 
-def bits(result: fl.Result | tuple[fl.Result, ...]) -> list[bytes]:
+def bits(result: fl.Result) -> list[bytes]:
     """Digests of results without their cost."""
-    results = result if isinstance(result, tuple) else (result,)
-    return [digest_of(without_cost(part)) for part in results]
+    return [digest_of(without_cost(part)) for part in result.by_torque]
 
 
 def without_cost(result: fl.Result) -> fl.Result:
@@ -122,10 +121,9 @@ def without_cost(result: fl.Result) -> fl.Result:
     return replace(result, cost={}, geometry=geometry)
 
 
-def elements(result: fl.Result | tuple[fl.Result, ...]) -> list[str]:
+def elements(result: fl.Result) -> list[str]:
     """Bodies whose elements were solved."""
-    first = result[0] if isinstance(result, tuple) else result
-    return [name[-6:] for name in first.cost["stages"] if name.startswith("compliance")]
+    return [name[-6:] for name in result.cost["stages"] if name.startswith("compliance")]
 
 
 def outcome(run: Any) -> Any:

@@ -30,8 +30,7 @@ def scene_of(**changes: dict[str, Any]) -> fl.Scene:
 
 
 def first_of(scene: fl.Scene, plan: fl.Plan | None = None) -> fl.Result:
-    found = fl.solve(scene, plan=plan)
-    return found[0] if isinstance(found, tuple) else found
+    return fl.solve(scene, plan=plan).by_torque[0]
 
 
 def test_rows_are_those_that_a_belt_knows() -> None:

@@ -29,6 +29,7 @@ from flankload.studies.design import run as run_module
 from flankload.studies.design import run_designs as runs_module
 from flankload.studies.variables import variables_of
 from tests.support.design_scene import TEXT, design_scene
+from tests.support.made_up_result import made_up_result
 
 TORQUE, SHIFT = "load.torque_Nm", "body_1.profile_shift"
 RANGE = {"distribution": "uniform", "lower": 100, "upper": 300}
@@ -529,3 +530,15 @@ def test_values_may_be_words_lists_and_tables() -> None:
     found = np.isfinite(data["transmission_error_um"].values).sum(axis=(3, 4))
     assert found.tolist() == [[[1, 2], [1, 2]], [[3, 6], [3, 6]]]
     assert np.isfinite(data["position_rad"].values[1, 0, 1]).all()
+
+
+def test_a_curve_is_computed_only_if_it_is_wanted(monkeypatch: pytest.MonkeyPatch) -> None:
+    def computed(_: fl.Result) -> None:
+        pytest.fail("nobody wants this curve")
+
+    monkeypatch.setattr(fl.Result, "coast_flank_gap_um", property(computed))
+    result = made_up_result(count=4)
+    names = ("transmission_error_um", "peak_pressure_MPa")
+    found = run_module.row_of(result, names, whole=False)["quantities"]
+    assert found["transmission_error_um"] == result.transmission_error_um.tolist()
+    assert found["position_rad"] == result.position_rad.tolist()

@@ -440,7 +440,7 @@ def test_a_section_is_as_wide_as_both_bodies() -> None:
 def test_slices_unknowns_and_states_are_counted_before_the_run(scene: fl.Scene) -> None:
     scene = replace(scene, positions=type(scene.positions)(count=2))
     plan, found = fl.plan(scene), fl.solve(scene)
-    cost = (found[0] if isinstance(found, tuple) else found).cost
+    cost = found.cost
     names = (*EXACT, "fe_unknowns", "slices", "states")
     counters = {name: plan.predicted["counters"][name] for name in names}
     assert counters == {name: cost[name] for name in names}
@@ -578,7 +578,7 @@ def test_an_impossible_scene_is_refused_like_a_run() -> None:
 def test_elements_are_counted_before_the_run_as_by_it(scene: fl.Scene) -> None:
     scene = replace(scene, positions=type(scene.positions)(count=2))
     plan, found = fl.plan(scene), fl.solve(scene)
-    cost = (found[0] if isinstance(found, tuple) else found).cost
+    cost = found.cost
     assert {name: plan.predicted["counters"][name] for name in EXACT} == {
         name: cost[name] for name in EXACT
     }

@@ -11,6 +11,7 @@ import flankload as fl
 from flankload.errors import InputError, SceneError
 from flankload.scene import Scene, read_scene
 from flankload.scene.tree import number_at
+from flankload.studies.sensitivity import sensitivity
 from tests.support.paths import SCENES
 
 #: Second differences that do not grow with the square of the step are kinks: a pair of flanks comes
@@ -116,6 +117,30 @@ def test_no_contact_problem_is_solved_for_derivatives_on_cells() -> None:
     scene, paths = scene_of("cells")
     found = fl.sensitivity(scene, paths)
     assert found.cost["solved_states"] == 0
+    assert found.cost["continued_states"] == (2 * len(paths) + 1) * 6
+
+
+@pytest.mark.parametrize("value", [20.0, 0.0])
+def test_states_that_must_be_solved_need_one_side_for_first_order(value: float) -> None:
+    """At 0, the end of a range, and within it."""
+    scene, paths = scene_of("lumped")
+    scene = scene.replace({"body_1.tip_relief_um": value})
+    central, first = (
+        sensitivity(scene, paths, first_order=first_order) for first_order in (False, True)
+    )
+    assert (central.cost["solved_states"], first.cost["solved_states"]) == (12, 6)
+    expected = central.derivative("rotation_rad")
+    np.testing.assert_allclose(
+        first.derivative("rotation_rad"), expected, rtol=0, atol=1e-3 * np.abs(expected).max()
+    )
+    below, above = first.to_each_side("rotation_rad")
+    assert np.isnan(below).all()
+    np.testing.assert_array_equal(above, first.derivative("rotation_rad"))
+
+
+def test_first_order_is_not_used_for_states_that_are_continued() -> None:
+    scene, paths = scene_of("cells")
+    found = sensitivity(scene, paths, first_order=True)
     assert found.cost["continued_states"] == (2 * len(paths) + 1) * 6
 
 

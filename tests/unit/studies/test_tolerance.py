@@ -197,8 +197,7 @@ def test_positions_follow_the_tolerance_where_none_are_named() -> None:
 def test_several_torques_share_their_discretization() -> None:
     tree = small(tolerance=0.1, flank_element_mm=2.0)
     tree["load"]["torque_Nm"] = [0.0, 30.0, 300.0]
-    results = fl.solve(fl.Scene.from_dict(tree))
-    assert isinstance(results, tuple)
+    results = fl.solve(fl.Scene.from_dict(tree)).by_torque
     assert len({json.dumps(said(result)) for result in results}) == 1
     errors = [result.estimate["load_share"] for result in results if result.estimate is not None]
     assert said(results[0])["errors"]["load_share"] == max(errors)

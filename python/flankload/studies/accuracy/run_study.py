@@ -8,7 +8,9 @@ from pathlib import Path
 from time import process_time
 from typing import TYPE_CHECKING
 
+from flankload.base.arguments import require_names, require_number, require_path
 from flankload.errors import SceneError
+from flankload.scene import scene_of
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.accuracy.combinations import search
 from flankload.studies.accuracy.notes import corner_notes, failure_notes, file_notes, limit_notes
@@ -28,7 +30,7 @@ from flankload.studies.plan import choose_effects
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from flankload.scene import Scene
+    from flankload.scene import Scene, SceneLike
 
     Progress = Callable[[str, int, int], None]
 
@@ -43,7 +45,7 @@ class OutOfBudgetError(Exception):
 
 
 def accuracy(
-    scene: Scene,
+    scene: SceneLike,
     quantities: Sequence[str] = ("transmission_error", "peak_pressure"),
     budget_s: float = 60.0,
     *,
@@ -60,7 +62,8 @@ def accuracy(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or mapping
+        As of `solve`.
     quantities : sequence of str
         A subset of "transmission_error" (at each position, mean, peak to peak), "load_share",
         "peak_pressure" (off sharp corners) and "stiffness".
@@ -82,6 +85,10 @@ def accuracy(
         If the scene is impossible or has no torque, or an argument is wrong;
         `PremiseError` if it violates a premise of the model.
     """
+    scene = scene_of(scene)
+    require_names("quantities", quantities)
+    require_number("budget_s", budget_s)
+    require_path("resume", resume)
     _check(scene, quantities, budget_s)
     scene, _ = choose_effects(scene)
     run_study = _StudyRuns(

@@ -177,8 +177,7 @@ def _measured(
     discretization: NamedDiscretization, scene: Scene, kept: Kept, progress: Progress | None
 ) -> Run:
     results = run_once(scene, kept, progress)
-    several = results if isinstance(results, tuple) else (results,)
-    cost = several[0].cost
+    cost = results[0].cost
     stages = {name: stage["cpu_s"] for name, stage in cost["stages"].items()}
     largest = max(stage["workspace_bytes"] for stage in cost["stages"].values())
     return Run(
@@ -187,7 +186,7 @@ def _measured(
         memory_bytes=int(cost["bytes"] + largest),
         values=quantities_of(results),
         stages=stages,
-        outside=tuple(sorted({name for result in several for name in result.outside_limits})),
+        outside=tuple(sorted({name for result in results for name in result.outside_limits})),
     )
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from flankload.base.card import Card
 from flankload.base.files import write_atomically
 from flankload.studies.accuracy.quantities import HEADS, MEANINGS
 from flankload.studies.accuracy.reference import twin
@@ -57,8 +58,8 @@ class Row:
         return max(errors, default=None)
 
 
-@dataclass(frozen=True, eq=False)
-class Study:
+@dataclass(frozen=True, eq=False, repr=False)
+class Study(Card):
     """Errors and costs of the discretizations of a scene.
 
     Attributes

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.card import Card
 from flankload.base.files import write_atomically
 from flankload.base.text_table import text_table
 from flankload.result.export import ALONG_POSITIONS
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
     from flankload.studies.design.run_designs import Row
 
 
-@dataclass(frozen=True, eq=False)
-class DesignStudy:
+@dataclass(frozen=True, eq=False, repr=False)
+class DesignStudy(Card):
     """Results of many designs of one scene; from `study`.
 
     Attributes

@@ -107,8 +107,7 @@ def run_task(task: Task, stopped: Event | None = None) -> Outcome:
         watch()
         with one_blas_thread():  # its number of threads changes bits, and workers share processors
             found = solve_scene(task.scene, watch, _parts_of(task.study))
-        results = found if isinstance(found, tuple) else (found,)
-        rows = tuple(row_of(result, task.names, whole=task.whole) for result in results)
+        rows = tuple(row_of(one, task.names, whole=task.whole) for one in found.by_torque)
     except StoppedError:
         raise
     except FlankloadError as error:
@@ -158,9 +157,11 @@ def row_of(result: Result, names: tuple[str, ...], *, whole: bool = True) -> dic
     curves = _curves(result)
     known = result.key_figures.keys() | curves.keys()
     quantities = _flat(result.summary if whole or set(names) - known else result.key_figures)
-    if any(name in curves for name in names):
-        names = ("position_rad", *names)
-    quantities |= {name: _plain(curves[name]) for name in names if name in curves}
+    found = {name: getattr(*curves[name]) for name in names if name in curves}
+    found = {name: values for name, values in found.items() if values is not None}
+    if found:
+        found["position_rad"] = result.position_rad
+    quantities |= {name: _plain(values) for name, values in found.items()}
     errors = {
         name: value
         for name, value in (result.estimate or {}).items()
@@ -169,14 +170,14 @@ def row_of(result: Result, names: tuple[str, ...], *, whole: bool = True) -> dic
     return {"torque_Nm": result.torque_Nm, "quantities": quantities, "estimate": errors}
 
 
-def _curves(result: Result) -> dict[str, Any]:
-    """Arrays over the positions."""
-    found = {name: getattr(result, name) for name in along_positions(result)}
+def _curves(result: Result) -> dict[str, tuple[Any, str]]:
+    """Arrays over the positions: an object and the name of its attribute, read when wanted."""
+    found: dict[str, tuple[Any, str]] = {name: (result, name) for name in along_positions(result)}
     if result.friction is not None:
-        found |= {f"friction_{name}": getattr(result.friction, name) for name in FRICTION}
+        found |= {f"friction_{name}": (result.friction, name) for name in FRICTION}
     if result.drive is not None:
-        found |= {name: getattr(result.drive, name) for name in result.drive.along}
-    return {name: values for name, values in found.items() if values is not None}
+        found |= {name: (result.drive, name) for name in result.drive.along}
+    return found
 
 
 def _flat(tree: Mapping[str, Any], before: str = "") -> dict[str, Any]:

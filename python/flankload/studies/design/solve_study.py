@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flankload.base.arguments import require, require_path
 from flankload.errors import SceneError
+from flankload.scene import scene_of
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.tree import number_at
 from flankload.studies.design.design_study import DesignStudy
@@ -19,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from concurrent.futures import Executor
 
-    from flankload.scene import Scene
+    from flankload.scene import Scene, SceneLike
     from flankload.studies.design.run_designs import Progress
 
 #: Quantities of a study that names none.
@@ -33,7 +36,7 @@ QUANTITIES = (
 
 
 def study(
-    scene: Scene,
+    scene: SceneLike,
     variables: Mapping[str, Any],
     design: str = "factorial",
     *,
@@ -47,7 +50,8 @@ def study(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or mapping
+        As of `solve`.
     variables : mapping
         By path of a key as in `Scene.replace` (several paths, separated by commas, have the same
         value): a list of values, or a distribution: {"distribution": "normal", "mean": 0,
@@ -87,6 +91,10 @@ def study(
     KeyboardInterrupt
         After Ctrl-C; finished runs are in the store.
     """
+    scene = scene_of(scene)
+    require_path("store", store)
+    able = executor is None or hasattr(executor, "submit")
+    require("executor", executor, "an Executor", fits=able)
     designs = Designs(variables_of(variables), design, n, seed)
     return run_study(scene, designs, quantities, store, executor)
 
@@ -121,7 +129,7 @@ def run_study(
     designs.check()
     designs = designs.in_scene(scene)
     check_first(scene, designs)
-    if isinstance(quantities, str) or not quantities:
+    if isinstance(quantities, str) or not isinstance(quantities, Iterable) or not quantities:
         refuse("quantities", "a non-empty list of names", shown(quantities))
     names = tuple(dict.fromkeys(quantities))
     with closing(Store(None if store is None else Path(store))) as opened:

@@ -118,7 +118,9 @@ class Evaluator:
         """
         values = self.values_of(x)
         changes = changes_of(self.variables, values)
-        found = sensitivity(self.scene.replace(changes), tuple(changes), self.parts)
+        found = sensitivity(
+            self.scene.replace(changes), tuple(changes), self.parts, first_order=True
+        )
         n = len(found.results)
         if not self.figures:
             self.figures = tuple(self._figures_of(found.results[0]))
@@ -135,8 +137,7 @@ class Evaluator:
 
     def results_of(self, scene: Scene) -> tuple[Result, ...]:
         """Results of a similar scene at its own settings, one per torque."""
-        found = solve_scene(scene, None, self.parts)
-        return found if isinstance(found, tuple) else (found,)
+        return solve_scene(scene, None, self.parts).by_torque
 
     def objective_of(self, results: Sequence[Result]) -> float:
         """Objective of results, as their summaries have it."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.errors import SceneError
+from flankload.scene import scene_of
 from flankload.scene.form import read_table
 from flankload.studies.optimisation.evaluation import Evaluator
 from flankload.studies.optimisation.optimum import Limit, OptimisedVariable, Optimum
@@ -33,13 +34,13 @@ if TYPE_CHECKING:
 
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
-    from flankload.scene import Scene
+    from flankload.scene import Scene, SceneLike
     from flankload.studies.optimisation.model import Floats, Point
     from flankload.studies.optimisation.problem import Variable
 
 
 def optimise(
-    scene: Scene,
+    scene: SceneLike,
     variables: Sequence[Mapping[str, Any]],
     objective: str | Mapping[str, Any],
     constraints: Sequence[Mapping[str, Any]] = (),
@@ -51,7 +52,8 @@ def optimise(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or mapping
+        As of `solve`.
     variables : sequence of mappings
         Each with `paths` (one or several, as of `Scene.replace`) and their `factors`, `lower`,
         `upper`, `start` (default: the value of the scene) and `step` (the value ends as a multiple
@@ -85,7 +87,7 @@ def optimise(
     >>> relief = {"paths": "body_1.tip_relief_um", "lower": 0, "upper": 80, "step": 1}
     >>> fl.optimise(scene, [relief], "transmission_error_peak_to_peak_um")
     """
-    asked = read_table(Options, options, "")
+    scene, asked = scene_of(scene), read_table(Options, options, "")
     of_scene = variables_of(variables)
     table = {"quantity": objective} if isinstance(objective, str) else objective
     goal = read_table(Objective, table, "objective")

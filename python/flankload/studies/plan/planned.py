@@ -6,6 +6,7 @@ import json
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+from flankload.base.card import Card
 from flankload.studies.plan.text import plan_text
 
 if TYPE_CHECKING:
@@ -102,8 +103,8 @@ class Chosen:
         return f"{self.key} {'kept' if self.on else 'omitted'} ({self.why})"
 
 
-@dataclass(frozen=True)
-class Plan:
+@dataclass(frozen=True, repr=False)
+class Plan(Card):
     """Plan of a run of a scene.
 
     Attributes

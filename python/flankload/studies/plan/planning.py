@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from flankload.cost import totals
 from flankload.errors import FlankloadError
 from flankload.mechanisms import mechanism_of
+from flankload.scene import scene_of
 from flankload.scene.effects import EFFECTS, switches_of
 from flankload.studies.plan.planned import ADAPTIVE_WITHIN, IMPOSSIBLE, WITHIN, Plan, PlannedEffect
 from flankload.studies.plan.significance import is_significant
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.mechanisms.effect_size import Size
     from flankload.mechanisms.screening import Screening
-    from flankload.scene import Scene
+    from flankload.scene import Scene, SceneLike
     from flankload.studies.plan.planned import Chosen
 
 
@@ -34,7 +35,7 @@ class Measured:
     unknown: str | None = None
 
 
-def plan(scene: Scene, *, levels: bool = False, dimension: bool = False) -> Plan:
+def plan(scene: SceneLike, *, levels: bool = False, dimension: bool = False) -> Plan:
     """Plan a run of a scene: its effects, their cost and their size.
 
     Sizes come from a screening: the scene on a coarse discretization, once with its effects and
@@ -43,7 +44,8 @@ def plan(scene: Scene, *, levels: bool = False, dimension: bool = False) -> Plan
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or mapping
+        As of `solve`.
     levels : bool
         Whether to include size and cost of contact models that are off. Without them the plan takes
         less than half the time of the run that it predicts.
@@ -64,7 +66,7 @@ def plan(scene: Scene, *, levels: bool = False, dimension: bool = False) -> Plan
     """
     from flankload.studies.plan.choice import asks_for_choice, chosen_scene, without_choice
 
-    start = process_time()
+    start, scene = process_time(), scene_of(scene)
     picked = {"keys": first_discretization(scene).tables()} if scene.steers else None
     plain = without_choice(first_scene(scene))
     screening = mechanism_of(plain).screening(

@@ -100,8 +100,7 @@ def first_order(
         As `sensitivity`; if a quantity is unknown or no number.
     """
     base = scene.replace({k: v for one in variables for k, v in one.changes(_mean(one)).items()})
-    begin = solve_scene(base, None, parts)
-    results = begin if isinstance(begin, tuple) else (begin,)
+    results = solve_scene(base, None, parts).by_torque
     shapes = [value.shape for value in _values(results[0], names)]
     sites = {int(site) for result in results for site in result.sites}
     loads = [_loads(one, sites) for one in variables]

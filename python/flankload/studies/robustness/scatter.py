@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.card import Card
 from flankload.base.text_table import text_table
 from flankload.errors import FlankloadError
 from flankload.mechanisms import Parts
+from flankload.scene import scene_of
 from flankload.scene.refusal import refuse, shown
 from flankload.studies.design import run_study
 from flankload.studies.design.designs import OF_DRAWS, Designs
@@ -26,7 +29,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
     from pathlib import Path
 
-    from flankload.scene import Scene
+    from flankload.scene import SceneLike
     from flankload.studies.design import DesignStudy
 
 #: Quantities if none are named.
@@ -44,8 +47,8 @@ LEAST_SAMPLES = 2
 HOLDS = 0.1
 
 
-@dataclass(frozen=True, eq=False)
-class Robust:
+@dataclass(frozen=True, eq=False, repr=False)
+class Robust(Card):
     """Scatter of a scene's results; from `robust`.
 
     Attributes
@@ -159,7 +162,7 @@ class Robust:
 
 
 def robust(
-    scene: Scene | Prepared,
+    scene: SceneLike | Prepared,
     variables: Mapping[str, Any],
     quantities: Sequence[str] = QUANTITIES,
     *,
@@ -173,8 +176,8 @@ def robust(
 
     Parameters
     ----------
-    scene : Scene or Prepared
-        A prepared scene lends its bodies and compliances to the first order.
+    scene : Scene, path, mapping or Prepared
+        As of `solve`. A prepared scene lends its bodies and compliances to the first order.
     variables : mapping
         Distributions as of `study`; independent of each other.
     quantities : sequence of str
@@ -196,10 +199,11 @@ def robust(
     SceneError, FlankloadError, KeyboardInterrupt
         As `sensitivity` and `study`.
     """
-    parts, scene = (scene.parts, scene.scene) if isinstance(scene, Prepared) else (Parts(), scene)
+    parts = scene.parts if isinstance(scene, Prepared) else Parts()
+    scene = scene.scene if isinstance(scene, Prepared) else scene_of(scene)
     if design not in OF_DRAWS:
         refuse("design", " or ".join(f"'{kind}'" for kind in OF_DRAWS), shown(design))
-    if isinstance(quantities, str) or not quantities:
+    if isinstance(quantities, str) or not isinstance(quantities, Iterable) or not quantities:
         refuse("quantities", "a non-empty list of names", shown(quantities))
     designs = Designs(variables_of(variables), design, n or 1, seed)
     designs.check()

@@ -10,9 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.arguments import require, require_path
+from flankload.base.card import Card
 from flankload.base.files import write_atomically
 from flankload.errors import OtherProgramError, SceneError
 from flankload.mechanisms import run_once
+from flankload.scene import scene_of
 from flankload.studies.plan import choose_effects
 from flankload.studies.tolerance import first_scene
 from flankload.studies.verification.calculix import JOB, Answer, find_program, run_deck
@@ -24,15 +27,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.result import Result
-    from flankload.scene import Scene
+    from flankload.scene import Scene, SceneLike
     from flankload.studies.verification.deck import Deck
     from flankload.studies.verification.model import Model
 
     Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Verification:
+@dataclass(frozen=True, eq=False, repr=False)
+class Verification(Card):
     """One position by both programs; S pairs that may touch.
 
     Attributes
@@ -110,7 +113,7 @@ class Verification:
 
 
 def verify(
-    scene: Scene,
+    scene: SceneLike,
     *,
     position: int = 0,
     folder: str | Path | None = None,
@@ -128,8 +131,8 @@ def verify(
 
     Parameters
     ----------
-    scene : Scene
-        The largest of a list of torques is used.
+    scene : Scene, path or mapping
+        As of `solve`; the largest of a list of torques is used.
     position : int
         Index into the scene's positions.
     folder : path, optional
@@ -157,7 +160,9 @@ def verify(
     OtherProgramError
         If CalculiX is missing or finds no solution; `folder` of the exception keeps its files.
     """
-    scene, result = _solved(scene, position)
+    require("position", position, "an integer", fits=isinstance(position, int | np.integer))
+    require_path("folder", folder)
+    scene, result = _solved(scene_of(scene), position)
     model = model_of(
         scene,
         result,
@@ -245,8 +250,7 @@ def _solved(scene: Scene, position: int) -> tuple[Scene, Result]:
     check_bodies(scene)
     if not any(scene.torques_Nm):
         raise SceneError(file=scene.file, key="load.torque_Nm", expected="a torque > 0", found="0")
-    found = run_once(scene)
-    result = max(found, key=lambda r: r.torque_Nm) if isinstance(found, tuple) else found
+    result = max(run_once(scene), key=lambda result: result.torque_Nm)
     count = result.position_rad.size
     if not 0 <= position < count:
         raise SceneError(

@@ -1,0 +1,182 @@
+"""Access to the torques of a result, and its forms as text, files and tables."""
+
+from __future__ import annotations
+
+from math import isclose
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.base.arguments import is_number
+from flankload.base.card import Card
+from flankload.base.read_only import KeepsReadOnly
+from flankload.errors import InputError
+from flankload.result.contact_quantities import frozen
+from flankload.result.cost_table import cost_table
+from flankload.result.csv_form import CsvForm
+from flankload.result.export import results_to_csv, results_to_json, to_xarray
+from flankload.result.frames import pairs_frame, positions_frame, summary_frame
+from flankload.result.stiffness_table import StiffnessTable, stiffness_table
+from flankload.result.table import texts_of
+from flankload.result.workbook import results_to_xlsx
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from flankload.result.result import Result
+
+#: Key figures of the short form, with the names of their estimates.
+FIGURES = {
+    "transmission_error_mean_um": "transmission_error_mean",
+    "transmission_error_peak_to_peak_um": "transmission_error_peak_to_peak",
+    "contact_ratio_under_load": "",
+    "peak_pressure_off_corners_MPa": "peak_pressure",
+}
+#: Relative difference between torques that counts as rounding.
+ROUNDING = 1e-9
+
+
+class ResultForms(Card, KeepsReadOnly):
+    """What a result of one torque and that of a list of torques have in common."""
+
+    if TYPE_CHECKING:
+        # fields of the result
+
+        @property
+        def name(self) -> str: ...
+        @property
+        def warnings(self) -> Sequence[str]: ...
+        @property
+        def cost(self) -> Mapping[str, Any]: ...
+
+    @property
+    def by_torque(self) -> tuple[Result, ...]:
+        """The results of single torques: one per torque of a list, otherwise this one alone."""
+        raise NotImplementedError
+
+    @property
+    def has_torque_list(self) -> bool:
+        """Whether arrays have an axis of torques, since the scene has a list of torques."""
+        return False
+
+    @property
+    def torques_Nm(self) -> NDArray[np.float64]:
+        """(T,) Torques on body 1, N m; T = 1 unless the scene has a list of torques."""
+        return frozen(np.array([one.torque_Nm for one in self.by_torque]))
+
+    def at(self, torque_Nm: float) -> Result:
+        """Return the result of one torque.
+
+        Parameters
+        ----------
+        torque_Nm : float
+            One of `torques_Nm`, up to rounding.
+
+        Returns
+        -------
+        Result
+            Without an axis of torques.
+
+        Raises
+        ------
+        InputError
+            If the result has no such torque.
+        """
+        for one in self.by_torque:
+            if is_number(torque_Nm) and isclose(one.torque_Nm, torque_Nm, rel_tol=ROUNDING):
+                return one
+        known = ", ".join(f"{torque:.12g}" for torque in self.torques_Nm)
+        raise InputError(f"torque_Nm: expected one of {known}, found {torque_Nm!r}")
+
+    def _card_title(self) -> str:
+        return f"Result {self.name!r}"
+
+    def _card_lines(self) -> Iterator[tuple[str, str]]:
+        """Torques, positions, key figures with their estimated errors."""
+        every = self.by_torque
+        yield "torque_Nm", ", ".join(f"{torque:.6g}" for torque in self.torques_Nm)
+        yield "positions", _positions(every[0])
+        yield "pairs", ", ".join(str(site) for site in sorted({s for r in every for s in r.sites}))
+        for key, source in FIGURES.items():
+            yield key, _figure(every, key, source)
+        yield "warnings", f"{len(self.warnings)}{': see result.warnings' * bool(self.warnings)}"
+
+    def stiffness_table(self) -> StiffnessTable:
+        """Return stiffness and transmission error over the period, for multibody programs."""
+        return stiffness_table(self.by_torque)
+
+    def to_json(self, path: str | Path | None = None) -> str:
+        """Return the result as strict JSON (null for NaN and infinity); write it to `path`.
+
+        A list of torques gives {"torques_Nm": [...], "results": [...]}.
+        """
+        return results_to_json(self.by_torque if self.has_torque_list else self.by_torque[0], path)
+
+    def to_csv(
+        self,
+        path: str | Path | None = None,
+        *,
+        separator: str | None = None,
+        decimal_comma: bool = False,
+        degrees: bool = False,
+    ) -> str:
+        """Return the result as CSV, a row per torque and position; write it to `path`.
+
+        Options as of `CsvForm`.
+        """
+        return results_to_csv(self.by_torque, path, CsvForm(separator, decimal_comma, degrees))
+
+    def to_xlsx(self, path: str | Path) -> None:
+        """Write the result as a workbook; needs the extra [xlsx]."""
+        results_to_xlsx(self.by_torque, path)
+
+    def to_xarray(self) -> Any:
+        """Return the result as a labelled `xarray.Dataset` with units; needs the extra [xarray].
+
+        A list of torques has the dimension `torque`.
+        """
+        return to_xarray(self.by_torque if self.has_torque_list else self.by_torque[0])
+
+    def to_dataframe(self) -> Any:
+        """Return a `pandas.DataFrame`, a row per torque and position; needs the extra [pandas].
+
+        Its columns are those of CSV without single pairs, and angles also in degrees.
+        """
+        return positions_frame(self.by_torque)
+
+    def pairs_dataframe(self) -> Any:
+        """Return a `pandas.DataFrame`, a row per torque, position and flank pair."""
+        return pairs_frame(self.by_torque)
+
+    def summary_dataframe(self) -> Any:
+        """Return a `pandas.DataFrame`, a row per torque with the numbers of the summary."""
+        return summary_frame(self.by_torque)
+
+    def table(self) -> str:
+        """Return the result as text: a row per position, then the summary, for each torque."""
+        return texts_of(self.by_torque)
+
+    def cost_table(self) -> str:
+        """Return the cost of the run as text, stage by stage, beside the prediction."""
+        return cost_table(self.by_torque[0].cost)
+
+
+def _positions(result: Result) -> str:
+    """Number and range of the positions of body 1."""
+    place = result.position_deg
+    covered = ", over the whole period" if result.closed else ""
+    where = f" from {place.min():.6g} to {place.max():.6g} deg{covered}" if place.size > 1 else ""
+    return f"{place.size}{where}"
+
+
+def _figure(results: Sequence[Result], key: str, source: str) -> str:
+    """A key figure of each torque with its estimated error."""
+    texts = []
+    for one in results:
+        value, error = one.key_figures[key], (one.estimate or {}).get(source)
+        text = "unknown" if value is None else f"{value:.5g}"
+        texts.append(text if error is None or value is None else f"{text} (+- {error:.1%})")
+    return ", ".join(texts)

@@ -1,0 +1,148 @@
+"""Scenes from Python objects: the tables of a scene file with their keys as keyword arguments.
+
+The bodies are the tables themselves (`Gear`, `Ring`, ...). A class of this file combines two of
+them with the keys of [pair] and [load] and makes the same tree that a file contains, so that the
+reader of scene files checks everything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from flankload.scene.accuracy import Accuracy
+from flankload.scene.belt import Belt, Pulley
+from flankload.scene.cam import Cam, Follower
+from flankload.scene.chain import Chain, Sprocket
+from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.form import fields_of
+from flankload.scene.gear import Gear, Ring, SplineHub, SplineShaft
+from flankload.scene.mesh import ComplianceBody, MeshBody
+from flankload.scene.pair import Load, Pair, Positions, SlackTension, TorqueOrTorques
+from flankload.scene.scene import Scene
+from flankload.scene.table import Table
+from flankload.scene.tree import Tree, tree_of
+
+#: Tables of a scene that a typed pair may have as a whole.
+WHOLE = ("positions", "effects", "accuracy")
+
+
+class AsScene:
+    """Conversion of two bodies with the keys of their tables to a scene."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the keys as in a scene file; keys at their defaults are left out.
+
+        Returns
+        -------
+        dict
+            `Scene.from_dict` reads it.
+        """
+        keys = {name: getattr(self, name) for name in self.__struct_fields__}  # type: ignore[attr-defined]
+        tree: Tree = {} if keys["name"] is None else {"name": keys["name"]}
+        tree |= {body: _tree(keys[body]) for body in ("body_1", "body_2")}
+        for name, table in (("pair", Pair), ("load", Load)):
+            defaults = {key: field.default for key, field in fields_of(table).items()}
+            own = {key: keys[key] for key in defaults if key in keys}
+            own = {k: x for k, x in own.items() if x is not None and (x == defaults[k]) is not True}
+            tree |= {name: own} if own else {}
+        for name in WHOLE:
+            tree |= {name: _tree(keys[name])} if keys[name] is not None else {}
+        return tree
+
+    def to_scene(self) -> Scene:
+        """Return the scene.
+
+        Raises
+        ------
+        SceneError
+            As `Scene.from_dict`.
+        """
+        return Scene.from_dict(self.to_dict())
+
+    def to_toml(self) -> str:
+        """Return the text of the scene file; the keys are checked.
+
+        Raises
+        ------
+        SceneError
+            As `Scene.from_dict`.
+        """
+        return self.to_scene().to_toml()
+
+
+def _tree(table: Any) -> Any:
+    """Keys of a table; the positions of an explicit table are their number, also the default."""
+    if not isinstance(table, Table):
+        return table
+    counted = isinstance(table, Positions) and table.angles_deg is None
+    return tree_of(table, frozenset({"count"} if counted else ()))
+
+
+class FlankPair(AsScene, Pair, frozen=True, kw_only=True):
+    """Keys of two bodies with flanks in contact, beside those of [pair]."""
+
+    torque_Nm: TorqueOrTorques
+    name: str | None = None
+    positions: Positions | Mapping[str, Any] | None = None
+    effects: EffectsAsked | Mapping[str, Any] | None = None
+    accuracy: Accuracy | Mapping[str, Any] | None = None
+
+
+class Drive(AsScene, Table, frozen=True, kw_only=True):
+    """Keys of a chain or a belt on its wheel."""
+
+    torque_Nm: TorqueOrTorques
+    slack_tension_N: SlackTension = None
+    name: str | None = None
+    positions: Positions | Mapping[str, Any] | None = None
+    effects: EffectsAsked | Mapping[str, Any] | None = None
+    accuracy: Accuracy | Mapping[str, Any] | None = None
+
+
+class GearPair(FlankPair, frozen=True):
+    """Two gears, or a gear in a ring; both may be imported bodies.
+
+    `center_distance_mm`, `face_width_mm` and `torque_Nm` are required. A key at its default counts
+    as absent.
+
+    Examples
+    --------
+    >>> pinion = fl.Gear(teeth=16, module_mm=4.5, tip_diameter_mm=82.46, bore_diameter_mm=30)
+    >>> wheel = fl.Gear(teeth=24, module_mm=4.5, tip_diameter_mm=118.36, bore_diameter_mm=40)
+    >>> pair = fl.GearPair(
+    ...     pinion, wheel, center_distance_mm=91.5, face_width_mm=14, torque_Nm=302
+    ... )
+    >>> result = fl.solve(pair)
+    """
+
+    body_1: Gear | MeshBody | ComplianceBody
+    body_2: Gear | Ring | MeshBody | ComplianceBody
+
+
+class Spline(FlankPair, frozen=True):
+    """A splined shaft in its hub; `face_width_mm` and `torque_Nm` are required."""
+
+    body_1: SplineShaft
+    body_2: SplineHub
+
+
+class CamAndFollower(FlankPair, frozen=True):
+    """A follower, which carries the torque, on its cam; keys as of `GearPair`."""
+
+    body_1: Follower
+    body_2: Cam
+
+
+class ChainAndSprocket(Drive, frozen=True):
+    """A sprocket, which carries the torque, in its chain; `torque_Nm` is required."""
+
+    body_1: Sprocket
+    body_2: Chain
+
+
+class BeltAndPulley(Drive, frozen=True):
+    """A pulley, which carries the torque, in its timing belt; `torque_Nm` is required."""
+
+    body_1: Pulley
+    body_2: Belt

@@ -1,0 +1,213 @@
+"""Values of the quantities of a benchmark case: computed here, or given by another program."""
+
+from __future__ import annotations
+
+from math import radians, tan
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+
+from flankload.contact import solve_contact, solve_contact_general
+from flankload.elasticity.near_field import mode_norms
+from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
+from flankload.elasticity.prism.axial_basis import mode_norms_z
+from flankload.elasticity.prism.flank_potential import projected_potential
+from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.assembly import bodies_of
+from flankload.scene import read_scene
+from flankload.scene.discretization import DEFAULT
+from flankload.studies.benchmark.case import Case, place_of
+from flankload.studies.prepared import solve_scene
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from flankload.contact import ContactState
+    from flankload.result import Result
+
+    #: Value at the indices of an identifier.
+    Value = Callable[..., float]
+
+#: Pressure modes along and across the width of a case with compliances.
+MODES_S, MODES_Z = 3, 5
+
+
+class Answers(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Answers of a program: the content of an answer file.
+
+    Attributes
+    ----------
+    program : str
+        Name and version.
+    values : dict
+        By case, values by identifier. Cases and quantities may be missing.
+    seconds : dict
+        By case, elapsed seconds; optional.
+    """
+
+    program: str
+    values: dict[str, dict[str, float]]
+    seconds: dict[str, float] = {}
+
+
+def read_answers(path: Path) -> Answers:
+    """Read the answers of a program.
+
+    Parameters
+    ----------
+    path : Path
+        JSON file: {"program": …, "values": {case: {identifier: value}}}.
+
+    Returns
+    -------
+    Answers
+
+    Raises
+    ------
+    SceneError
+        If the file does not follow the format.
+    """
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=Answers)
+    except msgspec.DecodeError as error:
+        raise SceneError(file=path, key="answers", expected="answers", found=error) from None
+
+
+def answers_of(case: Case, folder: Path) -> tuple[dict[str, float], float]:
+    """Solve a case.
+
+    Parameters
+    ----------
+    case : Case
+    folder : Path
+        Of all cases.
+
+    Returns
+    -------
+    values : dict of str to float
+        By identifier.
+    seconds : float
+        Elapsed time.
+
+    Raises
+    ------
+    SceneError
+        If a quantity is unknown; FlankloadError if there is no solution.
+    """
+    began = perf_counter()
+    if "form" in case.inputs:
+        known = _of_state(_solve_contact_problem(case.inputs), case.inputs)
+    elif any(place_of(identifier)[0] == "compliance" for identifier in case.quantities):
+        known = {"compliance": _compliance(case, folder)}
+    else:
+        found = solve_scene(read_scene(folder / case.name / "scene.toml"), None, None)
+        known = _of_result(found)
+    values = {}
+    for identifier in case.quantities:
+        name, place = place_of(identifier)
+        if name not in known:
+            raise SceneError(
+                file=folder / case.name / "case.json",
+                key="quantities",
+                expected=", ".join(known),
+                found=name,
+            )
+        values[identifier] = known[name](*place)
+    return values, perf_counter() - began
+
+
+def _of_result(result: Result) -> dict[str, Value]:
+    """Quantities of a scene: at a position, of a pair, at a place of the face width."""
+
+    def of_pair(array: NDArray[Any]) -> Value:
+        sites = result.sites.tolist()
+        return lambda p, pair: float(array[int(p), sites.index(int(pair))])
+
+    def of_slice(array: NDArray[Any]) -> Value:
+        sites = result.sites.tolist()
+        return lambda p, pair, z: float(
+            np.interp(z, result.slice_z_mm, array[int(p), sites.index(int(pair))])
+        )
+
+    known: dict[str, Value] = {
+        "rotation": lambda p: float(result.rotation_rad[int(p)]),
+        "transmission_error": lambda p: float(result.transmission_error_um[int(p)]),
+        "single_stiffness": lambda p: float(
+            result.stiffness_secant_N_per_um[int(p)] / result.face_width_mm
+        ),
+        "pair_force": of_pair(result.site_force_N),
+        "load_share": of_pair(result.load_share),
+        "line_load": of_pair(result.line_load_N_per_mm),
+        "peak_pressure": of_pair(result.peak_pressure_MPa),
+        "line_load_at": of_slice(result.slice_line_load_N_per_mm),
+        "peak_pressure_at": of_slice(result.slice_peak_pressure_MPa),
+    }
+    if result.drive is None:
+        known["contact_half_width"] = of_pair(result.contact_half_width_mm)
+    else:
+        known["tension"] = of_pair(result.drive.tension_behind_N)
+    return known
+
+
+def _solve_contact_problem(inputs: Mapping[str, Any]) -> ContactState:
+    if inputs["form"] == "angles":
+        names = ("influence_coefficients", "lever_arms", "gap_angles", "torque")
+        return solve_contact(*(inputs[name] for name in names))
+    names = ("compliance", "gaps", "motions", "loads")
+    return solve_contact_general(*(inputs[name] for name in names), load_rows=inputs["load_rows"])
+
+
+def _of_state(state: ContactState, inputs: Mapping[str, Any]) -> dict[str, Value]:
+    """Quantities of a contact problem; the index 0 of a force and of a gap is the only position."""
+    return {
+        "rotation": lambda _: float(state.motions[0]),
+        "pair_force": lambda _, i: float(state.normal_forces[int(i)]),
+        "gap": lambda _, i: float(state.final_gap_angles[int(i)]),
+        "violation": lambda _: _violation(state, inputs),
+    }
+
+
+def _violation(state: ContactState, inputs: Mapping[str, Any]) -> float:
+    """Largest error of the equations of the general form, as part of their own size."""
+    K, g0, B, R, Q = (
+        np.asarray(inputs[name], dtype=float)
+        for name in ("compliance", "gaps", "motions", "load_rows", "loads")
+    )
+    force, motion = state.normal_forces, state.motions
+    gap = K @ force + g0 - B @ motion
+    size = (np.abs(K) @ np.abs(force) + np.abs(g0) + np.abs(B) @ np.abs(motion)).max()
+    wrong = np.where(force > 0.0, np.abs(gap), -gap).max() / size
+    tension = -force.min() / np.abs(force).max()
+    loads = np.abs(R.T @ force - Q) / (np.abs(R.T) @ np.abs(force))
+    return float(max(0.0, wrong, tension, loads.max()))
+
+
+def _compliance(case: Case, folder: Path) -> Value:
+    """Compliance of the pressure modes of body 1 of the scene as a prism, um/kN."""
+    scene = read_scene(folder / case.name / "scene.toml")
+    (body,) = bodies_of(scene, DEFAULT, which=(0,))
+    inputs = case.inputs
+    width, helix = inputs["face_width_mm"], radians(inputs["helix_angle_deg"])
+    pitch_radius = 0.5 * inputs["module_mm"] * inputs["teeth"]
+    prism = Prism((-0.5 * width, 0.5 * width), tan(helix) / pitch_radius)
+    response = prism_compliance(body, prism, n_modes=MODES_S).smooth.copy()
+    surface = flank_surface(body, prism)
+    norms = np.outer(
+        mode_norms(body.mode_range_mm, MODES_S),
+        mode_norms_z(width, MODES_Z - 1) / surface.cos_base_helix,
+    ).ravel()
+    material = body.material
+    half_plane = (1 - material.poisson_ratio**2) / (np.pi * material.young_modulus_MPa)
+    near = half_plane * projected_potential(surface, MODES_S, MODES_Z - 1)
+    response[0] += near / np.outer(norms, norms)
+
+    def value(tooth: float, a: float, c: float) -> float:
+        mode = int(a) * MODES_Z + int(c)
+        return float(1e6 * response[int(tooth), mode, mode])
+
+    return value

@@ -1,0 +1,138 @@
+"""Cases of the benchmark set: inputs, reference values and their uncertainties."""
+
+from __future__ import annotations
+
+import re
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+#: Name of a quantity and its indices: "line_load[3, -1]".
+IDENTIFIER = re.compile(r"(?P<name>[a-z_]+)\[(?P<place>-?[0-9.]+(, -?[0-9.]+)*)\]")
+
+
+class Quantity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A reference value.
+
+    Attributes
+    ----------
+    value : float
+    uncertainty : float
+        In the same unit; the difference of two converged programs of the same model is less.
+    unit : str
+    """
+
+    value: float
+    uncertainty: float
+    unit: str
+
+
+class Case(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A case of the benchmark set: the content of its `case.json`.
+
+    Attributes
+    ----------
+    name : str
+        Name of its folder.
+    title : str
+    inputs : dict
+        All data of the problem, with units in the names.
+    conventions, source, uncertainty : str
+        Meaning of the quantities; where the values come from; basis of their uncertainties.
+    quantities : dict of str to Quantity
+        By identifier, "name[index, …]".
+    """
+
+    name: str
+    title: str
+    inputs: dict[str, Any]
+    conventions: str
+    source: str
+    uncertainty: str
+    quantities: dict[str, Quantity]
+
+
+def place_of(identifier: str) -> tuple[str, tuple[float, ...]]:
+    """Name and indices of a quantity.
+
+    Parameters
+    ----------
+    identifier : str
+        "name[index, …]".
+
+    Returns
+    -------
+    str
+    tuple of float
+    """
+    found = IDENTIFIER.fullmatch(identifier)
+    if found is None:
+        raise ValueError(identifier)
+    return found["name"], tuple(float(index) for index in found["place"].split(", "))
+
+
+def read_cases(folder: Path, names: Sequence[str] = ()) -> tuple[Case, ...]:
+    """Read cases of a benchmark set.
+
+    Parameters
+    ----------
+    folder : Path
+        With a folder for each case, which has the file `case.json`.
+    names : sequence of str
+        Cases in this order; by default all.
+
+    Returns
+    -------
+    tuple of Case
+
+    Raises
+    ------
+    SceneError
+        If a case does not exist or its file does not follow the format.
+    """
+    known = sorted(path.parent.name for path in folder.glob("*/case.json"))
+    if not known:
+        raise SceneError(
+            file=folder,
+            key="folder",
+            expected="a folder for each case, with case.json",
+            found="none",
+        )
+    for name in names:
+        if name not in known:
+            raise SceneError(file=folder, key="case", expected=", ".join(known), found=name)
+    return tuple(_read_case(folder / name / "case.json") for name in names or known)
+
+
+def _read_case(path: Path) -> Case:
+    try:
+        case = msgspec.json.decode(path.read_bytes(), type=Case)
+    except msgspec.DecodeError as error:
+        raise SceneError(file=path, key="case", expected="a case", found=error) from None
+    if case.name != path.parent.name:
+        raise SceneError(
+            file=path, key="name", expected=f"{path.parent.name}, as its folder", found=case.name
+        )
+    for identifier, quantity in case.quantities.items():
+        if IDENTIFIER.fullmatch(identifier) is None:
+            raise SceneError(
+                file=path,
+                key="quantities",
+                expected='a name such as "force[0, 1]"',
+                found=identifier,
+            )
+        if not (isfinite(quantity.value) and 0.0 < quantity.uncertainty < float("inf")):
+            raise SceneError(
+                file=path,
+                key=f"quantities.{identifier}",
+                expected="a finite value and an uncertainty > 0",
+                found=f"{quantity.value} and {quantity.uncertainty}",
+            )
+    return case
