@@ -4,28 +4,20 @@ from __future__ import annotations
 
 import importlib
 import re
-from types import ModuleType
 
 import numpy as np
 import pytest
 
 from tests.support.paths import ROOT
-from tests.support.solving import solve
 
 FOLDER = ROOT / "examples" / "multibody"
 
 
-@pytest.fixture
-def example(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> ModuleType:
-    """The module that the parameter names, with bodies and elements of other tests."""
+def test_the_table_for_mbdyn_is_that_of_the_secant_stiffness(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.syspath_prepend(FOLDER)
-    table = importlib.import_module("pair_table")
-    monkeypatch.setattr(table.fl, "solve", solve)
-    return importlib.import_module(request.param)
-
-
-@pytest.mark.parametrize("example", ["mbdyn_table"], indirect=True)
-def test_the_table_for_mbdyn_is_that_of_the_secant_stiffness(example: ModuleType) -> None:
+    example = importlib.import_module("mbdyn_table")
     text = example.include_text()
     head, rows = text.split("drive caller: 1, piecewise linear, ")
     count, *lines = rows.rstrip(";\n").split(",\n")
