@@ -13,6 +13,8 @@ import pytest
 import flankload as fl
 from flankload.bodies import SectorMesh, WholeMesh
 from flankload.elasticity.compliance import JobOptions, flank_compliance
+from flankload.elasticity.fe_error import recovered_strains
+from flankload.elasticity.finite_elements import lame_parameters
 from flankload.elasticity.loaded_body import loaded_body, turned
 from flankload.elasticity.near_field import logarithm_strength, mode_loads, mode_norms
 from flankload.errors import SceneError
@@ -171,6 +173,23 @@ def test_stress_in_the_root_is_that_of_the_run() -> None:
     first = 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy)
     near = np.abs(radius - root.tension.radius_mm[p, s]) < 0.5
     assert first[near].max() == pytest.approx(wanted, rel=STRESS)
+
+
+def test_stress_is_that_of_the_turned_body() -> None:
+    """Hooke's law for the displacements in the world frame, at an angle far from 0."""
+    scene = scene_of(positions={"angles_deg": [0.0]})
+    result = solved(scene)
+    body = bodies_of(scene)[0]
+    drawing = replace(result.drawing, angle_1=np.array([0.7]))
+    fields = body.at(replace(result, drawing=drawing), 0)
+    moved = fields.displacement_mm.reshape(-1, 1)
+    strain = recovered_strains(fields.points_mm, body.loaded.cells, moved)
+    first, second = lame_parameters(body.body.material, "strain")
+    volume = first * (strain[:, 0] + strain[:, 1])
+    wanted = [volume + 2 * second * strain[:, 0], volume + 2 * second * strain[:, 1], volume]
+    wanted = np.stack([*wanted, second * strain[:, 2]], axis=1)
+    largest = np.abs(wanted).max()
+    np.testing.assert_allclose(fields.stress_MPa, wanted, atol=SOLVER * largest)
 
 
 def test_the_pressure_on_flank_nodes_carries_the_force() -> None:
