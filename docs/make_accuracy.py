@@ -1,4 +1,4 @@
-"""Measures `docs/reference/accuracy.md` and its pictures anew: `./dev docs` (a quarter of an hour).
+"""Measures `docs/reference/accuracy.md` and its pictures: `./dev measure` (a quarter of an hour).
 
 Finished runs are kept in out/accuracy, so that an interrupted measurement goes on where it was.
 """

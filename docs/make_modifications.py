@@ -1,6 +1,6 @@
 """Draws `docs/pictures/metal_removed.png`: where each key along the axis removes metal.
 
-`./dev docs` runs it; alone it takes seconds: `.venv/bin/python docs/make_modifications.py`.
+`./dev measure` runs it; alone it takes seconds: `.venv/bin/python docs/make_modifications.py`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Draws `docs/pictures/study_map.png`: transmission error over the tip relief of both gears.
 
-`./dev docs` runs it; alone it takes seconds: `.venv/bin/python docs/make_study_picture.py`.
+`./dev measure` runs it; alone it takes seconds: `.venv/bin/python docs/make_study_picture.py`.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import signal
+import sys
 
 import pytest
 
@@ -24,5 +25,8 @@ def pytest_configure() -> None:
 def pytest_collection_finish() -> None:
     """Leave thousands of collected tests out of every later search for garbage: 5 % of the time."""
     gc.enable()
-    gc.collect()
     gc.freeze()
+    # Pictures are drawn as for users, with fewer pixels.
+    style = sys.modules.get("flankload.plot.style")
+    if style is not None:
+        style.STYLE["savefig.dpi"] = 40

@@ -31,8 +31,9 @@ def solve(
 
     Parameters
     ----------
-    scene : Scene, path or mapping
-        A scene, the path of a scene file, or its keys as `Scene.from_dict` takes them.
+    scene : Scene, typed pair, path or mapping
+        A scene, a `GearPair` or its like, the path of a scene file, or its keys as
+        `Scene.from_dict` takes them.
     progress : callable, optional
         Called as progress(stage, done, total) when a stage begins, on the way through its
         positions, and at the end; done grows up to total. An exception that it raises ends the
@@ -88,8 +89,9 @@ def sensitivity(scene: SceneLike | Prepared, paths: Sequence[str]) -> Sensitivit
     """Derivatives of all results of a scene with respect to some of its keys.
 
     They are exact for the pairs in contact of each state: central differences over a step so small
-    that its square is 1e-8, between systems of the same pairs on cells that follow the contact. No
-    contact problem is solved again.
+    that its square is 1e-8, between systems of the same pairs on cells that follow the contact.
+    Contact on cells is not solved again; lumped contact and slices, which have no cells, are solved
+    again on both sides (`solved_states` of the cost).
 
     Parameters
     ----------

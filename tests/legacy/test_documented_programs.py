@@ -1,4 +1,4 @@
-"""Programs of docs/reference/fortran.md, built with the command in their first line."""
+"""Programs of the documentation, built with the command in their first line."""
 
 from __future__ import annotations
 
@@ -22,11 +22,12 @@ from tests.support.nodal_sweep import NodalSweep
 from tests.support.pressed_cylinders import arc, cylinders, one_site
 from tests.support.programs import ROOT, expect_printed, run
 
-TEXT = (ROOT / "docs" / "reference" / "fortran.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "reference" / "fortran.md").read_text(encoding="utf-8")
+TUTORIAL = (ROOT / "docs" / "tutorials" / "fortran77.md").read_text(encoding="utf-8")
 COMMAND = re.compile(r"(gfortran|gcc) ([\w.]+) `pkg-config --cflags --libs flankload`")
 SOURCES = {
     COMMAND.search(source)[2]: source
-    for source in re.findall(r"```(?:fortran|c)\n(.*?)```", TEXT, re.DOTALL)
+    for source in re.findall(r"```(?:fortran|c)\n(.*?)```", PAGE + TUTORIAL, re.DOTALL)
 }
 THREE = (np.array([[10, 9.4, 8], [9.4, 10, 9.4], [8, 9.4, 10]]), np.ones(3), np.array([1.0, 0, 1]))
 
@@ -147,11 +148,23 @@ def rollers(text: str) -> None:
     expect_numbers(numbers_in(text), np.array(expected))
 
 
+def coupling(text: str) -> None:
+    """The program of the tutorial, whose page shows what it prints."""
+    assert f"```\n{text}```\n" in TUTORIAL
+    matrix = 4e-6 * np.eye(6) + 1e-6
+    gaps, levers = 1e-3 * np.array([0, 4, 9, 2, 6, 1]), np.full(6, 25.0)
+    for row, torque in zip(text.splitlines(), (5e4, 25e4, 125e4), strict=True):
+        state = fl.solve_contact_general(matrix, gaps, levers, torque)
+        expected = [torque / 1e3, 1e3 * state.rotation, *state.normal_forces]
+        expect_numbers(numbers_in(row), np.array(expected))
+
+
 PROGRAMS: dict[str, Callable[[str], None]] = {
     "three.f": three_flanks,
     "three.f90": three_flanks,
     "three.c": three_flanks,
     "torques.c": torques,
+    "coupl.f": coupling,
     "pitch.f": pitch,
     "columns.f90": columns_on_demand,
     "rollers.f": rollers,

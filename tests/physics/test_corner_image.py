@@ -130,7 +130,7 @@ def solved(size: float = 1.0, angles: Any = None, **accuracy: Any) -> fl.Result:
     tree["load"]["torque_Nm"] *= size**3
     tree["positions"] = {"angles_deg": angles or CORNERS_DEG + OTHERS_DEG}
     tree["effects"] = accuracy.pop("effects", {})
-    tree["accuracy"] = {"estimate": False, **accuracy}
+    tree["accuracy"] = {"estimate": False, "tangents": False, **accuracy}
     found = fl.solve(fl.Scene.from_dict(tree))
     assert isinstance(found, fl.Result)
     return found
@@ -235,7 +235,7 @@ def test_tangent_of_lumped_contact_is_its_derivative() -> None:
                 | {
                     "positions": {"angles_deg": CORNERS_DEG},
                     "effects": {"contact": "lumped"},
-                    "accuracy": {"estimate": False},
+                    "accuracy": {"estimate": False, "tangents": False},
                     "load": {"torque_Nm": 302.0 * (1 + sign * step)},
                 }
             )

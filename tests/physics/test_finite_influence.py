@@ -30,7 +30,7 @@ FORCES = 2e-2
 def scene_of(soft: float = SOFT, **effects: Any) -> fl.Scene:
     tree = deepcopy(SCENE)
     tree["positions"] = {"angles_deg": [ANGLE_DEG]}
-    tree["accuracy"] = {"estimate": False}
+    tree["accuracy"] = {"estimate": False, "tangents": False}
     if effects.get("near_field") == "nodes":
         tree["accuracy"]["flank_element_mm"] = 0.2
     for body in ("body_1", "body_2"):
@@ -49,7 +49,7 @@ def test_forces_at_a_sharp_corner_come_to_rest_slowly() -> None:
     """40 passes are not enough there."""
     tree = deepcopy(SCENE)
     tree["positions"] = {"angles_deg": [7 * 360 / 16 / 32]}
-    tree["accuracy"] = {"estimate": False}
+    tree["accuracy"] = {"estimate": False, "tangents": False}
     small, finite = (
         solve(fl.Scene.from_dict({**tree, "effects": {"influence": influence}}))
         for influence in ("small", "finite")

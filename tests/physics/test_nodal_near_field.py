@@ -51,7 +51,7 @@ def solved(
 
 def nodal_scene(h: float) -> fl.Scene:
     tree = deepcopy(SCENE) | {"positions": {"angles_deg": ANGLES_DEG}}
-    tree["accuracy"] = {"flank_element_mm": h, "estimate": False}
+    tree["accuracy"] = {"flank_element_mm": h, "estimate": False, "tangents": False}
     tree["effects"] = {"near_field": "nodes"}
     return fl.Scene.from_dict(tree)
 

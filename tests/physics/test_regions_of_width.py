@@ -93,9 +93,9 @@ def _solved(
     scene["body_2"] |= wheel
     scene["positions"] = {"count": 3}
     scene["effects"] = {"dimension": 3}
-    scene["accuracy"] = {"slices": 14, "axial_degree": 6, "estimate": estimate, "tangents": False}
+    coarse = {"slices": 14, "axial_degree": 6, "flank_element_mm": 2.5, "modes": 3}
+    scene["accuracy"] = {**coarse, "estimate": estimate, "tangents": False}
     if helix is not None:
-        scene["accuracy"] |= {"flank_element_mm": 2.5, "modes": 3}
         left = {"right": "left", "left": "right"}
         for number, hand in ((1, helix["hand"]), (2, left[helix["hand"]])):
             scene[f"body_{number}"] |= {"helix_angle_deg": 15.0, "hand": hand, "profile_shift": 0.0}

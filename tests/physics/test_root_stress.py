@@ -281,7 +281,7 @@ def scene_of(**effects: object) -> fl.Scene:
             "load": {"torque_Nm": 302.0},
             "positions": {"count": 16},
             "effects": {"root_stress": True, **effects},
-            "accuracy": {"estimate": False},
+            "accuracy": {"estimate": False, "tangents": False},
         }
     )
 

@@ -29,7 +29,7 @@ DIFFERENCES = 2e-7
 #: The module of the external pair is 4.5 mm: 0.02 … 50 mm.
 SIZES = (0.02 / 4.5, 50 / 4.5)
 
-FEW = {"flank_element_mm": 3.0, "modes": 4, "estimate": False}
+FEW = {"flank_element_mm": 3.0, "modes": 4, "estimate": False, "tangents": False}
 TIPS = {
     f"body_{z}__{key}": value
     for z in (1, 2)
@@ -46,7 +46,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "lumped": changed(positions__count=6, accuracy=FEW, effects={"contact": "lumped"}),
     "nodes": changed(
         positions__count=2,
-        accuracy={"flank_element_mm": 3.0, "estimate": False},
+        accuracy={"flank_element_mm": 3.0, "estimate": False, "tangents": False},
         effects={"near_field": "nodes"},
     ),
     "friction": changed(

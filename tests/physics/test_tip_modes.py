@@ -185,7 +185,7 @@ def test_more_modes_are_more_on_the_tip() -> None:
     }
 
     def peak(modes: int) -> float:
-        accuracy = {"modes": modes, "estimate": False}
+        accuracy = {"modes": modes, "estimate": False, "tangents": False}
         found = fl.solve(fl.Scene.from_dict({**scene, "accuracy": accuracy}))
         return float(found.peak_pressure_MPa.max())
 

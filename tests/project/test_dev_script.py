@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
@@ -79,3 +80,14 @@ def test_without_network_pip_says_one_line(checkout) -> None:
     said = said_by(checkout, "install", str(checkout / "to"), PATH=path)
     assert said.splitlines()[-1].startswith("dev: no network: pip cannot fetch Python packages")
     assert "NewConnectionError" not in said
+
+
+def test_every_command_is_in_its_help_and_in_the_guide_for_contributors() -> None:
+    text = (ROOT / "dev").read_text(encoding="utf-8")
+    guide = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    commands = re.findall(r"^    (\w+)\) (?:setup|run_)", text, re.M)
+    assert {"docs", "measure"} <= set(commands)
+    done = subprocess.run([ROOT / "dev", "help"], capture_output=True, text=True, check=True)
+    for command in commands:
+        assert re.search(rf"^  {command} ", done.stdout, re.M), command
+        assert re.search(rf"^\| `\./dev {command}\b", guide, re.M), command

@@ -109,6 +109,9 @@ class Job:
         self.torque = 1000.0 * scene["load"]["torque_Nm"]
         self.width = scene["pair"]["face_width_mm"]
         self.period = pair.pairing.pitch_rad
+        curve = self.bodies[1].curve
+        s_2 = np.linspace(0.0, curve.length_mm, 20001)
+        self.flank_2 = (s_2, curve.point(s_2), curve.tangent(s_2))
 
     def run(self, position_rad: np.ndarray, **grid: float) -> Sweep:
         (found,) = sweep(
@@ -132,16 +135,16 @@ def reference(job: Job, position: float, cell: float, rotation: float) -> tuple[
     """Rotation and force of each site; pairs with a gap well beyond the rotation are omitted."""
     columns: list[np.ndarray] = []
     turns = [t[0] for t in job.pairing.turns(np.array([position]))]
-    axes = (np.zeros(2), np.array([job.pairing.center_distance_mm, 0.0]))
+    axis_2 = np.array([job.pairing.center_distance_mm, 0.0])
+    s_2, own_points, own_tangents = job.flank_2
     for site in range(job.pairing.sites.size):
         length = job.bodies[0].curve.length_mm
         s_1 = np.arange(length - cell / 2, 0.0, -cell)
-        s_2 = np.linspace(0.0, job.bodies[1].curve.length_mm, 20001)
-        places = []
-        for z, s in enumerate((s_1, s_2)):
-            curve = job.bodies[z].curve.rotated(turns[z] + job.pairing.site_angles_rad[z][site])
-            places.append((curve.point(s) + axes[z], curve.tangent(s)))
-        (p_1, t_1), (p_2, t_2) = places
+        angles = [turns[z] + job.pairing.site_angles_rad[z][site] for z in (0, 1)]
+        curve = job.bodies[0].curve.rotated(angles[0])
+        p_1, t_1 = curve.point(s_1), curve.tangent(s_1)
+        turn = np.array([[cos(angles[1]), sin(angles[1])], [-sin(angles[1]), cos(angles[1])]])
+        p_2, t_2 = own_points @ turn + axis_2, own_tangents @ turn
         r_1, r_2 = np.hypot(*p_1.T), np.hypot(*p_2.T)
         facing = slice(np.argmax(r_2), np.argmin(r_2) + 1)
         r, order = r_2[facing], np.argsort(r_2[facing])
@@ -163,8 +166,7 @@ def reference(job: Job, position: float, cell: float, rotation: float) -> tuple[
         rows = (np.full(gap.size, site), s_1, at(s_2), gap, lever_1, lever, 0 * gap + cell, width_2)
         columns.append(np.stack(rows)[:, keep])
     site, s_1, s_2, gap, lever_1, lever, width_1, width_2 = np.concatenate(columns, axis=1)
-    same = site[:, None] == site[None, :]
-    matrix = np.zeros(same.shape)
+    matrix = np.zeros((site.size, site.size))
     for z, (s, d) in enumerate(((s_1, width_1), (s_2, width_2))):
         field = job.fields[z]
         low, high = field.modes.range_mm
@@ -175,8 +177,9 @@ def reference(job: Job, position: float, cell: float, rotation: float) -> tuple[
         offset = (teeth[:, None] - teeth[None, :]) % job.bodies[z].teeth
         for t in np.unique(offset):
             matrix += np.where(offset == t, modes @ field.smooth[t] @ modes.T, 0.0)
-        near = cells_near_field(field, s, np.sqrt(d[:, None] * d[None, :]))
-        matrix += np.where(same, near, 0.0)
+        for own in (np.flatnonzero(site == j) for j in np.unique(site)):
+            size = np.sqrt(d[own, None] * d[None, own])
+            matrix[np.ix_(own, own)] += cells_near_field(field, s[own], size)
     matrix /= job.width
     state = fl.solve_contact(
         matrix / lever[:, None], lever_1, gap, job.torque, normal_lever_arms=lever

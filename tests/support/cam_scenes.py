@@ -65,6 +65,6 @@ def cam_scene(
         },
         "pair": {"center_distance_mm": CENTER_DISTANCE, "face_width_mm": WIDTH},
         "load": {"torque_Nm": TORQUE},
-        "accuracy": {"estimate": False},
+        "accuracy": {"estimate": False, "tangents": False},
         **keys,
     }

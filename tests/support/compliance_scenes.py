@@ -19,7 +19,7 @@ def scene_of(folder: Path | None = None, **tables: Any) -> fl.Scene:
     whole = {
         **GEARS,
         "positions": POSITIONS,
-        "accuracy": {"estimate": False},
+        "accuracy": {"estimate": False, "tangents": False},
         **tables,
     }
     return fl.Scene.from_dict(whole, file=None if folder is None else folder / "scene.toml")

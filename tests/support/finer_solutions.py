@@ -78,10 +78,10 @@ def kept_truth(scene: dict[str, Any], file: Path) -> Truth | None:
     return truth
 
 
-def finer_solution(scene: dict[str, Any]) -> Truth:
-    """The scene with all discretization parameters refined."""
+def finer_solution(scene: dict[str, Any], finer: tuple[int, int, int] | None = None) -> Truth:
+    """The scene with all discretization parameters refined, by default by those above."""
     splined = scene["body_1"]["kind"] == "spline_shaft"
-    elements, cells, positions = FINER_SPLINE if splined else FINER
+    elements, cells, positions = finer or (FINER_SPLINE if splined else FINER)
     count = positions * scene["positions"]["count"]
     fine = fl.Scene.from_dict(
         {**scene, "positions": {"count": count}, "accuracy": {"estimate": False}}
@@ -126,13 +126,18 @@ def at_most(seconds: float) -> Iterator[None]:
 Errors = dict[str, float]
 
 
-def compared(scene: dict[str, Any], truth: Truth | None = None) -> dict[str, Any]:
+def compared(
+    scene: dict[str, Any],
+    truth: Truth | None = None,
+    *,
+    finer: tuple[int, int, int] | None = None,
+) -> dict[str, Any]:
     """Estimated and true errors of a scene, and the share of the estimate in the run's CPU time."""
     result = fl.solve(fl.Scene.from_dict(scene))
     assert result.estimate is not None
     stages = {name: stage["cpu_s"] for name, stage in result.cost["stages"].items()}
     return {
-        "true": true_errors(result, truth or finer_solution(scene)),
+        "true": true_errors(result, truth or finer_solution(scene, finer)),
         "told": {name: result.estimate.get(name, np.nan) for name in (*POINTWISE, *OVERALL)},
         "price": stages["estimate"] / sum(stages.values()),
     }

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import flankload as fl
+from tests.support.solving import solve
 
 GEAR = {"kind": "gear", "module_mm": 4.5}
 ONE = {
@@ -27,14 +31,21 @@ GEARS = {
 }
 
 
-def solved(one: dict | None = None, two: dict | None = None, **tables: dict) -> fl.Result:
-    """Result of the pair with changed keys of its bodies and other tables."""
+def solved(
+    one: dict | None = None,
+    two: dict | None = None,
+    *,
+    by: Callable[..., Any] = solve,
+    **tables: dict,
+) -> fl.Result:
+    """Result of the pair with changed keys of its bodies and other tables; its cost by fl.solve."""
     scene = {
         **GEARS,
         "body_1": {**ONE, **(one or {})},
         "body_2": {**TWO, **(two or {})},
         "positions": {"count": 16},
-        "accuracy": {"estimate": False},
+        "accuracy": {"estimate": False, "tangents": False},
         **tables,
     }
-    return fl.solve(fl.Scene.from_dict(scene))
+    found: fl.Result = by(fl.Scene.from_dict(scene))
+    return found

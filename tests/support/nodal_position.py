@@ -101,7 +101,7 @@ def compliance_between(
 def nodal_position(points: int = POINTS, half_length_mm: float = HALF_LENGTH_MM) -> NodalPosition:
     """The position half a pitch further, its flanks as points around the contact."""
     tree = tomllib.loads(SCENE.read_text(encoding="utf-8"))
-    tree["accuracy"] = {"estimate": False}
+    tree["accuracy"] = {"estimate": False, "tangents": False}
     scene = fl.Scene.from_dict(tree)
     pair = build_bodies(scene)
     result = fl.solve(scene)

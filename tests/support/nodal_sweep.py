@@ -113,7 +113,7 @@ def nodal_sweep(
 ) -> NodalSweep:
     """One pitch of the external gear pair, with points wherever its flanks carry load."""
     tree = tomllib.loads(SCENE.read_text(encoding="utf-8"))
-    tree["accuracy"] = {"estimate": False}
+    tree["accuracy"] = {"estimate": False, "tangents": False}
     tree["positions"] = {"count": positions}
     tree["load"]["torque_Nm"] = [part * tree["load"]["torque_Nm"] for part in parts]
     scene = fl.Scene.from_dict(tree)

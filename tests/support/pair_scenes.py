@@ -46,7 +46,7 @@ def solved(
         **bodies,
         "load": {"torque_Nm": torque_Nm},
         "positions": {"count": count},
-        "accuracy": {"estimate": False, "flank_element_mm": 1.0},
+        "accuracy": {"estimate": False, "tangents": False, "flank_element_mm": 1.0},
         **more,
     }
     result = fl.solve(fl.Scene.from_dict(scene))

@@ -81,7 +81,7 @@ def fine_bodies(scene: dict, element_mm: float, inner_mm: float) -> BodyPair:
     """Bodies with elements of equal length along the flanks that grow to another length inside."""
     part = inner_mm / element_mm
     sizes = {"FILLET": 0.4 * part, "FIRST_LAYER": 1.0, "INNER": part, "FIRST_ROW": 0.4 * part}
-    accuracy = {"flank_element_mm": element_mm, "estimate": False}
+    accuracy = {"flank_element_mm": element_mm, "estimate": False, "tangents": False}
     with mock.patch.multiple(sector_breaks, **sizes):
         return build_bodies(fl.Scene.from_dict({**scene, "accuracy": accuracy}))
 

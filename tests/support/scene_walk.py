@@ -18,6 +18,7 @@ TOGETHER: dict[str, tuple[dict[str, Any], ...]] = {
     "pitch_errors_um": ({"{}.pitch_errors_um": [3.0]},),
     "tooth_helix_slope_um": ({"{}.tooth_helix_slope_um": [3.0]},),
     "web_width_mm": ({"{}.web_width_mm": 10.0, "{}.rim_thickness_mm": 8.0},),
+    "face_width_mm": ({"{}.face_width_mm": 10.0},),
     "friction_coefficient": ({"{}.friction_coefficient": 0.07},),
     "torque_Nm": ({"{}.torque_Nm": [100.0, 200.0]},),
     "angles_deg": ({"positions": {"angles_deg": [0.0, 3.0]}},),

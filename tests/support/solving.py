@@ -10,7 +10,8 @@ import flankload as fl
 from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.scene.discretization import Discretization
 
-PARTS = Parts()
+#: More than a study holds: files of tests that share bodies are far apart.
+PARTS = Parts(256)
 
 
 def solve(

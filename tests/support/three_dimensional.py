@@ -15,8 +15,8 @@ from tests.support.gear_scenes import example
 SMALL: dict[str, Any] = {
     "accuracy__flank_element_mm": 3.0,
     "accuracy__modes": 3,
-    "accuracy__axial_degree": 6,
-    "accuracy__load_degree_z": 2,
+    "accuracy__axial_degree": 5,
+    "accuracy__load_degree_z": 1,
     "accuracy__slices": 8,
     "positions__count": 4,
 }

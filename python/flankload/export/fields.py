@@ -14,6 +14,7 @@ from flankload.base.files import write_atomically
 from flankload.errors import SceneError
 from flankload.mechanisms.registry import mechanism_of
 from flankload.meshes.io import vtu_of
+from flankload.scene import scene_of
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
     from flankload.mechanisms.flank_pair.loaded_bodies import FieldBody
     from flankload.result import PairTable, Result
-    from flankload.scene import Scene
+    from flankload.scene import Scene, SceneLike
 
     Floats = NDArray[np.float64]
 
@@ -30,7 +31,7 @@ COLLECTION = "loaded_pair.pvd"
 
 
 def write_vtu(
-    scene: Scene,
+    scene: SceneLike,
     results: Result | Sequence[Result],
     folder: str | Path,
     *,
@@ -48,8 +49,8 @@ def write_vtu(
 
     Parameters
     ----------
-    scene : Scene
-        Of flank pairs.
+    scene : Scene, typed pair, path or mapping
+        As of `solve`.
     results : Result or sequence of Result
         Of this scene.
     folder : path
@@ -66,6 +67,7 @@ def write_vtu(
     SceneError
         If a position does not exist.
     """
+    scene = scene_of(scene)
     several = tuple(results) if isinstance(results, Sequence) else results.by_torque
     chosen = checked_positions(several, positions)
     other = mechanism_of(scene).without_flanks

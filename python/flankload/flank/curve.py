@@ -62,26 +62,31 @@ class FlankCurve:
         s : (m,) array_like
             Arc length, mm; beyond the ends the end intervals are extrapolated.
         """
+        point, first, second = self._by_arc_length(s, 2)
+        return point, first, second
+
+    def _by_arc_length(self, s: ArrayLike, order: int) -> list[Floats]:
+        """Point and its derivatives up to an order, each (m, 2), by Horner's rule."""
         places = np.atleast_1d(np.asarray(s, dtype=float))
         interval = np.clip(
             np.searchsorted(self.breaks, places, side="right") - 1, 0, len(self.labels) - 1
         )
         x = (places - self.breaks[interval])[:, None]
         c = self.coefficients[interval]
-        point, first, second = c[:, :, -1].copy(), np.zeros((x.size, 2)), np.zeros((x.size, 2))
+        values = [c[:, :, -1].copy(), *(np.zeros((x.size, 2)) for _ in range(order))]
         for power in range(c.shape[2] - 2, -1, -1):
-            second = second * x + 2 * first
-            first = first * x + point
-            point = point * x + c[:, :, power]
-        return point, first, second
+            for k in range(order, 0, -1):
+                values[k] = values[k] * x + k * values[k - 1]
+            values[0] = values[0] * x + c[:, :, power]
+        return values
 
     def point(self, s: ArrayLike) -> Floats:
         """Points at arc lengths s (m,): (m, 2), mm."""
-        return self.derivatives(s)[0]
+        return self._by_arc_length(s, 0)[0]
 
     def tangent(self, s: ArrayLike) -> Floats:
         """Unit tangents towards the tip at arc lengths s (m,): (m, 2)."""
-        first = self.derivatives(s)[1]
+        first = self._by_arc_length(s, 1)[1]
         return first / np.linalg.norm(first, axis=1, keepdims=True)
 
     def normal(self, s: ArrayLike) -> Floats:

@@ -23,10 +23,16 @@ class Parts:
 
     A part is reused only for a call with the same bits, so a run gives the same bits with and
     without it.
+
+    Parameters
+    ----------
+    most : int
+        Largest number that is held.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, most: int = MOST_PARTS) -> None:
         self._held: OrderedDict[bytes, Any] = OrderedDict()
+        self._most = most
 
     def __len__(self) -> int:
         return len(self._held)
@@ -54,7 +60,7 @@ class Parts:
     def add(self, key: bytes, part: object) -> None:
         """Hold the result of a call with this key."""
         self._held[key] = part
-        while len(self._held) > MOST_PARTS:
+        while len(self._held) > self._most:
             self._held.popitem(last=False)
 
 

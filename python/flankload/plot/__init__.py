@@ -109,6 +109,7 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     Parameters
     ----------
     result : Result
+        With a list of torques, each has its own folder in the directory: torque_302_Nm.
     directory : path
         Created if it does not exist.
 
@@ -132,6 +133,9 @@ def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
     OSError
         If the directory cannot be created or a file cannot be written.
     """
+    if result.has_torque_list:
+        folders = {Path(directory) / f"torque_{r.torque_Nm:g}_Nm": r for r in result.by_torque}
+        return tuple(path for place, one in folders.items() for path in plot_all(one, place))
     names = result.drive.pictures(result) if result.drive is not None else _of_flanks(result)
     if any(stress is not None for stress in result.root_stress):
         names = (*names, "root_stress")

@@ -63,8 +63,8 @@ class Result(ContactQuantities, ResultForms):
         Pair numbers: pair 0 is at the pitch point at position 0, greater numbers are further into
         recess.
     position_rad, rotation_rad : (P,) arrays
-        Angle of body 1 (with a cam: of the cam) from position zero, and the additional rotation of
-        body 1 under load.
+        Angle of body 1 (with a cam: of the cam) from position zero; additional rotation of body 1
+        under load.
     reference_radius_mm, face_width_mm : float
         Radius that converts rotation into transmission error; face width.
     pitch_rad, period_rad : float
@@ -80,8 +80,9 @@ class Result(ContactQuantities, ResultForms):
         axes to the line through its axis and its roller's centre (along its flat). None for other
         pairs.
     site_force_N, peak_pressure_MPa : (P, S) arrays
-        Force and largest pressure of each flank pair; 0 if open.
+        Force of each flank pair, 0 if open; largest pressure of each flank pair, 0 if open.
     stiffness_tangent_Nm_per_rad : (P,) array
+        Derivative of the torque with respect to the rotation.
     status : (P,) array
         0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not certain.
     pair_tables : sequence of PairTable, one per position
@@ -412,7 +413,10 @@ class Result(ContactQuantities, ResultForms):
         roundings or chamfers), the means of both stiffnesses over the period,
         `peak_line_load_N_per_mm` with its position and pair, `largest_sliding_mm_per_rad`
         (magnitude) and `coast_flank_gap_min_um`; if requested, `root_stress_1` and `root_stress_2`
-        with largest `tension` and `compression`, and the `coast_summary` of the coast flanks.
+        with largest `tension` and `compression`, and the `coast_summary` of the coast flanks. In
+        three dimensions `face_load_factor`, `peak_line_load_z_mm` and the largest magnitudes
+        `axial_force_N` and `tilting_moment_Nm`; with shafts `tilt_mean_um_per_mm` and the largest
+        force on each bearing.
         """
         return {
             **self.key_figures,

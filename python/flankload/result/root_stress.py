@@ -72,8 +72,9 @@ class Extremes(KeepsReadOnly):
     Attributes
     ----------
     stress_MPa : (P, S) array
+        Largest tension (positive) or largest compression (negative) in the fillets of the tooth.
     arc_length_mm, radius_mm : (P, S) arrays
-        Place: along the profile from the root circle, and from the axis.
+        Its place along the profile from the root circle; its distance from the axis.
     slant_deg : (P, S) array
         Angle of the fillet's tangent to the tooth's centre line there.
     working : (P, S) array of bool

@@ -260,6 +260,8 @@ def test_what_can_be_counted_before_is_what_is_spent(changes: dict[str, Any]) ->
 def test_each_example_takes_what_was_predicted(path: Path) -> None:
     scene = fl.read_scene(path)
     few = structs.replace(scene.positions, count=min(2, scene.positions.count), adaptive=False)
+    if path.stem == "helical_gear":  # the elements by default are those of the webs above
+        scene = scene.replace({"accuracy.flank_element_mm": 3.0})
     found = fl.solve(replace(scene, positions=few))
     cost = (found if isinstance(found, fl.Result) else found[0]).cost
     assert differences(cost) == {}

@@ -21,7 +21,7 @@ from tests.support.tolerances import ROUND_OFF, SOLVER
 #: What is asked of adaptive positions: harmonics against a dense sweep, relative to each of them,
 #: or to a tenth of the largest where it is smaller; the mean and the contact ratio as they come.
 HARMONICS, MEAN, CONTACT_RATIO = 3e-3, 1e-4, 2e-3
-DENSE = 2048
+DENSE = 768
 #: Six and nine teeth: a hunting period of 18 pitches.
 FEW_TEETH = {
     "body_1": {

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from concurrent.futures import Executor
+from dataclasses import make_dataclass
 from typing import Any, cast
 
 import numpy as np
@@ -125,6 +126,20 @@ def test_a_result_is_shown_in_few_lines() -> None:
     assert len(several.splitlines()) <= 20
     assert max(map(len, several.splitlines())) < 150
     assert "100, 101, 102" in several
+
+
+def test_values_of_a_card_are_escaped_and_long_ones_are_cut() -> None:
+    fields = [("word", str, "a < b\nc"), *((f"field_{n}", int, n) for n in range(30))]
+    card = make_dataclass("Long", fields, bases=(Card,), frozen=True, repr=False)()
+    lines = repr(card).splitlines()
+    assert len(lines) == 20
+    assert lines[:2] == ["Long", "  word      a < b c"]
+    assert lines[-1] == "  ...       13 more"
+    assert "a &lt; b c" in card._repr_html_()
+    wide = make_dataclass(
+        "Wide", [("numbers", tuple, tuple(range(200)))], bases=(Card,), repr=False
+    )
+    assert len(repr(wide())) < 120
 
 
 def test_public_objects_are_short() -> None:

@@ -32,7 +32,7 @@ def mesh_scene(pinion: Path = PINION, wheel: Path = WHEEL, **keys: object) -> fl
             "pair": {"center_distance_mm": 91.5, "face_width_mm": 14},
             "load": {"torque_Nm": 302},
             "positions": {"count": 8},
-            "accuracy": {"estimate": False},
+            "accuracy": {"estimate": False, "tangents": False},
         }
     )
 

@@ -59,7 +59,7 @@ def scene_of(body_1: dict, body_2: dict, *, profile: bool = False, count: int = 
             "pair": {"center_distance_mm": 91.5, "face_width_mm": 14},
             "load": {"torque_Nm": 302},
             "positions": {"count": count},
-            "accuracy": {"estimate": False},
+            "accuracy": {"estimate": False, "tangents": False},
         }
     )
 

@@ -22,7 +22,7 @@ BORNE = 0.03
 
 def scene_of(name: str = "spline", **accuracy: Any) -> fl.Scene:
     tree = tomllib.loads((SCENES / f"{name}.toml").read_text(encoding="utf-8"))
-    tree["accuracy"] = {"estimate": False, **accuracy}
+    tree["accuracy"] = {"estimate": False, "tangents": False, **accuracy}
     return fl.Scene.from_dict(tree)
 
 

@@ -447,6 +447,6 @@ def _scene(pair: dict, torque_Nm: float, **more: Any) -> fl.Scene:
         **pair,
         "load": {"torque_Nm": torque_Nm},
         "positions": {"count": 8},
-        "accuracy": {"estimate": False, "flank_element_mm": 1.0},
+        "accuracy": {"estimate": False, "tangents": False, "flank_element_mm": 1.0},
     }
     return fl.Scene.from_dict({**scene, **more})

@@ -14,7 +14,7 @@ from tests.support.gear_scenes import changed
 #: Torque over tangent stiffness tells the wind-up from below: contacts get stiffer as the torque
 #: grows, and more pairs carry.
 STIFFENING = 0.25
-COARSE = {"flank_element_mm": 2.0, "estimate": False}
+COARSE = {"flank_element_mm": 2.0, "estimate": False, "tangents": False}
 
 
 def gears(softer: float, torque_Nm: float) -> fl.Result:

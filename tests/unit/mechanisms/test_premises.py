@@ -29,7 +29,7 @@ from tests.support.cam_scenes import cam_scene
 from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES
 
-COARSE = {"flank_element_mm": 2.0, "estimate": False}
+COARSE = {"flank_element_mm": 2.0, "estimate": False, "tangents": False}
 ALLOWED = {"beyond_limits": True}
 #: Tips so short that between two pairs of flanks none touches in the path of contact.
 SHORT = {"body_1__tip_diameter_mm": 75.5, "body_2__tip_diameter_mm": 75.5}

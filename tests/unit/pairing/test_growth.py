@@ -41,7 +41,7 @@ PAIR = {
     "pair": {"center_distance_mm": 91.5, "face_width_mm": 14},
     "load": {"torque_Nm": 302},
     "positions": {"count": 8},
-    "accuracy": {"estimate": False},
+    "accuracy": {"estimate": False, "tangents": False},
 }
 
 
@@ -371,7 +371,7 @@ def test_other_kinds_of_bodies_grow(name: str) -> None:
     file = SCENES / f"{name}.toml"
     scene = tomllib.loads(file.read_text("utf-8"))
     scene["positions"] = {"angles_deg": [0.0]}
-    scene["accuracy"] = {"estimate": False, "tolerance": 0.1}
+    scene["accuracy"] = {"estimate": False, "tangents": False, "tolerance": 0.1}
     scene["load"] = {"torque_Nm": 0}
     plain = fl.solve(fl.Scene.from_dict(scene, file=file))
     scene["effects"] = {"temperature_rise_K": 5, "support_expansion_per_K": 0}
@@ -390,7 +390,7 @@ def test_files_and_rigid_bodies_grow_as_a_whole(tmp_path: Path) -> None:
     assert main(["compliance", str(SCENES / "external_gear.toml"), "-o", str(tmp_path)]) == 0
     asked = tomllib.loads((SCENES / "external_gear.toml").read_text("utf-8"))
     asked["effects"] = {"temperature_rise_K": 60, "beyond_limits": True}
-    asked["accuracy"] = {"estimate": False}
+    asked["accuracy"] = {"estimate": False, "tangents": False}
     asked["positions"] = {"count": 2}
     from_elements = fl.solve(fl.Scene.from_dict(asked))
     for key in ("body_1", "body_2"):

@@ -309,7 +309,7 @@ def test_positions_turns_apart_are_solved_as_each_alone(turns: int) -> None:
                     "pair": {"center_distance_mm": 53.93, "face_width_mm": 20},
                     "load": {"torque_Nm": 300},
                     "positions": {"angles_deg": wanted},
-                    "accuracy": {"estimate": False, "flank_element_mm": 2},
+                    "accuracy": {"estimate": False, "tangents": False, "flank_element_mm": 2},
                 }
             )
         )

@@ -23,7 +23,7 @@ from flankload.plot import (
     plot_transmission_error,
 )
 from flankload.plot.style import new_figure, png_of
-from flankload.result import Result
+from flankload.result import Result, TorqueSeries
 from flankload.scene import Load
 from tests.support.made_up_result import made_up_result
 from tests.support.paths import SCENES
@@ -448,3 +448,14 @@ def test_name_is_drawn_as_it_is_written(result: Result) -> None:
     figure = plot_transmission_error(replace(result, name="a$b$c\n d"))
     assert "a$b$c d, 302 N m" in words(figure.axes[0])
     assert not figure.axes[0].title.get_parse_math()
+
+
+def test_torques_of_a_list_have_their_own_folders(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("flankload.plot._of_flanks", lambda _: ("stiffness",))
+    found = TorqueSeries([made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0)])
+    paths = plot.plot_all(found, tmp_path)
+    folders = ["torque_100_Nm", "torque_302_Nm"]
+    assert paths == tuple(tmp_path / name / "stiffness.png" for name in folders)
+    assert all(path.exists() for path in paths)

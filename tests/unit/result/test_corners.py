@@ -12,7 +12,7 @@ from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES
 from tests.support.solving import solve
 
-COARSE = {"flank_element_mm": 2.0, "estimate": False}
+COARSE = {"flank_element_mm": 2.0, "estimate": False, "tangents": False}
 ROUND = {"tip_radius_mm": 0.5}
 RELIEF = {"tip_relief_um": 20, "tip_relief_start_diameter_mm": 80.0, **ROUND}
 CHAMFER = {"tip_chamfer_mm": 0.3}

@@ -120,6 +120,18 @@ def test_a_misspelt_keyword_is_refused_by_name() -> None:
         fl.Gear(teeth=3)
 
 
+def test_the_number_of_positions_counts_as_set_even_at_its_default() -> None:
+    tree = fl.read_scene(SCENES / "spline.toml").to_dict()
+    spline = fl.Spline(
+        body(tree["body_1"]),
+        body(tree["body_2"]),
+        face_width_mm=10,
+        torque_Nm=100,
+        positions=fl.Positions(count=32),
+    )
+    assert spline.to_scene().positions.count == 32  # concentric: one position by default
+
+
 def test_every_form_of_a_scene_is_the_same_scene(tmp_path: Path) -> None:
     pair = gear_pair(name="pair")
     file = tmp_path / "pair.toml"

@@ -93,10 +93,10 @@ def short_ladders() -> Iterator[None]:
         finest = {"flank_element_mm": 0.5, "strips_per_half_width": 20.0, "count": 2.0}
         patch.setattr(refinements, "FINEST", (finest,))
         patch.setattr(refinements, "SPATIAL_ELEMENTS", (3.0, 1.0))
-        patch.setattr(refinements, "AXIAL_DEGREES", (6, 8))
-        patch.setattr(refinements, "LOAD_DEGREES", (2, 4))
+        patch.setattr(refinements, "AXIAL_DEGREES", (5, 6))
+        patch.setattr(refinements, "LOAD_DEGREES", (1, 2))
         patch.setattr(refinements, "SLICES", (7, 14, 28))
-        finest = {"flank_element_mm": 1.0, "axial_degree": 8, "load_degree_z": 4, "count": 2.0}
+        finest = {"flank_element_mm": 1.0, "axial_degree": 6, "load_degree_z": 2, "count": 2.0}
         patch.setattr(refinements, "SPATIAL_FINEST", (finest,))
         for room in (refinements, reference, combinations):
             patch.setattr(room, "ADAPTIVE", (0.03,), raising=False)

@@ -324,7 +324,7 @@ def test_weighted_sums_of_harmonics_and_torques() -> None:
     changes = dict.fromkeys(AMOUNT["paths"], optimum.variables[0].after)
     for sign in (-1, 1):
         near = fl.solve(pair.replace({key: x + sign * step for key, x in changes.items()}))
-        one, two = (result.summary["transmission_error_mesh_harmonics_um"] for result in near)
+        one, two = near.summary["transmission_error_mesh_harmonics_um"]
         beside = 2 * (one[0] + 0.5 * one[1]) + two[0] + 0.5 * two[1]
         assert beside > optimum.objective * (1 - 1e-3)
 

@@ -66,7 +66,7 @@ def plain_plan() -> Plan:
 def planned(example: str) -> tuple[fl.Scene, Plan]:
     """An example at few positions, with wide cells and without estimate; its plan, levels too."""
     scene = fl.read_scene(SCENES / f"{example}.toml")
-    accuracy = structs.replace(scene.accuracy, estimate=False)
+    accuracy = structs.replace(scene.accuracy, estimate=False, tangents=False)
     if "spline" in example:
         accuracy = structs.replace(accuracy, strips_per_half_width=4)
     positions = structs.replace(scene.positions, count=min(6, scene.positions.count))
@@ -291,6 +291,7 @@ SPATIAL: dict[str, Any] = {
     "pair__deviation_um_per_mm": 2.0,
     "positions__count": 4,
     "accuracy__estimate": False,
+    "accuracy__tangents": False,
     "accuracy__flank_element_mm": 2.25,
     "accuracy__axial_degree": 6,
     "accuracy__load_degree_z": 2,
@@ -341,7 +342,7 @@ def test_sizes_in_three_dimensions_are_those_of_two_runs(name: str) -> None:
 
 def test_a_plane_scene_is_told_what_three_dimensions_change() -> None:
     """Beside two runs at the default: +4.2 % of the rotation, K_Hbeta 1.02."""
-    scene = scene_of(positions__count=4, accuracy__estimate=False)
+    scene = scene_of(positions__count=4, accuracy__estimate=False, accuracy__tangents=False)
     row = fl.plan(scene, dimension=True).effect("three_dimensions")
     assert not row.on
     assert row.size is not None

@@ -42,7 +42,9 @@ SAMPLED = 0.011
 
 def scene_of(name: str = "external_gear", **more: object) -> fl.Scene:
     tree = {**_tables(name), **more}
-    accuracy = {"flank_element_mm": 2.25, "estimate": False} if "gear" in name else {}
+    accuracy = (
+        {"flank_element_mm": 2.25, "estimate": False, "tangents": False} if "gear" in name else {}
+    )
     tree["accuracy"] = {**accuracy, **tree.get("accuracy", {})}
     return fl.Scene.from_dict(tree)
 
@@ -542,7 +544,7 @@ def test_coarse_deck_gives_rotation_and_loads() -> None:
             "pair": {"center_distance_mm": 50.3, "face_width_mm": 10},
             "load": {"torque_Nm": 60},
             "positions": {"count": 4},
-            "accuracy": {"estimate": False},
+            "accuracy": {"estimate": False, "tangents": False},
         }
     )
     found = fl.verify(scene, position=2, elements_per_half_width=1.5)

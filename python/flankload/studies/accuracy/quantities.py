@@ -85,7 +85,7 @@ def quantities_of(results: Result | Sequence[Result]) -> Quantities:
     -------
     dict of arrays
     """
-    parts = results if isinstance(results, Sequence) else (results,)
+    parts = results if isinstance(results, Sequence) else results.by_torque
     sites = np.unique(np.concatenate([r.sites for r in parts]))  # each torque has its own sites
 
     def over_sites(r: Result, values: Floats) -> Floats:
