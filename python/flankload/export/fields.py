@@ -79,10 +79,11 @@ def write_vtu(
     for result in several:
         part = f"torque_{result.torque_Nm:g}_Nm" if len(several) > 1 else ""
         _write_torque(Path(folder) / part, result, bodies, chosen)
+    places = f"{len(chosen)} position{'s' * (len(chosen) != 1)}"
     return tuple(
         f"{name}: {found}"
         if isinstance(found, str)
-        else f"{name}: {len(found.loaded.nodes)} nodes at {len(chosen)} positions"
+        else f"{name}: {len(found.loaded.nodes)} nodes at {places}"
         for name, found in bodies.items()
     )
 
