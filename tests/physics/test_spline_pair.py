@@ -217,10 +217,13 @@ def test_wind_up_converges_with_the_elements() -> None:
 
 
 def test_wind_up_and_edge_pressure_converge_with_the_cells() -> None:
-    """Rounded edges have a largest pressure; sharp ones only a wind-up."""
-    fine = solved(ROUNDED, ROUNDED, strips_per_half_width=40)
+    """Rounded edges have a largest pressure; sharp ones only a wind-up. Twelve teeth: few cells."""
+    few = {"teeth": 12, "module_mm": 4.0, "tip_radius_mm": 0.4}
+    shaft = {**few, "tip_diameter_mm": 51.2, "root_diameter_mm": 42.4}
+    hub = {**few, "tip_diameter_mm": 44.4, "root_diameter_mm": 53.6}
+    fine = solved(shaft, hub, strips_per_half_width=40)
     for strips, turn, peak in ((5, 2e-4, 0.2), (10, 5e-5, 0.1), (20, 5e-5, 0.05)):
-        found = solved(ROUNDED, ROUNDED, strips_per_half_width=strips)
+        found = solved(shaft, hub, strips_per_half_width=strips)
         np.testing.assert_allclose(found.rotation_rad, fine.rotation_rad, rtol=turn)
         np.testing.assert_allclose(found.peak_pressure_MPa, fine.peak_pressure_MPa, rtol=peak)
 

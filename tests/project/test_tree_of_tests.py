@@ -18,10 +18,10 @@ PROGRAM = re.compile(r"^\s*(?:from|import)\s+(?:[\w.]*\.)?(?:test_\w+|conftest)\
 TESTED = {"benchmarks", "mutations"}
 
 
-def imported(module: Path, text: str) -> Iterator[str]:
+def imported(module: Path, nodes: list[ast.AST]) -> Iterator[str]:
     """Dotted names of all that a module imports, anywhere in it."""
     folder = module.relative_to(ROOT).parent.parts
-    for node in ast.walk(ast.parse(text)):
+    for node in nodes:
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -34,14 +34,15 @@ def faults_of(module: Path, text: str) -> list[str]:
     """What a module imports that it must not."""
     own = module.relative_to(TESTS).parts[0]
     allowed = {"support", own} | (TESTED if own == "project" else set())
+    nodes = list(ast.walk(ast.parse(text)))
     found = []
-    for name in imported(module, text):
+    for name in imported(module, nodes):
         parts = name.split(".")
         if any(re.fullmatch(r"test_\w+|conftest", part) for part in parts[:3] + parts[-2:]):
             found.append(f"imports a test: {name}")
         elif parts[0] == "tests" and len(parts) > 1 and parts[1] not in allowed:
             found.append(f"imports from {parts[1]}: {name}")
-    strings = (node.value for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Constant))
+    strings = (node.value for node in nodes if isinstance(node, ast.Constant))
     programs = [text for text in strings if isinstance(text, str) and PROGRAM.search(text)]
     return found + [f"a program imports a test: {program!r}" for program in programs]
 

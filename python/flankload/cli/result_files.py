@@ -39,8 +39,14 @@ def places_of(arguments: Namespace) -> Iterator[tuple[str, Path]]:
             yield f"--{key}", getattr(arguments, key)
 
 
-def check_outputs(arguments: Namespace) -> None:
+def check_outputs(arguments: Namespace, formats: Sequence[str]) -> None:
     """Refuse outputs that could not be written, before the computation.
+
+    Parameters
+    ----------
+    arguments : Namespace
+    formats : sequence of str
+        Of the plots.
 
     Raises
     ------
@@ -62,7 +68,8 @@ def check_outputs(arguments: Namespace) -> None:
         expected = "the package openpyxl: pip install 'flankload[xlsx]'"
         raise SceneError(key="--xlsx", expected=expected, found="none")
     if arguments.plot is not None:
-        check_folder("--plot", arguments.plot, content="PNG files")
+        kinds = " and ".join(kind.upper() for kind in formats)
+        check_folder("--plot", arguments.plot, content=f"{kinds} files")
     if arguments.vtu is not None:
         check_folder("--vtu", arguments.vtu, content="VTU files")
     csv_form(arguments.csv_format)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import sys
 from functools import partial
+from importlib import import_module
 from pathlib import Path
-from threading import Timer
+from threading import Thread, Timer
 from typing import TYPE_CHECKING, Any, Self
 
+from flankload.cli.drawing import plot_options
 from flankload.cli.outputs import STDOUT, check_apart, check_folder
 from flankload.cli.result_files import check_outputs, files_of, places_of, write_files
 
@@ -16,7 +18,6 @@ if TYPE_CHECKING:
     from argparse import Namespace
 
     from flankload.mechanisms.duration import Duration
-    from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.plan import Plan
 
@@ -29,21 +30,29 @@ LONG_S = 10.0
 
 def run(arguments: Namespace) -> None:
     """Solve a scene; write and print the results."""
-    check_outputs(arguments)
+    options = plot_options(arguments)
+    check_outputs(arguments, options["formats"])
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
     check_apart(places_of(arguments), scene)
     from flankload.api import solve
 
+    if arguments.plot is not None:  # its import needs a third of the time of a small run
+        Thread(target=import_module, args=("flankload.plot",), daemon=True).start()
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
         plan = _plan(scene, progress) if arguments.cost else None
         announce = None if arguments.quiet else partial(_announce, progress)
         found = solve(scene, progress=progress.tell, plan=plan, on_duration=announce)
     results = found.by_torque
+    pictures: tuple[Path, ...] = ()
     if arguments.plot is not None:
-        _plot(results, arguments.plot)
+        from flankload.plot import plot_all
+
+        pictures = plot_all(results, arguments.plot, **options)
     said = write_files(arguments, scene, results, listed=found.has_torque_list)
+    if pictures:
+        said += [f"wrote {path}" for path in pictures]
     from flankload.result import results_to_text
 
     texts = [] if arguments.quiet else [results_to_text(results)]
@@ -67,14 +76,6 @@ def _plan(scene: Scene, progress: Progress) -> Plan:
 
     progress.tell("plan", 0, 1)
     return plan(scene)
-
-
-def _plot(results: tuple[Result, ...], folder: Path) -> None:
-    from flankload.plot import plot_all
-
-    for result in results:
-        several = len(results) > 1
-        plot_all(result, folder / f"torque_{result.torque_Nm:g}_Nm" if several else folder)
 
 
 class Progress:

@@ -16,6 +16,7 @@ from flankload.result.cost_table import cost_table
 from flankload.result.csv_form import CsvForm
 from flankload.result.export import results_to_csv, results_to_json, to_xarray
 from flankload.result.frames import pairs_frame, positions_frame, summary_frame
+from flankload.result.plotting import Plots
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.table import texts_of
 from flankload.result.workbook import results_to_xlsx
@@ -103,6 +104,11 @@ class ResultForms(Card, KeepsReadOnly):
         for key, source in FIGURES.items():
             yield key, _figure(every, key, source)
         yield "warnings", f"{len(self.warnings)}{': see result.warnings' * bool(self.warnings)}"
+
+    @property
+    def plot(self) -> Plots:
+        """Plots by name: `result.plot.transmission_error(axes)`, `result.plot.all(folder)`."""
+        return Plots(self)
 
     def stiffness_table(self) -> StiffnessTable:
         """Return stiffness and transmission error over the period, for multibody programs."""
