@@ -181,7 +181,10 @@ def test_wind_up_is_that_of_plain_elements(
     bodies = (soft, rigid) if z == 0 else (rigid, soft)
     keys = {"positions": {"angles_deg": [angle]}, "load": {"torque_Nm": torque}}
     result, pair, stand = solved(lift_and_dwell(), *bodies, **keys)
-    fine = {**keys, "accuracy": {"estimate": False, "tangents": False, "flank_element_mm": element_mm}}
+    fine = {
+        **keys,
+        "accuracy": {"estimate": False, "tangents": False, "flank_element_mm": element_mm},
+    }
     plain = build_bodies(fl.Scene.from_dict(cam_scene(lift_and_dwell(), *bodies, **fine)))
     table = result.pairs(0)
     one = np.stack([table.x_mm, table.y_mm], axis=1)

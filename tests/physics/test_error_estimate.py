@@ -23,8 +23,8 @@ from tests.support.solving import solve
 
 #: Scenes of the benchmark that are looked at here: gears, and a ring.
 SAMPLE = (6, 25)
-#: Refinement of elements, cells and positions. Elements half as long change the true errors of these
-#: two scenes by less than 1e-3 and take five times as long.
+#: Refinement of elements, cells and positions. Elements half as long change the true errors of
+#: these two scenes by less than 1e-3 and take five times as long.
 FINER = (4, 4, 4)
 #: What their numbers reach together; of all scenes it is 95 % and 80 %.
 LEAST_COVERED, LEAST_NEAR = 0.85, 0.75

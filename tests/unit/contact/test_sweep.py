@@ -237,7 +237,9 @@ def test_stiffer_material_scales_the_rotation() -> None:
 def test_plane_stress_is_softer() -> None:
     """The reduced modulus alone gives 1/(1 - nu²) = 10 %; measured 6 … 9 % in the rotation."""
     strain, stress = (
-        solved(accuracy={"plane": plane, "estimate": False, "tangents": False}, positions={"count": 4})
+        solved(
+            accuracy={"plane": plane, "estimate": False, "tangents": False}, positions={"count": 4}
+        )
         for plane in ("strain", "stress")
     )
     ratio = stress.rotation_rad / strain.rotation_rad

@@ -244,7 +244,9 @@ def test_stress_is_linear_in_the_torque_where_the_contact_stays_one_pair() -> No
 
 def test_stress_of_a_spline_without_errors_is_the_same_on_every_tooth() -> None:
     scene = {**SPLINE, "load": {"torque_Nm": 50.0}, "effects": {"root_stress": True}}
-    result = fl.solve(fl.Scene.from_dict({**scene, "accuracy": {"estimate": False, "tangents": False}}))
+    result = fl.solve(
+        fl.Scene.from_dict({**scene, "accuracy": {"estimate": False, "tangents": False}})
+    )
     assert isinstance(result, Result)
     for stress in result.root_stress:
         assert stress is not None

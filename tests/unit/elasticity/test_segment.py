@@ -140,7 +140,10 @@ def test_bodies_stay_elastic_however_little_of_them_yields() -> None:
 
 @cache
 def solved(*effects: tuple[str, Any], body: str = "") -> fl.Result:
-    tables: dict[str, Any] = {"effects": dict(effects), "accuracy": {"estimate": False, "tangents": False}}
+    tables: dict[str, Any] = {
+        "effects": dict(effects),
+        "accuracy": {"estimate": False, "tangents": False},
+    }
     scene = example(body) if body else {**GEARS, "positions": {"count": 16}}
     return fl.solve(fl.Scene.from_dict({**scene, **tables}))
 

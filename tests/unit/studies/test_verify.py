@@ -42,7 +42,9 @@ SAMPLED = 0.011
 
 def scene_of(name: str = "external_gear", **more: object) -> fl.Scene:
     tree = {**_tables(name), **more}
-    accuracy = {"flank_element_mm": 2.25, "estimate": False, "tangents": False} if "gear" in name else {}
+    accuracy = (
+        {"flank_element_mm": 2.25, "estimate": False, "tangents": False} if "gear" in name else {}
+    )
     tree["accuracy"] = {**accuracy, **tree.get("accuracy", {})}
     return fl.Scene.from_dict(tree)
 
