@@ -30,6 +30,7 @@ def printed_by(run: object) -> str:
         "docs/guide/contact_problems.md",
         "docs/guide/derivatives.md",
         "docs/guide/optimisation.md",
+        "docs/guide/pictures.md",
         "docs/guide/python.md",
         "docs/guide/robust_design.md",
         "docs/guide/variations.md",

@@ -164,6 +164,18 @@ def _add_run(commands: Any) -> None:
     )
     parser.add_argument("--plot", metavar="DIR", type=Path, help="write plots to this folder")
     parser.add_argument(
+        "--format", dest="formats", metavar="F,…", action="append", default=[],
+        help="format of the plots: png, svg, pdf, or several; may be repeated; default: png",
+    )  # fmt: skip
+    parser.add_argument(
+        "--dpi", metavar="N", help="pixels per inch of PNG files, 30 to 1200; default: 160"
+    )
+    parser.add_argument(
+        "--size", metavar="WxH",
+        help="width and height of a plot in mm; plots with several panels keep their ratio to it; "
+        "default: 183x107",
+    )  # fmt: skip
+    parser.add_argument(
         "--cost", action="store_true", help="print predicted and actual cost of each stage"
     )
     parser.add_argument("--quiet", action="store_true", help="print no table and no progress")

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import sys
 from functools import partial
+from importlib import import_module
 from pathlib import Path
-from threading import Timer
+from threading import Thread, Timer
 from typing import TYPE_CHECKING, Any, Self
 
+from flankload.cli.drawing import plot_options
 from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder
 from flankload.errors import SceneError
 
@@ -30,20 +32,26 @@ LONG_S = 10.0
 
 def run(arguments: Namespace) -> None:
     """Solve a scene; write and print the results."""
-    _check_outputs(arguments)
+    options = plot_options(arguments)
+    _check_outputs(arguments, options["formats"])
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
     check_apart(_places(arguments), scene)
     from flankload.api import solve
 
+    if arguments.plot is not None:  # its import needs a third of the time of a small run
+        Thread(target=import_module, args=("flankload.plot",), daemon=True).start()
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
         plan = _plan(scene, progress) if arguments.cost else None
         announce = None if arguments.quiet else partial(_announce, progress)
         found = solve(scene, progress=progress.tell, plan=plan, on_duration=announce)
     results = found.by_torque
+    pictures: tuple[Path, ...] = ()
     if arguments.plot is not None:
-        _plot(results, arguments.plot)
+        from flankload.plot import plot_all
+
+        pictures = plot_all(results, arguments.plot, **options)
     from flankload.result import results_to_csv, results_to_json, results_to_text
 
     for path, text_of in ((arguments.json, results_to_json), (arguments.csv, results_to_csv)):
@@ -56,6 +64,8 @@ def run(arguments: Namespace) -> None:
     texts = [] if arguments.quiet else [results_to_text(results)]
     if arguments.cost:  # for all torques together
         texts.append(results[0].cost_table())
+    if pictures and not arguments.quiet:
+        texts.append("\n".join(f"wrote {path}" for path in pictures))
     if texts and STDOUT not in _files(arguments).values():
         print("\n\n".join(texts))
 
@@ -84,7 +94,7 @@ def _files(arguments: Namespace) -> dict[str, str]:
     return {key: path for key, path in named.items() if path is not None}
 
 
-def _check_outputs(arguments: Namespace) -> None:
+def _check_outputs(arguments: Namespace, formats: tuple[str, ...]) -> None:
     """Refuse outputs that could not be written, before the computation."""
     printed = [key for key, path in _files(arguments).items() if path == STDOUT]
     if len(printed) > 1:
@@ -95,7 +105,8 @@ def _check_outputs(arguments: Namespace) -> None:
         if path != STDOUT:
             check_file(key, Path(path))
     if arguments.plot is not None:
-        check_folder("--plot", arguments.plot, content="PNG files")
+        kinds = " and ".join(kind.upper() for kind in formats)
+        check_folder("--plot", arguments.plot, content=f"{kinds} files")
 
 
 def _places(arguments: Namespace) -> Iterator[tuple[str, Path]]:
@@ -115,14 +126,6 @@ def _write_stiffness(results: tuple[Result, ...], path: str) -> None:
         print(table.to_csv(), end="")
     else:
         table.to_csv(path)
-
-
-def _plot(results: tuple[Result, ...], folder: Path) -> None:
-    from flankload.plot import plot_all
-
-    for result in results:
-        several = len(results) > 1
-        plot_all(result, folder / f"torque_{result.torque_Nm:g}_Nm" if several else folder)
 
 
 class Progress:

@@ -1,34 +1,69 @@
 """Plots for a report; the only package that imports matplotlib.
 
 Figures are created as objects (no pyplot, no global state) and drawn on the Agg canvas, so they are
-the same with and without a screen.
+the same with and without a screen. Each plot is a pair: `draw_…(axes, results)` draws on any Axes,
+`plot_…(results)` returns a figure with title and margins.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from flankload.base.files import write_atomically
 from flankload.plot.belt import (
+    draw_belt_on_pulley,
+    draw_force_through_wrap,
+    draw_load_around_wrap,
+    draw_tension_around_wrap,
     plot_belt_on_pulley,
     plot_force_through_wrap,
     plot_load_around_wrap,
 )
-from flankload.plot.chain import plot_chain_on_sprocket, plot_tensions
+from flankload.plot.chain import (
+    draw_chain_on_sprocket,
+    draw_tensions,
+    plot_chain_on_sprocket,
+    plot_tensions,
+)
 from flankload.plot.curves import (
+    draw_follower_motion,
+    draw_load_sharing,
+    draw_peak_pressure,
+    draw_transmission_error,
     plot_follower_motion,
     plot_load_sharing,
     plot_peak_pressure,
     plot_transmission_error,
 )
 from flankload.plot.design_study import study_figures, write_study
-from flankload.plot.flank_forces import plot_flank_forces
-from flankload.plot.loaded_pair import plot_loaded_pair
-from flankload.plot.profile_deviation import plot_profile_deviation
-from flankload.plot.root_stress import plot_root_stress
-from flankload.plot.slices import plot_contact_pattern, plot_line_load, plot_line_load_map
-from flankload.plot.stiffness import plot_stiffness
+from flankload.plot.diameters import (
+    draw_pressure_over_diameter,
+    path_on_flank,
+    plot_pressure_over_diameter,
+)
+from flankload.plot.figures import as_results, fit
+from flankload.plot.flank_forces import draw_flank_forces, plot_flank_forces
+from flankload.plot.load_map import draw_load_map, plot_load_map
+from flankload.plot.loaded_pair import draw_loaded_pair, plot_loaded_pair
+from flankload.plot.profile_deviation import draw_profile_deviation, plot_profile_deviation
+from flankload.plot.root_stress import draw_root_stress, plot_root_stress
+from flankload.plot.slices import (
+    draw_contact_pattern,
+    draw_line_load,
+    draw_line_load_map,
+    plot_contact_pattern,
+    plot_line_load,
+    plot_line_load_map,
+)
+from flankload.plot.spectrum import (
+    draw_transmission_error_spectrum,
+    plot_transmission_error_spectrum,
+    spectrum,
+)
+from flankload.plot.stiffness import draw_stiffness, plot_stiffness
 from flankload.plot.study_axes import (
     draw_bands,
     draw_curve,
@@ -37,23 +72,60 @@ from flankload.plot.study_axes import (
     draw_over_torque,
     draw_pareto,
 )
-from flankload.plot.style import png_of
-from flankload.plot.whole_circle import plot_flank_pressure, plot_load_per_tooth
+from flankload.plot.style import FORMATS, SIZE, file_of, png_of
+from flankload.plot.torque_sweep import draw_torque_sweep, plot_torque_sweep
+from flankload.plot.whole_circle import (
+    draw_flank_pressure,
+    draw_load_per_tooth,
+    plot_flank_pressure,
+    plot_load_per_tooth,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from flankload.result import Result
 
 __all__ = [
+    "DRAWINGS",
+    "FORMATS",
+    "PICTURES",
     "draw_bands",
+    "draw_belt_on_pulley",
+    "draw_chain_on_sprocket",
+    "draw_contact_pattern",
     "draw_curve",
+    "draw_flank_forces",
+    "draw_flank_pressure",
+    "draw_follower_motion",
+    "draw_force_through_wrap",
     "draw_histogram",
+    "draw_line_load",
+    "draw_line_load_map",
+    "draw_load_around_wrap",
+    "draw_load_map",
+    "draw_load_per_tooth",
+    "draw_load_sharing",
+    "draw_loaded_pair",
     "draw_map",
+    "draw_on",
     "draw_over_torque",
     "draw_pareto",
+    "draw_peak_pressure",
+    "draw_pressure_over_diameter",
+    "draw_profile_deviation",
+    "draw_root_stress",
+    "draw_stiffness",
+    "draw_tension_around_wrap",
+    "draw_tensions",
+    "draw_torque_sweep",
+    "draw_transmission_error",
+    "draw_transmission_error_spectrum",
+    "file_of",
+    "pictures_of",
     "plot_all",
     "plot_belt_on_pulley",
     "plot_chain_on_sprocket",
@@ -65,28 +137,39 @@ __all__ = [
     "plot_line_load",
     "plot_line_load_map",
     "plot_load_around_wrap",
+    "plot_load_map",
     "plot_load_per_tooth",
     "plot_load_sharing",
     "plot_loaded_pair",
     "plot_peak_pressure",
+    "plot_pressure_over_diameter",
     "plot_profile_deviation",
     "plot_root_stress",
     "plot_stiffness",
     "plot_tensions",
+    "plot_torque_sweep",
     "plot_transmission_error",
+    "plot_transmission_error_spectrum",
+    "png_of",
     "study_figures",
     "write_study",
 ]
 
+MM_PER_INCH = 25.4
+
 
 #: All plots by name.
-PICTURES: dict[str, Callable[[Result], Figure]] = {
+PICTURES: dict[str, Callable[..., Figure]] = {
     "transmission_error": plot_transmission_error,
+    "transmission_error_spectrum": plot_transmission_error_spectrum,
     "load_sharing": plot_load_sharing,
     "peak_pressure": plot_peak_pressure,
+    "pressure_over_diameter": plot_pressure_over_diameter,
+    "load_map": plot_load_map,
     "loaded_pair": plot_loaded_pair,
     "flank_forces": plot_flank_forces,
     "stiffness": plot_stiffness,
+    "torque_sweep": plot_torque_sweep,
     "profile_deviation": plot_profile_deviation,
     "follower_motion": plot_follower_motion,
     "load_per_tooth": plot_load_per_tooth,
@@ -101,52 +184,158 @@ PICTURES: dict[str, Callable[[Result], Figure]] = {
     "chain_on_sprocket": plot_chain_on_sprocket,
     "tensions": plot_tensions,
 }
+#: The functions that draw them on given Axes; of several panels they draw one.
+DRAWINGS: dict[str, Callable[..., None]] = {
+    "transmission_error": draw_transmission_error,
+    "transmission_error_spectrum": draw_transmission_error_spectrum,
+    "load_sharing": draw_load_sharing,
+    "peak_pressure": draw_peak_pressure,
+    "pressure_over_diameter": draw_pressure_over_diameter,
+    "load_map": draw_load_map,
+    "loaded_pair": draw_loaded_pair,
+    "flank_forces": draw_flank_forces,
+    "stiffness": draw_stiffness,
+    "torque_sweep": draw_torque_sweep,
+    "profile_deviation": draw_profile_deviation,
+    "follower_motion": draw_follower_motion,
+    "load_per_tooth": draw_load_per_tooth,
+    "flank_pressure": draw_flank_pressure,
+    "root_stress": draw_root_stress,
+    "line_load": draw_line_load,
+    "line_load_map": draw_line_load_map,
+    "contact_pattern": draw_contact_pattern,
+    "belt_on_pulley": draw_belt_on_pulley,
+    "load_around_wrap": draw_load_around_wrap,
+    "force_through_wrap": draw_force_through_wrap,
+    "chain_on_sprocket": draw_chain_on_sprocket,
+    "tensions": draw_tensions,
+}
 
 
-def plot_all(result: Result, directory: str | Path) -> tuple[Path, ...]:
-    """Write the plots of a result, all or none.
+def plot_all(
+    results: Result | Sequence[Result],
+    directory: str | Path,
+    *,
+    formats: Sequence[str] = ("png",),
+    dpi: float | None = None,
+    size_mm: tuple[float, float] | None = None,
+) -> tuple[Path, ...]:
+    """Write the plots that suit the results, all or none.
 
     Parameters
     ----------
-    result : Result
-        With a list of torques, each has its own folder in the directory: torque_302_Nm.
+    results : Result, or sequence of Result
+        Of one scene, one per torque. Plots over positions have a curve per torque; plots of one
+        torque show the largest.
     directory : path
         Created if it does not exist.
+    formats : sequence of {"png", "svg", "pdf"}
+    dpi : float, optional
+        Pixels per inch of PNG files; by default 160.
+    size_mm : (float, float), optional
+        Width and height of a plot with one panel; others keep their ratio to it. By default 183 by
+        107 mm.
 
     Returns
     -------
     tuple of Path
-        transmission_error.png, load_sharing.png, peak_pressure.png, loaded_pair.png (of
-        three-dimensional bodies over their face width); stiffness.png if there is a torque;
-        flank_forces.png if coast flanks can carry load; profile_deviation.png if a body has an
-        involute; for loaded three-dimensional bodies line_load.png, line_load_map.png and
-        contact_pattern.png. For a follower on its cam follower_motion.png replaces
-        load_sharing.png. For bodies with contact all around: load_per_tooth.png,
-        flank_pressure.png, loaded_pair.png, and for several positions transmission_error.png. For
-        all of these root_stress.png if stress is requested. For a chain: transmission_error.png,
-        chain_on_sprocket.png, tensions.png and stiffness.png. For a belt: belt_on_pulley.png and
-        load_around_wrap.png, for several positions also transmission_error.png and
-        force_through_wrap.png.
+        Names of `pictures_of` with the suffixes of the formats.
 
     Raises
     ------
+    ValueError
+        If a format is unknown.
     OSError
         If the directory cannot be created or a file cannot be written.
     """
-    if result.has_torque_list:
-        folders = {Path(directory) / f"torque_{r.torque_Nm:g}_Nm": r for r in result.by_torque}
-        return tuple(path for place, one in folders.items() for path in plot_all(one, place))
-    names = result.drive.pictures(result) if result.drive is not None else _of_flanks(result)
-    if any(stress is not None for stress in result.root_stress):
-        names = (*names, "root_stress")
-    pictures = {f"{name}.png": PICTURES[name] for name in names}
+    if unknown := [kind for kind in formats if kind not in FORMATS]:
+        raise ValueError(f"formats: expected {', '.join(FORMATS)}, found {unknown[0]!r}")
+    folder, drawn = Path(directory), {}
     # Every plot is drawn before the first is written.
-    drawn = {name: png_of(picture(result)) for name, picture in pictures.items()}
-    folder = Path(directory)
+    several = as_results(results)
+    for name in pictures_of(several):
+        figure = PICTURES[name](_suited(name, several))
+        if size_mm is not None:
+            scale = np.array(size_mm) / MM_PER_INCH / SIZE
+            figure.set_size_inches(*(figure.get_size_inches() * scale))
+            fit(figure)
+        for kind in dict.fromkeys(formats):
+            drawn[f"{name}.{kind}"] = file_of(figure, kind, dpi)
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in drawn.items():
         write_atomically(folder / name, content)
     return tuple(folder / name for name in drawn)
+
+
+def draw_on(
+    name: str, results: Result | Sequence[Result], axes: Axes | None, **options: Any
+) -> Axes:
+    """Draw a plot on given Axes, or on those of a new figure.
+
+    Parameters
+    ----------
+    name : str
+        One of `PICTURES`.
+    results : Result, or sequence of Result
+    axes : matplotlib.axes.Axes or None
+        With None, a new figure with title and margins; of several panels, the first one, unless
+        options choose another.
+    **options
+        Of the function `draw_…`.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    shown = as_results(results)
+    if axes is not None:
+        DRAWINGS[name](axes, shown, **options)
+        return axes
+    return PICTURES[name](shown, **options).axes[0]
+
+
+def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
+    """Names of the plots that suit the results.
+
+    Parameters
+    ----------
+    results : Result, or sequence of Result
+        Of one scene, one per torque.
+
+    Returns
+    -------
+    tuple of str
+        Flank pairs: transmission_error, load_sharing (for a follower on its cam follower_motion),
+        peak_pressure, loaded_pair; stiffness if there is a torque; flank_forces if coast flanks can
+        carry load; profile_deviation if a body has an involute, pressure_over_diameter if both
+        have; loaded three-dimensional bodies: line_load, line_load_map and contact_pattern. Contact
+        all around: load_per_tooth, flank_pressure, loaded_pair, and for several positions
+        transmission_error. Chains: transmission_error, chain_on_sprocket, tensions and stiffness.
+        Belts: belt_on_pulley, load_around_wrap, and for several positions transmission_error and
+        force_through_wrap. All: load_map for several positions, transmission_error_spectrum if
+        these cover the period, root_stress if requested, torque_sweep for several torques.
+    """
+    shown = as_results(results)
+    found = {name: None for result in shown for name in _names(result)}
+    return (*found, *["torque_sweep"] * (len(shown) > 1))
+
+
+def _suited(name: str, results: Sequence[Result]) -> Sequence[Result]:
+    """The results that a plot shows: with load for a stiffness, for instance."""
+    return [result for result in results if name in _names(result)] or results
+
+
+def _names(result: Result) -> tuple[str, ...]:
+    """Plots of one result, without those of several torques."""
+    own = result.drive.pictures(result) if result.drive is not None else _of_flanks(result)
+    several = result.position_rad.size > 1
+    turns = "transmission_error" in own and not (result.whole_circle or result.has_cam)
+    return (
+        *own,
+        *["transmission_error_spectrum"] * (turns and spectrum(result)[0].size > 0),
+        *["load_map"] * (several and not result.has_cam),
+        *["root_stress"] * any(stress is not None for stress in result.root_stress),
+    )
 
 
 def _of_flanks(result: Result) -> tuple[str, ...]:
@@ -155,15 +344,17 @@ def _of_flanks(result: Result) -> tuple[str, ...]:
     if result.whole_circle:
         names = ("load_per_tooth", "flank_pressure", "loaded_pair")
         return (*names, *["transmission_error"] * several)
+    loaded = result.torque_Nm > 0
     profiles = any(profile is not None for profile in result.drawing.profiles)
-    carries_in_slices = result.slices is not None and result.torque_Nm > 0
+    path = several and loaded and path_on_flank(result, 1) is not None
     return (
         "transmission_error",
         "follower_motion" if result.has_cam else "load_sharing",
         "peak_pressure",
+        *["pressure_over_diameter"] * path,
         "loaded_pair",
         *["flank_forces"] * (result.coast is not None),
-        *["stiffness"] * (result.torque_Nm > 0),
+        *["stiffness"] * loaded,
         *["profile_deviation"] * profiles,
-        *["line_load", "line_load_map", "contact_pattern"] * carries_in_slices,
+        *["line_load", "line_load_map", "contact_pattern"] * (result.slices is not None and loaded),
     )

@@ -1,32 +1,40 @@
-"""Curves over the positions: transmission error, load sharing, peak pressure."""
+"""Curves over the positions: transmission error, load sharing, peak pressure, follower."""
 
 from __future__ import annotations
 
-from math import degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator, MultipleLocator
 
+from flankload.plot.figures import heaviest, label_curves, legend_below, one_panel
+from flankload.plot.positions import (
+    MOST_MARKS,
+    curve,
+    label_positions,
+    legend_of_pairs,
+    lifted,
+    marks,
+    pair_curve,
+    through_uneven,
+    way_curve,
+)
 from flankload.plot.style import (
-    COLOURS,
+    BODIES,
+    FORCE,
     GREY,
-    SIZE,
-    STYLE,
     at_corner,
     colour_of,
     loaded_sites,
-    new_figure,
     pair_name,
-    subtitle,
+    torque_colours,
 )
-from flankload.result.harmonics import over_positions
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from flankload.result import Result
@@ -35,100 +43,177 @@ if TYPE_CHECKING:
 #: are roundoff.
 LEAST_SPAN_UM = 1e-3
 LEAST_SPAN_PART = 5e-3
-#: Largest number of uneven positions with markers; more of them look like a line.
-MOST_MARKS = 400
-#: Largest number of pairs that are named one by one.
-MOST_NAMED = 12
-#: Points of a plotted curve on each of its pieces.
-CURVE_STEPS = 8
+#: Lines at values that mean nothing.
+DASHED: dict[str, Any] = {"linewidth": 1.1, "linestyle": (0, (3, 2))}
+ON_SHARP = "a pair carries on a sharp corner"
+ON_CORNER = "dashed: on a sharp corner, not meaningful"
 
 
-def plot_transmission_error(result: Result) -> Figure:
-    """Transmission error over the positions, with its mean and peak to peak.
+def plot_transmission_error(results: Result | Sequence[Result]) -> Figure:
+    """Transmission error over the positions, with its mean and peak to peak; a curve per torque."""
+    return one_panel(draw_transmission_error, results, "Transmission error")
+
+
+def draw_transmission_error(axes: Axes, results: Sequence[Result]) -> None:
+    """Draw the transmission error over the positions, a curve per torque.
 
     Parameters
     ----------
-    result : Result
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        One per torque, by ascending torque.
     """
-    with rc_context(STYLE):
-        figure, axes = figure_over_positions(result, "Transmission error")
-        angle, error = curve(result, result.transmission_error_um)
-        if (smooth := _through_uneven(result, result.transmission_error_um)) is not None:
-            axes.plot(*smooth, color=COLOURS[0])
-            axes.plot(angle, error, color=COLOURS[0], linestyle="none", **marks(result))
+    label_positions(axes, results[0])
+    axes.set_ylabel("transmission error in µm")
+    colours = torque_colours(len(results))
+    for result, colour in zip(results, colours, strict=True):
+        error = result.transmission_error_um
+        if (smooth := through_uneven(result, error)) is not None:
+            axes.plot(*smooth, color=colour)
+            axes.plot(*curve(result, error), color=colour, linestyle="none", **marks(result))
         else:
-            axes.plot(angle, error, color=COLOURS[0], **marks(result))
-        summary = result.summary
-        mean = summary["transmission_error_mean_um"]
-        span = summary["transmission_error_peak_to_peak_um"]
-        axes.axhline(mean, color=GREY, linewidth=1, linestyle=(0, (6, 3)))
-        corner = at_corner(result)
-        if corner.any():
-            x, y = curve(result, np.where(corner, result.transmission_error_um, np.nan))
-            axes.plot(
-                x,
-                y,
-                linestyle="none",
-                marker="o",
-                markersize=6 if corner.size <= MOST_MARKS else 1.5,
-                markerfacecolor="white" if corner.size <= MOST_MARKS else COLOURS[1],
-                markeredgecolor=COLOURS[1],
-                label="a pair carries on a sharp corner",
-            )
-            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16))
-        # head-room for the numbers, so that they never cover the curve; roundoff is not magnified
-        shown = max(span, LEAST_SPAN_UM, LEAST_SPAN_PART * abs(mean))
-        low, high = mean - 0.5 * (shown - span), mean + 0.5 * (shown - span)
-        low, high = min(low, np.nanmin(error)), max(high, np.nanmax(error))
-        axes.set_ylim(low - 0.12 * shown, high + 0.30 * shown)
-        axes.text(
-            0.99,
-            0.97,
-            f"mean {mean:.2f} µm (dashed)\npeak to peak {span:.2f} µm",
-            transform=axes.transAxes,
-            ha="right",
-            va="top",
-            fontsize=9,
-            color=GREY,
-            linespacing=1.4,
-        )
-        axes.set_ylabel("transmission error in µm")
-        return figure
+            axes.plot(*curve(result, error), color=colour, **marks(result))
+    for result, colour in zip(results, colours, strict=True):
+        _mark_corners(axes, result, colour)
+    if len(results) == 1:
+        _note_mean(axes, results[0])
+        return
+    ends = [float(curve(result, result.transmission_error_um)[1][-1]) for result in results]
+    spans = [result.summary["transmission_error_peak_to_peak_um"] for result in results]
+    texts = [
+        f"{result.torque_Nm:g} N m\np-p {span:.2f} µm"
+        for result, span in zip(results, spans, strict=True)
+    ]
+    label_curves(axes, ends, texts, colours)
 
 
-def plot_load_sharing(result: Result) -> Figure:
-    """Load share of each pair over the positions, forces on a second axis.
+def _mark_corners(axes: Axes, result: Result, colour: Any) -> None:
+    """Hollow marks at positions with contact on a sharp corner; one entry in the legend."""
+    corner = at_corner(result)
+    if not corner.any():
+        return
+    few = corner.size <= MOST_MARKS
+    named = axes.get_legend() is not None
+    x, y = curve(result, np.where(corner, result.transmission_error_um, np.nan))
+    (marked,) = axes.plot(
+        x,
+        y,
+        linestyle="none",
+        marker="o",
+        markersize=5 if few else 1.5,
+        markerfacecolor="white" if few else colour,
+        markeredgecolor=colour,
+        label=ON_SHARP,
+    )
+    if not named:
+        key = Line2D([], [])
+        key.update_from(marked)
+        key.set(markeredgecolor=GREY, markerfacecolor="white" if few else GREY)
+        legend_below(axes, [key], [ON_SHARP])
+
+
+def _note_mean(axes: Axes, result: Result) -> None:
+    """Mean and peak to peak of one torque, above the curve; roundoff is not magnified."""
+    mean = result.summary["transmission_error_mean_um"]
+    span = result.summary["transmission_error_peak_to_peak_um"]
+    axes.axhline(mean, color=GREY, linewidth=1, linestyle=(0, (6, 3)))
+    error = result.transmission_error_um
+    shown = max(span, LEAST_SPAN_UM, LEAST_SPAN_PART * abs(mean))
+    low, high = mean - 0.5 * (shown - span), mean + 0.5 * (shown - span)
+    low, high = min(low, np.nanmin(error)), max(high, np.nanmax(error))
+    axes.set_ylim(low - 0.12 * shown, high + 0.30 * shown)
+    axes.text(
+        0.99,
+        0.97,
+        f"mean {mean:.2f} µm (dashed)\npeak to peak {span:.2f} µm",
+        transform=axes.transAxes,
+        ha="right",
+        va="top",
+        fontsize=9,
+        color=GREY,
+        linespacing=1.4,
+    )
+
+
+def plot_load_sharing(results: Result | Sequence[Result]) -> Figure:
+    """Load share of each pair over the positions; of several torques, of a pair on its way."""
+    return one_panel(draw_load_sharing, results, "Load sharing")
+
+
+def draw_load_sharing(axes: Axes, results: Sequence[Result]) -> None:
+    """Draw the load share of each pair over the positions, with forces on a second axis.
+
+    Several torques: the share of a pair on its way through the mesh, a curve per torque.
 
     Parameters
     ----------
-    result : Result
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        One per torque, by ascending torque.
+    """
+    axes.set_ylim(0, 108)
+    axes.set_yticks(range(0, 101, 20))
+    axes.set_ylabel("load share in %")
+    if len(results) > 1:
+        _draw_on_way(axes, results, [100 * result.load_share for result in results])
+        label_curves(axes, [100.0] * len(results), *_torque_labels(results))
+        return
+    (result,) = results
+    label_positions(axes, result)
+    for s, site in loaded_sites(result):
+        angle, share = pair_curve(result, 100 * result.load_share, s)
+        label = pair_name(site)
+        axes.plot(angle, lifted(share), color=colour_of(result, site), label=label, **marks(result))
+    _add_force_axis(axes, result)
+    legend_of_pairs(axes)
+
+
+def _torque_labels(results: Sequence[Result]) -> tuple[list[str], list[Any]]:
+    return [f"{result.torque_Nm:g} N m" for result in results], torque_colours(len(results))
+
+
+def _draw_on_way(
+    axes: Axes, results: Sequence[Result], values: Sequence[NDArray[Any]], *, corners: bool = False
+) -> list[float]:
+    """A curve per torque on the way of a pair through the mesh, dashed on corners.
 
     Returns
     -------
-    matplotlib.figure.Figure
+    list of float
+        Largest value of each curve off corners.
     """
-    with rc_context(STYLE):
-        figure, axes = figure_over_positions(result, "Load sharing")
-        shares = 100 * result.load_share
-        for s, site in loaded_sites(result):
-            angle, share = pair_curve(result, shares, s)
-            axes.plot(
-                angle,
-                lifted(share),
-                color=colour_of(result, site),
-                label=pair_name(site),
-                **marks(result),
-            )
-        axes.set_ylim(0, 108)
-        axes.set_yticks(range(0, 101, 20))
-        axes.set_ylabel("load share in %")
-        _add_force_axis(axes, result)
-        legend_of_pairs(axes)
-        return figure
+    if results[0].has_cam:
+        label_positions(axes, results[0])
+    else:
+        axes.set_xlabel("place of the pair in mesh pitches from the pitch point")
+        places = results[-1].sites + results[-1].position_rad[:, None] / results[-1].pitch_rad
+        loaded = places[results[-1].site_force_N > 0]
+        if loaded.size:
+            axes.set_xlim(loaded.min() - 0.1, loaded.max() + 0.1)
+    tops = []
+    for result, value, colour in zip(results, values, torque_colours(len(results)), strict=True):
+        place, whole = way_curve(result, value)
+        on_corner = np.zeros(whole.size, dtype=bool)
+        if corners:
+            on_corner = way_curve(result, result.corner_contact.astype(float))[1] > 0
+        tops.append(float(np.nanmax(np.where(on_corner, np.nan, whole), initial=0.0)))
+        look = {"color": colour, "label": f"{result.torque_Nm:g} N m", **marks(result)}
+        draw_off_corners(axes, place, whole, on_corner, **look)
+    return tops
+
+
+def draw_off_corners(
+    axes: Axes, x: NDArray[Any], y: NDArray[Any], on_corner: NDArray[np.bool_], **look: Any
+) -> None:
+    """A curve that is dashed and thin where values mean nothing, blank where a pair is open."""
+    # a segment is dashed if one of its ends lies on a corner
+    beside = on_corner.copy()
+    beside[1:] |= on_corner[:-1]
+    beside[:-1] |= on_corner[1:]
+    shown = lifted(y)
+    axes.plot(x, np.where(on_corner, np.nan, shown), **look)
+    if on_corner.any():
+        axes.plot(x, np.where(beside, shown, np.nan), color=look["color"], **DASHED)
 
 
 def _add_force_axis(axes: Axes, result: Result) -> None:
@@ -148,186 +233,85 @@ def _add_force_axis(axes: Axes, result: Result) -> None:
     second.spines["right"].set_visible(True)
 
 
-def plot_peak_pressure(result: Result) -> Figure:
-    """Peak pressure of each pair over the positions; dashed on sharp corners.
+def plot_peak_pressure(results: Result | Sequence[Result]) -> Figure:
+    """Peak pressure of each pair over the positions; of several torques, of a pair on its way."""
+    return one_panel(draw_peak_pressure, results, "Peak pressure")
+
+
+def draw_peak_pressure(axes: Axes, results: Sequence[Result]) -> None:
+    """Draw the peak pressure of each pair over the positions, dashed on sharp corners.
+
+    Several torques: the pressure of a pair on its way through the mesh, a curve per torque.
 
     Parameters
     ----------
-    result : Result
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        One per torque, by ascending torque.
     """
-    with rc_context(STYLE):
-        figure, axes = figure_over_positions(result, "Peak pressure")
-        for s, site in loaded_sites(result):
-            colour = colour_of(result, site)
-            angle, whole = pair_curve(result, result.peak_pressure_MPa, s)
-            _, corner = pair_curve(result, result.corner_contact.astype(float), s, closing=0.0)
-            on_corner = corner > 0
-            # a segment is dashed if one of its ends lies on a corner
-            beside = on_corner.copy()
-            beside[1:] |= on_corner[:-1]
-            beside[:-1] |= on_corner[1:]
-            smooth = np.where(on_corner, np.nan, lifted(whole))
-            axes.plot(angle, smooth, color=colour, label=pair_name(site), **marks(result))
-            dashed = np.where(beside, lifted(whole), np.nan)
-            axes.plot(angle, dashed, color=colour, linewidth=1.1, linestyle=(0, (3, 2)))
-        if result.corner_contact.any():
-            axes.plot(
-                [],
-                [],
-                color=GREY,
-                linewidth=1.1,
-                linestyle=(0, (3, 2)),
-                label="dashed: on a sharp corner, not meaningful",
-            )
-        # meaningless values must not compress the range of the others
-        smooth = result.summary["peak_pressure_off_corners_MPa"]
-        axes.set_ylim(0, 1.25 * smooth if smooth > 0 else None)
-        axes.set_ylabel("peak pressure in MPa")
-        legend_of_pairs(axes)
-        return figure
+    axes.set_ylabel("peak pressure in MPa")
+    # meaningless values must not compress the range of the others
+    smooth = max(result.summary["peak_pressure_off_corners_MPa"] for result in results)
+    axes.set_ylim(0, 1.25 * smooth if smooth > 0 else None)
+    if len(results) > 1:
+        pressures = [result.peak_pressure_MPa for result in results]
+        tops = _draw_on_way(axes, results, pressures, corners=True)
+        names, colours = _torque_labels(results)
+        texts = [f"{name}\n{top:.0f} MPa" for name, top in zip(names, tops, strict=True)]
+        label_curves(axes, tops, texts, colours)
+        if any(result.corner_contact.any() for result in results):
+            axes.plot([], [], color=GREY, **DASHED, label=ON_CORNER)
+            legend_below(axes, [axes.lines[-1]], [ON_CORNER])
+        return
+    (result,) = results
+    label_positions(axes, result)
+    for s, site in loaded_sites(result):
+        angle, whole = pair_curve(result, result.peak_pressure_MPa, s)
+        _, corner = pair_curve(result, result.corner_contact.astype(float), s)
+        look = {"color": colour_of(result, site), "label": pair_name(site), **marks(result)}
+        draw_off_corners(axes, angle, whole, corner > 0, **look)
+    if result.corner_contact.any():
+        axes.plot([], [], color=GREY, **DASHED, label=ON_CORNER)
+    legend_of_pairs(axes)
 
 
-def plot_follower_motion(result: Result) -> Figure:
+def plot_follower_motion(results: Result | Sequence[Result]) -> Figure:
     """Angle of a follower over a turn of its cam, and the contact force.
-
-    Parameters
-    ----------
-    result : Result
-        Result of a follower on its cam.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
 
     Raises
     ------
     ValueError
         If there is no cam.
     """
+    return one_panel(draw_follower_motion, heaviest(results), "Follower motion")
+
+
+def draw_follower_motion(axes: Axes, results: Sequence[Result]) -> None:
+    """Draw the angle of a follower over a turn of its cam, and the contact force.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        The force is that of the largest torque.
+
+    Raises
+    ------
+    ValueError
+        If there is no cam.
+    """
+    result = heaviest(results)
     if result.follower_angle_rad is None:
         raise ValueError("result: expected a follower on its cam, found none")
-    with rc_context(STYLE):
-        figure, axes = figure_over_positions(result, "Follower")
-        angle, turned = curve(result, np.degrees(result.follower_angle_rad))
-        axes.plot(angle, turned, color=COLOURS[0], **marks(result))
-        axes.set_ylabel("follower angle in degrees", color=COLOURS[0])
-        if (result.site_force_N > 0).any():
-            second = axes.twinx()
-            second.spines["right"].set_visible(True)
-            second.grid(visible=False)
-            angle, force = curve(result, result.site_force_N.sum(axis=1) / 1e3)
-            second.plot(angle, force, color=COLOURS[1], linestyle=(0, (6, 3)), **marks(result))
-            second.set_ylim(0, 1.25 * float(np.nanmax(force)))
-            second.set_ylabel("force in kN (dashed)", color=COLOURS[1])
-        return figure
-
-
-def figure_over_positions(result: Result, title: str) -> tuple[Figure, Axes]:
-    figure = new_figure(SIZE)
-    axes = figure.add_subplot()
-    axes.set_title(title)
-    axes.set_title(subtitle(result), loc="right", fontsize=9, fontweight="normal", color=GREY)
-    angle = "cam angle in degrees" if result.has_cam else "angle of body 1 in degrees"
-    axes.set_xlabel(angle)
-    angles = np.degrees(result.position_rad)
-    if _is_closed(result):
-        axes.set_xlim(0, degrees(result.period_rad))
-        if result.has_cam:
-            axes.xaxis.set_major_locator(MultipleLocator(45))
-            return figure, axes
-        axes.xaxis.set_major_locator(MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]))
-        pitch = degrees(result.pitch_rad)
-        axes.set_xlabel(f"{angle} (one pitch = {pitch:.4g}°)")
-    elif np.ptp(angles) > 0:
-        margin = 0.02 * np.ptp(angles)  # markers at both ends remain complete
-        axes.set_xlim(angles.min() - margin, angles.max() + margin)
-    return figure, axes
-
-
-def marks(result: Result) -> dict[str, Any]:
-    """Markers for few or uneven positions: a line alone would hide them."""
-    if result.position_rad.size > 12 and (_is_closed(result) or not _gaps(result).size):
-        if result.position_rad.size > MOST_MARKS or over_positions(result).regular:
-            return {}
-        return {"marker": "o", "markersize": 2.5}
-    return {"marker": "o", "markersize": 4.5}
-
-
-def curve(result: Result, values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Angles in degrees and values; closed over the period, else ascending with gaps."""
-    angle = np.degrees(result.position_rad)
-    if _is_closed(result):
-        return np.append(angle, degrees(result.period_rad)), np.append(values, values[0])
-    order = np.argsort(angle, kind="stable")
-    gaps = _gaps(result)
-    return np.insert(angle[order], gaps, np.nan), np.insert(1.0 * values[order], gaps, np.nan)
-
-
-def _through_uneven(
-    result: Result, values: NDArray[Any]
-) -> tuple[NDArray[Any], NDArray[Any]] | None:
-    """Angles in degrees and values of the curve through uneven positions, with its kinks."""
-    over = over_positions(result)
-    curve = over.curve(values)
-    if curve is None or not (result.closed or over.contiguous):
-        return None
-    steps = np.linspace(0.0, 1.0, CURVE_STEPS, endpoint=False)
-    places = (curve.low[:, None] + (curve.high - curve.low)[:, None] * steps).ravel()
-    places = np.append(places, curve.high[-1])
-    return np.degrees(places), curve.values(places)
-
-
-def _is_closed(result: Result) -> bool:
-    """Whether the curve is closed; one position is a point, since a line would be invented."""
-    return result.closed and result.position_rad.size > 1
-
-
-def _gaps(result: Result) -> NDArray[np.int64]:
-    """Positions after which a line would cross more than half a pitch without data."""
-    steps = np.diff(np.sort(result.position_rad))
-    return np.asarray(np.flatnonzero(steps > 0.5001 * result.pitch_rad) + 1)
-
-
-def pair_curve(
-    result: Result, values: NDArray[Any], s: int, closing: float = 0.0
-) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Curve of one pair: a period later it has the place of another pair."""
-    if not _is_closed(result) or result.has_cam:
-        return curve(result, values[:, s])
-    after = np.flatnonzero(result.sites == result.sites[s] + result.period_pitches)
-    end = values[0, after[0]] if after.size else closing
-    angle, _ = curve(result, values[:, s])
-    return angle, np.append(values[:, s], end)
-
-
-def lifted(values: NDArray[Any]) -> NDArray[Any]:
-    """Values without the parts at which a pair is open, so that no curve follows the axis."""
-    carries = values > 0
-    near = carries.copy()
-    near[1:] |= carries[:-1]
-    near[:-1] |= carries[1:]
-    return np.where(near, values, np.nan)
-
-
-def legend_of_pairs(axes: Axes, more: dict[str, Line2D] | None = None) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    shown = dict(zip(labels, handles, strict=True))
-    pairs = [label for label in labels if label.startswith("pair ")]
-    if len(pairs) > MOST_NAMED:
-        # one name for all: their curves follow each other
-        shown = {label: handle for label, handle in shown.items() if label not in pairs}
-        ends = " to ".join(pair.removeprefix("pair ") for pair in (pairs[-1], pairs[0]))
-        shown = {f"pairs {ends}, from left to right": Line2D([], [], color=GREY), **shown}
-    shown |= more or {}
-    if shown:
-        axes.legend(
-            shown.values(),
-            shown.keys(),
-            loc="upper center",
-            bbox_to_anchor=(0.5, -0.16),
-            ncols=min(len(shown), 5),
-        )
+    label_positions(axes, result)
+    angle, turned = curve(result, np.degrees(result.follower_angle_rad))
+    axes.plot(angle, turned, color=BODIES[0], **marks(result))
+    axes.set_ylabel("follower angle in degrees", color=BODIES[0])
+    if (result.site_force_N > 0).any():
+        second = axes.twinx()
+        second.spines["right"].set_visible(True)
+        second.grid(visible=False)
+        angle, force = curve(result, result.site_force_N.sum(axis=1) / 1e3)
+        second.plot(angle, force, color=FORCE, linestyle=(0, (6, 3)), **marks(result))
+        second.set_ylim(0, 1.25 * float(np.nanmax(force)))
+        second.set_ylabel("force in kN (dashed)", color=FORCE)

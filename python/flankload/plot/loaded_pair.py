@@ -7,27 +7,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib import rc_context
-from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 
-from flankload.plot.loaded_pair_3d import plot_loaded_pair_3d
+from flankload.plot.figures import empty_figure, fit, heaviest, set_title
+from flankload.plot.loaded_pair_3d import draw_loaded_body, plot_loaded_pair_3d
 from flankload.plot.style import (
-    COLOURS,
+    INK,
+    SLATE,
     STEEL,
     STYLE,
     at_corner,
     coast_sites,
     colour_of,
     loaded_sites,
-    new_figure,
     pair_name,
-    set_title,
     turned,
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from flankload.result import PairTable, Result
@@ -36,14 +38,15 @@ if TYPE_CHECKING:
 HERTZ_POINTS = 41
 
 
-def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
+def plot_loaded_pair(results: Result | Sequence[Result], position: int | None = None) -> Figure:
     """Teeth in mesh at one position with pressures on the flanks, and each pressure separately.
 
     Three-dimensional bodies are drawn over their face width, with the line load on their flanks.
 
     Parameters
     ----------
-    result : Result
+    results : Result, or sequence of Result
+        The one of the largest torque is drawn.
     position : int, optional
         Index of the position; by default one with most pairs in contact and the most even load
         sharing, with a cam the one of the largest pressure, in three dimensions the one of the
@@ -53,32 +56,65 @@ def plot_loaded_pair(result: Result, position: int | None = None) -> Figure:
     -------
     matplotlib.figure.Figure
     """
+    result = heaviest(results)
     if result.slices is not None:
         return plot_loaded_pair_3d(result, position)
     p = _representative_position(result) if position is None else position
-    table = result.pairs(p)
-    carrying = [
-        (s, site)
-        for s, site in loaded_sites(result)
-        if result.site_force_N[p, s] > 0 and (table.site == site).any()
-    ]
+    carrying = _carrying(result, p)
     with rc_context(STYLE):
-        figure = new_figure((7.2, 4.8) if not result.whole_circle else (6.2, 6.4))
+        figure = empty_figure((7.2, 4.8) if not result.whole_circle else (6.2, 6.4))
         set_title(figure, result, f"Loaded pair at {degrees(result.position_rad[p]):.4g}°")
-        if result.whole_circle:
-            _draw_whole_circle(figure.add_subplot(), result, p, carrying)
+        if result.whole_circle or not carrying:
+            draw_loaded_pair(figure.add_subplot(), (result,), position=p)
+            fit(figure)
             return figure
-        rows = max(1, len(carrying))
-        grid = figure.add_gridspec(rows, 2, width_ratios=(1.55, 1.0) if carrying else (1.0, 1e-3))
-        _draw_teeth_in_mesh(figure.add_subplot(grid[:, 0]), result, p, carrying)
+        grid = figure.add_gridspec(len(carrying), 2, width_ratios=(1.55, 1.0))
+        draw_loaded_pair(figure.add_subplot(grid[:, 0]), (result,), position=p)
         # The panels have the same vertical order as the pairs in the drawing, and the same axes, so
         # that widths and heights can be compared.
         curves = [_pressure_along(result, p, site) for _, site in carrying]
         reach = max((1.6 * float(np.abs(x[y > 0]).max()) for x, y in curves), default=0.0)
         upwards = carrying if not result.drawing.is_around else carrying[::-1]
         for row, (s, site) in enumerate(reversed(upwards)):
-            _draw_pressure(figure.add_subplot(grid[row, 1]), result, p, s, site, reach)
+            axes = figure.add_subplot(grid[row, 1])
+            _draw_pressure(axes, result, p, s, site, reach)
+            if row < len(carrying) - 1:
+                axes.set_xlabel("")
+                axes.tick_params(labelbottom=False)
+        fit(figure)
         return figure
+
+
+def draw_loaded_pair(axes: Axes, results: Sequence[Result], *, position: int | None = None) -> None:
+    """Draw the teeth in mesh at one position with pressures on the flanks, forces on a spline.
+
+    Three-dimensional bodies: the teeth of body 1 with the line load on their flanks.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        The one of the largest torque is drawn.
+    position : int, optional
+        Index of the position; by default as in `plot_loaded_pair`.
+    """
+    result = heaviest(results)
+    if result.slices is not None:
+        draw_loaded_body(axes, result, position, 1)
+        return
+    p = _representative_position(result) if position is None else position
+    draw = _draw_whole_circle if result.whole_circle else _draw_teeth_in_mesh
+    draw(axes, result, p, _carrying(result, p))
+
+
+def _carrying(result: Result, p: int) -> list[tuple[int, int]]:
+    """(Column, number) of the pairs that carry load at a position."""
+    table = result.pairs(p)
+    return [
+        (s, site)
+        for s, site in loaded_sites(result)
+        if result.site_force_N[p, s] > 0 and (table.site == site).any()
+    ]
 
 
 def _draw_whole_circle(axes: Axes, result: Result, p: int, carrying: list[tuple[int, int]]) -> None:
@@ -88,12 +124,12 @@ def _draw_whole_circle(axes: Axes, result: Result, p: int, carrying: list[tuple[
     part = 0.08 if result.coast is None else 0.05  # less space between two flanks
     for s, site in carrying:
         force = result.site_force_N[p, s] / largest
-        _draw_force_on_flank(axes, table, site, force, COLOURS[1], part)
+        _draw_force_on_flank(axes, table, site, force, INK, part)
     if result.coast is not None:
         coast = result.coast.pair_tables[p]
         for s, site in coast_sites(result):
             force = result.coast.force_N[p, s] / largest
-            _draw_force_on_flank(axes, coast, site, force, COLOURS[2], part)
+            _draw_force_on_flank(axes, coast, site, force, SLATE, part)
 
 
 def _draw_teeth_in_mesh(
@@ -142,15 +178,15 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
     )
     rims = (drawing.bore_radius_1_mm, drawing.bore_radius_2_mm)
     for z, (outline, teeth, angle, centre) in enumerate(bodies):
-        sectors = [turned(outline, angle + 2 * np.pi * k / teeth) for k in range(teeth)]
-        shape = [np.vstack(sectors)]
+        shape = [_around(outline, teeth, angle)]
         if z == 1 and drawing.is_around:
             turn = np.linspace(0.0, -2 * np.pi, 721)  # clockwise: the toothed contour is a hole
             shape.append((rims[z] or 0.0) * np.stack([np.cos(turn), np.sin(turn)], axis=1))
         elif (result.has_cam or (z == 0 and result.whole_circle)) and rims[z]:
             turn = np.linspace(0.0, -2 * np.pi, 361)
             shape.append(rims[z] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
-        axes.add_patch(
+        # not `add_patch`, which needs the time of a whole picture for limits that are known
+        axes.add_artist(
             PathPatch(
                 Path.make_compound_path(
                     *(Path(part + np.array([centre, 0.0]), closed=True) for part in shape)
@@ -173,6 +209,14 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
             fontweight="bold",
             color="#404040",
         )
+
+
+def _around(outline: NDArray[np.float64], teeth: int, angle: float) -> NDArray[np.float64]:
+    """(n, 2) Contour of a whole body from that of one sector."""
+    turns = angle + 2 * np.pi / teeth * np.arange(teeth)
+    cosine, sine = np.cos(turns), np.sin(turns)
+    matrices = np.moveaxis(np.array([[cosine, sine], [-sine, cosine]]), 2, 0)
+    return np.asarray((outline @ matrices).reshape(-1, 2))
 
 
 def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -15,7 +15,8 @@ from matplotlib import rc_context
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 
-from flankload.plot.style import GREY, STEEL, STYLE, new_figure, set_title, turned
+from flankload.plot.figures import empty_figure, fit, set_title
+from flankload.plot.style import GREY, STEEL, STYLE, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -106,22 +107,14 @@ def plot_loaded_pair_3d(result: Result, position: int | None = None) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    slices = result.slices
-    assert slices is not None
-    load = slices.line_load_N_per_mm
-    p = int(load.max(axis=(1, 2)).argmax()) if position is None else position
-    pair = teeth_in_mesh(result, p, 1), teeth_in_mesh(result, p, 2)
+    p = _of_largest(result) if position is None else position
     with rc_context(STYLE):
-        figure = new_figure((7.2, 4.4))
+        figure = empty_figure((7.2, 4.4))
         set_title(figure, result, f"Loaded pair at {degrees(result.position_rad[p]):.4g}°")
-        panels = figure.subplots(1, 2)
+        grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 0.035))
+        panels = [figure.add_subplot(grid[0, column]) for column in (0, 1)]
         for body, axes in zip((1, 2), panels, strict=True):
-            _draw_teeth(axes, pair[body - 1], STEEL[body - 1])
-            _draw_mate(axes, result, pair[2 - body], STEEL[2 - body])
-            shown = _draw_load(axes, result, p, body)
-            _mark_ends(axes, pair[body - 1])
-            axes.set_aspect("equal")
-            axes.set_axis_off()
+            shown = draw_loaded_body(axes, result, p, body)
             axes.set_title(_words(result, body), color=EDGE, fontsize=10)
         # the same scale for both
         size = np.max([axes.dataLim.size for axes in panels], axis=0)
@@ -130,13 +123,48 @@ def plot_loaded_pair_3d(result: Result, position: int | None = None) -> Figure:
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         figure.colorbar(
             shown,
-            ax=panels,
+            cax=figure.add_subplot(grid[1, :]),
             orientation="horizontal",
             label="line load in N per mm face width" + _largest(result, p),
-            shrink=0.6,
-            aspect=40,
         )
+        fit(figure)
         return figure
+
+
+def _of_largest(result: Result) -> int:
+    """Position of the largest line load."""
+    assert result.slices is not None
+    return int(result.slices.line_load_N_per_mm.max(axis=(1, 2)).argmax())
+
+
+def draw_loaded_body(axes: Axes, result: Result, position: int | None, body: int) -> PolyCollection:
+    """Draw the teeth of a body over its width, contours of its mate, and the line load.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    result : Result
+        Three-dimensional result.
+    position : int or None
+        Index of the position; None for that of the largest line load.
+    body : int
+        1 or 2.
+
+    Returns
+    -------
+    matplotlib.collections.PolyCollection
+        The line load, for a scale of colours.
+    """
+    p = _of_largest(result) if position is None else position
+    pair = teeth_in_mesh(result, p, 1), teeth_in_mesh(result, p, 2)
+    _draw_teeth(axes, pair[body - 1], STEEL[body - 1])
+    _draw_mate(axes, result, pair[2 - body], STEEL[2 - body])
+    shown = _draw_load(axes, result, p, body)
+    _mark_ends(axes, pair[body - 1])
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    axes.autoscale_view()
+    return shown
 
 
 def teeth_in_mesh(result: Result, p: int, body: int) -> Teeth:

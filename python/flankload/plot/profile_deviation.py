@@ -6,50 +6,74 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import rc_context
-from matplotlib.figure import Figure
 
-from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, short
+from flankload.plot.figures import empty_figure, fit, heaviest
+from flankload.plot.style import BODIES, GREY, STYLE, short
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.result import Result
 
 #: Least range of the plotted deviations, um: smaller values are roundoff.
 LEAST_SPAN_UM = 5.0
+#: Height of the title of a panel: that of the label of the upper axis, beside it; points.
+BESIDE = 21.0
 #: Height of a row of names, as part of the plot.
 ROW = 0.085
 
 
-def plot_profile_deviation(result: Result) -> Figure:
-    """Deviation from the involute along its normal, for each body that has one.
+def plot_profile_deviation(results: Result | Sequence[Result], body: int | None = None) -> Figure:
+    """Deviation from the involute along its normal, a panel for each body that has one.
 
     Parameters
     ----------
-    result : Result
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    results : Result, or sequence of Result
+    body : int, optional
+        1 or 2; by default both, in two panels.
     """
-    drawing = result.drawing
-    shown = [
-        (z, profile, drawing.active_roll_mm[z])
-        for z, profile in enumerate(drawing.profiles)
-        if profile is not None
-    ]
+    result = heaviest(results)
+    known = [z + 1 for z, profile in enumerate(result.drawing.profiles) if profile is not None]
+    bodies = known if body is None else [body]
     with rc_context(STYLE):
-        figure = new_figure((7.2, 1.0 + 2.9 * max(1, len(shown))))
+        figure = empty_figure((7.2, 1.0 + 2.9 * max(1, len(bodies))))
         figure.suptitle("Profile deviation", x=0.01, ha="left", fontsize=11, fontweight="bold")
         name = short(result.name)
         figure.text(0.99, 0.985, name, ha="right", va="top", fontsize=9, color=GREY)
-        low, high = _span([profile for _, profile, _ in shown])
-        for row, (z, profile, active) in enumerate(shown):
-            axes = figure.add_subplot(len(shown), 1, row + 1)
-            axes.set_ylim(low, high)
-            _draw_profile(axes, profile, active, z)
+        for row, each in enumerate(bodies):
+            axes = figure.add_subplot(len(bodies), 1, row + 1)
+            draw_profile_deviation(axes, (result,), body=each)
+            axes.set_title(f"body {each}", color=BODIES[each - 1], fontsize=10, pad=BESIDE)
+        fit(figure)
         return figure
+
+
+def draw_profile_deviation(axes: Axes, results: Sequence[Result], *, body: int = 1) -> None:
+    """Draw the deviation of a body from its involute along its normal, over roll length.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        All have the same profiles; the scale is that of both bodies.
+    body : int
+        1 or 2.
+
+    Raises
+    ------
+    ValueError
+        If the involute of the body is unknown.
+    """
+    drawing = results[0].drawing
+    profile = drawing.profiles[body - 1]
+    if profile is None:
+        raise ValueError(f"body: expected one with an involute, found {body}")
+    axes.set_ylim(*_span([each for each in drawing.profiles if each is not None]))
+    _draw_profile(axes, profile, drawing.active_roll_mm[body - 1], body - 1)
 
 
 def _span(profiles: list[ProfileDeviation]) -> tuple[float, float]:
@@ -66,7 +90,7 @@ def _span(profiles: list[ProfileDeviation]) -> tuple[float, float]:
 def _draw_profile(
     axes: Axes, profile: ProfileDeviation, active: tuple[float, float] | None, z: int
 ) -> None:
-    colour = COLOURS[z]
+    colour = BODIES[z]
     ends = [*profile.roll_length_mm[[0, -1]], *(place for _, place in profile.marks)]
     margin = 0.03 * (max(ends) - min(ends))
     axes.set_xlim(min(ends) - margin, max(ends) + margin)
@@ -86,7 +110,6 @@ def _draw_profile(
     axes.plot(profile.roll_length_mm, profile.deviation_um, color=colour)
     axes.set_ylabel("deviation in µm")
     axes.set_xlabel("roll length in mm")
-    axes.set_title(f"body {z + 1}", color=colour, fontsize=10)
     base = profile.base_radius_mm
 
     def diameter(roll_length: Any) -> Any:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
 
-from flankload.plot.style import COLOURS, GREY, SIZE, STYLE, new_figure, subtitle
+from flankload.plot.figures import heaviest, legend_below, one_panel
+from flankload.plot.style import BODIES, GREY
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -21,8 +23,13 @@ if TYPE_CHECKING:
 BESIDE = 0.5
 
 
-def plot_root_stress(result: Result) -> Figure:
-    """Largest tension and compression in the roots over the way of a tooth through the mesh.
+def plot_root_stress(results: Result | Sequence[Result]) -> Figure:
+    """Largest tension and compression in the roots over the way of a tooth through the mesh."""
+    return one_panel(draw_root_stress, heaviest(results), "Stress in the tooth roots")
+
+
+def draw_root_stress(axes: Axes, results: Sequence[Result]) -> None:
+    """Draw tension and compression in the roots over the way of a tooth through the mesh.
 
     Pair j is j pitches further along than pair 0, so the curves of all pairs, one after the other,
     show the history of one tooth. The teeth of a spline do not change their place: their stress is
@@ -30,44 +37,36 @@ def plot_root_stress(result: Result) -> Figure:
 
     Parameters
     ----------
-    result : Result
-        Result with root stress.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        The one of the largest torque is drawn; it has root stress.
     """
-    with rc_context(STYLE):
-        figure = new_figure(SIZE)
-        axes = figure.add_subplot()
-        axes.set_title("Stress in the tooth roots")
-        axes.set_title(subtitle(result), loc="right", fontsize=9, fontweight="normal", color=GREY)
-        for z, stress in enumerate(result.root_stress):
-            if stress is None:
-                continue
-            largest = stress.tension.stress_MPa.max()
-            least = stress.compression.stress_MPa.min()
-            name = f"body {z + 1}"
-            _draw(axes, result, stress.tension, z, "solid", f"{name}, up to {largest:.0f} MPa")
-            _draw(axes, result, stress.compression, z, (0, (4, 2)), f"down to {least:.0f} MPa")
-        if not result.whole_circle and (result.site_force_N > 0).any():
-            place = result.sites + result.position_rad[:, None] / result.pitch_rad
-            carries = place[result.site_force_N > 0]
-            # further away the stress is constant, or the tooth has completed a turn
-            axes.set_xlim(carries.min() - BESIDE, carries.max() + BESIDE)
-        axes.axhline(0.0, color=GREY, linewidth=0.8)
-        axes.set_xlabel(
-            "tooth" if result.whole_circle else "place of the pair in pitches from the pitch point"
-        )
-        axes.set_ylabel("tension (solid), compression (dashed) in MPa")
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
-        return figure
+    result = heaviest(results)
+    for z, stress in enumerate(result.root_stress):
+        if stress is None:
+            continue
+        largest = stress.tension.stress_MPa.max()
+        least = stress.compression.stress_MPa.min()
+        name = f"body {z + 1}"
+        _draw(axes, result, stress.tension, z, "solid", f"{name}, up to {largest:.0f} MPa")
+        _draw(axes, result, stress.compression, z, (0, (4, 2)), f"down to {least:.0f} MPa")
+    if not result.whole_circle and (result.site_force_N > 0).any():
+        place = result.sites + result.position_rad[:, None] / result.pitch_rad
+        carries = place[result.site_force_N > 0]
+        # further away the stress is constant, or the tooth has completed a turn
+        axes.set_xlim(carries.min() - BESIDE, carries.max() + BESIDE)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    axes.set_xlabel(
+        "tooth" if result.whole_circle else "place of the pair in mesh pitches from the pitch point"
+    )
+    axes.set_ylabel("tension (solid), compression (dashed) in MPa")
+    legend_below(axes, ncols=2)
 
 
 def _draw(
     axes: Axes, result: Result, extremes: Extremes, z: int, style: object, label: str
 ) -> None:
-    look: dict[str, Any] = {"color": COLOURS[z], "linestyle": style}
+    look: dict[str, Any] = {"color": BODIES[z], "linestyle": style}
     if result.whole_circle:
         # the position of the largest stress of a tooth
         p = int(np.abs(extremes.stress_MPa).max(axis=1).argmax())

@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import rc_context
 
-from flankload.plot.style import (
-    GREY,
-    SIZE,
-    STYLE,
-    colour_of,
-    loaded_sites,
-    new_figure,
-    pair_name,
-    subtitle,
+from flankload.plot.figures import (
+    empty_figure,
+    fit,
+    heaviest,
+    legend_below,
+    one_panel,
+    set_title,
 )
+from flankload.plot.style import BODIES, GREY, SIZE, STYLE, colour_of, loaded_sites, pair_name
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
@@ -37,75 +38,77 @@ LOAD_MAP = "viridis"
 PATTERN_MAP = "inferno_r"
 
 
-def plot_line_load(result: Result) -> Figure:
-    """Line load over the face width at the position of the largest one, per flank pair.
+def plot_line_load(results: Result | Sequence[Result]) -> Figure:
+    """Line load over the face width at the position of the largest one, per flank pair."""
+    result = heaviest(results)
+    angle = np.degrees(result.position_rad[_of_largest(result)])
+    return one_panel(draw_line_load, result, f"Line load at {angle:.2f}°")
+
+
+def _of_largest(result: Result) -> int:
+    """Position of the largest line load."""
+    assert result.slices is not None
+    return int(result.slices.line_load_N_per_mm.max(axis=(1, 2)).argmax())
+
+
+def draw_line_load(axes: Axes, results: Sequence[Result]) -> None:
+    """Draw the line load over the face width at the position of the largest one, per flank pair.
 
     Parameters
     ----------
-    result : Result
-        Three-dimensional result.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        The one of the largest torque is drawn; it is three-dimensional.
     """
+    result = heaviest(results)
     slices = result.slices
     assert slices is not None
-    load = slices.line_load_N_per_mm
-    p = int(load.max(axis=(1, 2)).argmax())
+    load, p = slices.line_load_N_per_mm, _of_largest(result)
     ends = _edges(slices.z_mm, slices.width_mm)
-    with rc_context(STYLE):
-        figure = new_figure(SIZE)
-        axes = figure.add_subplot()
-        degrees = np.degrees(result.position_rad[p])
-        _title(axes, result, f"Line load at {degrees:.2f}°")
-        for s, site in loaded_sites(result):
-            if not load[p, s].any():
-                continue
-            force = result.site_force_N[p, s] / 1000.0
-            label = f"{pair_name(site)}: {force:.2f} kN, largest {load[p, s].max():.0f} N/mm"
-            axes.stairs(
-                np.where(load[p, s] > 0, load[p, s], np.nan),
-                ends,
-                color=colour_of(result, site),
-                linewidth=1.8,
-                label=label,
-            )
-        summed = load[p].sum(axis=0)
-        if np.count_nonzero(load[p].any(axis=1)) > 1:
-            axes.stairs(summed, ends, color=GREY, linewidth=1.0, label="all pairs")
-        mean = float(summed @ slices.width_mm / slices.width_mm.sum())
-        dashes = (0, (4, 2))
-        axes.axhline(
-            mean, color=GREY, linewidth=1.0, linestyle=dashes, label=f"mean {mean:.0f} N/mm"
+    for s, site in loaded_sites(result):
+        if not load[p, s].any():
+            continue
+        force = result.site_force_N[p, s] / 1000.0
+        label = f"{pair_name(site)}: {force:.2f} kN, largest {load[p, s].max():.0f} N/mm"
+        axes.stairs(
+            np.where(load[p, s] > 0, load[p, s], np.nan),
+            ends,
+            color=colour_of(result, site),
+            linewidth=1.8,
+            label=label,
         )
-        axes.set_xlim(ends[0], ends[-1])
-        axes.set_ylim(bottom=0.0)
-        axes.set_xlabel("axial position z in mm")
-        axes.set_ylabel("line load in N per mm face width")
-        axes.legend(
-            loc="upper center",
-            bbox_to_anchor=(0.5, -0.16),
-            ncols=2,
-            title=f"face load factor of all positions: {slices.face_load_factor:.3f}",
-        )
-        return figure
+    summed = load[p].sum(axis=0)
+    if np.count_nonzero(load[p].any(axis=1)) > 1:
+        axes.stairs(summed, ends, color=GREY, linewidth=1.0, label="all pairs")
+    mean = float(summed @ slices.width_mm / slices.width_mm.sum())
+    dashes, words = (0, (4, 2)), f"mean {mean:.0f} N/mm"
+    axes.axhline(mean, color=GREY, linewidth=1.0, linestyle=dashes, label=words)
+    axes.set_xlim(ends[0], ends[-1])
+    axes.set_ylim(bottom=0.0)
+    axes.set_xlabel("axial position z in mm")
+    axes.set_ylabel("line load in N per mm face width")
+    legend_below(
+        axes, ncols=2, title=f"face load factor of all positions: {slices.face_load_factor:.3f}"
+    )
 
 
-def plot_line_load_map(result: Result) -> Figure:
-    """Line load of a tooth over its way through the mesh and the face width.
+def plot_line_load_map(results: Result | Sequence[Result]) -> Figure:
+    """Line load of a tooth over its way through the mesh and the face width."""
+    return one_panel(draw_line_load_map, heaviest(results), "Line load of a tooth")
+
+
+def draw_line_load_map(axes: Axes, results: Sequence[Result]) -> None:
+    """Draw the line load of a tooth over its way through the mesh and the face width.
 
     Pair j is j pitches further along than pair 0: all pairs together are the way of one tooth.
 
     Parameters
     ----------
-    result : Result
-        Three-dimensional result.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        The one of the largest torque is drawn; it is three-dimensional.
     """
+    result = heaviest(results)
     slices = result.slices
     assert slices is not None
     place = result.sites + result.position_rad[:, np.newaxis] / result.pitch_rad
@@ -113,63 +116,87 @@ def plot_line_load_map(result: Result) -> Figure:
     along = place.ravel()[order]
     load = slices.line_load_N_per_mm.reshape(-1, slices.z_mm.size)[order]
     edges = np.concatenate([[along[0]], 0.5 * (along[1:] + along[:-1]), [along[-1]]])
-    with rc_context(STYLE):
-        figure = new_figure(SIZE)
-        axes = figure.add_subplot()
-        axes.grid(visible=False)
-        _title(axes, result, "Line load of a tooth")
-        shown = axes.pcolormesh(
-            edges,
-            _edges(slices.z_mm, slices.width_mm),
-            np.where(load > 0, load, np.nan).T,
-            cmap=LOAD_MAP,
-            vmin=0.0,
-        )
-        loaded = along[load.any(axis=1)]
-        if loaded.size:
-            axes.set_xlim(loaded.min() - 0.1, loaded.max() + 0.1)
-        axes.set_xlabel("place of the pair in pitches from the pitch point")
-        axes.set_ylabel("axial position z in mm")
-        figure.colorbar(shown, ax=axes, label="line load in N per mm face width")
-        return figure
+    axes.grid(visible=False)
+    shown = axes.pcolormesh(
+        edges,
+        _edges(slices.z_mm, slices.width_mm),
+        np.where(load > 0, load, np.nan).T,
+        cmap=LOAD_MAP,
+        vmin=0.0,
+    )
+    loaded = along[load.any(axis=1)]
+    if loaded.size:
+        axes.set_xlim(loaded.min() - 0.1, loaded.max() + 0.1)
+    axes.set_xlabel("place of the pair in mesh pitches from the pitch point")
+    axes.set_ylabel("axial position z in mm")
+    axes.figure.colorbar(shown, ax=axes, label="line load in N per mm face width")
 
 
-def plot_contact_pattern(result: Result) -> Figure:
+def plot_contact_pattern(results: Result | Sequence[Result], body: int | None = None) -> Figure:
     """Largest pressure at each place of both flanks over all positions.
 
     Parameters
     ----------
-    result : Result
-        Three-dimensional result.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    results : Result, or sequence of Result
+        The one of the largest torque is drawn; it is three-dimensional.
+    body : int, optional
+        1 or 2; by default both, in two panels.
     """
+    result = heaviest(results)
+    bodies = (1, 2) if body is None else (body,)
+    with rc_context(STYLE):
+        figure = empty_figure((SIZE[0], 0.9 * SIZE[1]))
+        largest = max(contact_pattern(result, each)[1].max() for each in (1, 2))
+        for column, each in enumerate(bodies):
+            axes = figure.add_subplot(1, len(bodies), column + 1)
+            key = each == bodies[-1]
+            draw_contact_pattern(axes, (result,), body=each, largest_MPa=largest, key=key)
+            axes.set_title(f"body {each}", color=BODIES[each - 1])
+        set_title(figure, result, "Contact pattern")
+        fit(figure)
+        return figure
+
+
+def draw_contact_pattern(
+    axes: Axes,
+    results: Sequence[Result],
+    *,
+    body: int = 1,
+    largest_MPa: float | None = None,
+    key: bool = True,
+) -> None:
+    """Draw the largest pressure at each place of a flank over all positions.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        The one of the largest torque is drawn; it is three-dimensional.
+    body : int
+        1 or 2.
+    largest_MPa : float, optional
+        End of the scale of colours; by default the largest pressure on this body.
+    key : bool
+        Whether to add the scale of colours.
+    """
+    result = heaviest(results)
     slices = result.slices
     assert slices is not None
-    with rc_context(STYLE):
-        figure = new_figure((SIZE[0], 0.9 * SIZE[1]))
-        panels = figure.subplots(1, 2)
-        patterns = [contact_pattern(result, body) for body in (1, 2)]
-        largest = max(pressure.max() for _, pressure in patterns)
-        for body, axes, (diameter, pressure) in zip((1, 2), panels, patterns, strict=True):
-            axes.grid(visible=False)
-            shown = axes.pcolormesh(
-                _edges(slices.z_mm, slices.width_mm),
-                _midpoints(diameter),
-                np.where(pressure > 0, pressure, np.nan),
-                cmap=PATTERN_MAP,
-                vmin=0.0,
-                vmax=largest,
-            )
-            _mark_profile(axes, result, body)
-            axes.set_title(f"Contact pattern, body {body}")
-            axes.set_xlabel("axial position z in mm")
-            axes.set_ylabel("diameter in mm")
-        figure.colorbar(shown, ax=panels, label="largest pressure in MPa")
-        figure.suptitle(subtitle(result), fontsize=9, color=GREY, x=0.98, ha="right")
-        return figure
+    diameter, pressure = contact_pattern(result, body)
+    axes.grid(visible=False)
+    shown = axes.pcolormesh(
+        _edges(slices.z_mm, slices.width_mm),
+        _midpoints(diameter),
+        np.where(pressure > 0, pressure, np.nan),
+        cmap=PATTERN_MAP,
+        vmin=0.0,
+        vmax=largest_MPa or pressure.max(),
+    )
+    _mark_profile(axes, result, body)
+    axes.set_xlabel("axial position z in mm")
+    axes.set_ylabel(f"diameter on body {body} in mm")
+    if key:
+        axes.figure.colorbar(shown, ax=axes, label="largest pressure in MPa")
 
 
 def _mark_profile(axes: Axes, result: Result, body: int) -> None:
@@ -268,8 +295,3 @@ def _midpoints(values: Floats) -> Floats:
     """Edges (n + 1,) between values (n,)."""
     inner = 0.5 * (values[1:] + values[:-1])
     return np.concatenate([[values[0]], inner, [values[-1]]])
-
-
-def _title(axes: Axes, result: Result, title: str) -> None:
-    axes.set_title(title)
-    axes.set_title(subtitle(result), loc="right", fontsize=9, fontweight="normal", color=GREY)

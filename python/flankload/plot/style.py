@@ -1,28 +1,43 @@
-"""Common parts of all plots: style, colours, words, and figures without a screen."""
+"""Common parts of all plots: style, colours, words, and figures without a screen.
+
+A colour has one meaning in all pictures of a result: `COLOURS` are pairs, `BODIES` the two bodies,
+`torque_colours` torques, `FORCE` forces; `INK` and its tints are quantities of the whole drive.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import io
 import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
+from matplotlib import colormaps, rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import fontManager
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
     from flankload.result import Result
 
 #: Colours that are distinguishable for colour-blind readers (Okabe and Ito), and in grey by their
-#: order.
+#: order. In pictures of a result they are pairs; in those of studies, series.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-GREY = "#555555"
+#: Areas of both bodies, and lines of both bodies: darker tones of the same.
 STEEL = ("#dfe5ea", "#ece5da")
+BODIES = ("#4a6b82", "#8f6f2e")
+#: Arrows and curves of forces.
+FORCE = "#a3293d"
+#: A quantity of the whole drive; a second and a third one beside it.
+INK, SLATE, PALE = "#2b2140", "#6f7f90", "#b4bfca"
+GREY = "#555555"
+#: Torques from the least to the largest: part of a map of colours from light to dark.
+TORQUE_MAP, TORQUE_RANGE = "viridis", (0.78, 0.05)
 
 #: Used if installed: for scripts that matplotlib's default font does not have.
 OTHER_SCRIPTS = (
@@ -41,6 +56,7 @@ STYLE: Any = {
     "axes.titlesize": 11,
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
+    "axes.titley": 1.0,  # not searched for: titles have no axis above the panel to avoid
     "axes.labelsize": 10,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -52,6 +68,14 @@ STYLE: Any = {
     "legend.frameon": False,
     "legend.fontsize": 9,
     "savefig.dpi": 160,
+    "svg.hashsalt": "flankload",  # the same picture, the same file
+}
+
+#: Formats of files, and what `savefig` receives for them.
+FORMATS: dict[str, dict[str, Any]] = {
+    "png": {"pil_kwargs": {"compress_level": 1}},  # an eighth more bytes, a third of the time
+    "svg": {"metadata": {"Date": None}},
+    "pdf": {"metadata": {"CreationDate": None}},
 }
 
 LONGEST_NAME = 48  # characters beside the title
@@ -75,7 +99,7 @@ def draw_forces(axes: Axes, starts: NDArray[np.float64], tips: NDArray[np.float6
         angles="xy",
         scale_units="xy",
         scale=1.0,
-        color=COLOURS[1],
+        color=FORCE,
         units="dots",
         width=3.5,
         headwidth=4.0,
@@ -89,19 +113,25 @@ def draw_forces(axes: Axes, starts: NDArray[np.float64], tips: NDArray[np.float6
 
 def png_of(figure: Figure) -> bytes:
     """The plot as PNG; a letter missing in all fonts is a box."""
-    out = io.BytesIO()
-    with rc_context(STYLE), warnings.catch_warnings():
+    return file_of(figure, "png")
+
+
+@contextlib.contextmanager
+def missing_letters_are_boxes() -> Iterator[None]:
+    """No warning of a letter that no font has."""
+    with warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from", UserWarning)
         # matplotlib before 3.10 sets such scripts letter by letter, with a warning
         warnings.filterwarnings("ignore", r"Matplotlib currently does not support", UserWarning)
-        figure.savefig(out, format="png")
+        yield
+
+
+def file_of(figure: Figure, kind: str, dpi: float | None = None) -> bytes:
+    """The plot as a file of a format of `FORMATS`, without the time of writing."""
+    out = io.BytesIO()
+    with rc_context(STYLE), missing_letters_are_boxes():
+        figure.savefig(out, format=kind, dpi=dpi or STYLE["savefig.dpi"], **FORMATS[kind])
     return out.getvalue()
-
-
-def set_title(figure: Figure, result: Result, title: str) -> None:
-    """Title on the left, name and torque on the right."""
-    figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
-    figure.text(0.99, 0.985, subtitle(result), ha="right", va="top", fontsize=9, color=GREY)
 
 
 def turned(places: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
@@ -110,15 +140,16 @@ def turned(places: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
     return np.asarray(places @ np.array([[cosine, sine], [-sine, cosine]]))
 
 
-def subtitle(result: Result) -> str:
-    """Name and torque."""
-    return f"{short(result.name)}, {result.torque_Nm:g} N m"
-
-
 def short(name: str) -> str:
     """A name on one line, cut before it reaches the title."""
     line = "".join(letter if letter.isprintable() else " " for letter in " ".join(name.split()))
     return line if len(line) <= LONGEST_NAME else line[: LONGEST_NAME - 1].rstrip() + "…"
+
+
+def torque_colours(count: int) -> list[Any]:
+    """Colours (r, g, b, a) of ascending torques; one alone has the colour of the largest."""
+    places = np.linspace(*TORQUE_RANGE, count) if count > 1 else TORQUE_RANGE[1:]
+    return [colormaps[TORQUE_MAP](place) for place in places]
 
 
 def loaded_sites(result: Result) -> list[tuple[int, int]]:

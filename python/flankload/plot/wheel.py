@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.plot.style import GREY, STEEL, new_figure, turned
+from flankload.plot.style import GREY, STEEL, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from flankload.result import Result
@@ -18,6 +17,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
+#: Size of a drawing, inches.
+DRAWING = (6.4, 6.0)
 #: Colours of strands, and of the edges of body 2.
 DARK, EDGE = "#404040", "#7a6f57"
 
@@ -27,17 +28,16 @@ def directions(angles: Floats) -> Floats:
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
-def drawn_wheel(result: Result, p: int) -> tuple[Figure, Axes, Floats]:
-    """Figure with body 1 at a position, and the angles of its teeth from the tight strand on."""
+def draw_wheel(axes: Axes, result: Result, p: int) -> Floats:
+    """Draw body 1 at a position; angles of its teeth from the tight strand on."""
     drawing = result.drawing
     angles = drawing.angle_1[p] + 2 * np.pi / drawing.teeth_1 * np.arange(drawing.teeth_1)
-    figure = new_figure((6.4, 6.0))
-    axes = figure.add_subplot()
     wheel = np.vstack([turned(drawing.outline_1, angle) for angle in angles])
     axes.fill(*wheel.T, color=STEEL[0], ec="#7a8791", lw=0.8)
-    axes.set_xlabel("mm")
+    axes.set_xlabel("x in mm, from the axis of body 1")
+    axes.set_ylabel("y in mm")
     axes.grid(visible=False)
-    return figure, axes, angles
+    return angles
 
 
 def scaled_alike(axes: Axes) -> None:

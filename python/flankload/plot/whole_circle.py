@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from math import degrees
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import rc_context
 
-from flankload.plot.style import COLOURS, GREY, SIZE, STYLE, new_figure, set_title
+from flankload.plot.figures import empty_figure, fit, heaviest, set_title
+from flankload.plot.style import FORCE, GREY, INK, PALE, SLATE, STYLE
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
@@ -26,12 +29,13 @@ def most_loaded(result: Result) -> tuple[int, int]:
     return int(p), int(s)
 
 
-def plot_load_per_tooth(result: Result, position: int | None = None) -> Figure:
+def plot_load_per_tooth(results: Result | Sequence[Result], position: int | None = None) -> Figure:
     """Force on each tooth as bars around the axis, at the place of each tooth.
 
     Parameters
     ----------
-    result : Result
+    results : Result, or sequence of Result
+        The one of the largest torque is drawn.
     position : int, optional
         Index of the position; by default the one with the largest tooth force.
 
@@ -39,58 +43,93 @@ def plot_load_per_tooth(result: Result, position: int | None = None) -> Figure:
     -------
     matplotlib.figure.Figure
     """
+    result = heaviest(results)
     p = most_loaded(result)[0] if position is None else position
-    force = result.site_force_N[p] / 1e3
-    coast = None if result.coast is None else result.coast.force_N[p] / 1e3
-    teeth = result.sites.size
-    angle = 2 * np.pi * result.sites / teeth + result.drawing.angle_1[p]
     with rc_context(STYLE):
-        figure = new_figure((6.2, 5.6))
+        figure = empty_figure((6.2, 5.6))
         axes = figure.add_subplot(projection="polar")
-        largest = max(float(force.max()), 0.0 if coast is None else float(coast.max())) or 1.0
-        # From a ring, not from a point: near the axis bars would have no width.
-        bottom = 0.45 * largest
-        _draw_bars(axes, angle, force, coast, bottom)
-        axes.set_ylim(0, bottom + 1.05 * largest)
-        mean = float(force.mean())
-        turn = np.linspace(0, 2 * np.pi, 361)
-        axes.plot(turn, np.full(turn.size, bottom + mean), color=COLOURS[1], linewidth=1.2)
-        axes.plot(turn, np.full(turn.size, bottom), color="#404040", linewidth=0.8)
-        carrying = f"{result.loaded_pairs[p]} of {teeth}\nteeth carry load"
-        axes.text(0.0, 0.0, carrying, ha="center", va="center", fontsize=9, color=GREY)
-        step = max(1, round(teeth / 24))
-        axes.set_xticks(angle[::step], [f"{site}" for site in result.sites[::step]])
-        ticks = _round_steps(largest)
-        axes.set_yticks(bottom + ticks, [f"{value:g} kN" if value else "" for value in ticks])
-        axes.tick_params(axis="y", labelsize=8, colors=GREY)
-        # The labels are placed where they cover least.
-        around = force + np.roll(force, 1) + np.roll(force, -1)
-        axes.set_rlabel_position(  # type: ignore[attr-defined]
-            degrees(angle[int(np.argmin(around))])
-        )
-        for label in axes.get_yticklabels():
-            label.set_zorder(5)
-        _title(
-            figure,
-            result,
-            f"Load per tooth{_where(result, p)}",
-            f"mean {mean:.3g} kN (line), largest {force.max() / mean if mean else 0:.2f} times that"
-            + ("" if coast is None else "; coast flanks green"),
-        )
+        draw_load_per_tooth(axes, (result,), position=p)
+        _title(figure, result, f"Load per tooth{_where(result, p)}", _beside_mean(result, p), 24.0)
+        fit(figure)
         return figure
 
 
-def _draw_bars(
-    axes: Axes, angle: Floats, force: Floats, coast: Floats | None, bottom: float
+def draw_load_per_tooth(
+    axes: Axes, results: Sequence[Result], *, position: int | None = None
 ) -> None:
-    """A bar for each tooth; beside it, on the other side of the tooth, that of the coast flank."""
-    pitch = 2 * np.pi / angle.size
-    parts = [(force, COLOURS[0], 0.0)]
+    """Draw the force on each tooth: around the axis on polar Axes, else over the tooth number.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        The one of the largest torque is drawn.
+    position : int, optional
+        Index of the position; by default the one with the largest tooth force.
+    """
+    result = heaviest(results)
+    p = most_loaded(result)[0] if position is None else position
+    force = result.site_force_N[p] / 1e3
+    coast = None if result.coast is None else result.coast.force_N[p] / 1e3
+    if axes.name == "polar":
+        _draw_around(axes, result, p, force, coast)
+        return
+    _draw_bars(axes, 1.0 * result.sites, force, coast, 0.0, 1.0)
+    axes.axhline(float(force.mean()), color=FORCE, linewidth=1.2)
+    axes.set_xlabel("tooth")
+    axes.set_ylabel("force in kN")
+
+
+def _draw_around(axes: Axes, result: Result, p: int, force: Floats, coast: Floats | None) -> None:
+    teeth = result.sites.size
+    angle = 2 * np.pi * result.sites / teeth + result.drawing.angle_1[p]
+    largest = max(float(force.max()), 0.0 if coast is None else float(coast.max())) or 1.0
+    # From a ring, not from a point: near the axis bars would have no width.
+    bottom = 0.45 * largest
+    _draw_bars(axes, angle, force, coast, bottom, 2 * np.pi / teeth)
+    axes.set_ylim(0, bottom + 1.05 * largest)
+    turn = np.linspace(0, 2 * np.pi, 361)
+    mean = bottom + float(force.mean())
+    axes.plot(turn, np.full(turn.size, mean), color=FORCE, linewidth=1.2)
+    axes.plot(turn, np.full(turn.size, bottom), color="#404040", linewidth=0.8)
+    carrying = f"{result.loaded_pairs[p]} of {teeth}\nteeth carry load"
+    axes.text(0.0, 0.0, carrying, ha="center", va="center", fontsize=9, color=GREY)
+    step = max(1, round(teeth / 24))
+    axes.set_xticks(angle[::step], [f"{site}" for site in result.sites[::step]])
+    ticks = _round_steps(largest)
+    axes.set_yticks(bottom + ticks, [f"{value:g} kN" if value else "" for value in ticks])
+    axes.tick_params(axis="y", labelsize=8, colors=GREY)
+    # The labels are placed where they cover least.
+    around = force + np.roll(force, 1) + np.roll(force, -1)
+    axes.set_rlabel_position(  # type: ignore[attr-defined]
+        degrees(angle[int(np.argmin(around))])
+    )
+    for label in axes.get_yticklabels():
+        label.set_zorder(5)
+
+
+def _beside_mean(result: Result, p: int) -> str:
+    force = result.site_force_N[p] / 1e3
+    mean = float(force.mean())
+    coast = "" if result.coast is None else "; coast flanks pale"
+    largest = force.max() / mean if mean else 0
+    return f"mean {mean:.3g} kN (line), largest {largest:.2f} times that{coast}"
+
+
+def _draw_bars(
+    axes: Axes,
+    place: NDArray[Any],
+    force: Floats,
+    coast: Floats | None,
+    bottom: float,
+    pitch: float,
+) -> None:
+    parts = [(force, SLATE, 0.0)]
     if coast is not None:
-        parts = [(force, COLOURS[0], 0.25), (coast, COLOURS[2], -0.25)]
+        parts = [(force, SLATE, 0.25), (coast, PALE, -0.25)]
     for height, colour, beside in parts:
         axes.bar(
-            angle + 0.8 * beside * pitch,
+            place + 0.8 * beside * pitch,
             height,
             width=0.8 * pitch / len(parts),
             bottom=bottom,
@@ -100,12 +139,13 @@ def _draw_bars(
         )
 
 
-def plot_flank_pressure(result: Result, position: int | None = None) -> Figure:
+def plot_flank_pressure(results: Result | Sequence[Result], position: int | None = None) -> Figure:
     """Pressure over the height of the flank of the tooth with the largest force.
 
     Parameters
     ----------
-    result : Result
+    results : Result, or sequence of Result
+        The one of the largest torque is drawn.
     position : int, optional
         Index of the position; by default the one with the largest tooth force.
 
@@ -113,46 +153,63 @@ def plot_flank_pressure(result: Result, position: int | None = None) -> Figure:
     -------
     matplotlib.figure.Figure
     """
+    result = heaviest(results)
+    p = most_loaded(result)[0] if position is None else position
+    s = int(np.argmax(result.site_force_N[p]))
+    with rc_context(STYLE):
+        figure = empty_figure()
+        draw_flank_pressure(figure.add_subplot(), (result,), position=p)
+        corner = "; peaks on a sharp corner, not meaningful" if result.corner_contact[p, s] else ""
+        title = f"Pressure on tooth {result.sites[s]}{_where(result, p)}"
+        most = f"{result.site_force_N[p, s] / 1e3:.2f} kN, the most of all teeth{corner}"
+        _title(figure, result, title, most)
+        fit(figure)
+        return figure
+
+
+def draw_flank_pressure(
+    axes: Axes, results: Sequence[Result], *, position: int | None = None
+) -> None:
+    """Draw the pressure over the height of the flank of the tooth with the largest force.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        The one of the largest torque is drawn.
+    position : int, optional
+        Index of the position; by default the one with the largest tooth force.
+    """
+    result = heaviest(results)
     p = most_loaded(result)[0] if position is None else position
     s = int(np.argmax(result.site_force_N[p]))
     table = result.pairs(p)
     rows = np.flatnonzero(table.site == result.sites[s])
     rows = rows[np.argsort(table.arc_length_1_mm[rows], kind="stable")]
-    with rc_context(STYLE):
-        figure = new_figure(SIZE)
-        axes = figure.add_subplot()
-        if rows.size:
-            # each cell at its width: cells are fine near the edges
-            half, along = 0.5 * table.cell_mm[rows], table.arc_length_1_mm[rows]
-            radius = np.interp(
-                np.append(along - half, along[-1] + half[-1]), along, table.radius_mm[rows]
-            )
-            axes.stairs(table.pressure_MPa[rows], radius, fill=True, color=COLOURS[0], alpha=0.2)
-            axes.plot(table.radius_mm[rows], table.pressure_MPa[rows], color=COLOURS[0])
-            length = float(table.cell_mm[rows][table.force_N[rows] > 0].sum())
-            mean = result.site_force_N[p, s] / (length * result.face_width_mm) if length else 0.0
-            axes.axhline(mean, color=GREY, linewidth=1, linestyle=(0, (6, 3)))
-            axes.text(
-                0.5,
-                mean,
-                f"mean {mean:.0f} MPa (dashed)",
-                transform=axes.get_yaxis_transform(),
-                ha="center",
-                va="bottom",
-                fontsize=9,
-                color=GREY,
-            )
-        axes.set_ylim(0, None)
-        axes.set_xlabel("distance from the axis of body 1 in mm (tip of body 1 →)")
-        axes.set_ylabel("pressure in MPa")
-        corner = "; peaks on a sharp corner, not meaningful" if result.corner_contact[p, s] else ""
-        _title(
-            figure,
-            result,
-            f"Pressure on tooth {result.sites[s]}{_where(result, p)}",
-            f"{result.site_force_N[p, s] / 1e3:.2f} kN, the most of all teeth{corner}",
+    if rows.size:
+        # each cell at its width: cells are fine near the edges
+        half, along = 0.5 * table.cell_mm[rows], table.arc_length_1_mm[rows]
+        radius = np.interp(
+            np.append(along - half, along[-1] + half[-1]), along, table.radius_mm[rows]
         )
-        return figure
+        axes.stairs(table.pressure_MPa[rows], radius, fill=True, color=SLATE, alpha=0.2)
+        axes.plot(table.radius_mm[rows], table.pressure_MPa[rows], color=INK)
+        length = float(table.cell_mm[rows][table.force_N[rows] > 0].sum())
+        mean = result.site_force_N[p, s] / (length * result.face_width_mm) if length else 0.0
+        axes.axhline(mean, color=GREY, linewidth=1, linestyle=(0, (6, 3)))
+        axes.text(
+            0.5,
+            mean,
+            f"mean {mean:.0f} MPa (dashed)",
+            transform=axes.get_yaxis_transform(),
+            ha="center",
+            va="bottom",
+            fontsize=9,
+            color=GREY,
+        )
+    axes.set_ylim(0, None)
+    axes.set_xlabel("distance from the axis of body 1 in mm (tip of body 1 →)")
+    axes.set_ylabel("pressure in MPa")
 
 
 def _where(result: Result, p: int) -> str:
@@ -161,10 +218,10 @@ def _where(result: Result, p: int) -> str:
     return f" at {degrees(result.position_rad[p]):.4g}°"
 
 
-def _title(figure: Figure, result: Result, title: str, second: str) -> None:
+def _title(figure: Figure, result: Result, title: str, second: str, pad: float = 6.0) -> None:
     set_title(figure, result, title)
     axes = figure.axes[0]
-    axes.set_title(second, fontsize=9, fontweight="normal", color=GREY, loc="left")
+    axes.set_title(second, fontsize=9, fontweight="normal", color=GREY, loc="left", pad=pad)
 
 
 def _round_steps(largest: float) -> NDArray[np.float64]:

@@ -15,6 +15,7 @@ from flankload.result.contact_quantities import frozen
 from flankload.result.cost_table import cost_table
 from flankload.result.export import results_to_csv, results_to_json, to_xarray
 from flankload.result.frames import pairs_frame, positions_frame, summary_frame
+from flankload.result.plotting import Plots
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.table import texts_of
 
@@ -101,6 +102,11 @@ class ResultForms(Card, KeepsReadOnly):
         for key, source in FIGURES.items():
             yield key, _figure(every, key, source)
         yield "warnings", f"{len(self.warnings)}{': see result.warnings' * bool(self.warnings)}"
+
+    @property
+    def plot(self) -> Plots:
+        """Plots by name: `result.plot.transmission_error(axes)`, `result.plot.all(folder)`."""
+        return Plots(self)
 
     def stiffness_table(self) -> StiffnessTable:
         """Return stiffness and transmission error over the period, for multibody programs."""

@@ -82,15 +82,17 @@ class OverPositions:
         parts = before * (kink - ends[:-1]) + after * (ends[1:] - kink)
         return float(parts.sum() / self.result.period_rad)
 
-    def harmonics(self, values: Floats, *, every: int = 1) -> list[float | None] | None:
-        """Amplitudes of the first harmonics of the period, or of every n-th one.
+    def harmonics(
+        self, values: Floats, *, every: int = 1, count: int = N_HARMONICS
+    ) -> list[float | None] | None:
+        """Amplitudes of the first `count` harmonics of the period, or of every n-th one.
 
         None for a harmonic with too few positions; None as a whole if there is a gap in the period.
         """
         if not self.covers_period:
             return None
         n = self.position_rad.size
-        orders = [every * k for k in range(1, N_HARMONICS + 1)]
+        orders = [every * k for k in range(1, count + 1)]
         if self.even:
             amplitudes = 2.0 / n * np.abs(np.fft.rfft(values))
             return [float(amplitudes[k]) if 2 * k < n else None for k in orders]

@@ -224,9 +224,10 @@ def _attributes(kind: type) -> Iterator[str]:
             yield name
 
 
-# every attribute of one torque, also one that a later version adds, has its form for several
+# every attribute of one torque, also one that a later version adds, has its form for several,
+# except those that are for all torques
 for _name in _attributes(Result):
-    if _name not in vars(TorqueSeries) and _name != "torques_Nm":
+    if _name not in vars(TorqueSeries) and _name not in ("torques_Nm", "plot"):
         _found = cached_property(_of_all_torques(_name))
         _found.__set_name__(TorqueSeries, _name)
         setattr(TorqueSeries, _name, _found)

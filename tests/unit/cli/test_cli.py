@@ -79,7 +79,8 @@ def test_run_solves_and_writes_everything(
     assert tree["cost"]["fe_factorisations"] == 2
     rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8"))))
     assert [float(row["transmission_error_um"]) for row in rows] == tree["transmission_error_um"]
-    assert len(os.listdir(tmp_path / "out")) == 6
+    for name in sorted(os.listdir(tmp_path / "out")):
+        assert f"\nwrote {tmp_path / 'out' / name}" in out
 
 
 def test_installed_command_prints_no_progress_into_a_pipe(scene: Path) -> None:
@@ -294,7 +295,22 @@ def test_list_of_torques_gives_a_list_of_everything(
     assert "made-up pair: 302 N m" in out
     tree = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert tree["torques_Nm"] == [100.0, 302.0]
-    assert sorted(os.listdir(tmp_path / "out")) == ["torque_100_Nm", "torque_302_Nm"]
+    names = os.listdir(tmp_path / "out")
+    assert {"transmission_error.png", "loaded_pair.png", "torque_sweep.png"} < set(names)
+    assert sorted(re.findall(r"wrote .*/(.*)", out)) == sorted(names)
+
+
+def test_plots_have_the_formats_and_the_size_asked_for(
+    scene: Path, tmp_path: Path, solved: list[Any], monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    import flankload.plot
+
+    given: dict[str, Any] = {}
+    monkeypatch.setattr(flankload.plot, "plot_all", lambda *_, **options: given.update(options))
+    options = ("--format", "svg", "--format", "PDF,svg", "--size", "160x90", "--dpi", "300")
+    assert run(capsys, "run", scene, "--quiet", "--plot", tmp_path / "out", *options)[0] == 0
+    assert given == {"formats": ("svg", "pdf"), "dpi": 300.0, "size_mm": (160.0, 90.0)}
 
 
 @pytest.mark.parametrize(
@@ -307,6 +323,16 @@ def test_list_of_torques_gives_a_list_of_everything(
         (["--plot", "pair.toml/out"], "--plot: expected a folder, found the file pair.toml"),
         (["--plot", "p.pdf"],
          "--plot: expected a folder for PNG files, such as p, found p.pdf, the name of a file"),
+        (["--plot", "p.svg", "--format", "svg"],
+         "--plot: expected a folder for SVG files, such as p, found p.svg, the name of a file"),
+        (["--format", "svg"], "--format: expected --plot DIR beside it, found no --plot"),
+        (["--plot", "out", "--format", "svg,gif"],
+         "--format: expected png, svg or pdf, or several with commas, found 'gif'"),
+        (["--plot", "out", "--dpi", "5"], "--dpi: expected a number from 30 to 1200, found '5'"),
+        (["--plot", "out", "--size", "160"],
+         "--size: expected WxH, such as 160x100, each from 40 to 1000 mm, found '160'"),
+        (["--plot", "out", "--size", "160x5"],
+         "--size: expected WxH, such as 160x100, each from 40 to 1000 mm, found '160x5'"),
         (["--json", "pair.toml"], "--json: expected a file other than the scene, found pair.toml"),
         (["--csv", "./pair.toml"], "--csv: expected a file other than the scene, found pair.toml"),
         (["--json", "link.toml"], "--json: expected a file other than the scene, found link.toml"),

@@ -23,18 +23,20 @@ from flankload.plot import (
     plot_transmission_error,
 )
 from flankload.plot.style import new_figure, png_of
-from flankload.result import Result, TorqueSeries
+from flankload.result import Result
 from flankload.scene import Load
 from tests.support.made_up_result import made_up_result
 from tests.support.paths import SCENES
 from tests.support.tolerances import ROUND_OFF
 
 NAMES = [
+    "load_map.png",
     "load_sharing.png",
     "loaded_pair.png",
     "peak_pressure.png",
     "stiffness.png",
     "transmission_error.png",
+    "transmission_error_spectrum.png",
 ]
 
 
@@ -270,13 +272,14 @@ def test_pairs_of_far_positions_have_colours_of_their_own() -> None:
     assert len({line.get_color() for line in lines}) == len(lines) >= 2
 
 
-@pytest.mark.parametrize("count", [1, 2])
-def test_few_positions_can_be_drawn(count: int, tmp_path: Path) -> None:
-    assert len(plot_all(made_up_result(count=count, closed=False), tmp_path)) == 5
+@pytest.mark.parametrize(("count", "pictures"), [(1, 5), (2, 6)])
+def test_few_positions_can_be_drawn(count: int, pictures: int, tmp_path: Path) -> None:
+    """A map of positions needs two of them, a spectrum a period."""
+    assert len(plot_all(made_up_result(count=count, closed=False), tmp_path)) == pictures
 
 
 def test_unloaded_pair_can_be_drawn(tmp_path: Path) -> None:
-    assert len(plot_all(made_up_result(torque_Nm=0.0), tmp_path)) == 4
+    assert len(plot_all(made_up_result(torque_Nm=0.0), tmp_path)) == 6
 
 
 def test_stiffness_is_drawn_along_the_line_of_action_and_about_the_axis(result: Result) -> None:
@@ -448,14 +451,3 @@ def test_name_is_drawn_as_it_is_written(result: Result) -> None:
     figure = plot_transmission_error(replace(result, name="a$b$c\n d"))
     assert "a$b$c d, 302 N m" in words(figure.axes[0])
     assert not figure.axes[0].title.get_parse_math()
-
-
-def test_torques_of_a_list_have_their_own_folders(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("flankload.plot._of_flanks", lambda _: ("stiffness",))
-    found = TorqueSeries([made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0)])
-    paths = plot.plot_all(found, tmp_path)
-    folders = ["torque_100_Nm", "torque_302_Nm"]
-    assert paths == tuple(tmp_path / name / "stiffness.png" for name in folders)
-    assert all(path.exists() for path in paths)

@@ -1,0 +1,235 @@
+"""Peak pressure over the diameters of involute flanks, with the points A to E of the path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import acos, tan
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.ticker import MaxNLocator
+
+from flankload.plot.curves import DASHED, ON_CORNER, draw_off_corners
+from flankload.plot.figures import (
+    as_results,
+    empty_figure,
+    fit,
+    label_curves,
+    legend_below,
+    set_title,
+)
+from flankload.plot.positions import way_curve
+from flankload.plot.slices import contact_pattern
+from flankload.plot.style import BODIES, GREY, SIZE, STYLE, torque_colours
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+
+    Floats = NDArray[np.float64]
+
+#: Least distance of two ticks of the roll angle, as part of the width.
+CLOSEST = 0.05
+
+
+@dataclass(frozen=True)
+class PathOnFlank:
+    """The path of contact of two involutes on the flank of one of them.
+
+    Attributes
+    ----------
+    base_radius_mm : float
+    pitch_roll_mm : float
+        Roll length of the pitch point.
+    pitch_mm : float
+        Roll length of a base pitch in the sense of motion; negative if the contact moves to the
+        base circle.
+    ends : (float, float)
+        Ends of the path in base pitches from the pitch point, in the sense of motion.
+    """
+
+    base_radius_mm: float
+    pitch_roll_mm: float
+    pitch_mm: float
+    ends: tuple[float, float]
+
+    def diameter_mm(self, place: Any) -> Any:
+        """Diameter of places in base pitches from the pitch point."""
+        roll = np.maximum(self.pitch_roll_mm + self.pitch_mm * place, 0.0)
+        return 2.0 * np.hypot(self.base_radius_mm, roll)
+
+    def roll_angle_deg(self, diameter_mm: Any) -> Any:
+        """Roll angle: the tangent of the pressure angle at a diameter."""
+        ratio = 0.5 * np.asarray(diameter_mm) / self.base_radius_mm
+        return np.degrees(np.sqrt(np.maximum(ratio**2 - 1.0, 0.0)))
+
+    def diameter_of_roll_mm(self, roll_angle_deg: Any) -> Any:
+        """Inverse of `roll_angle_deg`."""
+        roll = np.radians(np.maximum(roll_angle_deg, 0.0))
+        return 2.0 * self.base_radius_mm * np.hypot(1.0, roll)
+
+    def points(self) -> dict[str, float]:
+        """Characteristic points in base pitches from the pitch point (ISO 21771).
+
+        A and E are the ends of the path, C is the pitch point; between B and D one pair carries.
+        B and D are defined for a contact ratio from 1 to 2.
+        """
+        start, end = self.ends
+        points = {"A": start, "C": 0.0, "E": end}
+        if 1.0 <= end - start < 2.0:
+            points |= {"B": end - 1.0, "D": start + 1.0}
+        return dict(sorted(points.items()))
+
+
+def path_on_flank(result: Result, body: int) -> PathOnFlank | None:
+    """The path of contact on a body; None unless both flanks are involutes with a known path.
+
+    Parameters
+    ----------
+    result : Result
+    body : int
+        1 or 2.
+    """
+    drawing, geometry = result.drawing, result.geometry
+    one, two = drawing.profiles
+    if one is None or two is None or geometry is None or geometry.path_pitches is None:
+        return None
+    if result.whole_circle:
+        return None
+    sense = -1.0 if drawing.is_around else 1.0
+    bases = one.base_radius_mm, two.base_radius_mm
+    angle = acos(abs(bases[1] + sense * bases[0]) / geometry.center_distance_mm)
+    pitch = 2.0 * np.pi * bases[0] / drawing.teeth_1
+    if body == 2:
+        # in an external pair the contact moves to the base circle of body 2
+        pitch *= -sense
+    base = bases[body - 1]
+    return PathOnFlank(base, base * tan(angle), pitch, geometry.path_pitches)
+
+
+def plot_pressure_over_diameter(
+    results: Result | Sequence[Result], body: int | None = None
+) -> Figure:
+    """Peak pressure over the diameter of each body, a curve per torque; points A to E.
+
+    Parameters
+    ----------
+    results : Result, or sequence of Result
+    body : int, optional
+        1 or 2; by default both, in two panels.
+    """
+    shown = as_results(results)
+    bodies = (1, 2) if body is None else (body,)
+    with rc_context(STYLE):
+        figure = empty_figure((SIZE[0], (0.5 + 0.5 * len(bodies)) * SIZE[1]))
+        for row, each in enumerate(bodies):
+            axes = figure.add_subplot(len(bodies), 1, row + 1)
+            draw_pressure_over_diameter(axes, shown, body=each, key=each == bodies[-1])
+        set_title(figure, shown, "Peak pressure over the flanks")
+        fit(figure)
+        return figure
+
+
+def draw_pressure_over_diameter(
+    axes: Axes, results: Sequence[Result], *, body: int = 1, key: bool = True
+) -> None:
+    """Draw the peak pressure over the diameter of a body, with roll angles on a second axis.
+
+    Plane contacts are placed at their nominal diameter, that of the undeformed involutes.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        One per torque, by ascending torque.
+    body : int
+        1 or 2.
+    key : bool
+        Whether to explain dashed lines below the panel.
+
+    Raises
+    ------
+    ValueError
+        If the path of contact of two involutes is unknown.
+    """
+    path = path_on_flank(results[0], body)
+    if path is None:
+        raise ValueError("result: expected two involutes with a path of contact, found none")
+    tops, colours = [], torque_colours(len(results))
+    for result, colour in zip(results, colours, strict=True):
+        diameter, pressure, corner = _along_flank(result, path, body)
+        label = f"{result.torque_Nm:g} N m"
+        draw_off_corners(axes, diameter, pressure, corner, color=colour, label=label)
+        tops.append(float(np.nanmax(np.where(corner, np.nan, pressure), initial=0.0)))
+    ends = path.diameter_mm(np.array(path.ends))
+    margin = 0.06 * float(np.ptp(ends))
+    axes.set_xlim(ends.min() - margin, ends.max() + margin)
+    axes.set_ylim(0, 1.15 * max(tops) or None)
+    axes.set_xlabel(f"diameter on body {body} in mm", color=BODIES[body - 1])
+    axes.set_ylabel("peak pressure in MPa")
+    _add_roll_axis(axes, path, body)
+    _mark_points(axes, path)
+    if len(results) > 1:
+        texts = [
+            f"{result.torque_Nm:g} N m\n{top:.0f} MPa"
+            for result, top in zip(results, tops, strict=True)
+        ]
+        label_curves(axes, tops, texts, colours)
+    if key and any(result.corner_contact.any() for result in results):
+        (dashed,) = axes.plot([], [], color=GREY, **DASHED)
+        legend_below(axes, [dashed], [ON_CORNER])
+
+
+def _add_roll_axis(axes: Axes, path: PathOnFlank, body: int) -> None:
+    """A second axis of roll angles, whose ticks come closer towards the base circle."""
+    turns = (path.roll_angle_deg, path.diameter_of_roll_mm)
+    second = axes.secondary_xaxis("top", functions=turns)
+    second.set_xlabel(f"roll angle of body {body} in degrees")
+    low, high = axes.get_xlim()
+    shown: list[float] = []
+    for angle in MaxNLocator(nbins=9).tick_values(*path.roll_angle_deg(np.array([low, high]))):
+        place = float(path.diameter_of_roll_mm(angle))
+        before = float(path.diameter_of_roll_mm(shown[-1])) if shown else -np.inf
+        if angle > 0 and low <= place <= high and place - before > CLOSEST * (high - low):
+            shown.append(float(angle))
+    second.set_xticks(shown, [f"{angle:g}" for angle in shown])
+
+
+def _along_flank(
+    result: Result, path: PathOnFlank, body: int
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Diameters, peak pressures, and whether these are on a sharp corner."""
+    if result.slices is not None:
+        diameter, pressure = contact_pattern(result, body)
+        return diameter, pressure.max(axis=1), np.zeros(diameter.size, dtype=bool)
+    place, pressure = way_curve(result, result.peak_pressure_MPa)
+    _, corner = way_curve(result, result.corner_contact.astype(float))
+    return path.diameter_mm(place), pressure, corner > 0
+
+
+def _mark_points(axes: Axes, path: PathOnFlank) -> None:
+    """A line with a letter for each characteristic point."""
+    low, high = axes.get_xlim()
+    before, row = -np.inf, 0
+    for diameter, name in sorted((float(path.diameter_mm(p)), n) for n, p in path.points().items()):
+        row = 1 - row if diameter - before < CLOSEST * (high - low) else 0
+        before = diameter
+        axes.axvline(diameter, color=GREY, linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
+        axes.annotate(
+            name,
+            (diameter, 0.03),
+            xycoords=("data", "axes fraction"),
+            xytext=(0.0, 13.0 * row),
+            textcoords="offset points",
+            ha="center",
+            fontsize=9,
+            fontweight="bold",
+            color=GREY,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
+        )

@@ -1,0 +1,150 @@
+"""Axes and curves over the positions."""
+
+from __future__ import annotations
+
+from math import degrees
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator, MultipleLocator
+
+from flankload.plot.figures import legend_below
+from flankload.plot.style import GREY
+from flankload.result.harmonics import over_positions
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from flankload.result import Result
+
+#: Largest number of uneven positions with markers; more of them look like a line.
+MOST_MARKS = 400
+#: Largest number of pairs that are named one by one.
+MOST_NAMED = 12
+#: Points of a plotted curve on each of its pieces.
+CURVE_STEPS = 8
+
+
+def label_positions(axes: Axes, result: Result) -> None:
+    """Range, ticks and label of the axis of positions, in degrees."""
+    angle = "cam angle in degrees" if result.has_cam else "angle of body 1 in degrees"
+    axes.set_xlabel(angle)
+    angles = np.degrees(result.position_rad)
+    if is_closed(result):
+        axes.set_xlim(0, degrees(result.period_rad))
+        if result.has_cam:
+            axes.xaxis.set_major_locator(MultipleLocator(45))
+            return
+        axes.xaxis.set_major_locator(MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]))
+        axes.set_xlabel(f"{angle} (one pitch = {degrees(result.pitch_rad):.4g}°)")
+    elif np.ptp(angles) > 0:
+        margin = 0.02 * np.ptp(angles)  # markers at both ends remain complete
+        axes.set_xlim(angles.min() - margin, angles.max() + margin)
+
+
+def marks(result: Result) -> dict[str, Any]:
+    """Markers for few or uneven positions: a line alone would hide them."""
+    if result.position_rad.size > 12 and (is_closed(result) or not _gaps(result).size):
+        if result.position_rad.size > MOST_MARKS or over_positions(result).regular:
+            return {}
+        return {"marker": "o", "markersize": 2.5}
+    return {"marker": "o", "markersize": 4.5}
+
+
+def curve(result: Result, values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Angles in degrees and values; closed over the period, else ascending with gaps."""
+    angle = np.degrees(result.position_rad)
+    if is_closed(result):
+        return np.append(angle, degrees(result.period_rad)), np.append(values, values[0])
+    order = np.argsort(angle, kind="stable")
+    gaps = _gaps(result)
+    return np.insert(angle[order], gaps, np.nan), np.insert(1.0 * values[order], gaps, np.nan)
+
+
+def through_uneven(
+    result: Result, values: NDArray[Any]
+) -> tuple[NDArray[Any], NDArray[Any]] | None:
+    """Angles in degrees and values of the curve through uneven positions, with its kinks."""
+    over = over_positions(result)
+    curve = over.curve(values)
+    if curve is None or not (result.closed or over.contiguous):
+        return None
+    steps = np.linspace(0.0, 1.0, CURVE_STEPS, endpoint=False)
+    places = (curve.low[:, None] + (curve.high - curve.low)[:, None] * steps).ravel()
+    places = np.append(places, curve.high[-1])
+    return np.degrees(places), curve.values(places)
+
+
+def is_closed(result: Result) -> bool:
+    """Whether the curve is closed; one position is a point, since a line would be invented."""
+    return result.closed and result.position_rad.size > 1
+
+
+def _gaps(result: Result) -> NDArray[np.int64]:
+    """Positions after which a line would cross more than half a pitch without data."""
+    steps = np.diff(np.sort(result.position_rad))
+    return np.asarray(np.flatnonzero(steps > 0.5001 * result.pitch_rad) + 1)
+
+
+def pair_curve(
+    result: Result, values: NDArray[Any], s: int, closing: float = 0.0
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Curve of one pair: a period later it has the place of another pair."""
+    if not is_closed(result) or result.has_cam:
+        return curve(result, values[:, s])
+    after = np.flatnonzero(result.sites == result.sites[s] + result.period_pitches)
+    end = values[0, after[0]] if after.size else closing
+    angle, _ = curve(result, values[:, s])
+    return angle, np.append(values[:, s], end)
+
+
+def way_curve(
+    result: Result, values: NDArray[Any], closing: float = 0.0
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Curve of a quantity of the pairs (P, S) on the way of a pair through the mesh.
+
+    Pair j is j pitches further along than pair 0, so the curves of all pairs, one after the other,
+    are the way of one pair. If the period has several pitches, whose pairs differ, their curves lie
+    above each other. A cam has one pair, at the angle of the cam in degrees.
+
+    Returns
+    -------
+    place : (n,) array
+        Mesh pitches from the pitch point; cam angle in degrees.
+    value : (n,) array
+        NaN between separate curves.
+    """
+    pieces = []
+    for s, site in enumerate(result.sites):
+        angle, along = pair_curve(result, values, s, closing)
+        place = angle if result.has_cam else site + angle / degrees(result.pitch_rad)
+        pieces.append(np.array([place, along]))
+        if result.period_pitches > 1 or not is_closed(result):
+            pieces.append(np.full((2, 1), np.nan))
+    place, along = np.concatenate(pieces, axis=1)
+    return place, along
+
+
+def lifted(values: NDArray[Any]) -> NDArray[Any]:
+    """Values without the parts at which a pair is open, so that no curve follows the axis."""
+    carries = values > 0
+    near = carries.copy()
+    near[1:] |= carries[:-1]
+    near[:-1] |= carries[1:]
+    return np.where(near, values, np.nan)
+
+
+def legend_of_pairs(axes: Axes, more: dict[str, Line2D] | None = None) -> None:
+    handles, labels = axes.get_legend_handles_labels()
+    shown = dict(zip(labels, handles, strict=True))
+    pairs = [label for label in labels if label.startswith("pair ")]
+    if len(pairs) > MOST_NAMED:
+        # one name for all: their curves follow each other
+        shown = {label: handle for label, handle in shown.items() if label not in pairs}
+        ends = " to ".join(pair.removeprefix("pair ") for pair in (pairs[-1], pairs[0]))
+        shown = {f"pairs {ends}, from left to right": Line2D([], [], color=GREY), **shown}
+    shown |= more or {}
+    if shown:
+        legend_below(axes, shown.values(), shown.keys(), ncols=min(len(shown), 5))
