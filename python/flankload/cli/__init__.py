@@ -14,8 +14,10 @@ from flankload.cli.benchmarking import benchmark
 from flankload.cli.checking import check
 from flankload.cli.compliance import compliance
 from flankload.cli.designing import study
+from flankload.cli.importing import scene
 from flankload.cli.optimising import optimise
 from flankload.cli.planning import plan
+from flankload.cli.reporting import report
 from flankload.cli.solving import mesh, run, schema
 from flankload.cli.studying import accuracy
 from flankload.cli.verifying import verify
@@ -109,6 +111,7 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(metavar="COMMAND", required=True)
 
     _add_run(commands)
+    _add_report(commands)
     _add_plan(commands)
     _add_mesh(commands)
     compliance_parser = _command(
@@ -120,6 +123,7 @@ def parser() -> argparse.ArgumentParser:
     _add_verify(commands)
     _add_benchmark(commands)
     _add_optimise(commands)
+    _add_scene(commands)
     check_parser = _described(
         commands, "check", "validate a scene or a mesh file and print how it is interpreted"
     )
@@ -164,6 +168,9 @@ def _add_run(commands: Any) -> None:
     )
     parser.add_argument("--plot", metavar="DIR", type=Path, help="write plots to this folder")
     parser.add_argument(
+        "--report", metavar="FILE", help="write a self-contained HTML page (- for stdout)"
+    )
+    parser.add_argument(
         "--format", dest="formats", metavar="F,…", action="append", default=[],
         help="format of the plots: png, svg, pdf, or several; may be repeated; default: png",
     )  # fmt: skip
@@ -179,6 +186,20 @@ def _add_run(commands: Any) -> None:
         "--cost", action="store_true", help="print predicted and actual cost of each stage"
     )
     parser.add_argument("--quiet", action="store_true", help="print no table and no progress")
+
+
+def _add_report(commands: Any) -> None:
+    parser = _command(
+        commands,
+        "report",
+        report,
+        "solve a scene and write one self-contained HTML page about it; adaptive positions if the "
+        "scene names none",
+    )
+    parser.add_argument(
+        "-o", dest="output", metavar="FILE", required=True, help="page to write (- for stdout)"
+    )
+    parser.add_argument("--quiet", action="store_true", help="print no progress and no file name")
 
 
 def _add_plan(commands: Any) -> None:
@@ -247,6 +268,39 @@ def _add_optimise(commands: Any) -> None:
         "-o", dest="output", metavar="FILE", type=Path, help="write the optimal scene to this file"
     )
     parser.set_defaults(command=optimise)
+
+
+def _add_scene(commands: Any) -> None:
+    parser = _described(
+        commands,
+        "scene",
+        "write the scene of a gear stage of a REXS gearbox model; without -o, list the stages",
+    )
+    parser.add_argument(
+        "file", metavar="GEARBOX", type=Path, help="model (.rexs, .rexsj, .rexsz, .rexs.zip)"
+    )
+    parser.add_argument(
+        "--stage", metavar="ID", type=int, help="id of the stage; default: the only one"
+    )
+    parser.add_argument(
+        "-o", dest="output", metavar="FILE", type=Path, help="write the scene to this file"
+    )
+    parser.add_argument(
+        "--torque-Nm", dest="torque_Nm", metavar="T", type=float,
+        help="torque on gear 1; required if the model has none of this stage",
+    )  # fmt: skip
+    parser.add_argument(
+        "--load-case", metavar="ID", type=int, help="id of the load case; default: the only one"
+    )
+    parser.add_argument(
+        "--flank", choices=("left", "right"),
+        help="loaded flank, if the model does not define it and the flanks of a gear differ",
+    )  # fmt: skip
+    parser.add_argument(
+        "--set", dest="settings", metavar="KEY=VALUE", action="append", default=[],
+        help="value of a key of the scene, in place of that of the model; may be repeated",
+    )  # fmt: skip
+    parser.set_defaults(command=scene)
 
 
 def _add_benchmark(commands: Any) -> None:
