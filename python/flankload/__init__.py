@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         SceneError,
         SingularContact,
     )
+    from flankload.export import write_vtu
     from flankload.result import Result
     from flankload.scene import (
         Accuracy,
@@ -129,6 +130,7 @@ __all__ = [
     "solve_contact_torques",
     "study",
     "verify",
+    "write_vtu",
 ]
 
 _MODULE_OF_NAME = {
@@ -192,6 +194,7 @@ _MODULE_OF_NAME = {
     "accuracy": "studies.accuracy",
     "Verification": "studies.verification",
     "verify": "studies.verification",
+    "write_vtu": "export",
 }
 
 

@@ -631,6 +631,31 @@ _PYTHON = (
         ("release(runs.study)", "pass"),
     ),
     *_in(
+        "mechanisms/flank_pair/loaded_bodies.py",
+        "unit/export/test_fields.py",
+        ("* (-1.0 if coast else 1.0)", "* (1.0 if coast else -1.0)"),
+        ("tables.append((result.coast.pair_tables[p], True))", "pass"),
+        ("across = 2.0 * sine", "across = -2.0 * sine"),
+    ),
+    *_in(
+        "elasticity/loaded_body.py",
+        "unit/export/test_fields.py",
+        ("right_left / waves", "right_left * waves"),
+        (" - coupling.T @ moved[cut]", ""),
+        ("_on_edges(s, s_mm[own])", "_on_edges(s, s_mm[own] + 1.0)"),
+    ),
+    *_in(
+        "result/fmu/flankload_fmu.c",
+        "unit/result/test_files.py",
+        ("angle -= period_rad * floor(angle / period_rad);", ""),
+        ("*rotation += (self->torque - torque) / *stiffness;", ""),
+    ),
+    *_in(
+        "result/multibody.py",
+        "unit/result/test_files.py",
+        ('np.argsort(table.torques_Nm, kind="stable")', "np.arange(table.torques_Nm.size)"),
+    ),
+    *_in(
         "base/blas_threads.py",
         "unit/base/test_blas_threads.py",
         ("if _inside == 0:", "if True:"),

@@ -166,6 +166,27 @@ def _add_run(commands: Any) -> None:
         metavar="FILE",
         help="write transmission error and stiffness over angle and torque (- for stdout)",
     )
+    parser.add_argument(
+        "--csv-format", metavar="WORD,…", default="",
+        help="form of both CSV files: semicolon or tab (separator), decimal-comma, degrees",
+    )  # fmt: skip
+    parser.add_argument("--xlsx", metavar="FILE", help="write a workbook with a sheet per quantity")
+    parser.add_argument(
+        "--modelica", metavar="FILE",
+        help="write tables over angle and torque for Modelica (- for stdout)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--fmu", metavar="FILE",
+        help="write these tables as an FMU for co-simulation (FMI 2.0)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--vtu", metavar="DIR", type=Path,
+        help="write displacement, stress and pressure of the bodies to this folder, for ParaView",
+    )  # fmt: skip
+    parser.add_argument(
+        "--vtu-positions", metavar="K,…", default="",
+        help="indices of the positions of --vtu; default: all",
+    )  # fmt: skip
     parser.add_argument("--plot", metavar="DIR", type=Path, help="write plots to this folder")
     parser.add_argument(
         "--report", metavar="FILE", help="write a self-contained HTML page (- for stdout)"

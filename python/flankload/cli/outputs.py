@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 STDOUT = "-"
 #: Suffixes of files: a path that ends in one of these is not a folder.
 OF_FILES = (
-    ".csv", ".eps", ".gif", ".html", ".inp", ".jpeg", ".jpg", ".json", ".msh", ".npz", ".pdf",
-    ".png", ".ps", ".svg", ".tif", ".tiff", ".toml", ".txt", ".vtu", ".webp",
+    ".csv", ".eps", ".fmu", ".gif", ".html", ".inp", ".jpeg", ".jpg", ".json", ".msh", ".npz",
+    ".pdf", ".png", ".ps", ".pvd", ".svg", ".tif", ".tiff", ".toml", ".txt", ".vtu", ".webp",
+    ".xlsx",
 )  # fmt: skip
 
 

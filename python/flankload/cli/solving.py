@@ -11,15 +11,13 @@ from threading import Thread, Timer
 from typing import TYPE_CHECKING, Any, Self
 
 from flankload.cli.drawing import plot_options
-from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder
-from flankload.errors import SceneError
+from flankload.cli.outputs import STDOUT, check_apart, check_folder
+from flankload.cli.result_files import check_outputs, files_of, places_of, write_files
 
 if TYPE_CHECKING:
     from argparse import Namespace
-    from collections.abc import Iterator
 
     from flankload.mechanisms.duration import Duration
-    from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.plan import Plan
 
@@ -33,11 +31,11 @@ LONG_S = 10.0
 def run(arguments: Namespace) -> None:
     """Solve a scene; write and print the results."""
     options = plot_options(arguments)
-    _check_outputs(arguments, options["formats"])
+    check_outputs(arguments, options["formats"])
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
-    check_apart(_places(arguments), scene)
+    check_apart(places_of(arguments), scene)
     from flankload.api import solve
 
     if arguments.plot is not None or arguments.report is not None:
@@ -52,26 +50,21 @@ def run(arguments: Namespace) -> None:
         from flankload.plot import plot_all
 
         written = plot_all(results, arguments.plot, **options)
-    from flankload.result import results_to_csv, results_to_json, results_to_text
-
-    for path, text_of in ((arguments.json, results_to_json), (arguments.csv, results_to_csv)):
-        if path == STDOUT:
-            print(text_of(found), end="")
-        elif path is not None:
-            text_of(found, path)
-    if arguments.stiffness_csv is not None:
-        _write_stiffness(results, arguments.stiffness_csv)
+    said = write_files(arguments, scene, results, listed=found.has_torque_list)
     if arguments.report is not None:
         from flankload.cli.reporting import write_page
 
         write_page(found, scene, arguments.report, arguments.line)
         written += (Path(arguments.report),) * (arguments.report != STDOUT)
+    said += [f"wrote {path}" for path in written]
+    from flankload.result import results_to_text
+
     texts = [] if arguments.quiet else [results_to_text(results)]
     if arguments.cost:  # for all torques together
         texts.append(results[0].cost_table())
-    if written and not arguments.quiet:
-        texts.append("\n".join(f"wrote {path}" for path in written))
-    if texts and STDOUT not in _files(arguments).values():
+    if said and not arguments.quiet:
+        texts.append("\n".join(said))
+    if texts and STDOUT not in files_of(arguments).values():
         print("\n\n".join(texts))
 
 
@@ -92,51 +85,6 @@ def _plan(scene: Scene, progress: Progress) -> Plan:
 
     progress.tell("plan", 0, 1)
     return plan(scene)
-
-
-def _files(arguments: Namespace) -> dict[str, str]:
-    """Requested files by their options."""
-    named = {
-        "--json": arguments.json,
-        "--csv": arguments.csv,
-        "--stiffness-csv": arguments.stiffness_csv,
-        "--report": arguments.report,
-    }
-    return {key: path for key, path in named.items() if path is not None}
-
-
-def _check_outputs(arguments: Namespace, formats: tuple[str, ...]) -> None:
-    """Refuse outputs that could not be written, before the computation."""
-    printed = [key for key, path in _files(arguments).items() if path == STDOUT]
-    if len(printed) > 1:
-        raise SceneError(
-            key=printed[1], expected=f"a file, since {printed[0]} uses stdout", found="-"
-        )
-    for key, path in _files(arguments).items():
-        if path != STDOUT:
-            check_file(key, Path(path))
-    if arguments.plot is not None:
-        kinds = " and ".join(kind.upper() for kind in formats)
-        check_folder("--plot", arguments.plot, content=f"{kinds} files")
-
-
-def _places(arguments: Namespace) -> Iterator[tuple[str, Path]]:
-    """Paths that will be written, by option."""
-    for key, path in _files(arguments).items():
-        if path != STDOUT:
-            yield key, Path(path)
-    if arguments.plot is not None:
-        yield "--plot", arguments.plot
-
-
-def _write_stiffness(results: tuple[Result, ...], path: str) -> None:
-    from flankload.result import stiffness_table
-
-    table = stiffness_table(results)
-    if path == STDOUT:
-        print(table.to_csv(), end="")
-    else:
-        table.to_csv(path)
 
 
 class Progress:

@@ -103,19 +103,7 @@ def missed_compliance(
     root = np.linalg.cholesky(np.linalg.inv(elastic)).T
     p = moved.shape[1]
     displaced = moved.reshape(len(nodes), 2 * p)
-    total, count = np.zeros((len(nodes), 3 * p)), np.zeros(len(nodes))
-    for kind, connectivity in cells:
-        element = _element(kind)
-        best = np.empty((len(connectivity), len(element.best), 3, p))
-        for block in _blocks(len(connectivity), p):
-            numbers = connectivity[block]
-            own, _ = _strains(nodes[numbers], displaced[numbers], element.best)
-            best[block] = own.transpose(1, 2, 0, 3)
-        outward = _to_nodes(connectivity, element.outward, len(nodes))
-        total += outward @ best.reshape(-1, 3 * p)
-        count += np.bincount(connectivity.ravel(), minlength=len(nodes))
-    smoothed = total
-    smoothed /= np.maximum(count, 1.0)[:, None]
+    smoothed = recovered_strains(nodes, cells, moved)
     missed = np.zeros((p, p))
     for kind, connectivity in cells:
         element = _element(kind)
@@ -129,6 +117,37 @@ def missed_compliance(
             flat = change.reshape(-1, p)
             missed += flat.T @ flat
     return missed
+
+
+def recovered_strains(nodes: Floats, cells: Cells, moved: Floats) -> Floats:
+    """Strains at the nodes: those at the superconvergent points, extrapolated and averaged.
+
+    Parameters
+    ----------
+    nodes, cells, moved
+        As in `missed_compliance`.
+
+    Returns
+    -------
+    (N, 3 p) array
+        e_xx, e_yy and twice e_xy, each of all p loads.
+    """
+    p = moved.shape[1]
+    displaced = moved.reshape(len(nodes), 2 * p)
+    total, count = np.zeros((len(nodes), 3 * p)), np.zeros(len(nodes))
+    for kind, connectivity in cells:
+        element = _element(kind)
+        best = np.empty((len(connectivity), len(element.best), 3, p))
+        for block in _blocks(len(connectivity), p):
+            numbers = connectivity[block]
+            own, _ = _strains(nodes[numbers], displaced[numbers], element.best)
+            best[block] = own.transpose(1, 2, 0, 3)
+        outward = _to_nodes(connectivity, element.outward, len(nodes))
+        total += outward @ best.reshape(-1, 3 * p)
+        count += np.bincount(connectivity.ravel(), minlength=len(nodes))
+    smoothed = total
+    smoothed /= np.maximum(count, 1.0)[:, None]
+    return smoothed
 
 
 def _blocks(n_elements: int, n_loads: int) -> Iterator[slice]:

@@ -131,7 +131,7 @@ def close_ring(sector: CondensedSector, teeth: int) -> Floats:
         readings are those of the loads.
     """
     pitch = 2 * np.pi / teeth
-    (left_left, left_right, right_left, right_right), carried = _turned(sector, pitch)
+    (left_left, left_right, right_left, right_right), carried = turned_cuts(sector, pitch)
     response = [np.zeros((teeth, *local.shape)) for local in sector.local]
     offsets = np.arange(teeth)
     for k in range(teeth // 2 + 1):
@@ -166,7 +166,7 @@ def alike_response(sector: CondensedSector, teeth: int) -> Floats:
     (r, p) array
         The sum over the teeth of `close_ring`.
     """
-    stiffness, carried = _turned(sector, 2 * np.pi / teeth)
+    stiffness, carried = turned_cuts(sector, 2 * np.pi / teeth)
     reads = [left + right for left, right in carried]
     unknown = np.linalg.solve(sum(stiffness), reads[0])
     return np.concatenate(
@@ -265,7 +265,7 @@ def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
     (n, n, r, p) array
         [i, j]: response of the readings on sector i to the loads on sector j, each in its frame.
     """
-    stiffness, carried = _turned(sector, turn_rad)
+    stiffness, carried = turned_cuts(sector, turn_rad)
     cell = RowCell(sector.local, carried, stiffness)
     row = row_response([cell] * cells)
     return row.reshape(cells, -1, cells, cell.loads).transpose(0, 2, 1, 3).copy()
@@ -341,7 +341,7 @@ def tooth_response(
     return response, inside.size
 
 
-def _turned(
+def turned_cuts(
     sector: CondensedSector, turn_rad: float
 ) -> tuple[tuple[Floats, ...], tuple[tuple[Floats, Floats], ...]]:
     """Stiffness of the cuts and forces carried to them, the right cut in the next sector's frame.

@@ -1,6 +1,7 @@
 """Results of a run: immutable objects with their tables and files."""
 
 from flankload.base.files import write_atomically
+from flankload.result.csv_form import CsvForm
 from flankload.result.export import results_to_csv, results_to_json
 from flankload.result.friction import FrictionResult
 from flankload.result.pairs import PairDrawing, PairTable
@@ -8,8 +9,10 @@ from flankload.result.result import Result
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.table import texts_of as results_to_text
 from flankload.result.torque_series import TorqueSeries, result_of_torques
+from flankload.result.workbook import results_to_xlsx
 
 __all__ = [
+    "CsvForm",
     "FrictionResult",
     "PairDrawing",
     "PairTable",
@@ -20,6 +23,7 @@ __all__ = [
     "results_to_csv",
     "results_to_json",
     "results_to_text",
+    "results_to_xlsx",
     "stiffness_table",
     "write_atomically",
 ]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Mapping, Sequence
 from math import isfinite
@@ -15,6 +13,7 @@ import numpy as np
 from flankload.base.files import write_atomically
 from flankload.result.coast_contact import OVER_SITES as COAST
 from flankload.result.coast_contact import coast_arrays
+from flankload.result.csv_form import CsvForm
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
 from flankload.result.root_stress import root_arrays
 from flankload.result.warning_lines import warning_lines
@@ -179,7 +178,11 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"the result contains {type(value).__name__}, which JSON cannot represent")
 
 
-def results_to_csv(results: Result | Sequence[Result], path: str | Path | None = None) -> str:
+def results_to_csv(
+    results: Result | Sequence[Result],
+    path: str | Path | None = None,
+    form: CsvForm | None = None,
+) -> str:
     """A result, or results of single torques, as CSV: a row per position (and torque).
 
     Parameters
@@ -187,6 +190,8 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
     results : Result or sequence of Result
     path : path, optional
         File to write.
+    form : CsvForm, optional
+        Separator, decimal sign and unit of angles.
 
     Returns
     -------
@@ -195,41 +200,62 @@ def results_to_csv(results: Result | Sequence[Result], path: str | Path | None =
         is not a number.
     """
     several = results if isinstance(results, Sequence) else results.by_torque
-    rubs = list(FRICTION) if any(result.friction is not None for result in several) else []
-    drives = list(several[0].drive.along) if several[0].drive is not None else []
+    form = CsvForm() if form is None else form
+    rubs = FRICTION if any(result.friction is not None for result in several) else {}
+    drives = several[0].drive.along if several[0].drive is not None else {}
     sites = sorted({int(site) for result in several for site in result.sites})
-    keys = list(dict.fromkeys([*OVER_SITES, *(k for r in several for k in more_arrays(r))]))
+    keys = over_sites(*several)
     along = along_positions(*several)
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(
-        [
-            "torque_Nm",
-            *along,
-            *(f"friction_{key}" for key in rubs),
-            *drives,
-            *(f"{key}_pair_{j}" for j in sites for key in keys),
-        ]
-    )
+    units = {
+        "torque_Nm": "N m",
+        **along,
+        **{f"friction_{key}": unit for key, unit in rubs.items()},
+        **drives,
+        **{f"{key}_pair_{j}": unit for j in sites for key, unit in keys.items()},
+    }
+    rows = [[form.head(key, unit) for key, unit in units.items()]]
     for result in several:
-        over = {key: getattr(result, key) for key in OVER_SITES}
-        over["line_load_N_per_mm"] = result.site_force_N / result.face_width_mm  # not by slices
-        over |= {key: values for key, (values, _) in more_arrays(result).items()}
-        column = {int(site): s for s, site in enumerate(result.sites)}
+        at_sites = SiteValues(result)
         for p in range(result.position_rad.size):
-            row = [result.torque_Nm, *(_at(result, key, p) for key in along)]
+            row = [result.torque_Nm, *(at_position(result, key, p) for key in along)]
             row += [getattr(result.friction, key)[p] for key in rubs]
             row += [getattr(result.drive, key)[p] for key in drives]
-            for j in sites:
-                row += [_at_site(over, key, p, column.get(j)) for key in keys]
-            writer.writerow([_cell(value) for value in row])
-    text = out.getvalue()
+            row += [at_sites(key, p, j) for j in sites for key in keys]
+            rows.append(list(map(form.cell, row, units.values())))
+    text = form.lines(rows)
     if path is not None:
         write_atomically(path, text)
     return text
 
 
-def _at(result: Result, key: str, p: int) -> Any:
+def over_sites(*results: Result) -> dict[str, str]:
+    """Arrays over positions and sites of any of several results, with their units."""
+    more = {key: unit for r in results for key, (_, unit) in more_arrays(r).items()}
+    return {**OVER_SITES, **more}
+
+
+class SiteValues:
+    """Values of a result by quantity, position and pair number.
+
+    Parameters
+    ----------
+    result : Result
+    """
+
+    def __init__(self, result: Result) -> None:
+        self._over = {key: getattr(result, key) for key in OVER_SITES}
+        # not by slices
+        self._over["line_load_N_per_mm"] = result.site_force_N / result.face_width_mm
+        self._over |= {key: values for key, (values, _) in more_arrays(result).items()}
+        self._column = {int(site): s for s, site in enumerate(result.sites)}
+
+    def __call__(self, key: str, p: int, site: int) -> Any:
+        """Value at position p of a pair, which the result need not have."""
+        return _at_site(self._over, key, p, self._column.get(site))
+
+
+def at_position(result: Result, key: str, p: int) -> Any:
+    """Value of an array over the positions; NaN where the result has none."""
     values = getattr(result, key)
     return float("nan") if values is None else values[p]
 
@@ -245,13 +271,6 @@ def _unloaded(key: str) -> Any:
     """Value of a pair that is unloaded at all positions of a torque."""
     carried = key in OVER_SITES or key in OVER_SLICES or key in COAST
     return 0 if carried and key not in ONLY_LOADED else float("nan")
-
-
-def _cell(value: Any) -> str:
-    plain = value.item() if isinstance(value, np.generic) else value
-    if isinstance(plain, bool):
-        return str(int(plain))
-    return "" if isinstance(plain, float) and not isfinite(plain) else repr(plain)
 
 
 def to_xarray(results: Result | Sequence[Result]) -> Any:

@@ -13,11 +13,13 @@ from flankload.base.read_only import KeepsReadOnly
 from flankload.errors import InputError
 from flankload.result.contact_quantities import frozen
 from flankload.result.cost_table import cost_table
+from flankload.result.csv_form import CsvForm
 from flankload.result.export import results_to_csv, results_to_json, to_xarray
 from flankload.result.frames import pairs_frame, positions_frame, summary_frame
 from flankload.result.plotting import Plots
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.table import texts_of
+from flankload.result.workbook import results_to_xlsx
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -119,9 +121,23 @@ class ResultForms(Card, KeepsReadOnly):
         """
         return results_to_json(self.by_torque if self.has_torque_list else self.by_torque[0], path)
 
-    def to_csv(self, path: str | Path | None = None) -> str:
-        """Return the result as CSV, a row per torque and position; write it to `path`."""
-        return results_to_csv(self.by_torque, path)
+    def to_csv(
+        self,
+        path: str | Path | None = None,
+        *,
+        separator: str | None = None,
+        decimal_comma: bool = False,
+        degrees: bool = False,
+    ) -> str:
+        """Return the result as CSV, a row per torque and position; write it to `path`.
+
+        Options as of `CsvForm`.
+        """
+        return results_to_csv(self.by_torque, path, CsvForm(separator, decimal_comma, degrees))
+
+    def to_xlsx(self, path: str | Path) -> None:
+        """Write the result as a workbook; needs the extra [xlsx]."""
+        results_to_xlsx(self.by_torque, path)
 
     def to_xarray(self) -> Any:
         """Return the result as a labelled `xarray.Dataset` with units; needs the extra [xarray].

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +9,10 @@ import numpy as np
 
 from flankload.base.card import Card
 from flankload.base.files import write_atomically
+from flankload.result.csv_form import CsvForm
+from flankload.result.fmu import fmu_of
 from flankload.result.harmonics import over_positions
+from flankload.result.multibody import checked_table, modelica_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -58,7 +59,7 @@ class StiffnessTable(Card):
     closed: bool
     values: dict[str, NDArray[np.float64]]
 
-    def to_csv(self, path: str | Path | None = None) -> str:
+    def to_csv(self, path: str | Path | None = None, form: CsvForm | None = None) -> str:
         """Return the table as CSV; write it to `path`.
 
         Lines that begin with # describe the table; then follow one line of names and one per angle.
@@ -68,32 +69,81 @@ class StiffnessTable(Card):
         Parameters
         ----------
         path : path, optional
+        form : CsvForm, optional
+            Separator and decimal sign; angles are in both units in any case.
 
         Returns
         -------
         str
         """
-        out = io.StringIO()
+        form = CsvForm() if form is None else form
         covers = "closed, the last line is the first one a period later" if self.closed else "open"
-        out.write(f"# {' '.join(self.name.split())}\n")
-        out.write(
+        head = (
+            f"# {' '.join(self.name.split())}\n"
             f"# period_rad {self.period_rad!r} ({covers}), reference_radius_mm "
             f"{self.reference_radius_mm!r}\n"
+            "# angle of body 1; per torque on body 1 (N m, after the @): quantity_unit\n"
         )
-        out.write("# angle of body 1; per torque on body 1 (N m, after the @): quantity_unit\n")
-        writer = csv.writer(out, lineterminator="\n")
         names = [f"{key}@{torque:.12g}" for torque in self.torques_Nm for key in QUANTITIES]
-        writer.writerow(["angle_rad", "angle_deg", *names])
+        rows = [["angle_rad", "angle_deg", *names]]
         for n, angle in enumerate(self.angle_rad):
             row = [angle, np.degrees(angle)]
             row += [
                 self.values[key][n, t] for t in range(self.torques_Nm.size) for key in QUANTITIES
             ]
-            writer.writerow([repr(float(x)) if np.isfinite(x) else "" for x in row])
-        text = out.getvalue()
+            rows.append([form.cell(float(x)) for x in row])
+        text = head + form.lines(rows)
         if path is not None:
             write_atomically(path, text)
         return text
+
+    def to_modelica(self, path: str | Path | None = None) -> str:
+        """Return the table as text for CombiTable2Ds and CombiTable1Ds; write it to `path`.
+
+        Parameters
+        ----------
+        path : path, optional
+
+        Returns
+        -------
+        str
+            As `multibody.modelica_text`.
+
+        Raises
+        ------
+        SceneError
+            If the angles do not cover a period, a torque occurs twice, or has no stiffness.
+        """
+        text = modelica_text(checked_table(self))
+        if path is not None:
+            write_atomically(path, text)
+        return text
+
+    def to_fmu(self, path: str | Path, *, binary: bool | None = None) -> bool:
+        """Write the table as a co-simulation FMU (FMI 2.0), which needs no Python.
+
+        Parameters
+        ----------
+        path : path
+        binary : bool, optional
+            Whether it contains a compiled library for linux64 beside the C sources; by default if
+            this is such a machine with a C compiler.
+
+        Returns
+        -------
+        bool
+            Whether it contains a library.
+
+        Raises
+        ------
+        SceneError
+            As `to_modelica`.
+        InputError
+            If a library is requested and cannot be compiled.
+        """
+        content, compiled = fmu_of(checked_table(self), binary=binary)
+        write_atomically(path, content)
+        return compiled
 
 
 def stiffness_table(results: Sequence[Result]) -> StiffnessTable:

@@ -7,6 +7,6 @@ surfaces). All other formats (.vtu and others) are read with meshio.
 
 from flankload.meshes.io.parts import PLANE_CELLS, RawMesh
 from flankload.meshes.io.reading import is_mesh_name, read_mesh
-from flankload.meshes.io.writing import WRITERS, write_mesh
+from flankload.meshes.io.writing import WRITERS, vtu_of, write_mesh
 
-__all__ = ["PLANE_CELLS", "WRITERS", "RawMesh", "is_mesh_name", "read_mesh", "write_mesh"]
+__all__ = ["PLANE_CELLS", "WRITERS", "RawMesh", "is_mesh_name", "read_mesh", "vtu_of", "write_mesh"]

@@ -75,7 +75,7 @@ def _by_meshio(
     edges: Mapping[str, Numbers],
     regions: Sequence[str],
 ) -> bytes:
-    """Content of a .vtu or .msh file; meshio can only write to files."""
+    """Content of a .vtu or .msh file."""
     import meshio
 
     if suffix == ".vtu":
@@ -93,10 +93,43 @@ def _by_meshio(
     else:
         out = _gmsh_mesh(points, cells, edges, regions)
         options = {"file_format": "gmsh22", "binary": False}
+    return _content(out, suffix, options)
+
+
+def _content(mesh: meshio.Mesh, suffix: str, options: Mapping[str, Any]) -> bytes:
+    """Content of a file; meshio can only write to files."""
+    import meshio
+
     with TemporaryDirectory(prefix="flankload_") as folder:
         file = Path(folder) / f"mesh{suffix}"
-        meshio.write(file, out, **options)
+        meshio.write(file, mesh, **options)
         return file.read_bytes()
+
+
+def vtu_of(
+    points: Floats,
+    cells: Sequence[tuple[str, Numbers]],
+    point_data: Mapping[str, NDArray[Any]],
+    cell_data: Mapping[str, Sequence[NDArray[Any]]] | None = None,
+) -> bytes:
+    """Content of a .vtu file with fields, binary and compressed.
+
+    Parameters
+    ----------
+    points : (N, 3) array
+    cells : ((kind, (E, k) array), ...)
+        In meshio's names and order of nodes.
+    point_data : mapping of str to (N, …) array
+    cell_data : mapping of str to an (E, …) array per entry of `cells`, optional
+
+    Returns
+    -------
+    bytes
+    """
+    import meshio
+
+    mesh = meshio.Mesh(points, list(cells), point_data=point_data, cell_data=cell_data)
+    return _content(mesh, ".vtu", {"file_format": "vtu", "binary": True, "compression": "zlib"})
 
 
 def _gmsh_mesh(

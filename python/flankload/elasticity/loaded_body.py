@@ -1,0 +1,267 @@
+"""Displacement and stress at all nodes of a body under forces on its flanks.
+
+The elements of a run give the compliance between flanks only. Here the same elements give the
+displacement of every node under known forces: a body of equal sectors has the stiffness of one
+sector factorised, its cuts are solved one sector harmonic at a time, and each sector then takes one
+back substitution. The forces act on the edges of elements; their concentration under a contact that
+is narrower than an element is that of the elements.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.bodies.body import SectorMesh
+from flankload.elasticity.fe_error import recovered_strains
+from flankload.elasticity.finite_elements import (
+    condensed,
+    degrees_of,
+    factored,
+    lame_parameters,
+    stiffness,
+)
+from flankload.elasticity.near_field import SAME_NODE, carrying_edges, mirrored_loads
+from flankload.elasticity.sector_closure import CondensedSector, turned_cuts
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body, WholeMesh
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+    Cells = tuple[tuple[str, Numbers], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedBody:
+    """The elements of a whole body, in its own frame, ready for forces on its flanks.
+
+    Attributes
+    ----------
+    body : Body
+        As `Body.for_elements` returns it.
+    plane : {"strain", "stress"}
+    nodes : (M, 2) array
+        Of the whole body, mm; nodes of the cuts between sectors occur once.
+    cells : ((kind, (E, k) array), ...)
+        Elements of the whole body.
+    numbers : (z, N) array
+        Node of the whole body of each node of each sector; one row for a body meshed as a whole.
+    solve : callable
+        Nodal forces (2M,) per mm of width, N/mm, to displacements (2M,), mm.
+    """
+
+    body: Body
+    plane: str
+    nodes: Floats
+    cells: Cells
+    numbers: Numbers
+    solve: Callable[[Floats], Floats]
+
+    def nodal_forces(
+        self, tooth: Numbers, s_mm: Floats, force: Floats, *, coast: bool = False
+    ) -> Floats:
+        """Consistent nodal forces of point forces on flanks.
+
+        Parameters
+        ----------
+        tooth : (n,) array
+            Teeth of the body, from 0.
+        s_mm : (n,) array
+            Arc lengths on the flank; beyond its elements, the last node carries the force.
+        force : (n, 2) array
+            In the frame of the body, per mm of width.
+        coast : bool
+            On the coast flanks of these teeth; of bodies of equal sectors with involutes only.
+
+        Returns
+        -------
+        (2M,) array
+        """
+        total = np.zeros((len(self.nodes), 2))
+        for each in np.unique(tooth):
+            own = tooth == each
+            edges, s = self._edges(int(each), coast=coast)
+            at, shapes = _on_edges(s, s_mm[own])
+            np.add.at(total, edges[at], shapes[:, :, None] * force[own][:, None, :])
+        return total.ravel()
+
+    def flank_widths(self, tooth: int, *, coast: bool = False) -> tuple[Numbers, Floats]:
+        """Nodes (k,) of a flank, and the flank length (k,) of each, mm."""
+        edges, s = self._edges(tooth, coast=coast)
+        nodes, place = np.unique(edges, return_inverse=True)
+        lengths = np.abs(s[:, 1] - s[:, 0])
+        # Simpson's weights: the integrals of the shape functions of an edge
+        parts = lengths[:, None] * np.array([1.0, 1.0, 4.0]) / 6.0
+        return nodes, np.asarray(np.bincount(place.ravel(), weights=parts.ravel()), dtype=float)
+
+    def stress_MPa(self, moved: Floats) -> Floats:
+        """Stress at the nodes, recovered and averaged over the elements of a node.
+
+        Parameters
+        ----------
+        moved : (2M,) array
+            Displacements, mm.
+
+        Returns
+        -------
+        (M, 4) array
+            xx, yy, zz and xy in the frame of the body.
+        """
+        strain = recovered_strains(self.nodes, self.cells, moved[:, None])
+        lame_lambda, lame_mu = lame_parameters(self.body.material, self.plane)
+        volume = lame_lambda * (strain[:, 0] + strain[:, 1])
+        xx, yy = (volume + 2 * lame_mu * strain[:, i] for i in range(2))
+        zz = np.zeros_like(xx)
+        if self.plane == "strain":
+            zz = self.body.material.poisson_ratio * (xx + yy)
+        return np.stack([xx, yy, zz, lame_mu * strain[:, 2]], axis=1)
+
+    def _edges(self, tooth: int, *, coast: bool) -> tuple[Numbers, Floats]:
+        """Nodes (m, 3) of the whole body on the edges of a flank, and their arc lengths."""
+        mesh = self.body.mesh
+        assert mesh is not None
+        if not isinstance(mesh, SectorMesh):
+            flank = next(flank for flank in mesh.flanks if flank.tooth == tooth)
+            return carrying_edges(flank)
+        edges, s = carrying_edges(mesh)
+        if coast:
+            edges, of_sector = self._coast_edges(mesh, edges)
+            tooth -= of_sector
+        return self.numbers[tooth % mesh.teeth][edges], s
+
+    def _coast_edges(self, mesh: SectorMesh, edges: Numbers) -> tuple[Numbers, int]:
+        """Edges of the coast flank in a sector, as mirror images, and the number of its tooth."""
+        assert self.body.involute is not None
+        marks = np.zeros((2 * len(mesh.nodes), 1))
+        marks[2 * edges.ravel(), 0] = 1.0 + edges.ravel()
+        mirrored, tooth = mirrored_loads(mesh, marks, self.body.involute.turn_rad)
+        # a mirrored mark keeps its magnitude, which is the number of its node
+        source = np.rint(np.hypot(*mirrored.reshape(-1, 2).T)).astype(np.int64) - 1
+        image = np.full(len(mesh.nodes), -1)
+        image[source[source >= 0]] = np.flatnonzero(source >= 0)
+        return image[edges], tooth
+
+
+def loaded_body(body: Body, plane: str) -> LoadedBody:
+    """Factorise the elements of a body for forces on its flanks.
+
+    Parameters
+    ----------
+    body : Body
+        Plane, elastic, with a mesh.
+    plane : {"strain", "stress"}
+
+    Returns
+    -------
+    LoadedBody
+    """
+    body = body.for_elements()
+    mesh = body.mesh
+    assert mesh is not None
+    if isinstance(mesh, SectorMesh):
+        nodes, numbers = _ring_of(mesh)
+        cells = tuple(
+            (kind, numbers[:, connectivity].reshape(-1, connectivity.shape[1]))
+            for kind, connectivity in mesh.cells
+        )
+        return LoadedBody(body, plane, nodes, cells, numbers, _ring_solver(body, plane, numbers))
+    numbers = np.arange(len(mesh.nodes))[None]
+    solve = _whole_solver(body, mesh, plane)
+    return LoadedBody(body, plane, mesh.nodes, mesh.cells, numbers, solve)
+
+
+def turned(vectors: Floats, angle_rad: float) -> Floats:
+    """Vectors (…, 2), rotated counter-clockwise."""
+    cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
+    return np.asarray(vectors @ np.array([[cosine, sine], [-sine, cosine]]))
+
+
+def _on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
+    """Edges of places on a flank, and the values (n, 3) of the edges' shape functions there.
+
+    s (m, 3) are the arc lengths of the first, last and middle nodes; s is quadratic on an edge.
+    """
+    ends = np.append(s[:, 0], s[-1, 1])
+    if ends[-1] - ends[0] > 0 and (s[:, 1] < s[:, 0]).any():  # a turn: the last edge ends at 0
+        ends[-1] = s[-1, 0] + 2 * (s[-1, 2] - s[-1, 0])
+    at = np.clip(np.searchsorted(ends, places, side="right") - 1, 0, len(s) - 1)
+    first, middle = s[at, 0], s[at, 2]
+    last = ends[at + 1]
+    curved, slope, offset = 0.5 * (first + last) - middle, 0.5 * (last - first), places - middle
+    root = np.sqrt(np.maximum(slope**2 + 4 * curved * offset, 0.0))
+    x = np.clip(2 * offset / (slope + root), -1.0, 1.0)
+    return at, np.stack([0.5 * x * (x - 1), 0.5 * x * (x + 1), 1 - x**2], axis=1)
+
+
+def _ring_of(mesh: SectorMesh) -> tuple[Floats, Numbers]:
+    """Nodes (M, 2) of all sectors of a ring and their numbers (z, N) by sector."""
+    z, n = mesh.teeth, len(mesh.nodes)
+    pitch = 2 * np.pi / z
+    fixed = mesh.nodes[mesh.fixed_nodes]
+    apart = np.linalg.norm(turned(fixed, pitch)[:, None] - fixed, axis=2)
+    left, right = np.nonzero(apart < SAME_NODE * float(np.abs(mesh.nodes).max()))
+    left = np.concatenate([mesh.left_nodes, mesh.fixed_nodes[left]])
+    right = np.concatenate([mesh.right_nodes, mesh.fixed_nodes[right]])
+    own = np.setdiff1d(np.arange(n), right)
+    numbers = np.empty((z, n), dtype=np.int64)
+    numbers[:, own] = np.arange(z * own.size).reshape(z, own.size)
+    numbers[:, right] = np.roll(numbers, -1, axis=0)[:, left]
+    return np.concatenate([turned(mesh.nodes[own], k * pitch) for k in range(z)]), numbers
+
+
+def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats], Floats]:
+    """Displacements of all nodes of a ring of equal sectors."""
+    mesh = body.mesh
+    assert isinstance(mesh, SectorMesh)
+    z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
+    matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
+    cut = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
+    held = np.concatenate([cut, degrees_of(mesh.fixed_nodes)])
+    inside = np.setdiff1d(np.arange(matrix.shape[0]), held)
+    inner, complement = condensed(matrix, inside, cut)
+    coupling = matrix[cut][:, inside]
+    waves = np.exp(1j * pitch * np.arange(z // 2 + 1))[:, None, None]
+
+    def solve(forces: Floats) -> Floats:
+        whole = forces.reshape(-1, 2)
+        # in the frames of the sectors; a force on a cut acts on the left cut of a sector
+        local = np.stack([turned(whole[row], -k * pitch) for k, row in enumerate(numbers)])
+        local[:, mesh.right_nodes] = 0.0
+        right = local.reshape(z, -1).T  # (2N, z)
+        carried = right[cut] - coupling @ inner(right[inside])
+        sector = CondensedSector((), (carried,), complement)
+        (left_left, left_right, right_left, right_right), ((one, two),) = turned_cuts(sector, pitch)
+        load = np.fft.rfft(one + np.roll(two, 1, axis=1), axis=1).T[:, :, None]
+        system = left_left + right_right + left_right * waves + right_left / waves
+        on_left = np.fft.irfft(np.linalg.solve(system, load)[:, :, 0], n=z, axis=0)
+        on_right = turned(np.roll(on_left, -1, axis=0).reshape(z, -1, 2), pitch)
+        moved = np.zeros_like(right)
+        moved[cut] = np.concatenate([on_left.T, on_right.reshape(z, -1).T])
+        moved[inside] = inner(right[inside] - coupling.T @ moved[cut])
+        found = np.empty_like(whole)
+        for k, row in enumerate(numbers):
+            found[row] = turned(moved[:, k].reshape(-1, 2), k * pitch)
+        return found.ravel()
+
+    return solve
+
+
+def _whole_solver(body: Body, mesh: WholeMesh, plane: str) -> Callable[[Floats], Floats]:
+    """Displacements of all nodes of a body that is meshed as a whole."""
+    matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
+    free = np.setdiff1d(np.arange(matrix.shape[0]), degrees_of(mesh.fixed_nodes))
+    inner = factored(matrix[free][:, free].tocsc())
+
+    def solve(forces: Floats) -> Floats:
+        moved = np.zeros_like(forces)
+        moved[free] = inner(forces[free][:, None])[:, 0]
+        return moved
+
+    return solve
