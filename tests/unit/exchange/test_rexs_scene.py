@@ -349,6 +349,9 @@ def test_root_relief(tmp_path: Path) -> None:
     found = made(tmp_path, with_root_relief(at))
     assert "root_relief_um" not in keys(found)["body_1"]
     assert any("not given at the root_form_diameter" in line for line in found.lines)
+    other = attribute_line("root_form_diameter", "mm", 73.4)
+    text = added(11, other, text=with_root_relief(at))
+    assert "root_relief_um" not in keys(made(tmp_path, text))["body_1"]
     form = attribute_line("root_form_diameter", "mm", 72.9)
     shape = attribute_line("shape_of_relief", "none", "parabolic")
     body = keys(made(tmp_path, added(11, form, text=with_root_relief(at, shape))))["body_1"]
