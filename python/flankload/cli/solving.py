@@ -40,18 +40,18 @@ def run(arguments: Namespace) -> None:
     check_apart(_places(arguments), scene)
     from flankload.api import solve
 
-    if arguments.plot is not None:  # its import needs a third of the time of a small run
-        Thread(target=import_module, args=("flankload.plot",), daemon=True).start()
+    if arguments.plot is not None or arguments.report is not None:
+        import_plot_meanwhile()
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
         plan = _plan(scene, progress) if arguments.cost else None
-        announce = None if arguments.quiet else partial(_announce, progress)
-        found = solve(scene, progress=progress.tell, plan=plan, on_duration=announce)
+        told = None if arguments.quiet else partial(announce, progress)
+        found = solve(scene, progress=progress.tell, plan=plan, on_duration=told)
     results = found.by_torque
-    pictures: tuple[Path, ...] = ()
+    written: tuple[Path, ...] = ()
     if arguments.plot is not None:
         from flankload.plot import plot_all
 
-        pictures = plot_all(results, arguments.plot, **options)
+        written = plot_all(results, arguments.plot, **options)
     from flankload.result import results_to_csv, results_to_json, results_to_text
 
     for path, text_of in ((arguments.json, results_to_json), (arguments.csv, results_to_csv)):
@@ -61,16 +61,26 @@ def run(arguments: Namespace) -> None:
             text_of(found, path)
     if arguments.stiffness_csv is not None:
         _write_stiffness(results, arguments.stiffness_csv)
+    if arguments.report is not None:
+        from flankload.cli.reporting import write_page
+
+        write_page(found, scene, arguments.report, arguments.line)
+        written += (Path(arguments.report),) * (arguments.report != STDOUT)
     texts = [] if arguments.quiet else [results_to_text(results)]
     if arguments.cost:  # for all torques together
         texts.append(results[0].cost_table())
-    if pictures and not arguments.quiet:
-        texts.append("\n".join(f"wrote {path}" for path in pictures))
+    if written and not arguments.quiet:
+        texts.append("\n".join(f"wrote {path}" for path in written))
     if texts and STDOUT not in _files(arguments).values():
         print("\n\n".join(texts))
 
 
-def _announce(progress: Progress, duration: Duration) -> None:
+def import_plot_meanwhile() -> None:
+    """Import the plots beside the run: that needs a third of the time of a small run."""
+    Thread(target=import_module, args=("flankload.plot",), daemon=True).start()
+
+
+def announce(progress: Progress, duration: Duration) -> None:
     """Announce the predicted duration of a long run."""
     if duration.seconds > LONG_S:
         progress.say(f"flankload: {duration}")
@@ -90,6 +100,7 @@ def _files(arguments: Namespace) -> dict[str, str]:
         "--json": arguments.json,
         "--csv": arguments.csv,
         "--stiffness-csv": arguments.stiffness_csv,
+        "--report": arguments.report,
     }
     return {key: path for key, path in named.items() if path is not None}
 
