@@ -215,6 +215,49 @@ def test_material_and_finished_profile(tmp_path: Path) -> None:
     assert any("the coefficient after finishing is taken" in line for line in found.lines)
 
 
+def test_the_middle_of_the_tolerance_is_the_thickness(tmp_path: Path) -> None:
+    """The root keeps its diameter: the rack is as much less deep as the teeth are thinner."""
+    name = "_backlash_allowance_referenced_to_span"
+    lines = [
+        attribute_line(f"{end}{name}", "mum", at) for end, at in (("upper", -60), ("lower", -100))
+    ]
+    text = added(11, *lines)
+    body = keys(made(tmp_path, text))["body_1"]
+    cosine, tangent = 0.9396926207859084, 0.36397023426620234
+    assert body["tooth_thickness_allowance_um"] == pytest.approx(-80 / cosine, rel=1e-9)
+    root = 25 * 3 / 0.9659258262890683 - 2 * 3 * (1.4 - 0.2)
+    text = added(11, attribute_line("root_diameter", "mm", root), text=text)
+    body = keys(made(tmp_path, text))["body_1"]
+    wanted = 1.4 - 0.08 / cosine / (2 * 3 * tangent)
+    assert body["dedendum_factor"] == pytest.approx(wanted, rel=1e-9)
+    finished = attribute_line("addendum_modification_coefficient_after_finishing", "none", 0.19)
+    assert (
+        "tooth_thickness_allowance_um"
+        not in keys(made(tmp_path, added(42, finished, text=text)))["body_1"]
+    )
+
+
+def test_a_protuberance_with_its_stock(tmp_path: Path) -> None:
+    text = added(71, attribute_line("protuberance_amount", "mm", 0.2),
+                 attribute_line("protuberance_angle", "deg", 10))  # fmt: skip
+    body = keys(made(tmp_path, text))["body_1"]
+    assert (body["protuberance_mm"], body["protuberance_angle_deg"]) == (0.2, 10)
+    assert "grinding_stock_mm" not in body
+    settings = (
+        '<component id="73" type="cylindrical_gear_manufacturing_settings">'
+        '<attribute id="machining_allowance" unit="mm">STOCK</attribute></component></components>'
+    )
+    role = '<ref id="71" role="tool" hint="rack_shaped_tool"/>'
+    text = text.replace(role, role + '<ref id="73" role="manufacturing_step"/>', 1)
+    ground = text.replace("</components>", settings.replace("STOCK", "0.12"))
+    found = keys(made(tmp_path, ground))
+    assert found["body_1"]["grinding_stock_mm"] == 0.12
+    assert "grinding_stock_mm" not in found["body_2"]
+    whole = made(tmp_path, text.replace("</components>", settings.replace("STOCK", "0.2")))
+    assert "protuberance_mm" not in keys(whole)["body_1"]
+    assert any("not more than the machining allowance of 0.2 mm" in line for line in whole.lines)
+
+
 # --- modifications --------------------------------------------------------------------------------
 @pytest.mark.parametrize(("shape", "power"), [("linear", 1), ("parabolic", 2)])
 def test_a_tip_relief_that_is_given_below_the_tip(tmp_path: Path, shape: str, power: int) -> None:
@@ -284,6 +327,35 @@ def test_profile_crowning_and_the_other_end(tmp_path: Path) -> None:
     body = keys(made(tmp_path, text))["body_1"]
     assert body["end_relief_um"] == [0.0, 6.0]
     assert (body["profile_crowning_um"], body.get("lead_crowning_um")) == (4.0, None)
+
+
+def with_root_relief(*lines: str) -> str:
+    part = (
+        '<component id="59" type="root_relief"><attribute id="root_relief_depth" unit="mm">0.01'
+        '</attribute><attribute id="root_relief_datum_diameter" unit="mm">75</attribute>'
+        f"{''.join(lines)}</component></components>"
+    )
+    relation = '<relation id="900" type="assembly"><ref id="42" role="assembly"/>'
+    relation += '<ref id="59" role="part"/>'
+    text = TEXT.replace('id="59"', 'id="60"')
+    text = text.replace("</relations>", f"{relation}</relation></relations>")
+    return text.replace("</components>", part)
+
+
+def test_root_relief(tmp_path: Path) -> None:
+    body = keys(made(tmp_path, with_root_relief()))["body_1"]
+    assert (body["root_relief_um"], body["root_relief_start_diameter_mm"]) == (10, 75)
+    at = attribute_line("root_relief_evaluation_reference", "mm", 72.9)
+    found = made(tmp_path, with_root_relief(at))
+    assert "root_relief_um" not in keys(found)["body_1"]
+    assert any("not given at the root_form_diameter" in line for line in found.lines)
+    other = attribute_line("root_form_diameter", "mm", 73.4)
+    text = added(11, other, text=with_root_relief(at))
+    assert "root_relief_um" not in keys(made(tmp_path, text))["body_1"]
+    form = attribute_line("root_form_diameter", "mm", 72.9)
+    shape = attribute_line("shape_of_relief", "none", "parabolic")
+    body = keys(made(tmp_path, added(11, form, text=with_root_relief(at, shape))))["body_1"]
+    assert (body["root_relief_um"], body["root_relief_shape"]) == (10, "parabolic")
 
 
 def test_a_modification_with_two_relations_is_one(tmp_path: Path) -> None:

@@ -46,6 +46,7 @@ FLANK, TOOL, MATERIAL = ("cylindrical_gear_flank",), ("rack_shaped_tool",), ("ma
 STAGE, OF_GEAR = ("cylindrical_stage",), ("cylindrical_stage_gear_data",)
 GEAR, RING = GEARS[:1], GEARS[1:]
 TIP, PROFILE, HELIX = ("tip_relief",), ("profile_crowning",), ("helix_crowning",)
+ROOT, MADE = ("root_relief",), ("cylindrical_gear_manufacturing_settings",)
 ENDS = ("end_relief_datum_face", "end_relief_non_datum_face")
 
 TABLE = (
@@ -80,6 +81,16 @@ TABLE = (
         GEARS, "datum_face_orientation", "", "body.end_relief_um",
         "side of the datum face on the u axis",
     ),
+    Entry(
+        GEAR, "upper_backlash_allowance_referenced_to_span", "um",
+        "body.tooth_thickness_allowance_um",
+        "mean of both over cos of the pressure angle; not with a coefficient after finishing",
+        "mum",
+    ),
+    Entry(
+        GEAR, "lower_backlash_allowance_referenced_to_span", "um",
+        "body.tooth_thickness_allowance_um", "see the upper one", "mum",
+    ),
     Entry(FLANK, "normal_pressure_angle", "deg", "body.pressure_angle_deg", in_file="deg"),
     Entry(
         FLANK, "addendum_modification_coefficient", "", "body.profile_shift",
@@ -99,6 +110,14 @@ TABLE = (
         "if the gear has no root_diameter",
     ),
     Entry(TOOL, "tip_radius_factor", "", "body.fillet_radius_factor"),
+    Entry(TOOL, "protuberance_amount", "mm", "body.protuberance_mm", "if it is not 0", "mm"),
+    Entry(
+        TOOL, "protuberance_angle", "deg", "body.protuberance_angle_deg", "with a protuberance",
+        "deg",
+    ),
+    Entry(
+        MADE, "machining_allowance", "mm", "body.grinding_stock_mm", "with a protuberance", "mm",
+    ),
     Entry(
         TIP, "tip_relief_depth", "um", "body.tip_relief_um",
         "amount at the tip circle, over the roll length if it is given elsewhere", "mm",
@@ -114,6 +133,18 @@ TABLE = (
     Entry(
         TIP, "shape_of_relief", "", "body.tip_relief_shape", "linear, parabolic; no other",
     ),
+    Entry(
+        ROOT, "root_relief_depth", "um", "body.root_relief_um", "amount at the form circle", "mm",
+    ),
+    Entry(
+        ROOT, "root_relief_datum_diameter", "mm", "body.root_relief_start_diameter_mm",
+        in_file="mm",
+    ),
+    Entry(
+        ROOT, "root_relief_evaluation_reference", "mm", "body.root_relief_um",
+        "must be the root_form_diameter of the gear", "mm",
+    ),
+    Entry(ROOT, "shape_of_relief", "", "body.root_relief_shape", "linear, parabolic; no other"),
     Entry(
         PROFILE, "profile_crowning_at_tip", "um", "body.profile_crowning_um",
         "if both amounts are equal", "mm",
@@ -191,7 +222,7 @@ TABLE = (
 )  # fmt: skip
 
 #: Unit of each attribute in the database.
-UNITS = {entry.attribute: entry.in_file for entry in TABLE}
+UNITS = {entry.attribute: entry.in_file for entry in TABLE} | {"root_form_diameter": "mm"}
 
 #: Reasons for which attributes are not read; any other attribute has no key in a scene.
 _FOLLOWS = "follows from the keys of the scene"
@@ -214,8 +245,7 @@ REASONS = {
     **dict.fromkeys(
         (
             "center_distance_tolerance_field_din_3964_1980", "lower_center_distance_allowance",
-            "upper_center_distance_allowance", "lower_backlash_allowance_referenced_to_span",
-            "upper_backlash_allowance_referenced_to_span", "single_pitch_deviation",
+            "upper_center_distance_allowance", "single_pitch_deviation",
             "lower_backlash_allowance_balls_or_pins", "upper_backlash_allowance_balls_or_pins",
             "tolerance_class_according_to_iso_1328_2013", "runout_tolerance",
             "tooth_thickness_deviation_tolerance_series_din_3967_1978",

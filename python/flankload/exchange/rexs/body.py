@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 from flankload.exchange.rexs.attributes import PLAIN, TABLE
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flankload.exchange.rexs.model import Component
     from flankload.exchange.rexs.source import Source, Stock
 
@@ -87,6 +89,7 @@ def body_of(stock: Stock, gear: Component, name: str, flank: Component | None) -
     _helix(stock, body)
     _profile(stock, body)
     _required(stock, body)
+    _thickness(stock, body)
     _root(stock, body)
     _material(stock, body)
     return body
@@ -188,10 +191,10 @@ def _root(stock: Stock, body: Gear) -> None:
         for part in stock.model.partners(kind, role, body.component.id, wanted)
         if part.type.endswith("_tool")
     ]
-    for step in stock.model.partners(
+    steps = stock.model.partners(
         "manufacturing_step", "workpiece", body.component.id, "manufacturing_step"
-    ):
-        stock.leave_all(step, "allowances and settings of manufacturing are not read")
+    )
+    made = [stock.source(step) for step in steps]
     if body.is_ring:
         for tool in tools:
             stock.leave_all(tool, "the root of a ring is given by its diameter")
@@ -205,6 +208,7 @@ def _root(stock: Stock, body: Gear) -> None:
         rack = stock.source(racks[0])
         _plain(stock, body, rack)
         dedendum = rack.number("addendum_coefficient_reference_profile", "")
+        _protuberance(stock, body, rack, made)
     root = body.source.number("root_diameter", "mm")
     if root is not None and body.keys.keys() >= {"teeth", "module_mm", "profile_shift"}:
         depth = 0.5 * (body.reference_mm - root) / body.keys["module_mm"]
@@ -214,12 +218,57 @@ def _root(stock: Stock, body: Gear) -> None:
                 "addendum_coefficient_reference_profile",
                 f"root_diameter of {body.component.label} is taken",
             )
-        dedendum = float(f"{depth + body.keys['profile_shift']:.12g}")
+        # the rack cuts deeper by the share of the thickness allowance (x_E of DIN 3960)
+        allowance = body.keys.get("tooth_thickness_allowance_um", 0.0) / 1000.0
+        pressure = tan(radians(body.keys["pressure_angle_deg"]))
+        shift = body.keys["profile_shift"] + 0.5 * allowance / (body.keys["module_mm"] * pressure)
+        dedendum = float(f"{depth + shift:.12g}")
     if dedendum is not None:
         body.keys["dedendum_factor"] = dedendum
     for key, what in (("dedendum_factor", "dedendum"), ("fillet_radius_factor", "tip radius")):
         if key not in body.keys and f"{body.name}.{key}" not in stock.settings:
             stock.assume(body.component, f"default of {key}: no {what} of a rack in the file")
+
+
+def _protuberance(stock: Stock, body: Gear, rack: Source, made: Sequence[Source]) -> None:
+    """Protuberance of the rack, with the stock that is ground off."""
+    amount = rack.number("protuberance_amount", "mm")
+    angle = rack.number("protuberance_angle", "deg")
+    if not amount:
+        return
+    found = [source.number("machining_allowance", "mm") for source in made]
+    stock_mm = max((value for value in found if value is not None), default=None)
+    if stock_mm is None:
+        stock.assume(body.component, "grinding_stock_mm = 0: no machining_allowance in the file")
+    if amount <= (stock_mm or 0.0):
+        why = f"it is not more than the machining allowance of {stock_mm:g} mm"
+        stock.leave(rack.component, "protuberance_amount", why)
+        return
+    body.keys["protuberance_mm"] = amount
+    if angle is not None:
+        body.keys["protuberance_angle_deg"] = angle
+    if stock_mm:
+        body.keys["grinding_stock_mm"] = stock_mm
+
+
+def _thickness(stock: Stock, body: Gear) -> None:
+    """Tooth thickness in the middle of the tolerance of the base tangent length."""
+    finished = "addendum_modification_coefficient_after_finishing"
+    if body.is_ring or (body.flank and finished in body.flank.component.attributes):
+        return
+    names = [f"{end}_backlash_allowance_referenced_to_span" for end in ("upper", "lower")]
+    if not all(name in body.component.attributes for name in names):
+        return
+    upper, lower = (body.source.number(name, "um") or 0.0 for name in names)
+    # DIN 3960: A_W = A_sn cos a_n
+    mean = 0.5 * (upper + lower) / cos(radians(body.keys["pressure_angle_deg"]))
+    if mean:
+        body.keys["tooth_thickness_allowance_um"] = float(f"{mean:.12g}")
+        stock.assume(
+            body.component,
+            f"tooth_thickness_allowance_um = {mean:.4g}: the middle of both deviations of the base "
+            "tangent length",
+        )
 
 
 def _material(stock: Stock, body: Gear) -> None:

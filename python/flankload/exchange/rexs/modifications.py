@@ -28,9 +28,9 @@ OWNERS = (
 #: Modifications that are named in the database and that no scene key describes.
 OTHERS = (
     "helix_deviation", "helix_slope", "profile_deviation", "profile_slope", "profile_twist",
-    "root_relief", "topographical_modification", "triangular_root_relief", "triangular_tip_relief",
+    "topographical_modification", "triangular_root_relief", "triangular_tip_relief",
 )  # fmt: skip
-ONE_OF_A_KIND = ("tip_relief", "profile_crowning", "helix_crowning")
+ONE_OF_A_KIND = ("tip_relief", "root_relief", "profile_crowning", "helix_crowning")
 #: Largest relative difference of lengths that are equal.
 SAME = 1e-6
 
@@ -60,6 +60,7 @@ def add_modifications(stock: Stock, body: Gear, width_mm: float, datum_low: bool
         parts.setdefault(part.type, []).append(part)
     takes: tuple[Callable[[Source], str | None], ...] = (
         lambda source: _tip_relief(body, source),
+        lambda source: _root_relief(body, source),
         lambda source: _profile_crowning(body, source),
         lambda source: _helix_crowning(body, source, width_mm),
     )
@@ -116,6 +117,27 @@ def _tip_relief(body: Gear, source: Source) -> str | None:
     body.keys["tip_relief_start_diameter_mm"] = start
     if shape == "parabolic":
         body.keys["tip_relief_shape"] = shape
+    return None
+
+
+def _root_relief(body: Gear, source: Source) -> str | None:
+    depth = source.number("root_relief_depth", "um")
+    start = source.number("root_relief_datum_diameter", "mm")
+    shape = source.text("shape_of_relief", *SHAPES) or "linear"
+    if depth is None or start is None:
+        return "it has no root_relief_depth or no root_relief_datum_diameter"
+    if depth < 0 or shape not in ("linear", "parabolic"):
+        return f"a scene has linear and parabolic reliefs >= 0, no {shape} one of {depth:g} um"
+    at = source.number("root_relief_evaluation_reference", "mm")
+    form = body.component.attributes.get("root_form_diameter")
+    if at is not None and (
+        form is None or abs(at - (body.source.number("root_form_diameter", "mm") or 0.0)) > 1e-3
+    ):
+        return "its amount is not given at the root_form_diameter of the gear"
+    body.keys["root_relief_um"] = depth
+    body.keys["root_relief_start_diameter_mm"] = start
+    if shape == "parabolic":
+        body.keys["root_relief_shape"] = shape
     return None
 
 
