@@ -517,3 +517,17 @@ def test_no_warning_names_a_contact_model_that_slices_lack() -> None:
     beside = [text for text in found.warnings if "beside a lumped contact" in text]
     assert len(beside) == 1
     assert "pairs" not in beside[0]
+
+
+def test_root_relief_acts_as_in_the_plane() -> None:
+    relief = {"body_1__root_relief_um": 20.0, "body_1__root_relief_start_diameter_mm": 71.0}
+    flat: dict[str, Any] = {"accuracy__slices": None, "accuracy__axial_degree": None}
+    flat |= {"accuracy__load_degree_z": None, "effects__contact": "lumped"}
+    plane, solid = (
+        np.array(solve(SPUR, **keys, **relief).transmission_error_um)
+        - np.array(solve(SPUR, **keys).transmission_error_um)
+        for keys in (flat, {"effects__dimension": 3})
+    )
+    assert plane.max() > 3.0
+    # plane strain is 2 % stiffer than teeth with free ends
+    np.testing.assert_allclose(solid, plane, rtol=0.03, atol=0.01)

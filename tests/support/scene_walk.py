@@ -14,7 +14,31 @@ from flankload.scene.table import Table
 #: Keys that need others beside them, or whose values are lists, by the last part of their path.
 #: {} stands for the path of the table, {z} for the number of teeth.
 TOGETHER: dict[str, tuple[dict[str, Any], ...]] = {
-    "tip_relief_um": ({"{}.tip_relief_um": 7.0}, {"{}.tip_relief_um": 7.0, "{}.START": 0}),
+    "tip_relief_um": ({"{}.tip_relief_um": 7.0}, {"{}.tip_relief_um": 7.0, "{}.START": 0.4}),
+    "tip_relief_knee_um": (
+        {
+            **{"{}.tip_relief_um": 20.0, "{}.tip_relief_shape": "double_linear"},
+            **{"{}.tip_relief_knee_um": 5.0, "{}.START": 0.8, "{}.KNEE": 0.4},
+        },
+    ),
+    **dict.fromkeys(
+        ("protuberance_mm", "protuberance_angle_deg", "grinding_stock_mm"),
+        (
+            {
+                **{"{}.protuberance_mm": 0.2, "{}.protuberance_angle_deg": 10.0},
+                **{"{}.grinding_stock_mm": 0.1},
+            },
+        ),
+    ),
+    "root_relief_um": ({"{}.root_relief_um": 7.0, "{}.ROOT": 1.1},),
+    **dict.fromkeys(
+        ("span_measurement_mm", "span_teeth"),
+        ({"{}.span_measurement_mm": 21.48, "{}.span_teeth": 2},),
+    ),
+    **dict.fromkeys(
+        ("ball_measurement_mm", "measuring_ball_mm"),
+        ({"{}.ball_measurement_mm": 82.39, "{}.measuring_ball_mm": 7.3},),
+    ),
     "pitch_errors_um": ({"{}.pitch_errors_um": [3.0]},),
     "tooth_helix_slope_um": ({"{}.tooth_helix_slope_um": [3.0]},),
     "web_width_mm": ({"{}.web_width_mm": 10.0, "{}.rim_thickness_mm": 8.0},),
@@ -47,7 +71,16 @@ TOGETHER: dict[str, tuple[dict[str, Any], ...]] = {
     "adaptive": ({"{}.adaptive": True, "{}.max_count": 12},),
 }
 #: Keys that are changed together with the one that they belong to.
-BESIDE = ("tip_relief_start_diameter_mm", "end_relief_length_mm")
+BESIDE = (
+    *("tip_relief_start_diameter_mm", "tip_relief_knee_diameter_mm"),
+    *("root_relief_start_diameter_mm", "end_relief_length_mm"),
+)
+#: Places of reliefs, as modules below the tip circle in `TOGETHER`.
+PLACES = {
+    "START": "tip_relief_start_diameter_mm",
+    "KNEE": "tip_relief_knee_diameter_mm",
+    "ROOT": "root_relief_start_diameter_mm",
+}
 
 
 def other_values(scene: Scene) -> Iterator[tuple[str, list[dict[str, Any]]]]:
@@ -83,11 +116,12 @@ def other_values(scene: Scene) -> Iterator[tuple[str, list[dict[str, Any]]]]:
 def _filled(changes: dict[str, Any], name: str, table: Table) -> dict[str, Any]:
     """Changes with the path of their table and what depends on it."""
     found = {path.replace("{}", name): value for path, value in changes.items()}
-    if f"{name}.START" in found:
-        del found[f"{name}.START"]
-        inwards = -1.0 if hasattr(table, "outer_diameter_mm") else 1.0
-        size = table.tip_diameter_mm - 0.4 * inwards * table.module_mm  # type: ignore[attr-defined]
-        found[f"{name}.tip_relief_start_diameter_mm"] = size
+    for mark, key in PLACES.items():
+        modules = found.pop(f"{name}.{mark}", None)
+        if modules is not None:
+            inwards = -1.0 if hasattr(table, "outer_diameter_mm") else 1.0
+            below = modules * inwards * table.module_mm  # type: ignore[attr-defined]
+            found[f"{name}.{key}"] = table.tip_diameter_mm - below  # type: ignore[attr-defined]
     for key in ("pitch_errors_um", "tooth_helix_slope_um"):
         if f"{name}.{key}" in found:
             rest = [0.0] * (getattr(table, "number_of_teeth", 24) - 1)

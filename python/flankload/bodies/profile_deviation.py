@@ -35,7 +35,7 @@ class ProfileDeviation:
         Deviation along that normal; negative where material is missing.
     base_radius_mm : float
     marks : tuple of (str, float)
-        Features and their roll lengths, mm: form circle, relief, tip rounding or chamfer, tip
+        Features and their roll lengths, mm: form circle, reliefs, tip rounding or chamfer, tip
         circle.
     """
 
@@ -93,9 +93,11 @@ def profile_deviation(body: Body) -> ProfileDeviation | None:
     roll_length, deviation = deviation_at(involute, curve.point(s))
     marks = [("form", _roll_length(involute, involute.form_radius_mm))]
     for k in range(1, len(curve.labels)):
-        if curve.labels[k] != curve.labels[k - 1] and curve.labels[k] in MARKS:
+        before, behind = curve.labels[k - 1], curve.labels[k]
+        name = "root relief" if before == "root_relief" else MARKS.get(behind)
+        if before != behind and name is not None:
             place = curve.point(curve.breaks[k : k + 1])
-            marks.append((MARKS[curve.labels[k]], float(deviation_at(involute, place)[0][0])))
+            marks.append((name, float(deviation_at(involute, place)[0][0])))
     marks.append(("tip", _roll_length(involute, involute.tip_radius_mm)))
     order = slice(None, None, involute.outward)
     return ProfileDeviation(

@@ -14,6 +14,7 @@ from flankload.cli.benchmarking import benchmark
 from flankload.cli.checking import check
 from flankload.cli.compliance import compliance
 from flankload.cli.designing import study
+from flankload.cli.importing import scene
 from flankload.cli.optimising import optimise
 from flankload.cli.planning import plan
 from flankload.cli.solving import mesh, run, schema
@@ -120,6 +121,7 @@ def parser() -> argparse.ArgumentParser:
     _add_verify(commands)
     _add_benchmark(commands)
     _add_optimise(commands)
+    _add_scene(commands)
     check_parser = _described(
         commands, "check", "validate a scene or a mesh file and print how it is interpreted"
     )
@@ -268,6 +270,39 @@ def _add_optimise(commands: Any) -> None:
         "-o", dest="output", metavar="FILE", type=Path, help="write the optimal scene to this file"
     )
     parser.set_defaults(command=optimise)
+
+
+def _add_scene(commands: Any) -> None:
+    parser = _described(
+        commands,
+        "scene",
+        "write the scene of a gear stage of a REXS gearbox model; without -o, list the stages",
+    )
+    parser.add_argument(
+        "file", metavar="GEARBOX", type=Path, help="model (.rexs, .rexsj, .rexsz, .rexs.zip)"
+    )
+    parser.add_argument(
+        "--stage", metavar="ID", type=int, help="id of the stage; default: the only one"
+    )
+    parser.add_argument(
+        "-o", dest="output", metavar="FILE", type=Path, help="write the scene to this file"
+    )
+    parser.add_argument(
+        "--torque-Nm", dest="torque_Nm", metavar="T", type=float,
+        help="torque on gear 1; required if the model has none of this stage",
+    )  # fmt: skip
+    parser.add_argument(
+        "--load-case", metavar="ID", type=int, help="id of the load case; default: the only one"
+    )
+    parser.add_argument(
+        "--flank", choices=("left", "right"),
+        help="loaded flank, if the model does not define it and the flanks of a gear differ",
+    )  # fmt: skip
+    parser.add_argument(
+        "--set", dest="settings", metavar="KEY=VALUE", action="append", default=[],
+        help="value of a key of the scene, in place of that of the model; may be repeated",
+    )  # fmt: skip
+    parser.set_defaults(command=scene)
 
 
 def _add_benchmark(commands: Any) -> None:

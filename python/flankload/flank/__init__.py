@@ -5,12 +5,13 @@ from the root (s = 0) to the tip. In the direction of increasing s the material 
 with the unit tangent t, n = (-t_y, t_x) is the unit normal that points out of the material.
 """
 
-from flankload.flank.curve import FlankCurve
+from flankload.flank.curve import ACTIVE, FlankCurve
 from flankload.flank.fit import CurvePiece, Place, fit_flank_curve, fit_tolerance_mm
 from flankload.flank.nodes import curve_through_nodes, nodes_deviation
 from flankload.flank.turned import turned_along
 
 __all__ = [
+    "ACTIVE",
     "CurvePiece",
     "FlankCurve",
     "Place",

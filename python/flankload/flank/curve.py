@@ -14,6 +14,8 @@ Floats = NDArray[np.float64]
 #: that the curve counts as closed.
 SAME_PLACE = 1e-9
 SAME_DIRECTION = 1e-6
+#: Labels of the active flank, without fillet and tip.
+ACTIVE = ("root_relief", "flank", "relief")
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,13 @@ class FlankCurve:
                 f"labels: expected some of {sorted(set(self.labels))}, found {list(labels)}"
             )
         return float(self.breaks[found[0]]), float(self.breaks[found[-1] + 1])
+
+    @property
+    def active_range(self) -> tuple[float, float]:
+        """Arc lengths of the flank with its reliefs; the whole curve if there is no such label."""
+        if not set(ACTIVE) & set(self.labels):
+            return 0.0, self.length_mm
+        return self.range_of(*ACTIVE)
 
     def cut(self, low: float, high: float) -> FlankCurve:
         """Return the part between two breaks, with the same arc lengths and corners at its ends.

@@ -9,7 +9,7 @@ from msgspec import structs
 
 from flankload.errors import SceneError
 from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS
-from flankload.scene.effects import EFFECTS, MODIFICATIONS, is_spatial, switches_of
+from flankload.scene.effects import EFFECTS, MODIFICATIONS, RELIEF_PLACES, is_spatial, switches_of
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.plane_section import in_three_dimensions, plane_section
 
@@ -38,7 +38,7 @@ RIGID = {"elastic_body_1": "body_1", "elastic_body_2": "body_2"}
 #: Keys of a body or of the pair that switch an effect off, with their values for that.
 REMOVED: dict[str, dict[str, Any]] = {
     "pitch_errors": {"pitch_errors_um": ()},
-    "flank_modifications": dict.fromkeys((*MODIFICATIONS, "tip_relief_start_diameter_mm")),
+    "flank_modifications": dict.fromkeys((*MODIFICATIONS, *RELIEF_PLACES)),
     "lead_modifications": {
         **dict.fromkeys((*LEAD_KEYS, "end_relief_length_mm")),
         "tooth_helix_slope_um": (),
@@ -47,7 +47,7 @@ REMOVED: dict[str, dict[str, Any]] = {
     "shafts": {"shaft": None},
 }
 #: Keys that modify a flank by micrometres.
-OF_MICROMETRES = ("tip_relief_um", "tip_relief_start_diameter_mm", "profile_crowning_um")
+OF_MICROMETRES = ("tip_relief_um", "root_relief_um", "profile_crowning_um", *RELIEF_PLACES)
 
 
 @dataclass(frozen=True)

@@ -203,8 +203,7 @@ def _ends_of_involute(body: Body) -> tuple[float, float]:
     """Lengths along the line of action where a flank's involute begins (root) and ends (tip)."""
     involute, curve = body.involute, body.curve
     assert involute is not None
-    active = {"flank", "relief"}.intersection(curve.labels)
-    end = curve.range_of(*active)[1] if active else curve.length_mm
+    end = curve.active_range[1]
     at_tip = float(deviation_at(involute, curve.point([end]))[0][0])
     return involute.base_radius_mm * involute.roll_at(involute.form_radius_mm), at_tip
 

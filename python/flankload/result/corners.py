@@ -20,6 +20,14 @@ CORNERS = {
         "the kink where its tip relief begins",
         '{body}.tip_relief_shape = "parabolic" avoids it',
     ),
+    ("root_relief", "flank"): (
+        "the kink where its root relief begins",
+        '{body}.root_relief_shape = "parabolic" avoids it',
+    ),
+    ("relief", "relief"): (
+        "the knee of its tip relief",
+        '{body}.tip_relief_shape = "parabolic" avoids it',
+    ),
     ("fillet", "flank"): (
         "the end of its undercut",
         "a larger {body}.profile_shift avoids undercut",

@@ -6,7 +6,9 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
+from flankload.scene.belt_profiles import ProfileName
 from flankload.scene.drive import DriveTable, WrappedTable
+from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse
 from flankload.scene.table import (
     USUAL_SIZE,
@@ -29,7 +31,7 @@ WIDEST_TOOTH = 0.9
 #: Least width of an elastic pulley's groove at its bottom, as part of its width at the land.
 LEAST_BOTTOM = 0.1
 #: Keys that only an elastic pulley has.
-ELASTIC = ("bore_diameter_mm", "young_modulus_MPa", "poisson_ratio")
+ELASTIC = ("bore_diameter_mm", "material", "young_modulus_MPa", "poisson_ratio")
 
 
 class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
@@ -43,11 +45,13 @@ class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
     ]
     pitch_mm: Pitch
     profile: Annotated[
-        Literal["T", "HTD"],
+        Literal["T", "HTD"] | ProfileName,
         about(
             "",
             "shape of belt teeth and grooves: 'T' is trapezoidal; 'HTD' has a round tip "
-            "and, if the height exceeds half the width, straight sides",
+            "and, if the height exceeds half the width, straight sides; or the name of a profile "
+            "(docs/guide/catalogues.md), which gives the pitch and the keys of the belt that the "
+            "scene does not set",
         ),
     ] = "T"
     groove_width_mm: Annotated[
@@ -89,8 +93,14 @@ class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
             usual=USUAL_SIZE,
         ),
     ] = None
+    material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
+
+    @property
+    def tooth_shape(self) -> str:
+        """Shape of teeth and grooves: "T" or "HTD"."""
+        return "HTD" if self.profile.startswith("HTD") else "T"
 
     @property
     def number_of_teeth(self) -> int:
@@ -216,7 +226,7 @@ def _check_pitch(pulley: Pulley, belt: Belt) -> None:
 
 
 def _check_tooth(pulley: Pulley, belt: Belt) -> None:
-    trapezoid = pulley.profile == "T"
+    trapezoid = pulley.tooth_shape == "T"
     for key, value in (
         ("body_1.groove_angle_deg", pulley.groove_angle_deg),
         ("body_2.flank_angle_deg", belt.flank_angle_deg),
@@ -263,9 +273,9 @@ def _check_elastic(pulley: Pulley, belt: Belt, given: Mapping[str, Any]) -> None
     widest = WIDEST_TOOTH * 2 * pi * land / pulley.teeth
     if width > widest:
         refuse("body_1.groove_width_mm", f"at most {widest:.4g}: teeth between", f"{width:g}")
-    deeper = 0.5 * (width - belt.tooth_width_mm) if pulley.profile == "HTD" else 0.0
+    deeper = 0.5 * (width - belt.tooth_width_mm) if pulley.tooth_shape == "HTD" else 0.0
     depth = max(pulley.groove_depth_mm or 0.0, belt.tooth_height_mm + deeper)
-    if pulley.profile == "T":
+    if pulley.tooth_shape == "T":
         angle = pulley.groove_angle_deg
         angle = angle if angle is not None else belt.flank_angle_deg
         assert angle is not None

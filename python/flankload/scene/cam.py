@@ -5,6 +5,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
+from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse
 from flankload.scene.table import (
     USUAL_SIZE,
@@ -34,6 +35,7 @@ class CamKeys(EvenBody, frozen=True, kw_only=True):
     bore_diameter_mm: Annotated[
         Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
     ]
+    material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False

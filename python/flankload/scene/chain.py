@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
+from flankload.scene.chain_sizes import ChainName
 from flankload.scene.drive import DriveTable, WrappedTable
 from flankload.scene.refusal import refuse
 from flankload.scene.table import BodyTable, Length, about
@@ -75,6 +76,14 @@ class Chain(WrappedTable, frozen=True, kw_only=True, tag="chain"):
         "a chain lies on its sprocket, with the contact stiffness body_2.contact_stiffness_N_per_mm"
     )
 
+    chain: Annotated[
+        ChainName | None,
+        about(
+            "",
+            "name of the chain (docs/guide/catalogues.md): series B of ISO 606, or number of "
+            "ASME B29.1; gives the keys of chain and sprocket that the scene does not set",
+        ),
+    ] = None
     pitch_mm: Pitch
     roller_diameter_mm: RollerDiameter
     wrap_angle_deg: Annotated[

@@ -58,7 +58,8 @@ def read_table(form: type[T], table: object, key: str) -> T:
     Raises
     ------
     SceneError
-        At the first key that is unknown, missing, of a wrong type or out of range.
+        At the first key that is unknown, missing, of a wrong type or out of range; at a missing
+        key, all other missing keys of the table are named as well.
     """
     if not isinstance(table, Mapping):
         refuse(key or "scene", "a table", shown(table))
@@ -73,7 +74,12 @@ def read_table(form: type[T], table: object, key: str) -> T:
         if name in table:
             values[name] = _read(field.type, table[name], path)
         elif field.required:
-            refuse(path, expected_of(inspect.type_info(field.type)), "nothing")
+            more = [
+                other for other in required_of(form) if key and other not in table and other != name
+            ]
+            expected = expected_of(inspect.type_info(field.type))
+            also = f" (also missing: {', '.join(more)})" if more else ""
+            refuse(path, expected + also, "nothing")
     return form(**values)
 
 
@@ -81,6 +87,12 @@ def read_table(form: type[T], table: object, key: str) -> T:
 def fields_of(form: type[Table]) -> dict[str, FieldInfo]:
     """Fields of a table with their annotations, by key."""
     return {field.encode_name: field for field in structs.fields(form)}
+
+
+@cache
+def required_of(form: type[Table]) -> tuple[str, ...]:
+    """Keys of a table that have no default."""
+    return tuple(name for name, field in fields_of(form).items() if field.required)
 
 
 @cache

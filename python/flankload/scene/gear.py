@@ -23,6 +23,7 @@ from flankload.scene.axial import (
     ToothHelixSlopes,
     TopographyFile,
 )
+from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse
 from flankload.scene.regions import (
     HubDiameter,
@@ -35,6 +36,7 @@ from flankload.scene.regions import (
     WebWidth,
 )
 from flankload.scene.table import (
+    MOST_TEETH,
     USUAL_ERRORS,
     USUAL_MODIFICATION,
     USUAL_ROUNDING,
@@ -59,7 +61,47 @@ LEAST_BORE = 1e-3
 LARGEST_PITCH_ERROR = 0.1
 
 
-class InvoluteKeys(Table, frozen=True, kw_only=True):
+class ThicknessKeys(Table, frozen=True, kw_only=True):
+    """Keys of the tooth thickness, in the normal section; at most one measurement."""
+
+    tooth_thickness_allowance_um: Annotated[
+        Deviation | None,
+        about(
+            "um",
+            "deviation of the tooth thickness on the reference circle from that of the profile "
+            "shift, in the normal section (E_sn); negative = thinner teeth; the root is cut "
+            "deeper accordingly",
+            usual=USUAL_MODIFICATION,
+        ),
+    ] = None
+    span_measurement_mm: Annotated[
+        Length | None,
+        about(
+            "mm",
+            "span measurement W_k of the finished teeth, in place of the allowance; requires "
+            "span_teeth",
+            usual=USUAL_SIZE,
+        ),
+    ] = None
+    span_teeth: Annotated[
+        Annotated[int, Meta(ge=1, le=MOST_TEETH)] | None,
+        about("-", "number of teeth spanned, k"),
+    ] = None
+    ball_measurement_mm: Annotated[
+        Length | None,
+        about(
+            "mm",
+            "dimension over two balls, or between them for internal teeth (M_dK), in place of "
+            "the allowance; requires measuring_ball_mm",
+            usual=USUAL_SIZE,
+        ),
+    ] = None
+    measuring_ball_mm: Annotated[
+        Length | None, about("mm", "diameter of the balls", usual=(0.1, 200.0))
+    ] = None
+
+
+class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
     """Keys of an involute profile in the transverse section, without those of its root."""
 
     module_mm: Annotated[Length, about("mm", "module", usual=(0.02, 100.0))]
@@ -81,12 +123,41 @@ class InvoluteKeys(Table, frozen=True, kw_only=True):
         about("mm", "diameter at which the tip relief begins", usual=USUAL_SIZE),
     ] = None
     tip_relief_shape: Annotated[
-        Literal["linear", "parabolic"],
+        Literal["linear", "parabolic", "double_linear"],
         about(
             "",
             "shape of the tip relief over the roll angle: 'linear', as on drawings, begins "
-            "with a kink, which acts as a sharp corner; 'parabolic' begins without a kink",
+            "with a kink, which acts as a sharp corner; 'parabolic' begins without a kink; "
+            "'double_linear' has two straight parts that meet at tip_relief_knee_diameter_mm",
         ),
+    ] = "linear"
+    tip_relief_knee_um: Annotated[
+        Relief | None,
+        about(
+            "um",
+            "tip relief at tip_relief_knee_diameter_mm, with tip_relief_shape = 'double_linear'",
+            usual=USUAL_MODIFICATION,
+        ),
+    ] = None
+    tip_relief_knee_diameter_mm: Annotated[
+        Length | None,
+        about("mm", "diameter at which both parts of the tip relief meet", usual=USUAL_SIZE),
+    ] = None
+    root_relief_um: Annotated[
+        Relief | None,
+        about(
+            "um",
+            "root relief at the form circle, normal to the involute",
+            usual=USUAL_MODIFICATION,
+        ),
+    ] = None
+    root_relief_start_diameter_mm: Annotated[
+        Length | None,
+        about("mm", "diameter at which the root relief begins", usual=USUAL_SIZE),
+    ] = None
+    root_relief_shape: Annotated[
+        Literal["linear", "parabolic"],
+        about("", "shape of the root relief over the roll angle, as tip_relief_shape"),
     ] = "linear"
     tip_radius_mm: Annotated[
         Length | None,
@@ -123,6 +194,9 @@ class InvoluteKeys(Table, frozen=True, kw_only=True):
         return pi * self.module_mm / cos(self.helix_rad) * cos(transverse)
 
 
+ToolLength = Annotated[float, Meta(ge=0, le=1000)]
+
+
 class Geometry(InvoluteKeys, frozen=True, kw_only=True):
     """Keys of the profile of an external gear, whose root is cut by a generating rack."""
 
@@ -133,6 +207,28 @@ class Geometry(InvoluteKeys, frozen=True, kw_only=True):
         Annotated[float, Meta(ge=0, le=2)],
         about("-", "tip radius of the generating rack in modules; determines the root fillet"),
     ] = 0.38
+    protuberance_mm: Annotated[
+        ToolLength | None,
+        about(
+            "mm",
+            "protuberance of the rack's tip beyond its flank, normal to the flank (pr_P0): the "
+            "root is cut free by protuberance_mm - grinding_stock_mm",
+            usual=(5e-3, 3.0),
+        ),
+    ] = None
+    protuberance_angle_deg: Annotated[
+        Annotated[float, Meta(ge=0, lt=45)],
+        about("deg", "pressure angle of the protuberance flank, less than that of the rack"),
+    ] = 8.0
+    grinding_stock_mm: Annotated[
+        ToolLength,
+        about(
+            "mm",
+            "stock that the rack leaves on each flank, normal to it, and that is ground off; the "
+            "keys of the thickness are those of the finished teeth",
+            usual=(5e-3, 3.0),
+        ),
+    ] = 0.0
 
 
 class Gear(RegionKeys, AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
@@ -142,6 +238,7 @@ class Gear(RegionKeys, AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True
     bore_diameter_mm: Annotated[
         Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
     ]
+    material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
@@ -210,6 +307,7 @@ class RingKeys(InvoluteKeys, BodyTable, frozen=True, kw_only=True):
     outer_diameter_mm: Annotated[
         Length, about("mm", "outer diameter of the rim, where the body is fixed", usual=USUAL_SIZE)
     ]
+    material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
@@ -281,6 +379,7 @@ class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="splin
     bore_diameter_mm: Annotated[
         Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
     ]
+    material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
@@ -347,6 +446,10 @@ def check_tip(
     body: InvoluteKeys, given: Mapping[str, Any], key: str, *, inwards: bool = False
 ) -> None:
     """Check that a tip has a rounding or a chamfer, and a relief both depth and start."""
+    check_thickness(body, key, inwards=inwards)
+    _check_reliefs(body, given, key)
+    if isinstance(body, Geometry):
+        check_protuberance(body, given, key)
     if body.tip_radius_mm is not None and body.tip_chamfer_mm is not None:
         refuse(
             f"{key}.tip_radius_mm",
@@ -374,6 +477,83 @@ def check_tip(
             f"{key}.tip_relief_start_diameter_mm",
             f"{side} than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
             start,
+        )
+
+
+_DOUBLE = "double_linear"
+#: Measurements of the tooth thickness, with the key that each requires.
+MEASURED = {"span_measurement_mm": "span_teeth", "ball_measurement_mm": "measuring_ball_mm"}
+
+
+def check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> None:
+    """Check that a protuberance exceeds the grinding stock and has a smaller pressure angle."""
+    if body.protuberance_mm is None:
+        for name in ("protuberance_angle_deg", "grinding_stock_mm"):
+            if name in given:
+                refuse(f"{key}.protuberance_mm", f"a number, since there is a {key}.{name}", None)
+        return
+    if body.protuberance_mm <= body.grinding_stock_mm:
+        refuse(
+            f"{key}.protuberance_mm",
+            f"more than {key}.grinding_stock_mm ({body.grinding_stock_mm:g}), so that the root is "
+            "cut free",
+            body.protuberance_mm,
+        )
+    if body.protuberance_angle_deg >= body.pressure_angle_deg:
+        refuse(
+            f"{key}.protuberance_angle_deg",
+            f"less than {key}.pressure_angle_deg ({body.pressure_angle_deg:g})",
+            body.protuberance_angle_deg,
+        )
+
+
+def check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
+    """Check that there is one key of the thickness, with the one that it requires."""
+    named = [
+        name
+        for name in ("tooth_thickness_allowance_um", *MEASURED)
+        if getattr(body, name) is not None
+    ]
+    if len(named) > 1:
+        refuse(
+            f"{key}.{named[1]}",
+            f"nothing beside {key}.{named[0]}, which gives the tooth thickness as well",
+            getattr(body, named[1]),
+        )
+    for name, beside in MEASURED.items():
+        value, other = getattr(body, name), getattr(body, beside)
+        if value is not None and other is None:
+            refuse(f"{key}.{beside}", f"a number, since there is a {key}.{name}", None)
+        if value is None and other is not None:
+            refuse(f"{key}.{name}", f"a number, since there is a {key}.{beside}", None)
+    if inwards and body.span_measurement_mm is not None:
+        refuse(
+            f"{key}.span_measurement_mm",
+            "nothing for internal teeth (ball_measurement_mm instead)",
+            body.span_measurement_mm,
+        )
+
+
+def _check_reliefs(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> None:
+    """Check that a knee belongs to a double-linear tip relief, and a root relief has a start."""
+    double = body.tip_relief_shape == "double_linear"
+    for name in ("tip_relief_knee_um", "tip_relief_knee_diameter_mm"):
+        value = getattr(body, name)
+        if double and value is None:
+            refuse(f"{key}.{name}", f"a number, since {key}.tip_relief_shape is '{_DOUBLE}'", None)
+        if not double and value is not None:
+            refuse(f"{key}.{name}", f"nothing without {key}.tip_relief_shape = '{_DOUBLE}'", value)
+    if body.root_relief_um is None:
+        for name in ("root_relief_start_diameter_mm", "root_relief_shape"):
+            if name in given:
+                refuse(
+                    f"{key}.root_relief_um", f"a number >= 0, since there is a {key}.{name}", None
+                )
+    elif body.root_relief_start_diameter_mm is None:
+        refuse(
+            f"{key}.root_relief_start_diameter_mm",
+            f"a number > 0, since there is a {key}.root_relief_um",
+            None,
         )
 
 

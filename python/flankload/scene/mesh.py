@@ -24,6 +24,7 @@ from flankload.scene.axial import (
     TopographyFile,
 )
 from flankload.scene.gear import Geometry, check_pitch_errors, check_tip
+from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.regions import MeshRegionKeys, RegionSets, RegionWidths
 from flankload.scene.table import (
@@ -94,6 +95,7 @@ class MeshBody(MeshRegionKeys, AxialKeys, BodyTable, frozen=True, kw_only=True, 
     one_material: Annotated[
         bool, about("", "true: element groups of the file are treated as one material")
     ] = False
+    material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False

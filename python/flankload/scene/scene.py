@@ -17,6 +17,7 @@ from flankload.errors import SceneError
 from flankload.scene.accuracy import Accuracy
 from flankload.scene.axial import three_dimensional_key
 from flankload.scene.belt import Belt
+from flankload.scene.catalogue import with_catalogue
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.form import read_table
 from flankload.scene.pair import Load, Pair, Positions
@@ -245,7 +246,7 @@ class Scene(Card):
         require_path("file", file)
         path = Path(file) if file is not None else None
         try:
-            asked = read_table(SceneFile, d, "")
+            asked = read_table(SceneFile, with_catalogue(d), "")
             asked.body_1.check(d["body_1"], "body_1")
             asked.body_2.check(d["body_2"], "body_2")
             asked.check(d)

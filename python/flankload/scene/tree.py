@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import NODEFAULT
 
+from flankload.scene.catalogue import keys_of_names
 from flankload.scene.form import fields_of
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import Table
@@ -67,6 +68,8 @@ def scene_tree(scene: Scene, *, implied: bool) -> Tree:
 
     tree: Tree = {"name": scene.name}
     tree |= {"body_1": tree_of(scene.body_1), "body_2": tree_of(scene.body_2)}
+    for name, keys in keys_of_names(tree).items():
+        tree[name] = _beside_catalogue(tree[name], getattr(scene, name), keys)
     if not (scene.is_drive and scene.pair == NO_PAIR):
         tree["pair"] = tree_of(scene.pair)
     tree["load"] = tree_of(scene.load)
@@ -83,6 +86,13 @@ def scene_tree(scene: Scene, *, implied: bool) -> Tree:
         found = tree_of(table, named)
         tree[name] = {key: x for key, x in found.items() if implied or key in named}
     return {name: part for name, part in tree.items() if part != {}}
+
+
+def _beside_catalogue(tree: Tree, table: Table, keys: Mapping[str, Any]) -> Tree:
+    """Keys of a body without those that its names give, but with those that differ from these."""
+    own = {key: getattr(table, key) for key in keys if key in fields_of(type(table))}
+    rest = {key: value for key, value in tree.items() if key not in own}
+    return rest | {key: _plain(value) for key, value in own.items() if value != keys[key]}
 
 
 def with_changes(tree: Tree, changes: Mapping[str, Any]) -> Tree:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import Struct
 
+from flankload.scene.catalogue import estimate_notes
 from flankload.scene.form import fields_of
 from flankload.scene.refusal import shown
 
@@ -44,7 +45,7 @@ def questions(scene: Scene) -> dict[str, str]:
 
 
 def question_notes(scene: Scene) -> tuple[str, ...]:
-    """Questions about unusual values, as lines of text.
+    """Questions about unusual values and notes about estimated ones, as lines of text.
 
     Parameters
     ----------
@@ -54,7 +55,8 @@ def question_notes(scene: Scene) -> tuple[str, ...]:
     -------
     tuple of str
     """
-    return tuple(f"{path} = {asked}" for path, asked in questions(scene).items())
+    asked = (f"{path} = {text}" for path, text in questions(scene).items())
+    return (*asked, *estimate_notes(scene))
 
 
 def question(value: float, usual: tuple[float, float]) -> str | None:

@@ -6,6 +6,7 @@ from math import atan, cos, hypot, pi, radians, sin, sqrt, tan
 
 import numpy as np
 import pytest
+from msgspec import structs
 from scipy.optimize import minimize_scalar
 
 from flankload.bodies.involute.involute_body import build_involute_body
@@ -56,16 +57,31 @@ def depth_in_rack(spec: Gear, point: np.ndarray) -> float:
     """Least distance of a place of the gear from the generating rack, over all of the rack's rolls.
 
     The rack is drawn anew: tip line, rounding and flank as the signed distance of a convex corner.
+    With a protuberance its flank takes the place of the flank, which ends where they cross.
     """
     m, alpha = spec.module_mm, radians(spec.pressure_angle_deg)
     r = 0.5 * m * spec.teeth
     depth = (spec.dedendum_factor - spec.profile_shift) * m
     rho = spec.fillet_radius_factor * m
     flank = m * (0.25 * pi + spec.profile_shift * tan(alpha))
+    main, slope = flank + spec.grinding_stock_mm / cos(alpha), alpha
+    if spec.protuberance_mm is not None:
+        # the rounding touches the flank, moved by the protuberance; so does the protuberance flank
+        moved = main - spec.protuberance_mm / cos(alpha)
+        middle = moved + (depth - rho) * tan(alpha) + rho / cos(alpha)
+        alpha = radians(spec.protuberance_angle_deg)
+        flank = middle - (depth - rho) * tan(alpha) - rho / cos(alpha)
 
     def distance(phi: float) -> float:
         xi = point[0] * cos(phi) + point[1] * sin(phi) - r
         eta = -point[0] * sin(phi) + point[1] * cos(phi) + r * phi
+        if alpha == slope:
+            return corner(xi, eta)
+        eta = min(eta, pi * m - eta)  # both flanks of the rack's tooth
+        beside = max((main - xi * tan(slope) - eta) * cos(slope), rho - depth - xi)
+        return min(corner(xi, eta), beside)
+
+    def corner(xi: float, eta: float) -> float:
         # shrunk by rho, the corner is sharp; its outside distance less rho is that of the round one
         over_tip = -(depth - rho) - xi
         over_flank = (flank - xi * tan(alpha) - eta) * cos(alpha) + rho
@@ -77,7 +93,9 @@ def depth_in_rack(spec: Gear, point: np.ndarray) -> float:
             return hypot(xi - corner_xi, eta - corner_eta) - rho
         return max(over_tip, over_flank) - rho
 
-    rolls = np.linspace(-1.5 * pi * m / r, 1.5 * pi * m / r, 241)
+    # a protuberance touches far from the pitch point
+    most = 1.5 if spec.protuberance_mm is None else 3.0
+    rolls = np.linspace(-most * pi * m / r, most * pi * m / r, int(160 * most) + 1)
     near = rolls[np.argmin([distance(phi) for phi in rolls])]
     step = rolls[1] - rolls[0]
     found = minimize_scalar(
@@ -372,4 +390,129 @@ def test_profile_of_a_mesh_takes_its_teeth_from_outside() -> None:
     profile = gear_profile(gear(), "body_1.profile", teeth=16)
     np.testing.assert_allclose(
         profile.curve.breaks, gear_profile(gear(), "body_1").curve.breaks, rtol=SOLVER, atol=0
+    )
+
+
+def removed_at(profile: GearProfile, diameters: list[float]) -> np.ndarray:
+    """Metal off, um, along the normals of the involute at these diameters."""
+    points = profile.curve.point(sampled(profile, "root_relief", "flank", "relief", n=20001))
+    roll, off = metal_off(profile, points)
+    rolls = np.sqrt((0.5 * np.array(diameters) / profile.involute.base_radius_mm) ** 2 - 1.0)
+    return np.interp(rolls, roll, 1000.0 * off)
+
+
+def test_double_linear_tip_relief_and_root_relief_follow_their_lines() -> None:
+    spec = gear(
+        tip_relief_um=40.0,
+        tip_relief_start_diameter_mm=76.0,
+        tip_relief_shape="double_linear",
+        tip_relief_knee_um=10.0,
+        tip_relief_knee_diameter_mm=79.0,
+        root_relief_um=15.0,
+        root_relief_start_diameter_mm=70.0,
+    )
+    profile = gear_profile(spec, "body_1")
+    base = profile.involute.base_radius_mm
+    form, tip = profile.involute.form_radius_mm, profile.involute.tip_radius_mm
+
+    def roll(diameter: float) -> float:
+        return sqrt((0.5 * diameter / base) ** 2 - 1.0)
+
+    at = [69.0, 70.0, 73.0, 76.0, 77.5, 79.0, 81.0]
+    wanted = [
+        15.0 * (roll(70.0) - roll(69.0)) / (roll(70.0) - roll(2 * form)),
+        *(0.0, 0.0, 0.0),
+        10.0 * (roll(77.5) - roll(76.0)) / (roll(79.0) - roll(76.0)),
+        10.0,
+        10.0 + 30.0 * (roll(81.0) - roll(79.0)) / (roll(2 * tip) - roll(79.0)),
+    ]
+    np.testing.assert_allclose(removed_at(profile, at), wanted, rtol=0, atol=2e-3)
+    marks = [label for label in dict.fromkeys(profile.curve.labels) if label != "fillet"]
+    assert marks == ["root_relief", "flank", "relief"]
+    assert profile.curve.corners.sum() == 4  # two starts, the knee, the tip
+    at_form = metal_off(profile, profile.curve.point([profile.mode_range_mm[0]]))[1]
+    np.testing.assert_allclose(1000.0 * at_form, 15.0, rtol=0, atol=1e-6)
+
+
+def test_parabolic_root_relief_begins_without_a_kink() -> None:
+    keys = {"root_relief_um": 20.0, "root_relief_start_diameter_mm": 72.0}
+    profile = gear_profile(gear(**keys, root_relief_shape="parabolic"), "body_1")
+    assert profile.curve.corners.sum() == 1
+    base = profile.involute.base_radius_mm
+
+    def roll(diameter: float) -> float:
+        return sqrt((0.5 * diameter / base) ** 2 - 1.0)
+
+    x = (roll(72.0) - roll(70.0)) / (roll(72.0) - roll(2 * profile.involute.form_radius_mm))
+    assert removed_at(profile, [70.0])[0] == pytest.approx(20.0 * x**2, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("keys", "line"),
+    [
+        (
+            {"root_relief_um": 10.0, "root_relief_start_diameter_mm": 60.0},
+            "body_1.root_relief_start_diameter_mm: expected between the form diameter 67.7289 and",
+        ),
+        (
+            {
+                **{"root_relief_um": 10.0, "root_relief_start_diameter_mm": 78.0},
+                **{"tip_relief_um": 10.0, "tip_relief_start_diameter_mm": 77.0},
+            },
+            (
+                "body_1.tip_relief_start_diameter_mm: expected between "
+                "body_1.root_relief_start_diameter_mm (78) and the tip diameter 82.46, found 77"
+            ),
+        ),
+        (
+            {
+                **{"tip_relief_um": 10.0, "tip_relief_start_diameter_mm": 77.0},
+                **{"tip_relief_shape": "double_linear", "tip_relief_knee_um": 5.0},
+                "tip_relief_knee_diameter_mm": 76.0,
+            },
+            (
+                "body_1.tip_relief_knee_diameter_mm: expected between "
+                "body_1.tip_relief_start_diameter_mm (77) and"
+            ),
+        ),
+    ],
+)
+def test_reliefs_in_the_wrong_order_are_refused(keys: dict[str, object], line: str) -> None:
+    with pytest.raises(SceneError) as found:
+        gear_profile(gear(**keys), "body_1")
+    assert str(found.value).startswith(line)
+
+
+PROTUBERANCE = {"protuberance_mm": 0.12, "grinding_stock_mm": 0.07}
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"teeth": 20, "shift": 0.2},
+        {"teeth": 40, "shift": 0.0},
+        {"teeth": 90, "shift": 0.1, "fillet_radius_factor": 0.1},
+        # the fillet ends on the involute of the protuberance flank
+        {"teeth": 90, "shift": 0.5, "fillet_radius_factor": 0.1, "protuberance_angle_deg": 17.0},
+    ],
+    ids=["few teeth", "many teeth", "sharp rack", "steep protuberance"],
+)
+def test_protuberance_frees_the_root_up_to_the_form_circle(keys: dict[str, float]) -> None:
+    spec = sized(**keys, **PROTUBERANCE)
+    profile = gear_profile(spec, "body_1")
+    points = profile.curve.point(sampled(profile, "fillet", n=25))
+    cut = [depth_in_rack(spec, point) for point in points]
+    np.testing.assert_allclose(cut, 0.0, rtol=0, atol=2e-7)
+    involute = profile.involute
+    plain = InvoluteFlank(
+        involute.base_radius_mm, involute.base_half_angle_rad, Modifications.none()
+    )
+    form = involute.roll_at(involute.form_radius_mm)
+    assert depth_in_rack(spec, plain.point(form + 2e-3)) > 1e-6
+    assert depth_in_rack(spec, plain.point(form - 2e-3)) < -1e-6
+    assert (
+        involute.form_radius_mm
+        > gear_profile(
+            structs.replace(spec, protuberance_mm=None, grinding_stock_mm=0.0), "body_1"
+        ).involute.form_radius_mm
     )

@@ -280,3 +280,12 @@ def test_diameters_of_the_messages_are_those_of_the_points() -> None:
         profile_of(tip_diameter_mm=170.0, **wide)
     least = float(caught.value.expected.split()[2].rstrip(","))
     profile_of(tip_diameter_mm=least + 1e-3, **wide)
+
+
+def test_root_relief_of_a_ring_removes_material_of_its_teeth() -> None:
+    profile = profile_of(root_relief_um=20.0, root_relief_start_diameter_mm=184.0)
+    assert list(dict.fromkeys(profile.curve.labels))[:3] == ["fillet", "root_relief", "flank"]
+    _, off = metal_off(profile, sampled(profile, "root_relief"))
+    assert 1000.0 * abs(off[0]) == pytest.approx(20.0, abs=0.05)
+    at_tip = profile_of(tip_relief_um=20.0, tip_relief_start_diameter_mm=177.0)
+    assert off[0] * metal_off(at_tip, sampled(at_tip, "relief"))[1][-1] > 0.0

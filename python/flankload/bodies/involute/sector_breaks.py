@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from flankload.base.rounding import round_up
+from flankload.flank import ACTIVE
 from flankload.meshes.blocks import even_breaks, growing_breaks, symmetric_breaks
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def sector_breaks(
     on_flank = on_flank or h
     radius = float(np.linalg.norm(curve.point([split])[0]))
     pieces = [_turned_breaks(curve, split, form, FILLET * h)]
-    parts = np.unique([form, *curve.range_of("flank", "relief"), corner])
+    parts = np.unique([form, *curve.range_of(*ACTIVE), corner])
     for start, stop in pairwise(parts):
         least = 3 if start == form else 1
         pieces.append(even_breaks(start, stop, on_flank, least)[1:])
@@ -175,7 +176,7 @@ def _split_point(curve: ToothCurve, form: float) -> float:
 
 def _tip_corner(curve: ToothCurve) -> tuple[float, float]:
     """Arc lengths of the tooth block's corner at the tip, and of the end of the curve."""
-    start = curve.range_of("flank", "relief")[1]
+    start = curve.range_of(*ACTIVE)[1]
     if "tip_radius" in curve.labels:
         return 0.5 * (start + curve.length_mm), curve.length_mm
     return start, curve.length_mm

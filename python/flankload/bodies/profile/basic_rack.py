@@ -12,7 +12,7 @@ normal -(sin beta, cos beta), touches at phi(beta) = (eta_c - xi_c cot beta)/r.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import atan, cos, pi, sin, tan
 from typing import TYPE_CHECKING
 
@@ -39,12 +39,15 @@ class BasicRack:
         Centre (xi_c, eta_c) of the tip rounding.
     tip_radius_mm : float
         Radius of the rounding.
+    protuberance_angle_rad : float or None
+        Pressure angle of a protuberance flank, in the normal section; None without protuberance.
     """
 
     reference_radius_mm: float
     pressure_angle_rad: float
     center_mm: tuple[float, float]
     tip_radius_mm: float
+    protuberance_angle_rad: float | None = field(default=None, kw_only=True)
 
     @property
     def root_radius_mm(self) -> float:
@@ -60,6 +63,30 @@ class BasicRack:
     def root_half_angle_rad(self) -> float:
         """Polar angle at which the fillet meets the root circle."""
         return self.center_mm[1] / self.reference_radius_mm
+
+    @property
+    def end_angle_rad(self) -> float:
+        """Parameter beta at which the rounding ends: at the flank, or at its protuberance."""
+        angle = self.protuberance_angle_rad
+        return self.flank_angle_rad if angle is None else angle
+
+    def protuberance_flank(self) -> tuple[float, float]:
+        """Base radius, mm, and base half angle, rad, of the involute of the protuberance flank."""
+        assert self.protuberance_angle_rad is not None
+        slant = tan(self.protuberance_angle_rad) / self.section_cosine
+        normal = self.tip_radius_mm / cos(self.protuberance_angle_rad) / self.section_cosine
+        angle = atan(slant)
+        # thickness on the pitch line: eta = eta_c + xi_c tan(a) - rho/cos(a)
+        half = self.center_mm[1] + self.center_mm[0] * slant - normal
+        return (
+            self.reference_radius_mm * cos(angle),
+            half / self.reference_radius_mm + tan(angle) - angle,
+        )
+
+    @property
+    def section_cosine(self) -> float:
+        """Cosine of the helix angle: 1 for a spur gear."""
+        return 1.0
 
     def roll_of_form_point(self, base_half_angle_rad: float) -> float:
         """Roll parameter of the involute where the fillet touches it; negative: undercut."""
@@ -113,6 +140,11 @@ class HelicalRack(BasicRack):
     """
 
     helix_cosine: float
+
+    @property
+    def section_cosine(self) -> float:
+        """Cosine of the helix angle on the reference circle."""
+        return self.helix_cosine
 
     @property
     def flank_angle_rad(self) -> float:
@@ -183,6 +215,7 @@ def basic_rack(
     fillet_radius_factor: float,
     key: str,
     helix_angle_rad: float = 0.0,
+    protuberance: tuple[float, float] | None = None,
 ) -> BasicRack:
     """The generating rack of a gear, checked.
 
@@ -193,6 +226,8 @@ def basic_rack(
         messages.
     helix_angle_rad : float
         On the reference circle.
+    protuberance : (float, float), optional
+        Depth below the finished flank, pr - q, mm, and pressure angle of the protuberance, rad.
 
     Returns
     -------
@@ -209,11 +244,14 @@ def basic_rack(
     xi = -(dedendum_factor - profile_shift) * module_mm + rounding
     half_thickness = module_mm * (0.25 * pi + profile_shift * slant)
     eta = half_thickness - xi * slant + rounding / cos(pressure_angle_rad)
-    rack = BasicRack(0.5 * teeth * module_mm, pressure_angle_rad, (xi, eta), rounding)
+    freed, angle_free = protuberance or (0.0, None)
+    eta -= freed / cos(pressure_angle_rad)
+    free = {"protuberance_angle_rad": angle_free}
+    rack = BasicRack(0.5 * teeth * module_mm, pressure_angle_rad, (xi, eta), rounding, **free)
     c = cos(helix_angle_rad)
     if helix_angle_rad:
         radius, angle = 0.5 * teeth * module_mm / c, atan(slant / c)
-        rack = HelicalRack(radius, angle, (xi, eta / c), rounding, helix_cosine=c)
+        rack = HelicalRack(radius, angle, (xi, eta / c), rounding, helix_cosine=c, **free)
     if rack.root_radius_mm <= 0.0:
         raise SceneError(
             key=f"{key}.dedendum_factor",
@@ -221,7 +259,7 @@ def basic_rack(
             "circle",
             found=f"{dedendum_factor:g}",
         )
-    if not rack.slope(np.linspace(rack.flank_angle_rad, 0.5 * pi, 200)).min() > 0.0:
+    if not rack.slope(np.linspace(rack.end_angle_rad, 0.5 * pi, 200)).min() > 0.0:
         raise SceneError(
             key=f"{key}.profile_shift",
             expected="a profile shift at which the rack's tip generates a fillet without a cusp",

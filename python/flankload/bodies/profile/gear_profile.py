@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import atan2, cos, hypot, pi, radians, sqrt, tan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
@@ -26,8 +26,9 @@ from flankload.bodies.profile.involute import (
     involute_function,
     roll_of_involute_angle,
 )
+from flankload.bodies.profile.tooth_thickness import generating_shift
 from flankload.errors import SceneError
-from flankload.flank import CurvePiece, FlankCurve, Place
+from flankload.flank import ACTIVE, CurvePiece, FlankCurve, Place
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
 #: Least roll parameter at which an involute begins: its curvature is infinite on the base circle.
 #: The omitted piece is r_b t²/2 long, below 1e-9 mm for r_b < 200 mm.
 LEAST_ROLL = 3e-6
+#: Places of a fillet among which the deepest one below the involute is sought.
+FOOT_PLACES = 200
 
 
 @dataclass(frozen=True)
@@ -132,21 +135,23 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     if z < 3:
         raise SceneError(key=f"{key}.teeth", expected="at least 3 teeth", found=f"{z}")
     normal_angle = radians(spec.pressure_angle_deg)
+    shift = generating_shift(spec, z, key, helix_rad=spec.helix_rad)
     rack = basic_rack(
         teeth=z,
         module_mm=spec.module_mm,
         pressure_angle_rad=normal_angle,
-        profile_shift=spec.profile_shift,
+        profile_shift=shift,
         dedendum_factor=spec.dedendum_factor,
         fillet_radius_factor=spec.fillet_radius_factor,
         key=key,
         helix_angle_rad=spec.helix_rad,
+        protuberance=_protuberance(spec),
     )
     base_radius = rack.reference_radius_mm * cos(rack.pressure_angle_rad)
-    base_half_angle = (0.5 * pi + 2 * spec.profile_shift * tan(normal_angle)) / z
+    base_half_angle = (0.5 * pi + 2 * shift * tan(normal_angle)) / z
     base_half_angle += involute_function(rack.pressure_angle_rad)
     plain = InvoluteFlank(base_radius, base_half_angle, Modifications.none())
-    start = _form_point(rack, plain)
+    start = _form_point(rack, plain, key)
     involute = Involute(
         base_radius_mm=base_radius,
         reference_radius_mm=rack.reference_radius_mm,
@@ -158,22 +163,32 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     _check_tooth(involute, rack, start, spec, key)
     flank = replace(plain, modifications=modifications_of(spec, involute, start.roll, key))
     curve = profile_curve(
-        lambda flank: _fillet_piece(rack, flank, start), flank, involute, start, spec, key
+        lambda flank: _fillet_pieces(rack, flank, start), flank, involute, start, spec, key
     )
     return GearProfile(
         curve=curve,
         involute=involute,
         teeth=z,
-        mode_range_mm=curve.range_of("flank", "relief"),
+        mode_range_mm=curve.range_of(*ACTIVE),
         root_half_angle_rad=rack.root_half_angle_rad,
     )
 
 
-def _form_point(rack: BasicRack, flank: InvoluteFlank) -> FormPoint:
-    """End of the fillet: it touches the involute there, or cuts it (undercut)."""
-    angle = rack.flank_angle_rad
+def _protuberance(spec: GearGeometry) -> tuple[float, float] | None:
+    """Depth below the finished flank, mm, and pressure angle, rad, of a protuberance."""
+    amount = getattr(spec, "protuberance_mm", None)  # splines have none
+    if amount is None:
+        return None
+    stock, angle = (getattr(spec, n) for n in ("grinding_stock_mm", "protuberance_angle_deg"))
+    return amount - stock, radians(angle)
+
+
+def _form_point(rack: BasicRack, flank: InvoluteFlank, key: str) -> FormPoint:
+    """End of the fillet: it touches the involute there, or cuts it (undercut, protuberance)."""
+    angle, low = rack.end_angle_rad, 0.5 * pi
+    free = rack.protuberance_angle_rad is not None
     roll = rack.roll_of_form_point(flank.base_half_angle_rad)
-    if roll > -LEAST_ROLL:
+    if roll > -LEAST_ROLL and not free:
         return FormPoint(max(roll, LEAST_ROLL), angle, False)
 
     def place(beta: float) -> tuple[float, float]:
@@ -184,21 +199,55 @@ def _form_point(rack: BasicRack, flank: InvoluteFlank) -> FormPoint:
         radius, polar = place(beta)
         return polar - flank.polar_angle_at(radius)
 
+    if free and metal_left(angle) < 0.0:
+        return _on_protuberance(rack, flank, place(angle)[0], key)
     # the radius grows as beta falls; below the base circle there is no involute
-    low = 0.5 * pi
     if place(low)[0] < flank.base_radius_mm:
         low = sign_change(lambda beta: place(beta)[0] - flank.base_radius_mm, angle, low)
+    if free:
+        # the fillet leaves the tooth at its foot, and cuts the involute above its deepest place
+        between = [rack.flank_angle_rad, *np.linspace(angle, low, FOOT_PLACES)[1:-1]]
+        low = float(min((beta for beta in between if beta < low), key=metal_left))
+        if metal_left(low) >= 0.0:
+            _refuse_protuberance(key, "a protuberance that cuts into the involute")
     beta = sign_change(metal_left, angle, low)
     return FormPoint(max(flank.roll_at(place(beta)[0]), LEAST_ROLL), beta, True)
 
 
-def _fillet_piece(rack: BasicRack, flank: InvoluteFlank, start: FormPoint) -> CurvePiece:
+def _on_protuberance(rack: BasicRack, flank: InvoluteFlank, low: float, key: str) -> FormPoint:
+    """End of the fillet on the involute of the protuberance flank, above a radius."""
+    free = InvoluteFlank(*rack.protuberance_flank(), Modifications.none())
+
+    def metal_left(radius: float) -> float:
+        return free.polar_angle_at(radius) - flank.polar_angle_at(radius)
+
+    high = 2.0 * rack.reference_radius_mm
+    if low < free.base_radius_mm or metal_left(high) <= 0.0:
+        _refuse_protuberance(key, "a protuberance whose flank ends on the involute")
+    radius = sign_change(metal_left, low, high)
+    return FormPoint(flank.roll_at(radius), free.roll_at(radius), True, free)
+
+
+def _refuse_protuberance(key: str, expected: str) -> NoReturn:
+    raise SceneError(
+        key=f"{key}.protuberance_mm",
+        expected=expected,
+        found="one that does not, with this angle and tip radius",
+    )
+
+
+def _fillet_pieces(rack: BasicRack, flank: InvoluteFlank, start: FormPoint) -> list[CurvePiece]:
     """The fillet, from the root circle to the flank."""
-    place: Place = rack.fillet
-    if flank.modifications.crowning_mm:
-        moved = flank.point(start.roll) - rack.fillet(np.array([start.beta]))[0][0]
-        place = following_fillet(rack.fillet, 0.5 * pi, start.beta, moved)
-    return CurvePiece("fillet", place, 0.5 * pi, start.beta)
+    end = start.beta if start.free is None else rack.end_angle_rad
+    parts: list[tuple[Place, float, float]] = [(rack.fillet, 0.5 * pi, end)]
+    if start.free is not None:
+        x, y = rack.fillet(np.array([end]))[0][0]
+        parts.append((start.free.place, start.free.roll_at(hypot(x, y)), start.beta))
+    if flank.modifications.crowning_mm or flank.modifications.root_relief_mm:
+        place, first, last = parts[-1]
+        moved = flank.point(start.roll) - place(np.array([last]))[0][0]
+        parts[-1] = (following_fillet(place, first, last, moved), first, last)
+    return [CurvePiece("fillet", *part) for part in parts]
 
 
 def _check_tooth(
@@ -211,7 +260,8 @@ def _check_tooth(
             expected="a profile shift that leaves the tooth some thickness at its base circle",
             found=f"{spec.profile_shift:g}",
         )
-    foot = rack.fillet(np.linspace(0.5 * pi, start.beta, 200))[0]
+    end = start.beta if start.free is None else rack.end_angle_rad
+    foot = rack.fillet(np.linspace(0.5 * pi, end, 200))[0]
     if foot[:, 1].min() <= 0.0:
         raise SceneError(
             key=f"{key}.profile_shift",

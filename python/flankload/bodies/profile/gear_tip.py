@@ -13,6 +13,7 @@ import numpy as np
 
 from flankload.bodies.bisection import sign_change
 from flankload.bodies.profile.involute import Involute, InvoluteFlank, Modifications
+from flankload.bodies.profile.tooth_thickness import ThicknessKeys
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece, Place, fit_flank_curve, fit_tolerance_mm
 
@@ -26,15 +27,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-class FlankGeometry(Protocol):
+class FlankGeometry(ThicknessKeys, Protocol):
     """Keys of an involute profile without those of its root, as in the scene."""
 
-    @property
-    def module_mm(self) -> float: ...
-    @property
-    def pressure_angle_deg(self) -> float: ...
-    @property
-    def profile_shift(self) -> float: ...
     @property
     def tip_diameter_mm(self) -> float: ...
     @property
@@ -43,6 +38,16 @@ class FlankGeometry(Protocol):
     def tip_relief_start_diameter_mm(self) -> float | None: ...
     @property
     def tip_relief_shape(self) -> str: ...
+    @property
+    def tip_relief_knee_um(self) -> float | None: ...
+    @property
+    def tip_relief_knee_diameter_mm(self) -> float | None: ...
+    @property
+    def root_relief_um(self) -> float | None: ...
+    @property
+    def root_relief_start_diameter_mm(self) -> float | None: ...
+    @property
+    def root_relief_shape(self) -> str: ...
     @property
     def tip_radius_mm(self) -> float | None: ...
     @property
@@ -73,11 +78,15 @@ class FormPoint(NamedTuple):
         End of the fillet: angle of the rack's tip rounding, or of the arc in a ring.
     undercut : bool
         Fillet and involute cross in a corner instead of touching.
+    free : InvoluteFlank or None
+        Involute of a protuberance flank, if the fillet ends on it; `beta` is then its roll
+        parameter.
     """
 
     roll: float
     beta: float
     undercut: bool
+    free: InvoluteFlank | None = None
 
 
 def modifications_of(
@@ -91,37 +100,68 @@ def modifications_of(
         If the relief begins outside the flank, or more material is removed than the involute has.
     """
     tip_roll = involute.roll_at(involute.tip_radius_mm)
-    relief = (spec.tip_relief_um or 0.0) / 1000.0
-    start = tip_roll
-    if relief:
-        diameter = spec.tip_relief_start_diameter_mm or 0.0
-        low, high = sorted((involute.form_radius_mm, involute.tip_radius_mm))
-        if not low < 0.5 * diameter < high:
-            raise SceneError(
-                key=f"{key}.tip_relief_start_diameter_mm",
-                expected=f"between the form diameter {2 * involute.form_radius_mm:.4f} and the tip "
-                f"diameter {2 * involute.tip_radius_mm:g}",
-                found=f"{diameter:g}",
-            )
-        start = involute.roll_at(0.5 * diameter)
+    outward = involute.outward
     modifications = Modifications(
-        tip_relief_mm=involute.outward * relief,
-        relief_start=start,
+        tip_relief_mm=outward * (spec.tip_relief_um or 0.0) / 1000.0,
+        relief_start=tip_roll,
         relief_power=2 if spec.tip_relief_shape == "parabolic" else 1,
-        crowning_mm=involute.outward * (spec.profile_crowning_um or 0.0) / 1000.0,
+        crowning_mm=outward * (spec.profile_crowning_um or 0.0) / 1000.0,
         roll_form=form_roll,
         roll_tip=tip_roll,
+        root_relief_mm=outward * (spec.root_relief_um or 0.0) / 1000.0,
+        root_power=2 if spec.root_relief_shape == "parabolic" else 1,
     )
+    modifications = _with_places(modifications, spec, involute, key)
+    _check_amounts(modifications, spec, involute.base_radius_mm, key)
+    return modifications
+
+
+def _with_places(
+    modifications: Modifications, spec: FlankGeometry, involute: Involute, key: str
+) -> Modifications:
+    """Modifications with the places at which their reliefs begin, in their order on the flank."""
+    form, tip = involute.form_radius_mm, involute.tip_radius_mm
+    places: dict[str, float] = {}
+    low, said = form, f"the form diameter {2 * form:.4f}"
+    wanted = [("root_start", "root_relief_start_diameter_mm")] if spec.root_relief_um else []
+    if spec.tip_relief_um:
+        wanted.append(("relief_start", "tip_relief_start_diameter_mm"))
+        if spec.tip_relief_shape == "double_linear":
+            wanted.append(("knee_roll", "tip_relief_knee_diameter_mm"))
+    for name, place in wanted:
+        diameter = getattr(spec, place) or 0.0
+        inner, outer = sorted((low, tip))
+        # the start of the tip relief may be that of the root relief
+        same = name == "relief_start" and 0.5 * diameter == low != form
+        if not (inner < 0.5 * diameter < outer or same):
+            raise SceneError(
+                key=f"{key}.{place}",
+                expected=f"between {said} and the tip diameter {2 * tip:g}",
+                found=f"{diameter:g}",
+            )
+        places[name] = involute.roll_at(0.5 * diameter)
+        low, said = 0.5 * diameter, f"{key}.{place} ({diameter:g})"
+    if "knee_roll" in places:
+        places["knee_mm"] = involute.outward * (spec.tip_relief_knee_um or 0.0) / 1000.0
+    return replace(modifications, **places)  # type: ignore[arg-type]
+
+
+def _check_amounts(
+    modifications: Modifications, spec: FlankGeometry, base: float, key: str
+) -> None:
+    """Check that the involute has the material, and that the flank goes on towards the tip."""
+    form_roll, tip_roll = modifications.roll_form, modifications.roll_tip
     roll = np.linspace(form_roll, tip_roll, 200)
     off, first, _ = modifications.at(roll)
-    base = involute.base_radius_mm
     enough, onward = bool((base * roll - off > 0).all()), bool((first < base).all())
     if not (enough and onward):
-        name, value = (
-            ("tip_relief_um", spec.tip_relief_um)
-            if abs(modifications.tip_relief_mm) > abs(modifications.crowning_mm)
-            else ("profile_crowning_um", spec.profile_crowning_um)
-        )
+        amounts = {
+            "profile_crowning_um": spec.profile_crowning_um or 0.0,
+            "tip_relief_um": spec.tip_relief_um or 0.0,
+            "root_relief_um": spec.root_relief_um or 0.0,
+        }
+        name = max(amounts, key=lambda each: amounts[each])
+        value = amounts[name]
         raise SceneError(
             key=f"{key}.{name}",
             expected=(
@@ -133,7 +173,6 @@ def modifications_of(
             "towards the tip",
             found=f"{value:g}",
         )
-    return modifications
 
 
 def flank_and_tip(
@@ -164,17 +203,50 @@ def flank_and_tip(
     kink = flank.modifications.relief_start
     relieved = bool(flank.modifications.tip_relief_mm) and involute.outward * (end - kink) > 0.0
     first_end = kink if relieved else end
-    # at the kink itself the flank has the slope of the unrelieved part
-    plain = replace(flank, modifications=replace(flank.modifications, tip_relief_mm=0.0))
-    pieces = [CurvePiece("flank", plain.place, start.roll, first_end, start.undercut)]
+    pieces = _flank_pieces(flank, start, first_end, involute.outward)
     if relieved:
-        kinked = flank.modifications.relief_power == 1
-        pieces.append(CurvePiece("relief", flank.place, kink, end, kinked))
+        pieces += _relief_pieces(flank, end, involute.outward)
     return [*pieces, *tip]
 
 
+def _flank_pieces(
+    flank: InvoluteFlank, start: FormPoint, end: float, outward: int
+) -> list[CurvePiece]:
+    """Pieces from the form point to the start of the tip relief.
+
+    At a kink the flank has the slope of the piece, without the reliefs of the others.
+    """
+    modifications = flank.modifications
+    below = replace(flank, modifications=replace(modifications, tip_relief_mm=0.0))
+    if not modifications.root_relief_mm:
+        return [CurvePiece("flank", below.place, start.roll, end, start.undercut)]
+    plain = replace(flank, modifications=replace(below.modifications, root_relief_mm=0.0))
+    kink, kinked = modifications.root_start, modifications.root_power == 1
+    goes_on = outward * (end - kink) > 0.0
+    upper = kink if goes_on else end
+    pieces = [CurvePiece("root_relief", below.place, start.roll, upper, start.undercut)]
+    if goes_on:
+        pieces.append(CurvePiece("flank", plain.place, kink, end, kinked))
+    return pieces
+
+
+def _relief_pieces(flank: InvoluteFlank, end: float, outward: int) -> list[CurvePiece]:
+    """Pieces of the tip relief, up to the tip or its rounding."""
+    modifications = flank.modifications
+    start, knee = modifications.relief_start, modifications.knee_roll
+    flank = replace(flank, modifications=replace(modifications, root_relief_mm=0.0))
+    first = replace(flank, modifications=flank.modifications.before_knee)
+    kinked = modifications.relief_power == 1
+    if knee is None or outward * (end - knee) <= 0.0:
+        return [CurvePiece("relief", first.place, start, end, kinked)]
+    return [
+        CurvePiece("relief", first.place, start, knee, kinked),
+        CurvePiece("relief", flank.place, knee, end, True),
+    ]
+
+
 def profile_curve(
-    fillet: Callable[[InvoluteFlank], CurvePiece],
+    fillet: Callable[[InvoluteFlank], list[CurvePiece]],
     flank: InvoluteFlank,
     involute: Involute,
     start: FormPoint,
@@ -186,7 +258,7 @@ def profile_curve(
     Parameters
     ----------
     fillet : callable
-        The fillet of a flank.
+        Pieces of the fillet of a flank.
     flank, involute, start, spec, key
         As for `flank_and_tip`.
 
@@ -196,7 +268,7 @@ def profile_curve(
     """
 
     def pieces(flank: InvoluteFlank) -> list[CurvePiece]:
-        return [fillet(flank), *flank_and_tip(flank, involute, start, spec, key)]
+        return [*fillet(flank), *flank_and_tip(flank, involute, start, spec, key)]
 
     modified = pieces(flank)
     # the tolerance is that of the flank without modifications: flanks that differ only in relief

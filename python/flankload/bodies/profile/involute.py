@@ -12,7 +12,7 @@ space, the material is outside it, and material removed counts as a negative del
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import atan, atan2, sqrt, tan
 from typing import TYPE_CHECKING
 
@@ -108,6 +108,10 @@ class Modifications:
         negative for a ring.
     roll_form, roll_tip : float
         Roll parameters at the ends of the flank: form circle and tip circle.
+    knee_mm, knee_roll : float
+        Amount and roll parameter at which both parts of a double-linear tip relief meet.
+    root_relief_mm, root_start, root_power : float, float, int
+        The same as of the tip relief, with the amount at the form circle.
     """
 
     tip_relief_mm: float
@@ -116,6 +120,11 @@ class Modifications:
     crowning_mm: float
     roll_form: float
     roll_tip: float
+    knee_mm: float = 0.0
+    knee_roll: float | None = None
+    root_relief_mm: float = 0.0
+    root_start: float = 0.0
+    root_power: int = 1
 
     @classmethod
     def none(cls) -> Modifications:
@@ -129,15 +138,53 @@ class Modifications:
         off = self.crowning_mm * x**2
         first = 2 * self.crowning_mm * x / half
         second = np.full_like(roll, 2 * self.crowning_mm / half**2)
-        if self.tip_relief_mm:
-            span = self.roll_tip - self.relief_start
-            x = np.maximum((roll - self.relief_start) / span, 0.0)
-            n = self.relief_power
-            off = off + self.tip_relief_mm * x**n
-            inside = (roll - self.relief_start) * span >= 0.0
-            first = first + inside * (self.tip_relief_mm * n * x ** (n - 1) / span)
-            second = second + inside * (self.tip_relief_mm * n * (n - 1) / span**2)
+        for part in self._reliefs:
+            off, first, second = _add_relief(roll, part, (off, first, second))
         return off, first, second
+
+    @property
+    def before_knee(self) -> Modifications:
+        """The first part of a double-linear tip relief, continued to the tip."""
+        if self.knee_roll is None:
+            return self
+        whole = self.roll_tip - self.relief_start
+        amount = self.knee_mm * whole / (self.knee_roll - self.relief_start)
+        return replace(self, tip_relief_mm=amount, knee_roll=None)
+
+    @property
+    def _reliefs(self) -> list[tuple[float, float, float, int]]:
+        """Amount, start, roll at which it is reached, and power of each relief.
+
+        A double-linear relief is the sum of one line from its start and one from its knee.
+        """
+        parts = []
+        if self.tip_relief_mm:
+            amount = self.before_knee.tip_relief_mm
+            if self.knee_roll is not None:
+                parts.append((self.tip_relief_mm - amount, self.knee_roll, self.roll_tip, 1))
+            parts.append((amount, self.relief_start, self.roll_tip, self.relief_power))
+        if self.root_relief_mm:
+            ends = (self.root_start, self.roll_form)
+            parts.append((self.root_relief_mm, *ends, self.root_power))
+        return parts
+
+
+def _add_relief(
+    roll: Floats,
+    relief: tuple[float, float, float, int],
+    before: tuple[Floats, Floats, Floats],
+) -> tuple[Floats, Floats, Floats]:
+    """Add amount x^n with x = (roll - start)/(end - start), and its first two derivatives."""
+    amount, start, end, n = relief
+    off, first, second = before
+    span = end - start
+    x = np.maximum((roll - start) / span, 0.0)
+    inside = (roll - start) * span >= 0.0
+    return (
+        off + amount * x**n,
+        first + inside * (amount * n * x ** (n - 1) / span),
+        second + inside * (amount * n * (n - 1) / span**2),
+    )
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,9 @@ from flankload.bodies.profile.involute import (
     involute_function,
     roll_of_involute_angle,
 )
+from flankload.bodies.profile.tooth_thickness import generating_shift
 from flankload.errors import SceneError
-from flankload.flank import CurvePiece, FlankCurve
+from flankload.flank import ACTIVE, CurvePiece, FlankCurve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -135,7 +136,8 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
     """
     z, pressure_angle = spec.teeth, radians(spec.pressure_angle_deg)
     reference_radius = 0.5 * z * spec.module_mm
-    base_half_angle = (0.5 * pi + 2 * spec.profile_shift * tan(pressure_angle)) / z
+    shift = generating_shift(spec, z, key, outward=-1)
+    base_half_angle = (0.5 * pi + 2 * shift * tan(pressure_angle)) / z
     involute = Involute(
         base_radius_mm=reference_radius * cos(pressure_angle),
         reference_radius_mm=reference_radius,
@@ -158,13 +160,13 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
     end = involute.base_half_angle_rad - arc.roll + 0.5 * pi
     start = FormPoint(arc.roll, end, False)
     curve = profile_curve(
-        lambda flank: _fillet_piece(arc, flank, start), flank, involute, start, spec, key
+        lambda flank: [_fillet_piece(arc, flank, start)], flank, involute, start, spec, key
     )
     return RingProfile(
         curve=curve,
         involute=involute,
         teeth=z,
-        mode_range_mm=curve.range_of("flank", "relief"),
+        mode_range_mm=curve.range_of(*ACTIVE),
         root_half_angle_rad=arc.center_angle_rad,
     )
 
@@ -265,7 +267,7 @@ def _fillet_piece(arc: RootArc, flank: InvoluteFlank, start: FormPoint) -> Curve
         return arc.center_mm + arc.radius_mm * out, arc.radius_mm * along, -arc.radius_mm * out
 
     first, last = arc.center_angle_rad, start.beta
-    if not flank.modifications.crowning_mm:
+    if not (flank.modifications.crowning_mm or flank.modifications.root_relief_mm):
         return CurvePiece("fillet", place, first, last)
     moved = flank.point(start.roll) - place(np.array([last]))[0][0]
     return CurvePiece("fillet", following_fillet(place, first, last, moved), first, last)

@@ -246,7 +246,7 @@ def build_strip(pulley: PulleyKeys, belt: BeltKeys) -> Strip:
     wider = 0.5 * (groove_width - belt.tooth_width_mm)
     tooth: Trapezoid | Round
     groove: Trapezoid | Round
-    if pulley.profile == "T":
+    if pulley.tooth_shape == "T":
         assert belt.flank_angle_deg is not None
         angle = radians(belt.flank_angle_deg)
         tooth = Trapezoid(belt.tooth_width_mm, belt.tooth_height_mm, angle)
@@ -272,6 +272,6 @@ def build_strip(pulley: PulleyKeys, belt: BeltKeys) -> Strip:
         pitch_difference_mm=belt.pitch_mm - pulley.pitch_mm + belt.pitch_difference_um / 1000.0,
         prestress_N_per_mm=belt.prestress_N / belt.width_mm,
     )
-    if pulley.profile == "T" and wider:
+    if pulley.tooth_shape == "T" and wider:
         return replace(strip, clearance_rad=wider / strip.foot_radius_mm)
     return strip

@@ -373,9 +373,7 @@ def _stamps(scene: Scene, key: str) -> tuple[tuple[int, int], ...]:
 
 def without_ends(body: Body) -> Body:
     """A body with contact on its active flanks only, not on tips and in fillets."""
-    active = {"flank", "relief"}.intersection(body.curve.labels)
-    low, high = body.curve.range_of(*active) if active else (0.0, body.curve.length_mm)
-    return replace(body, active_range_mm=(low, high))
+    return replace(body, active_range_mm=body.curve.active_range)
 
 
 def _fillets(body: Body, key: str, effects: Effects) -> RootFillets | None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from math import atan
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.bodies import WholeMesh
+from flankload.bodies.profile.tooth_thickness import measurements
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.premises import broken_by_geometry
 from flankload.mechanisms.flank_pair.stages import compliance_of
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from flankload.bodies import Body
+    from flankload.bodies.profile.involute import Involute
     from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
     from flankload.scene.effects import Switch
@@ -117,6 +120,7 @@ def _rows_of_body(body: Body) -> list[tuple[str, str]]:
         rows.append(
             ("tooth thickness at tip", f"{2 * tip * involute.tooth_half_angle_at(tip):.4f} mm")
         )
+        rows += _rows_of_thickness(body, involute)
     elif body.curve.closed:
         radii = np.hypot(*body.outline.T)
         rows += [
@@ -130,6 +134,20 @@ def _rows_of_body(body: Body) -> list[tuple[str, str]]:
     if body.mesh is None:
         return [*rows, ("mesh", "none: rigid")]
     return [*rows, *_rows_of_mesh(body)]
+
+
+def _rows_of_thickness(body: Body, involute: Involute) -> list[tuple[str, str]]:
+    """Measurements of the tooth thickness, without tooth deviations."""
+    turn = body.axial.twist_rad_per_mm if body.axial is not None else 0.0
+    helix = atan(abs(turn) * involute.reference_radius_mm)
+    found = measurements(involute, body.teeth, helix)
+    over = "over" if involute.outward > 0 else "between"
+    rows = []
+    if found.span_mm is not None:
+        teeth = f"{found.span_teeth} {'tooth' if found.span_teeth == 1 else 'teeth'}"
+        rows.append(("span measurement", f"{found.span_mm:.4f} mm over {teeth}"))
+    balls = f"{found.ball_mm:.4f} mm {over} balls of {found.ball_diameter_mm:g} mm"
+    return [*rows, ("measurement by balls", balls)]
 
 
 def _rows_of_mesh(body: Body) -> list[tuple[str, str]]:

@@ -8,11 +8,12 @@ that decides (`Switch`).
 
 from flankload.scene.effects.record import Effect, SizeBy, Switch, Work
 from flankload.scene.effects.records import EFFECTS, Effects, effects_of, switches_of, work_in
-from flankload.scene.effects.switches import MODIFICATIONS, is_spatial, require_plane
+from flankload.scene.effects.switches import MODIFICATIONS, RELIEF_PLACES, is_spatial, require_plane
 
 __all__ = [
     "EFFECTS",
     "MODIFICATIONS",
+    "RELIEF_PLACES",
     "Effect",
     "Effects",
     "SizeBy",

@@ -14,7 +14,16 @@ if TYPE_CHECKING:
     from flankload.scene.scene import Scene
 
 #: Keys of a body that modify its flank.
-MODIFICATIONS = ("tip_relief_um", "profile_crowning_um", "tip_radius_mm", "tip_chamfer_mm")
+MODIFICATIONS = (
+    *("tip_relief_um", "root_relief_um", "profile_crowning_um"),
+    *("tip_radius_mm", "tip_chamfer_mm"),
+)
+
+#: Keys of the places of reliefs, without which a relief is absent.
+RELIEF_PLACES = (
+    *("tip_relief_start_diameter_mm", "tip_relief_knee_um", "tip_relief_knee_diameter_mm"),
+    "root_relief_start_diameter_mm",
+)
 
 
 def is_elastic(number: int) -> Callable[[Scene], Switch]:

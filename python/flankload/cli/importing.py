@@ -1,0 +1,76 @@
+"""The command scene: write the scene of a gear stage of a gearbox model, or list the stages."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import TYPE_CHECKING, Any
+
+from flankload.cli.outputs import check_file
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+    from collections.abc import Iterable, Sequence
+    from pathlib import Path
+
+    from flankload.scene import Scene
+
+
+def scene(arguments: Namespace) -> None:
+    """Read the model; write the scene of a stage and print what it lacks, or print the stages."""
+    from flankload.base.text_table import text_table
+    from flankload.exchange.rexs import Choices, read_model, scene_of_stage, stage_rows
+
+    settings = _settings(arguments.settings)
+    if arguments.torque_Nm is not None:
+        settings["load.torque_Nm"] = arguments.torque_Nm
+    path: Path | None = arguments.output
+    if path is not None:
+        _check_output(path, arguments.file)
+    elif arguments.stage is not None:
+        raise SceneError(key="-o", expected="a file for the scene of the stage", found="nothing")
+    model = read_model(arguments.file)
+    if path is None:
+        print("\n".join(text_table(stage_rows(model), left=5)))
+        return
+    choices = Choices(arguments.stage, arguments.load_case, arguments.flank, settings)
+    made = scene_of_stage(model, choices, file=path)
+    try:
+        notes = _notes(made.scene)
+    except SceneError as error:
+        raise error.with_file(arguments.file) from None
+
+    from flankload.base.files import write_atomically
+
+    write_atomically(path, made.scene.to_toml())
+    print(f"{path}: {made.stage} of {arguments.file}")
+    for line in (*made.lines, *(f"warning: {note}" for note in notes)):
+        print(line)
+
+
+def _notes(made: Scene) -> Sequence[str]:
+    """Build the bodies, as the command check does; return its warnings."""
+    from flankload.mechanisms.registry import mechanism_of
+
+    return mechanism_of(made).describe(made).notes
+
+
+def _settings(given: Iterable[str]) -> dict[str, Any]:
+    """Keys of a scene with their values, which are those of TOML or plain words."""
+    found: dict[str, Any] = {}
+    for text in given:
+        key, equals, value = text.partition("=")
+        if not (key and equals):
+            raise SceneError(key="--set", expected="KEY=VALUE", found=text)
+        try:
+            found[key.strip()] = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            found[key.strip()] = value.strip()
+    return found
+
+
+def _check_output(path: Path, model: Path) -> None:
+    """Refuse an output that could not be written or would replace the model."""
+    check_file("-o", path)
+    if path.exists() and model.exists() and path.samefile(model):
+        raise SceneError(key="-o", expected="a file other than the model", found=path)

@@ -1,0 +1,1 @@
+"""Models of other programs as scenes: one package per format."""

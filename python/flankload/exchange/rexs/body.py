@@ -1,0 +1,235 @@
+"""A gear of a stage as a body of a scene: profile, root, helix and material."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan, cos, radians, sqrt, tan
+from typing import TYPE_CHECKING, Any
+
+from flankload.exchange.rexs.attributes import PLAIN, TABLE
+
+if TYPE_CHECKING:
+    from flankload.exchange.rexs.model import Component
+    from flankload.exchange.rexs.source import Source, Stock
+
+#: Relations by which a component has a tool, up to REXS 1.2 and since REXS 1.3.
+OF_TOOL = (
+    ("ordered_reference", "origin", "referenced"),
+    ("manufacturing_step", "workpiece", "tool"),
+)
+
+
+@dataclass
+class Gear:
+    """A gear while its table is filled.
+
+    Attributes
+    ----------
+    source : Source
+    flank : Source or None
+        The flank whose profile is taken.
+    name : str
+        Table of the scene: body_1 or body_2.
+    keys : dict
+        Keys of the table.
+    """
+
+    source: Source
+    flank: Source | None
+    name: str
+    keys: dict[str, Any]
+
+    @property
+    def component(self) -> Component:
+        """The component of the gear."""
+        return self.source.component
+
+    @property
+    def is_ring(self) -> bool:
+        """Whether the teeth point inwards."""
+        return self.component.type == "ring_gear"
+
+    @property
+    def reference_mm(self) -> float:
+        """Reference diameter, mm."""
+        return self.keys["teeth"] * self.keys["module_mm"] / cos(self.helix_rad)
+
+    @property
+    def helix_rad(self) -> float:
+        """Helix angle on the reference cylinder, rad."""
+        return radians(self.keys.get("helix_angle_deg", 0.0))
+
+    @property
+    def transverse_rad(self) -> float:
+        """Transverse pressure angle, rad."""
+        return atan(tan(radians(self.keys["pressure_angle_deg"])) / cos(self.helix_rad))
+
+    def roll_length_mm(self, diameter_mm: float) -> float | None:
+        """Length of roll at a diameter, mm; None inside the base circle."""
+        base = self.reference_mm * cos(self.transverse_rad)
+        if diameter_mm < base:
+            return None
+        return 0.5 * sqrt(diameter_mm**2 - base**2)
+
+
+def body_of(stock: Stock, gear: Component, name: str, flank: Component | None) -> Gear:
+    """The table of a gear without its modifications and widths.
+
+    Raises
+    ------
+    SceneError
+        If a value is missing, or has a wrong kind or unit.
+    """
+    body = Gear(stock.source(gear), None if flank is None else stock.source(flank), name, {})
+    body.keys["kind"] = "ring" if body.is_ring else "gear"
+    _teeth(stock, body)
+    _plain(stock, body, body.source)
+    _helix(stock, body)
+    _profile(stock, body)
+    _required(stock, body)
+    _root(stock, body)
+    _material(stock, body)
+    return body
+
+
+def _plain(stock: Stock, body: Gear, source: Source) -> None:
+    """Read the attributes of a component that are keys as they are."""
+    for entry in TABLE:
+        if entry.how == PLAIN and source.component.type in entry.types:
+            value = source.number(entry.attribute, entry.unit)
+            if value is not None:
+                body.keys[entry.key.removeprefix("body.")] = value
+
+
+def _teeth(stock: Stock, body: Gear) -> None:
+    teeth = stock.required(body.source, "number_of_teeth", "", f"{body.name}.teeth")
+    if teeth is None:
+        return
+    if teeth != round(teeth) or (teeth < 0 and not body.is_ring):
+        body.source.refuse("number_of_teeth", "a positive integer", teeth)
+    body.keys["teeth"] = abs(round(teeth))
+
+
+def _required(stock: Stock, body: Gear) -> None:
+    """Refuse a gear without what every scene needs, and put in what is given otherwise."""
+    wanted = {"module_mm": "normal_module", "tip_diameter_mm": "tip_diameter"}
+    if body.is_ring:
+        wanted |= {"root_diameter_mm": "root_diameter", "outer_diameter_mm": "outer_diameter"}
+    else:
+        wanted["bore_diameter_mm"] = "inner_diameter"
+    of_flank = {"pressure_angle_deg": "normal_pressure_angle"}
+    of_flank["profile_shift"] = "addendum_modification_coefficient"
+    for key, attribute in wanted.items():
+        if key not in body.keys:
+            stock.missing(body.source, attribute, f"{body.name}.{key}")
+    for key, attribute in of_flank.items():
+        if key not in body.keys:
+            stock.missing(body.flank or body.source, attribute, f"{body.name}.{key}")
+    for path, value in stock.settings.items():
+        table, _, key = path.partition(".")
+        if table == body.name and isinstance(value, int | float):
+            stock.replace(path, body.keys.get(key))
+            body.keys[key] = value
+    for key in ("teeth", *wanted, *of_flank):
+        value = body.keys.get(key)
+        if value is None or (key != "profile_shift" and value <= 0 and key != "bore_diameter_mm"):
+            found = stock.settings.get(f"{body.name}.{key}", value)
+            stock.model.refuse(f"{body.component.label}: {key}", "a number > 0", found)
+
+
+def _helix(stock: Stock, body: Gear) -> None:
+    name = "helix_angle_reference_diameter"
+    angle = body.source.number(name, "deg")
+    if angle is None and not body.is_ring:
+        stock.missing(body.source, name, f"{body.name}.helix_angle_deg")
+    if not angle:
+        return
+    if body.is_ring:
+        body.source.refuse(name, "0, since a ring of a scene has spur teeth", angle)
+    body.keys["helix_angle_deg"] = abs(angle)
+    body.keys["hand"] = "right" if angle > 0 else "left"
+    stock.assume(
+        body.component,
+        f"{name} {angle:g} deg is a {body.keys['hand']}-hand helix (the sign of ISO 21771; the "
+        "public database does not define it)",
+    )
+
+
+def _profile(stock: Stock, body: Gear) -> None:
+    """Pressure angle, profile shift and tip chamfer of the flank."""
+    flank = body.flank
+    if flank is None:
+        return
+    _plain(stock, body, flank)
+    nominal = flank.number("addendum_modification_coefficient", "")
+    finished = flank.number("addendum_modification_coefficient_after_finishing", "")
+    in_mm = flank.number("addendum_modification", "mm")
+    if nominal is None and in_mm is not None and body.keys.get("module_mm"):
+        nominal = in_mm / body.keys["module_mm"]
+    if finished is not None and nominal is not None and finished != nominal:
+        stock.leave(
+            flank.component,
+            "addendum_modification_coefficient",
+            "the coefficient after finishing is taken",
+        )
+    shift = nominal if finished is None else finished
+    if shift is not None:
+        body.keys["profile_shift"] = shift
+    chamfer = flank.number("tooth_tip_chamfer", "mm")
+    if chamfer:
+        body.keys["tip_chamfer_mm"] = chamfer
+
+
+def _root(stock: Stock, body: Gear) -> None:
+    """Dedendum and tip rounding of the rack of an external gear."""
+    tools = [
+        part
+        for kind, role, wanted in OF_TOOL
+        for part in stock.model.partners(kind, role, body.component.id, wanted)
+        if part.type.endswith("_tool")
+    ]
+    for step in stock.model.partners(
+        "manufacturing_step", "workpiece", body.component.id, "manufacturing_step"
+    ):
+        stock.leave_all(step, "allowances and settings of manufacturing are not read")
+    if body.is_ring:
+        for tool in tools:
+            stock.leave_all(tool, "the root of a ring is given by its diameter")
+        return
+    racks = [tool for tool in tools if tool.type == "rack_shaped_tool"]
+    for tool in tools:
+        if tool not in racks[:1]:
+            stock.leave_all(tool, "one rack_shaped_tool for each gear is read")
+    dedendum = None
+    if racks:
+        rack = stock.source(racks[0])
+        _plain(stock, body, rack)
+        dedendum = rack.number("addendum_coefficient_reference_profile", "")
+    root = body.source.number("root_diameter", "mm")
+    if root is not None and body.keys.keys() >= {"teeth", "module_mm", "profile_shift"}:
+        depth = 0.5 * (body.reference_mm - root) / body.keys["module_mm"]
+        if dedendum is not None:
+            stock.leave(
+                racks[0],
+                "addendum_coefficient_reference_profile",
+                f"root_diameter of {body.component.label} is taken",
+            )
+        dedendum = float(f"{depth + body.keys['profile_shift']:.12g}")
+    if dedendum is not None:
+        body.keys["dedendum_factor"] = dedendum
+    for key, what in (("dedendum_factor", "dedendum"), ("fillet_radius_factor", "tip radius")):
+        if key not in body.keys and f"{body.name}.{key}" not in stock.settings:
+            stock.assume(body.component, f"default of {key}: no {what} of a rack in the file")
+
+
+def _material(stock: Stock, body: Gear) -> None:
+    found = [
+        part
+        for part in stock.model.partners("reference", "origin", body.component.id, "referenced")
+        if part.type == "material"
+    ]
+    if found:
+        _plain(stock, body, stock.source(found[0]))
+    for key in ("young_modulus_MPa", "poisson_ratio"):
+        if key not in body.keys and f"{body.name}.{key}" not in stock.settings:
+            stock.assume(body.component, f"default of {key}: no material with it in the file")

@@ -1,0 +1,166 @@
+"""Names in place of keys: belt profiles, chains and materials give the keys that a scene omits.
+
+The keys that the scene sets have precedence. Tables that are no tables are left to the reader.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from flankload.scene.belt_profiles import BELT_PROFILES, Estimate
+from flankload.scene.chain_sizes import CHAIN_SIZES
+from flankload.scene.materials import EFFECT_KEYS, ELASTIC_KEYS, MATERIALS, NamedMaterial
+
+if TYPE_CHECKING:
+    from flankload.scene.scene import Scene
+
+    Tree = Mapping[str, Any]
+    Keys = dict[str, dict[str, Any]]
+
+#: Keys, by kind of body, that a name in the scene can give: a scene file may omit them.
+GIVEN_KEYS = {
+    "pulley": ("pitch_mm",),
+    "belt": (
+        *("pitch_mm", "cord_stiffness_N_per_mm", "land_distance_mm", "back_mm"),
+        *("tooth_height_mm", "tooth_width_mm", "young_modulus_MPa"),
+    ),
+    "sprocket": ("pitch_mm", "roller_diameter_mm"),
+    "chain": (
+        *("pitch_mm", "roller_diameter_mm"),
+        *("link_stiffness_N", "contact_stiffness_N_per_mm"),
+    ),
+}
+
+
+def with_catalogue(tree: Any) -> Any:
+    """A scene with the keys that its names give and that it does not set.
+
+    Parameters
+    ----------
+    tree : mapping
+        As in a scene file; unchanged.
+
+    Returns
+    -------
+    mapping
+        The same object if the scene has no such name.
+    """
+    added = catalogue_keys(tree)
+    if not added:
+        return tree
+    return {**tree, **{name: {**keys, **tree.get(name, {})} for name, keys in added.items()}}
+
+
+def catalogue_keys(tree: Any) -> Keys:
+    """Keys that the names of a scene give, by table.
+
+    Parameters
+    ----------
+    tree : mapping
+        As in a scene file.
+
+    Returns
+    -------
+    dict of str to dict
+        Whether or not the scene sets them.
+    """
+    bodies = [_table(tree, name) for name in ("body_1", "body_2")]
+    found: Keys = {"body_1": {}, "body_2": {}}
+    for name, body in zip(found, bodies, strict=True):
+        material = _entry(MATERIALS, body, "material")
+        if material is not None:
+            found[name] = {key: getattr(material, key) for key in ELASTIC_KEYS}
+    for name, keys in _drive_keys(bodies).items():
+        found[name] |= keys
+    effects = _effect_keys(bodies, _table(tree, "effects"))
+    return {name: keys for name, keys in {**found, "effects": effects}.items() if keys}
+
+
+def keys_of_names(tree: Tree) -> Keys:
+    """Keys of the bodies that the names of a scene give if it sets no other keys.
+
+    Parameters
+    ----------
+    tree : mapping
+        As in a scene file.
+
+    Returns
+    -------
+    dict of str to dict
+        By body.
+    """
+    names = ("kind", "profile", "chain", "material")
+    return catalogue_keys(
+        {
+            body: {key: _table(tree, body)[key] for key in names if key in _table(tree, body)}
+            for body in ("body_1", "body_2")
+        }
+    )
+
+
+def _drive_keys(bodies: list[Tree]) -> Keys:
+    """Keys of pulley and belt, or of sprocket and chain."""
+    wheel, around = bodies
+    kinds = (wheel.get("kind"), around.get("kind"))
+    profile = _entry(BELT_PROFILES, wheel, "profile")
+    if kinds == ("pulley", "belt") and profile is not None:
+        values = {key: estimate.value for key, estimate in profile.estimates.items()}
+        pitch = {"pitch_mm": profile.pitch_mm}
+        return {"body_1": pitch, "body_2": {**pitch, **profile.belt, **values}}
+    size = _entry(CHAIN_SIZES, around, "chain")
+    if kinds == ("sprocket", "chain") and size is not None:
+        common = {"pitch_mm": size.pitch_mm, "roller_diameter_mm": size.roller_diameter_mm}
+        # a key set for one body applies to the other, since chain and sprocket must agree
+        common = {key: wheel.get(key, around.get(key, common[key])) for key in common}
+        values = {key: estimate.value for key, estimate in size.estimates.items()}
+        return {"body_1": common, "body_2": {**common, **values}}
+    return {}
+
+
+def _effect_keys(bodies: list[Tree], effects: Tree) -> dict[str, Any]:
+    """Thermal expansion and density, if an effect uses them and a body names its material."""
+    named: list[NamedMaterial | None] = [_entry(MATERIALS, body, "material") for body in bodies]
+    if not any(named):
+        return {}
+    both = [material or MATERIALS["steel"] for material in named]
+    return {
+        key: [getattr(material, key) for material in both]
+        for key, user in EFFECT_KEYS.items()
+        if user in effects
+    }
+
+
+def estimate_notes(scene: Scene) -> tuple[str, ...]:
+    """Notes about the estimated keys of a scene, which catalogues do not print.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    tuple of str
+    """
+    estimates: dict[str, Estimate] = {}
+    around = scene.body_2
+    if scene.is_drive:
+        profile = BELT_PROFILES.get(getattr(scene.body_1, "profile", ""))
+        size = CHAIN_SIZES.get(getattr(around, "chain", None) or "")
+        named = profile or size
+        estimates = named.estimates if named is not None else {}
+    return tuple(
+        f"body_2.{key} = {estimate.value:g} is an estimate: {estimate.reason}"
+        for key, estimate in estimates.items()
+        if getattr(around, key) == estimate.value
+    )
+
+
+def _table(tree: Any, name: str) -> Tree:
+    table = tree.get(name) if isinstance(tree, Mapping) else None
+    return table if isinstance(table, Mapping) else {}
+
+
+def _entry(entries: Mapping[str, Any], body: Tree, key: str) -> Any:
+    name = body.get(key)
+    return entries.get(name) if isinstance(name, str) else None

@@ -1,0 +1,66 @@
+"""Rules between the keys of reliefs and of the protuberance, each with its line."""
+
+from typing import Any
+
+import pytest
+
+from tests.support.gear_scenes import one_line
+
+DOUBLE = {
+    "body_1__tip_relief_um": 20.0,
+    "body_1__tip_relief_start_diameter_mm": 76.0,
+    "body_1__tip_relief_shape": "double_linear",
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "expected", "found"),
+    [
+        (
+            DOUBLE,
+            "body_1.tip_relief_knee_um",
+            "a number, since body_1.tip_relief_shape is 'double_linear'",
+            "nothing",
+        ),
+        (
+            {"body_1__tip_relief_knee_um": 5.0},
+            "body_1.tip_relief_knee_um",
+            "nothing without body_1.tip_relief_shape = 'double_linear'",
+            "5.0",
+        ),
+        (
+            {"body_1__root_relief_um": 5.0},
+            "body_1.root_relief_start_diameter_mm",
+            "a number > 0, since there is a body_1.root_relief_um",
+            "nothing",
+        ),
+        (
+            {"body_1__root_relief_shape": "parabolic"},
+            "body_1.root_relief_um",
+            "a number >= 0, since there is a body_1.root_relief_shape",
+            "nothing",
+        ),
+        (
+            {"body_1__grinding_stock_mm": 0.1},
+            "body_1.protuberance_mm",
+            "a number, since there is a body_1.grinding_stock_mm",
+            "nothing",
+        ),
+        (
+            {"body_1__protuberance_mm": 0.1, "body_1__grinding_stock_mm": 0.1},
+            "body_1.protuberance_mm",
+            "more than body_1.grinding_stock_mm (0.1), so that the root is cut free",
+            "0.1",
+        ),
+        (
+            {"body_1__protuberance_mm": 0.1, "body_1__protuberance_angle_deg": 20.0},
+            "body_1.protuberance_angle_deg",
+            "less than body_1.pressure_angle_deg (20)",
+            "20.0",
+        ),
+    ],
+)
+def test_contradicting_keys_get_one_line(
+    changes: dict[str, Any], key: str, expected: str, found: str
+) -> None:
+    one_line(changes, key, expected, found)
