@@ -17,6 +17,7 @@ from flankload.cli.designing import study
 from flankload.cli.importing import scene
 from flankload.cli.optimising import optimise
 from flankload.cli.planning import plan
+from flankload.cli.reporting import report
 from flankload.cli.solving import mesh, run, schema
 from flankload.cli.studying import accuracy
 from flankload.cli.verifying import verify
@@ -110,6 +111,7 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(metavar="COMMAND", required=True)
 
     _add_run(commands)
+    _add_report(commands)
     _add_plan(commands)
     _add_mesh(commands)
     compliance_parser = _command(
@@ -187,6 +189,9 @@ def _add_run(commands: Any) -> None:
     )  # fmt: skip
     parser.add_argument("--plot", metavar="DIR", type=Path, help="write plots to this folder")
     parser.add_argument(
+        "--report", metavar="FILE", help="write a self-contained HTML page (- for stdout)"
+    )
+    parser.add_argument(
         "--format", dest="formats", metavar="F,…", action="append", default=[],
         help="format of the plots: png, svg, pdf, or several; may be repeated; default: png",
     )  # fmt: skip
@@ -202,6 +207,20 @@ def _add_run(commands: Any) -> None:
         "--cost", action="store_true", help="print predicted and actual cost of each stage"
     )
     parser.add_argument("--quiet", action="store_true", help="print no table and no progress")
+
+
+def _add_report(commands: Any) -> None:
+    parser = _command(
+        commands,
+        "report",
+        report,
+        "solve a scene and write one self-contained HTML page about it; adaptive positions if the "
+        "scene names none",
+    )
+    parser.add_argument(
+        "-o", dest="output", metavar="FILE", required=True, help="page to write (- for stdout)"
+    )
+    parser.add_argument("--quiet", action="store_true", help="print no progress and no file name")
 
 
 def _add_plan(commands: Any) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 #: Options that name a file, by their names in the arguments; those that can be printed first.
-PRINTABLE = ("json", "csv", "stiffness_csv", "modelica")
+PRINTABLE = ("json", "csv", "stiffness_csv", "modelica", "report")
 FILES = (*PRINTABLE, "xlsx", "fmu")
 FORM_WORDS = ("semicolon", "tab", "decimal-comma", "degrees")
 

@@ -38,33 +38,43 @@ def run(arguments: Namespace) -> None:
     check_apart(places_of(arguments), scene)
     from flankload.api import solve
 
-    if arguments.plot is not None:  # its import needs a third of the time of a small run
-        Thread(target=import_module, args=("flankload.plot",), daemon=True).start()
+    if arguments.plot is not None or arguments.report is not None:
+        import_plot_meanwhile()
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
         plan = _plan(scene, progress) if arguments.cost else None
-        announce = None if arguments.quiet else partial(_announce, progress)
-        found = solve(scene, progress=progress.tell, plan=plan, on_duration=announce)
+        told = None if arguments.quiet else partial(announce, progress)
+        found = solve(scene, progress=progress.tell, plan=plan, on_duration=told)
     results = found.by_torque
-    pictures: tuple[Path, ...] = ()
+    written: tuple[Path, ...] = ()
     if arguments.plot is not None:
         from flankload.plot import plot_all
 
-        pictures = plot_all(results, arguments.plot, **options)
+        written = plot_all(results, arguments.plot, **options)
     said = write_files(arguments, scene, results, listed=found.has_torque_list)
-    if pictures:
-        said += [f"wrote {path}" for path in pictures]
+    if arguments.report is not None:
+        from flankload.cli.reporting import write_page
+
+        write_page(found, scene, arguments.report, arguments.line)
+        written += (Path(arguments.report),) * (arguments.report != STDOUT)
     from flankload.result import results_to_text
 
     texts = [] if arguments.quiet else [results_to_text(results)]
     if arguments.cost:  # for all torques together
         texts.append(results[0].cost_table())
+    if written:
+        said += [f"wrote {path}" for path in written]
     if said and not arguments.quiet:
         texts.append("\n".join(said))
     if texts and STDOUT not in files_of(arguments).values():
         print("\n\n".join(texts))
 
 
-def _announce(progress: Progress, duration: Duration) -> None:
+def import_plot_meanwhile() -> None:
+    """Import the plots beside the run: that needs a third of the time of a small run."""
+    Thread(target=import_module, args=("flankload.plot",), daemon=True).start()
+
+
+def announce(progress: Progress, duration: Duration) -> None:
     """Announce the predicted duration of a long run."""
     if duration.seconds > LONG_S:
         progress.say(f"flankload: {duration}")

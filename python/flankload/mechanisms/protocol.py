@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies import SectorMesh, WholeMesh
     from flankload.cost import Account
+    from flankload.mechanisms.data_sheet import DataSheet
     from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
@@ -154,6 +155,9 @@ class Mechanism(Protocol):
 
     def describe(self, scene: Scene) -> Description:
         """Describe the interpreted scene."""
+
+    def data_sheet(self, scene: Scene) -> DataSheet:
+        """Drawing data of the bodies, computed from them."""
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Meshes of the bodies at position zero."""

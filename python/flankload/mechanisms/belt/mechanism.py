@@ -8,7 +8,7 @@ from flankload.cost import held_bytes
 from flankload.mechanisms.belt.belt import build_strip
 from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS
 from flankload.mechanisms.belt.contact import spring_row
-from flankload.mechanisms.belt.description import rows_of_belt
+from flankload.mechanisms.belt.description import rows_of_belt, sheet_of_belt
 from flankload.mechanisms.belt.drive import (
     BeltStates,
     assemble,
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.belt.contact import BeltState
     from flankload.mechanisms.belt.drive import BeltAssembly
     from flankload.mechanisms.belt.pulley_compliance import PulleyResponse
+    from flankload.mechanisms.data_sheet import DataSheet
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.protocol import Counted, Mechanism, States
     from flankload.mechanisms.screening import Screening
@@ -145,6 +146,10 @@ class TimingBelt(WrappedMechanism):
     def describe(self, scene: Scene) -> Description:
         """Describe pulley, belt, load and effects."""
         return Description(rows_of_belt(scene), question_notes(scene))
+
+    def data_sheet(self, scene: Scene) -> DataSheet:
+        """Drawing data of pulley and belt."""
+        return sheet_of_belt(scene)
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Mesh of an elastic pulley at its first tooth; a SceneError for a rigid one."""

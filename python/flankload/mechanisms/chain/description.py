@@ -1,4 +1,4 @@
-"""Rows of `flankload check` for a sprocket and its chain."""
+"""Rows of `flankload check` for a sprocket and its chain, and their data sheet."""
 
 from __future__ import annotations
 
@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.mechanisms.chain.drive import build_drive
+from flankload.mechanisms.data_sheet import DataSheet, SheetRow
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flankload.mechanisms.chain.chain import Chain
+    from flankload.mechanisms.chain.sprocket import Sprocket
     from flankload.mechanisms.protocol import Rows
     from flankload.scene import Scene
 
@@ -51,3 +56,59 @@ def rows_of_chain(scene: Scene) -> dict[str, Rows]:
             ("large displacements of the rollers", f"{'yes' if large else 'no'} ({key})"),
         ],
     }
+
+
+def sheet_of_chain(scene: Scene) -> DataSheet:
+    """Drawing data of a sprocket and its chain.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    DataSheet
+    """
+    sprocket, chain, angle = build_drive(scene)
+    slack = scene.load.slack_tension_N or 0.0
+    tight = np.array(scene.torques_Nmm) / sprocket.pitch_radius_mm + slack
+    limits = sprocket.jump_tension(tight, angle)
+    return DataSheet(
+        ("sprocket", "roller chain"),
+        (tuple(_sheet_of_sprocket(sprocket)), tuple(_sheet_of_links(chain, sprocket))),
+        (
+            SheetRow("angle of wrap", "", f"{np.degrees(angle):g}°"),
+            SheetRow("pitches in the wrap", "", f"{angle / sprocket.pitch_rad:.4g}"),
+            SheetRow("tight tension", "F_1", ", ".join(f"{value:.4g} N" for value in tight)),
+            SheetRow("slack tension", "F_2", f"{slack:g} N"),
+            SheetRow("chain jumps below", "", ", ".join(f"{limit:.4g} N" for limit in limits)),
+        ),
+    )
+
+
+def _sheet_of_sprocket(sprocket: Sprocket) -> Iterator[SheetRow]:
+    ball = 0.5 * sprocket.roller_diameter_mm
+    root = 2 * (sprocket.pitch_radius_mm - ball)
+    yield SheetRow("number of teeth", "z", f"{sprocket.teeth}")
+    yield SheetRow("pitch", "p", f"{sprocket.pitch_mm:g} mm")
+    yield SheetRow("pitch diameter", "d", f"{2 * sprocket.pitch_radius_mm:.4f} mm")
+    yield SheetRow("tip diameter", "d_a", f"{2 * sprocket.tip_radius_mm:.4f} mm")
+    yield SheetRow("root diameter", "d_f", f"{root:.4f} mm")
+    yield SheetRow("roller seating radius", "r_i", f"{sprocket.seat_radius_mm + ball:.4f} mm")
+    yield SheetRow("tooth flank radius", "r_e", f"{sprocket.flank_radius_mm - ball:.4f} mm")
+    seat = 2 * np.degrees(sprocket.seat_half_angle_rad)
+    yield SheetRow("roller seating angle", "α", f"{seat:.2f}°")
+    yield SheetRow("tension ratio of neighbouring links", "q", f"{sprocket.tension_ratio:.4f}")
+    yield SheetRow("material", "", "rigid; the contact stiffness is that of the chain")
+
+
+def _sheet_of_links(chain: Chain, sprocket: Sprocket) -> Iterator[SheetRow]:
+    yield SheetRow("pitch", "p", f"{chain.pitch_mm:g} mm")
+    if chain.elongation:
+        yield SheetRow("pitch, worn", "", f"{chain.link_mm:.4f} mm")
+        yield SheetRow("elongation by wear", "", f"{100 * chain.elongation:g} %")
+    yield SheetRow("roller diameter", "d_1", f"{sprocket.roller_diameter_mm:g} mm")
+    yield SheetRow("link stiffness, tension over strain", "", f"{chain.link_stiffness_N:g} N")
+    contact = chain.contact_stiffness_N_per_mm
+    yield SheetRow("contact stiffness of a roller", "", f"{contact:g} N/mm")
+    yield SheetRow("free strands", "", f"{chain.span_mm:g} mm")

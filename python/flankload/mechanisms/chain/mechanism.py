@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from flankload.cost import held_bytes
 from flankload.mechanisms.chain.contact import work_of
-from flankload.mechanisms.chain.description import rows_of_chain
+from flankload.mechanisms.chain.description import rows_of_chain, sheet_of_chain
 from flankload.mechanisms.chain.drive import (
     ChainStates,
     assemble,
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.mechanisms.chain.contact import WrapState
     from flankload.mechanisms.chain.drive import ChainAssembly
+    from flankload.mechanisms.data_sheet import DataSheet
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile, States
@@ -133,6 +134,10 @@ class ChainOnSprocket(WrappedMechanism):
     def describe(self, scene: Scene) -> Description:
         """Describe sprocket, chain, load and effects."""
         return Description(rows_of_chain(scene), question_notes(scene))
+
+    def data_sheet(self, scene: Scene) -> DataSheet:
+        """Drawing data of sprocket and chain."""
+        return sheet_of_chain(scene)
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Neither body has finite elements: a SceneError."""

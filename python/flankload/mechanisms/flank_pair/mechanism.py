@@ -9,6 +9,7 @@ from flankload.analysis.estimate import MOST_SWEEPS
 from flankload.mechanisms.duration import Duration
 from flankload.mechanisms.flank_pair import premises
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.data_sheet import data_sheet
 from flankload.mechanisms.flank_pair.description import describe, mesh_files
 from flankload.mechanisms.flank_pair.duration import duration_of
 from flankload.mechanisms.flank_pair.error_estimates import error_estimates, unseen_notes
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
     from flankload.cost import Account
     from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.data_sheet import DataSheet
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile, States
@@ -148,6 +150,10 @@ class FlankPair:
     def describe(self, scene: Scene) -> Description:
         """Describe bodies, pairing and effects."""
         return describe(scene)
+
+    def data_sheet(self, scene: Scene) -> DataSheet:
+        """Drawing data of both bodies."""
+        return data_sheet(scene)
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Meshes of both bodies."""

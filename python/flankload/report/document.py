@@ -1,0 +1,240 @@
+"""The page of a report from its parts."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from datetime import date
+from hashlib import sha256
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import flankload
+from flankload.base.files import write_atomically
+from flankload.errors import FlankloadError
+from flankload.mechanisms.registry import mechanism_of
+from flankload.report.findings import certificate_rows, findings_of, source_rows
+from flankload.report.glossary import terms_of
+from flankload.report.key_figures import key_rows, percent
+from flankload.report.loads import heads_of, legend
+from flankload.report.pictures import curve_data, plots_of
+from flankload.report.turning import turning
+from flankload.result import Result
+from flankload.studies.tolerance import first_scene
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flankload.mechanisms.data_sheet import DataSheet
+    from flankload.scene import Scene
+
+#: A symbol with an index.
+INDEXED = re.compile(r"([^\W_]+)_([^\W_]+)")
+#: Parts of the page beside the template.
+PARTS = ("page.html", "style.css", "script.js")
+#: Digits of a digest that are printed.
+SHOWN_DIGITS = 16
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Origin of a report.
+
+    Attributes
+    ----------
+    line : str
+        Command line.
+    day : date
+    """
+
+    line: str
+    day: date
+
+
+def write_report(
+    results: Result | Sequence[Result], scene: Scene, path: str | Path, *, line: str = ""
+) -> None:
+    """Write the report of a scene: completely or not at all.
+
+    Parameters
+    ----------
+    results : Result, or sequence of Result
+        Of `solve`, or one per torque.
+    scene : Scene
+        The scene that was solved.
+    path : path
+    line : str
+        Command line that repeats the run; absent = `flankload report` of the scene's file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    write_atomically(path, report_html(results, scene, line=line))
+
+
+def report_html(
+    results: Result | Sequence[Result],
+    scene: Scene,
+    *,
+    line: str = "",
+    day: date | None = None,
+) -> str:
+    """Return the report of a scene as one page without references to other files.
+
+    Parameters
+    ----------
+    results : Result, or sequence of Result
+        Of `solve`, or one per torque.
+    scene : Scene
+        The scene that was solved.
+    line : str
+        Command line that repeats the run; absent = `flankload report` of the scene's file.
+    day : date, optional
+        Date of the report; absent = today.
+
+    Returns
+    -------
+    str
+        HTML. All text from the scene is escaped.
+
+    Raises
+    ------
+    FlankloadError
+        If jinja2 is not installed.
+    """
+    origin = Origin(line or _line(scene), day or date.today())
+    return str(_template().render(_content(_by_torque(results), scene, origin)))
+
+
+def _by_torque(results: Result | Sequence[Result]) -> tuple[Result, ...]:
+    """Results of single torques, ascending."""
+    several = results.by_torque if isinstance(results, Result) else results
+    return tuple(sorted(several, key=lambda result: result.torque_Nm))
+
+
+def _line(scene: Scene) -> str:
+    return f"flankload report {'SCENE' if scene.file is None else scene.file.name} -o report.html"
+
+
+def _template() -> Any:
+    try:
+        from jinja2 import DictLoader, Environment
+    except ImportError:
+        raise FlankloadError(
+            "a report needs the package jinja2, which is missing: pip install jinja2"
+        ) from None
+    folder = files("flankload.report") / "page"
+    parts = {name: (folder / name).read_text(encoding="utf-8") for name in PARTS}
+    environment = Environment(
+        loader=DictLoader(parts),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["symbol"] = _symbol
+    environment.filters["percent"] = percent
+    return environment.get_template("page.html")
+
+
+def _symbol(text: str) -> Any:
+    """A symbol with its index as a subscript."""
+    from markupsafe import Markup, escape
+
+    return Markup(INDEXED.sub(r"\1<sub>\2</sub>", str(escape(text))))
+
+
+def _content(results: Sequence[Result], scene: Scene, origin: Origin) -> dict[str, Any]:
+    """Everything that the template names."""
+    scene_text = scene.to_toml()
+    plots = plots_of(results)
+    turned = turning(results)
+    sheet = mechanism_of(scene).data_sheet(first_scene(scene))
+    figures = key_rows(results)
+    return {
+        "scene": scene,
+        "results": results,
+        "origin": origin,
+        "version": flankload.__version__,
+        "positions": _positions(results[-1]),
+        "digest": sha256(scene_text.encode()).hexdigest()[:SHOWN_DIGITS],
+        "files": _digests(scene.files),
+        "scene_text": scene_text,
+        "findings": findings_of(results),
+        "figures": figures,
+        "sheet": sheet,
+        "sheet_rows": _merged(sheet),
+        "plots": plots,
+        "turned": turned,
+        "heads": heads_of(results[-1]),
+        "legend": legend(results[-1]),
+        "stages": _stages(results[-1].cost),
+        "sources": source_rows(results[-1]),
+        "certificates": certificate_rows(results),
+        "terms": _terms(sheet, figures),
+        "data": _json({"plots": curve_data(plots, _torques(results)), **turned.data}),
+    }
+
+
+def _torques(results: Sequence[Result]) -> list[str]:
+    return [f"{result.torque_Nm:g} N m" for result in results]
+
+
+def _positions(result: Result) -> str:
+    """Number and kind of the positions in words."""
+    count = result.position_rad.size
+    if result.stands_alike or count == 1:
+        return "one position" if count == 1 else f"{count} positions, all alike"
+    over = "one turn of the cam" if result.has_cam else "one pitch"
+    if result.period_pitches > 1 and not result.has_cam:
+        over = f"{result.period_pitches} pitches"
+    rounds = result.cost.get("position_rounds", 1)
+    adaptive = ", placed adaptively" if rounds > 1 else ""
+    return f"{count} positions" + (f" over {over}" if result.closed else "") + adaptive
+
+
+def _digests(paths: Mapping[str, Path]) -> dict[str, str]:
+    """Name and digest of each file that the scene reads."""
+    return {
+        path.name: sha256(path.read_bytes()).hexdigest()[:SHOWN_DIGITS]
+        for path in paths.values()
+        if path.is_file()
+    }
+
+
+def _merged(sheet: DataSheet) -> list[tuple[str, str, str, str]]:
+    """Rows of both bodies side by side: name, symbol, both values; those of one body last."""
+    one, two = ({(row.name, row.symbol): row.value for row in rows} for rows in sheet.bodies)
+    order = list(one)
+    for k, key in enumerate(two):
+        if key not in one:
+            before = [other for other in list(two)[:k] if other in order]
+            order.insert(order.index(before[-1]) + 1 if before else 0, key)
+    return [(*key, one.get(key, "–"), two.get(key, "–")) for key in order]
+
+
+def _stages(cost: Mapping[str, Any]) -> list[tuple[str, float, float]]:
+    """Stage, wall seconds and CPU seconds, for all torques together."""
+    return [
+        (name, stage["wall_s"], stage["cpu_s"]) for name, stage in cost.get("stages", {}).items()
+    ]
+
+
+def _terms(sheet: DataSheet, figures: Sequence[Any]) -> tuple[tuple[str, str], ...]:
+    rows = (*sheet.bodies[0], *sheet.bodies[1], *sheet.pair, *figures)
+    orders = any("mesh order" in figure.name for figure in figures)
+    return terms_of((row.symbol for row in rows), path=bool(sheet.path), orders=orders)
+
+
+def _json(data: Mapping[str, Any]) -> Any:
+    """Data for a script element: no text in it can end the element."""
+    from markupsafe import Markup
+
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    for letter in "<>&":
+        text = text.replace(letter, f"\\u{ord(letter):04x}")
+    return Markup(text)

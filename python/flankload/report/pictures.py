@@ -1,0 +1,236 @@
+"""Plots of a report, by section, and their curves for the script."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload import plot as pictures
+from flankload.plot.svg import panel_of
+from flankload.report.turning import thinned
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from flankload.plot.svg import Panel, PlottedAxes
+    from flankload.result import Result
+
+#: Sections of plots in their order, with the plots that belong to each.
+SECTIONS = {
+    "Motion": ("transmission_error", "transmission_error_spectrum", "follower_motion"),
+    "Load sharing": (
+        "load_sharing",
+        "load_per_tooth",
+        "flank_forces",
+        "load_around_wrap",
+        "force_through_wrap",
+        "tensions",
+        "load_map",
+    ),
+    "Pressure": ("peak_pressure", "flank_pressure", "pressure_over_diameter"),
+    "Load over the face width": ("line_load", "line_load_map", "contact_pattern"),
+    "Stiffness and torque": ("stiffness", "torque_sweep"),
+    "Root stress": ("root_stress",),
+    "Loaded bodies": ("loaded_pair", "belt_on_pulley", "chain_on_sprocket"),
+    "Profiles": ("profile_deviation",),
+}
+#: Section of plots that are in no other one.
+OTHERS = "Further plots"
+#: Titles that are not the name of the picture in words.
+TITLES = {
+    "transmission_error_spectrum": "Spectrum of the transmission error",
+    "load_map": "Force of each pair over the positions",
+    "peak_pressure": "Peak pressure",
+    "line_load": "Line load over the face width",
+    "line_load_map": "Line load of a tooth on its way through the mesh",
+    "load_around_wrap": "Forces around the wrap",
+    "tension_around_wrap": "Tension and lands around the wrap",
+    "force_through_wrap": "Force of a tooth on its way through the wrap",
+    "tensions": "Tension around the sprocket",
+    "load_per_tooth": "Force per tooth",
+}
+#: Sizes in inches: of a plot of half a page, and of drawings.
+SIZE, DRAWING = (5.8, 3.9), (5.8, 5.4)
+#: Pictures that show the largest torque alone.
+ONE_TORQUE = (
+    "load_map", "loaded_pair", "flank_forces", "follower_motion", "root_stress", "line_load",
+    "line_load_map", "contact_pattern", "load_per_tooth", "flank_pressure", "belt_on_pulley",
+    "load_around_wrap", "force_through_wrap", "chain_on_sprocket", "tensions",
+)  # fmt: skip
+#: Pictures with a panel for each body.
+OF_BODIES = ("pressure_over_diameter", "profile_deviation", "contact_pattern")
+DRAWINGS = ("loaded_pair", "belt_on_pulley", "chain_on_sprocket")
+#: Points of an outline may lie off by this part of the tip radius.
+OFF = 2e-4
+#: Significant digits of the curves for the script.
+DIGITS = 4
+#: Words in the label of an axis that shows the positions.
+OF_POSITIONS = ("angle of body 1 in degrees", "cam angle in degrees")
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A plot of a section.
+
+    Attributes
+    ----------
+    name : str
+        Unique in a page.
+    picture : str
+        Name of the picture that it belongs to.
+    title : str
+    panel : Panel
+    """
+
+    name: str
+    picture: str
+    title: str
+    panel: Panel
+
+
+def plots_of(results: Sequence[Result]) -> dict[str, tuple[Plot, ...]]:
+    """Plots that suit the results, by section.
+
+    Parameters
+    ----------
+    results : sequence of Result
+        One per torque.
+
+    Returns
+    -------
+    dict of str to tuple of Plot
+        Without empty sections.
+    """
+    light = tuple(_light(result) for result in results)
+    drawn: dict[str, list[Plot]] = {title: [] for title in (*SECTIONS, OTHERS)}
+    section = {name: title for title, names in SECTIONS.items() for name in names}
+    for name in pictures.pictures_of(light):
+        drawn[section.get(name, OTHERS)] += _plots(name, _suited(name, light))
+    order = [name for names in SECTIONS.values() for name in names]
+    for title in SECTIONS:
+        drawn[title].sort(key=lambda plot: order.index(plot.picture))
+    return {title: tuple(plots) for title, plots in drawn.items() if plots}
+
+
+def _light(result: Result) -> Result:
+    """The result with fewer points in the outlines, which no reader of a page could see."""
+    drawing = result.drawing
+    one, two = (
+        thinned(outline, OFF * float(np.hypot(*outline.T).max()))
+        for outline in (drawing.outline_1, drawing.outline_2)
+    )
+    return replace(result, drawing=replace(drawing, outline_1=one, outline_2=two))
+
+
+def _suited(name: str, results: tuple[Result, ...]) -> tuple[Result, ...]:
+    """Results that have a picture: without torque there is no stiffness."""
+    suited = tuple(one for one in results if name in pictures.pictures_of((one,)))
+    return suited or results
+
+
+def _plots(name: str, results: Sequence[Result]) -> list[Plot]:
+    """The panels of a picture, each a plot of its own."""
+    draw = getattr(pictures, f"draw_{name}")
+    title = TITLES.get(name, name.replace("_", " ").capitalize())
+    if name in ONE_TORQUE and len(results) > 1:
+        title += f", {results[-1].torque_Nm:g} N m"
+    if name == "load_around_wrap":
+        return [
+            _plot(name, name, title, draw, results),
+            _plot("tension_around_wrap", name, TITLES["tension_around_wrap"],
+                  pictures.draw_tension_around_wrap, results),
+        ]  # fmt: skip
+    if name in OF_BODIES:
+        known = _bodies(name, results)
+        return [
+            _plot(f"{name}_{z}", name, f"{title}, body {z}", partial(draw, body=z), results)
+            for z in known
+        ]
+    if name == "torque_sweep":
+        return [
+            _plot(f"{name}_{quantity}", name, words, partial(draw, quantity=quantity), results)
+            for quantity, words in _swept(results).items()
+        ]
+    return [_plot(name, name, title, draw, results)]
+
+
+def _bodies(name: str, results: Sequence[Result]) -> tuple[int, ...]:
+    """Bodies that a picture of one body can show."""
+    if name != "profile_deviation":
+        return (1, 2)
+    profiles = results[-1].drawing.profiles
+    return tuple(z for z, profile in zip((1, 2), profiles, strict=True) if profile is not None)
+
+
+def _swept(results: Sequence[Result]) -> dict[str, str]:
+    """Quantities over the torque that are known, with their titles."""
+    last = results[-1]
+    found = {"transmission_error_mean": "Mean transmission error over the torque"}
+    if last.position_rad.size > 1:
+        found["transmission_error_peak_to_peak"] = "Peak to peak over the torque"
+    if last.drive is None:
+        found["peak_pressure"] = "Peak pressure over the torque"
+    else:
+        found["tooth_force"] = "Largest force over the torque"
+    if all(one.summary["stiffness_tangent_mean_N_per_um"] is not None for one in results):
+        found["stiffness"] = "Stiffness over the torque"
+    return found
+
+
+def _plot(
+    name: str, picture: str, title: str, draw: Callable[..., None], results: Sequence[Result]
+) -> Plot:
+    size = DRAWING if picture in DRAWINGS else SIZE
+    return Plot(name, picture, title, panel_of(partial(draw, results=results), name, size))
+
+
+# --- data for the script --------------------------------------------------------------------------
+def curve_data(
+    plots: dict[str, tuple[Plot, ...]], torques: Sequence[str] = ()
+) -> dict[str, list[dict[str, Any]]]:
+    """Curves of all plots, for the script of the page.
+
+    Parameters
+    ----------
+    plots : dict
+        From `plots_of`.
+    torques : sequence of str
+        Names of curves without a label, if there is one for each of several torques.
+
+    Returns
+    -------
+    dict
+        By name of the plot, a list of its axes: `box`, `x` and `y` (ranges), `label` (of the
+        ordinate), `position` (whether the abscissa is the position) and `curves` (name, x, y).
+    """
+    return {
+        plot.name: [_axes_data(axes, torques) for axes in plot.panel.axes]
+        for section in plots.values()
+        for plot in section
+        if plot.panel.axes
+    }
+
+
+def _axes_data(axes: PlottedAxes, torques: Sequence[str]) -> dict[str, Any]:
+    names = [curve.name for curve in axes.curves]
+    if len(names) > 1 and len(names) == len(torques) and not any(names):
+        names = list(torques)
+    return {
+        "box": [round(float(value), 2) for value in axes.box],
+        "x": _numbers(np.array(axes.x_range)),
+        "y": _numbers(np.array(axes.y_range)),
+        "label": axes.y_label,
+        "position": axes.x_label.startswith(OF_POSITIONS),
+        "curves": [
+            [name, _numbers(curve.x, DIGITS + 1), _numbers(curve.y)]
+            for name, curve in zip(names, axes.curves, strict=True)
+        ],
+    }
+
+
+def _numbers(values: Any, digits: int = DIGITS) -> list[float | None]:
+    """Values with few significant digits; None where they are not finite."""
+    return [float(f"{value:.{digits}g}") if np.isfinite(value) else None for value in values]
