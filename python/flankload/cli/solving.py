@@ -56,12 +56,13 @@ def run(arguments: Namespace) -> None:
 
         write_page(found, scene, arguments.report, arguments.line)
         written += (Path(arguments.report),) * (arguments.report != STDOUT)
-    said += [f"wrote {path}" for path in written]
     from flankload.result import results_to_text
 
     texts = [] if arguments.quiet else [results_to_text(results)]
     if arguments.cost:  # for all torques together
         texts.append(results[0].cost_table())
+    if written:
+        said += [f"wrote {path}" for path in written]
     if said and not arguments.quiet:
         texts.append("\n".join(said))
     if texts and STDOUT not in files_of(arguments).values():
