@@ -335,5 +335,7 @@ def test_pictures_of_a_spline_on_an_offset(tmp_path: Path) -> None:
             accuracy={"estimate": False, "tangents": False},
         )
     )
-    assert len(plot_all(result, tmp_path)) == 4
+    names = {path.stem for path in plot_all(result, tmp_path)}
+    assert len(names) == 5
+    assert {"load_per_tooth", "transmission_error", "load_map"} < names
     assert "of 24 teeth carry" in result.table()
