@@ -33,7 +33,10 @@ SMALL: dict[str, Any] = {
     "accuracy__modes": 3,
 }
 #: Nothing varies along the axis of three-dimensional bodies.
-SPATIAL: dict[str, Any] = {"effects__dimension": 3}
+SPATIAL: dict[str, Any] = {
+    **{"effects__dimension": 3, "accuracy__slices": 3},
+    **{"accuracy__axial_degree": 4, "accuracy__load_degree_z": 0},
+}
 SHAFT: dict[str, Any] = {
     "diameters_mm": [30.0],
     "lengths_mm": [100.0],
@@ -303,7 +306,9 @@ def scene_with(*, example: str = "", **changes: Any) -> dict[str, Any]:
         keys = {**SMALL, **changes}  # None: the key is absent
         return changed(**{key: value for key, value in keys.items() if value is not None})
     tree = tomllib.loads((SCENES / f"{example}.toml").read_text(encoding="utf-8"))
-    few = {} if example == "belt" else {"positions__count": 2}  # a belt has one position
+    few: dict[str, Any] = {"positions__count": 2}
+    if example == "belt":  # it has one position
+        few = {"body_2__wrapped_teeth": 5, "accuracy__flank_element_mm": 1.25}
     for key, value in {**few, **changes}.items():
         table, _, name = key.partition("__")
         tree.setdefault(table, {})[name] = value
