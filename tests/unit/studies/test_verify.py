@@ -62,8 +62,8 @@ def _coarse_bodies() -> Iterator[None]:
     """Coarse elements away from the contacts: the tests ask for no more."""
     model = importlib.import_module("flankload.studies.verification.model")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(model, "COARSE_PART", 0.7)
-        patch.setattr(model, "GROWTH", 0.5)
+        patch.setattr(model, "COARSE_PART", 1.0)
+        patch.setattr(model, "GROWTH", 1.0)
         yield
 
 
@@ -542,9 +542,9 @@ def test_coarse_deck_gives_rotation_and_loads() -> None:
             "body_1": gear,
             "body_2": gear,
             "pair": {"center_distance_mm": 50.3, "face_width_mm": 10},
-            "load": {"torque_Nm": 60},
+            "load": {"torque_Nm": 150},
             "positions": {"count": 4},
-            "accuracy": {"estimate": False, "tangents": False},
+            "accuracy": {"flank_element_mm": 2.0, "estimate": False, "tangents": False},
         }
     )
     found = fl.verify(scene, position=2, elements_per_half_width=1.5)
@@ -554,7 +554,7 @@ def test_coarse_deck_gives_rotation_and_loads() -> None:
     assert (other.force_N_per_mm > 0).sum() == 2
     assert abs(found.rotation_difference) < COARSE_DECK
     assert np.abs(found.share_difference).max() < COARSE_DECK
-    np.testing.assert_allclose(other.moment_N, 60e3 / 10, rtol=1e-3, atol=0)
+    np.testing.assert_allclose(other.moment_N, 150e3 / 10, rtol=1e-3, atol=0)
     assert other.cpu_s > 0
     assert "kept as" not in found.table()
     assert json.loads(found.to_json())["calculix"]["iterations"] > 1
