@@ -429,7 +429,7 @@ def test_a_section_is_as_wide_as_both_bodies() -> None:
 @pytest.mark.parametrize(
     "scene",
     [
-        scene_of(effects__dimension=3),
+        scene_of(effects__dimension=3, accuracy__flank_element_mm=3.0),
         scene_of(**SPATIAL | {"accuracy__estimate": True, "load__torque_Nm": [0, 100, 200]}),
         fl.read_scene(SCENES / "helical_gear.toml").replace({"accuracy.flank_element_mm": 3.0}),
         scene_of(
