@@ -56,6 +56,12 @@ def scene_of(**changes: Any) -> fl.Scene:
     return fl.Scene.from_dict(changed(**changes))
 
 
+@cache
+def plan_of(*, levels: bool = False, dimension: bool = False, **changes: Any) -> Plan:
+    """Plan of two gears with changes, made once."""
+    return fl.plan(scene_of(**changes), levels=levels, dimension=dimension)
+
+
 @pytest.fixture(scope="module")
 def plain_plan() -> Plan:
     """Plan of two gears with nothing asked for."""
@@ -216,7 +222,7 @@ def test_forces_at_nodes_have_the_size_of_two_runs(
 
 def test_nodes_that_are_on_are_as_far_off_as_those_that_would_be(plain_plan: Plan) -> None:
     few = {"positions__count": 4}
-    off = fl.plan(scene_of(**few), levels=True).effect("nodal_near_field")
+    off = plan_of(levels=True, **few).effect("nodal_near_field")
     on = fl.plan(scene_of(effects__near_field="nodes", **few)).effect("nodal_near_field")
     assert (off.on, on.on) == (False, True)
     assert on.size is not None
@@ -257,8 +263,7 @@ def test_what_is_on_and_what_is_off_have_one_size(plain_plan: Plan) -> None:
 
 
 def test_levels_that_are_off_are_tried_on_demand(plain_plan: Plan) -> None:
-    scene = scene_of(positions__count=4)
-    asked = fl.plan(scene, levels=True)
+    asked = plan_of(levels=True, positions__count=4)
     for name in ("segment", "single_tooth", "lumped_contact", "coast_flanks"):
         row = plain_plan.effect(name)
         assert (row.size, row.extra_s, row.extra_bytes) == (None, None, None)
@@ -296,6 +301,12 @@ SPATIAL: dict[str, Any] = {
     "accuracy__axial_degree": 6,
     "accuracy__load_degree_z": 2,
     "accuracy__slices": 14,
+}
+
+
+#: A plane pair at few positions, without estimate and tangents.
+QUIET: dict[str, Any] = {
+    **{"positions__count": 4, "accuracy__estimate": False, "accuracy__tangents": False}
 }
 
 
@@ -342,8 +353,8 @@ def test_sizes_in_three_dimensions_are_those_of_two_runs(name: str) -> None:
 
 def test_a_plane_scene_is_told_what_three_dimensions_change() -> None:
     """Beside two runs at the default: +4.2 % of the rotation, K_Hbeta 1.02."""
-    scene = scene_of(positions__count=4, accuracy__estimate=False, accuracy__tangents=False)
-    row = fl.plan(scene, dimension=True).effect("three_dimensions")
+    scene = scene_of(**QUIET)
+    row = plan_of(dimension=True, **QUIET).effect("three_dimensions")
     assert not row.on
     assert row.size is not None
     predicted = (row.size.rotation_mean, row.size.rotation_largest, row.size.load_share)
@@ -357,8 +368,8 @@ def test_a_plane_scene_is_told_what_three_dimensions_change() -> None:
 
 
 def test_the_third_dimension_is_the_difference_of_two_sweeps_on_the_coarse_elements() -> None:
-    scene = scene_of(positions__count=4)
-    row = fl.plan(scene, dimension=True).effect("three_dimensions")
+    scene = scene_of(**QUIET)
+    row = plan_of(dimension=True, **QUIET).effect("three_dimensions")
     other = in_three_dimensions(scene)
     coarse = [coarse_compliance(other, z) for z in (0, 1)]
     plane = [flank_compliance(body, JobOptions(3, "strain")) for body, _ in coarse]
