@@ -25,7 +25,7 @@ from flankload.cli import parser
 from flankload.contact.status import EXCEPTIONS, words
 from flankload.cost import COUNTERS
 from flankload.result import belt, chain, coast_contact, export, friction, root_stress
-from flankload.scene.form import expected_of, fields_of, types_of
+from flankload.scene.form import expected_of, fields_of, is_required, types_of
 from flankload.scene.scene_file import Body1, Body2, SceneFile
 from flankload.scene.table import Table
 from flankload.scene.usual import _usual_ranges
@@ -84,7 +84,7 @@ def keys_of(form: type[Table], before: str = "") -> list[Key]:
         if inner:
             continue
         field = fields[name]
-        default = "required" if field.required else shown(field.default)
+        default = "required" if is_required(field) else shown(field.default)
         low_high = "{:g} to {:g}".format(*usual[name]) if name in usual else ""
         meaning = str(extra.get("description", ""))
         unit = str(extra.get("unit", "")).replace("-", "")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from numbers import Real
+from numbers import Integral, Real
 from os import PathLike
 from typing import Any, NoReturn
 
@@ -60,3 +60,8 @@ def require_number(name: str, value: object) -> None:
 def is_number(value: object) -> bool:
     """Whether a value is a real number, of Python or of NumPy; a truth value is none."""
     return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def is_index(value: object) -> bool:
+    """Whether a value is an integer, of Python or of NumPy; a truth value is none."""
+    return isinstance(value, Integral) and not isinstance(value, bool)

@@ -304,7 +304,11 @@ def _add_scene(commands: Any) -> None:
         "--stage", metavar="ID", type=int, help="id of the stage; default: the only one"
     )
     parser.add_argument(
-        "-o", dest="output", metavar="FILE", type=Path, help="write the scene to this file"
+        "-o",
+        dest="output",
+        metavar="FILE",
+        type=Path,
+        help="write the scene to this file (- for stdout)",
     )
     parser.add_argument(
         "--torque-Nm", dest="torque_Nm", metavar="T", type=float,

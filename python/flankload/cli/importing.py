@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 import tomllib
 from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import check_file
+from flankload.cli.outputs import STDOUT, check_file
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -25,7 +26,8 @@ def scene(arguments: Namespace) -> None:
     if arguments.torque_Nm is not None:
         settings["load.torque_Nm"] = arguments.torque_Nm
     path: Path | None = arguments.output
-    if path is not None:
+    printed = path is not None and str(path) == STDOUT
+    if path is not None and not printed:
         _check_output(path, arguments.file)
     elif arguments.stage is not None:
         raise SceneError(key="-o", expected="a file for the scene of the stage", found="nothing")
@@ -34,7 +36,7 @@ def scene(arguments: Namespace) -> None:
         print("\n".join(text_table(stage_rows(model), left=5)))
         return
     choices = Choices(arguments.stage, arguments.load_case, arguments.flank, settings)
-    made = scene_of_stage(model, choices, file=path)
+    made = scene_of_stage(model, choices, file=None if printed else path)
     try:
         notes = _notes(made.scene)
     except SceneError as error:
@@ -42,10 +44,14 @@ def scene(arguments: Namespace) -> None:
 
     from flankload.base.files import write_atomically
 
-    write_atomically(path, made.scene.to_toml())
-    print(f"{path}: {made.stage} of {arguments.file}")
+    stream = sys.stderr if printed else sys.stdout
+    if printed:
+        print(made.scene.to_toml(), end="")
+    else:
+        write_atomically(path, made.scene.to_toml())
+        print(f"{path}: {made.stage} of {arguments.file}")
     for line in (*made.lines, *(f"warning: {note}" for note in notes)):
-        print(line)
+        print(line, file=stream)
 
 
 def _notes(made: Scene) -> Sequence[str]:

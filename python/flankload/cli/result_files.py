@@ -73,6 +73,9 @@ def check_outputs(arguments: Namespace, formats: Sequence[str]) -> None:
     if arguments.vtu is not None:
         check_folder("--vtu", arguments.vtu, content="VTU files")
     csv_form(arguments.csv_format)
+    if arguments.csv_format and arguments.csv is None and arguments.stiffness_csv is None:
+        expected = "--csv FILE or --stiffness-csv FILE beside it"
+        raise SceneError(key="--csv-format", expected=expected, found="neither")
     positions = indices(arguments.vtu_positions)
     if positions is not None and arguments.vtu is None:
         raise SceneError(

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from html import escape
 from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from flankload.base.arguments import require
 from flankload.base.files import write_atomically
 from flankload.errors import SceneError
 from flankload.mechanisms.registry import mechanism_of
 from flankload.meshes.io import vtu_of
+from flankload.result import Result
 from flankload.scene import scene_of
 from flankload.studies.tolerance import first_scene
 
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.mechanisms.flank_pair.loaded_bodies import FieldBody
-    from flankload.result import PairTable, Result
+    from flankload.result import PairTable
     from flankload.scene import Scene, SceneLike
 
     Floats = NDArray[np.float64]
@@ -64,10 +66,14 @@ def write_vtu(
 
     Raises
     ------
+    InputError
+        If the results are none.
     SceneError
         If a position does not exist.
     """
     scene = scene_of(scene)
+    fits = isinstance(results, Result | Sequence)
+    require("results", results, "a Result or a sequence of them", fits=fits)
     several = tuple(results) if isinstance(results, Sequence) else results.by_torque
     chosen = checked_positions(several, positions)
     other = mechanism_of(scene).without_flanks
@@ -77,7 +83,7 @@ def write_vtu(
 
     bodies = field_bodies(_as_solved(scene))
     for result in several:
-        part = f"torque_{result.torque_Nm:g}_Nm" if len(several) > 1 else ""
+        part = f"torque_{result.torque_Nm:.15g}_Nm" if len(several) > 1 else ""
         _write_torque(Path(folder) / part, result, bodies, chosen)
     places = f"{len(chosen)} position{'s' * (len(chosen) != 1)}"
     return tuple(
@@ -140,7 +146,7 @@ def _write_torque(
             write_atomically(folder / file, content)
             listed.append(
                 f'    <DataSet timestep="{angle!r}" group="" part="{part}" '
-                f"name={quoteattr(name)} file={quoteattr(file)}/>\n"
+                f'name="{escape(name)}" file="{escape(file)}"/>\n'
             )
     write_atomically(
         folder / COLLECTION,

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.arguments import is_index, refuse_argument, require
 from flankload.base.files import write_atomically
 from flankload.plot.belt import (
     draw_belt_on_pulley,
@@ -249,7 +250,7 @@ def plot_all(
         If the directory cannot be created or a file cannot be written.
     """
     if unknown := [kind for kind in formats if kind not in FORMATS]:
-        raise ValueError(f"formats: expected {', '.join(FORMATS)}, found {unknown[0]!r}")
+        refuse_argument("formats", unknown[0], ", ".join(FORMATS))
     folder, drawn = Path(directory), {}
     # Every plot is drawn before the first is written.
     several = as_results(results)
@@ -286,8 +287,20 @@ def draw_on(
     Returns
     -------
     matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        If the plot does not suit the results, or if there is no such position or body.
     """
     shown = as_results(results)
+    suited = tuple(dict.fromkeys((*pictures_of(shown), "torque_sweep")))
+    require("plot", name, f"one that suits the results ({', '.join(suited)})", fits=name in suited)
+    count = shown[-1].position_rad.size
+    position, body = options.get("position", 0), options.get("body", 1)
+    fits = is_index(position) and -count <= position < count
+    require("position", position, f"an index from 0 to {count - 1}", fits=fits)
+    require("body", body, "1 or 2", fits=is_index(body) and body in (1, 2))
     if axes is not None:
         DRAWINGS[name](axes, shown, **options)
         return axes

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import date
 from hashlib import sha256
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import flankload
+from flankload.base.arguments import require, require_path
 from flankload.base.files import write_atomically
 from flankload.errors import FlankloadError
 from flankload.mechanisms.registry import mechanism_of
@@ -22,13 +24,14 @@ from flankload.report.loads import heads_of, legend
 from flankload.report.pictures import curve_data, plots_of
 from flankload.report.turning import turning
 from flankload.result import Result
+from flankload.scene import scene_of
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from flankload.mechanisms.data_sheet import DataSheet
-    from flankload.scene import Scene
+    from flankload.scene import Scene, SceneLike
 
 #: A symbol with an index.
 INDEXED = re.compile(r"([^\W_]+)_([^\W_]+)")
@@ -54,7 +57,7 @@ class Origin:
 
 
 def write_report(
-    results: Result | Sequence[Result], scene: Scene, path: str | Path, *, line: str = ""
+    results: Result | Sequence[Result], scene: SceneLike, path: str | Path, *, line: str = ""
 ) -> None:
     """Write the report of a scene: completely or not at all.
 
@@ -62,8 +65,8 @@ def write_report(
     ----------
     results : Result, or sequence of Result
         Of `solve`, or one per torque.
-    scene : Scene
-        The scene that was solved.
+    scene : Scene, typed pair, path or mapping
+        The scene that was solved, as of `solve`.
     path : path
     line : str
         Command line that repeats the run; absent = `flankload report` of the scene's file.
@@ -73,12 +76,13 @@ def write_report(
     OSError
         If the file cannot be written.
     """
+    require_path("path", path)
     write_atomically(path, report_html(results, scene, line=line))
 
 
 def report_html(
     results: Result | Sequence[Result],
-    scene: Scene,
+    scene: SceneLike,
     *,
     line: str = "",
     day: date | None = None,
@@ -89,8 +93,8 @@ def report_html(
     ----------
     results : Result, or sequence of Result
         Of `solve`, or one per torque.
-    scene : Scene
-        The scene that was solved.
+    scene : Scene, typed pair, path or mapping
+        The scene that was solved, as of `solve`.
     line : str
         Command line that repeats the run; absent = `flankload report` of the scene's file.
     day : date, optional
@@ -105,7 +109,10 @@ def report_html(
     ------
     FlankloadError
         If jinja2 is not installed.
+    InputError
+        If an argument has a wrong type.
     """
+    scene = scene_of(scene)
     origin = Origin(line or _line(scene), day or date.today())
     return str(_template().render(_content(_by_torque(results), scene, origin)))
 
@@ -113,6 +120,8 @@ def report_html(
 def _by_torque(results: Result | Sequence[Result]) -> tuple[Result, ...]:
     """Results of single torques, ascending."""
     several = results.by_torque if isinstance(results, Result) else results
+    fits = isinstance(several, Sequence) and all(isinstance(one, Result) for one in several)
+    require("results", results, "a Result or a sequence of them", fits=fits and len(several) > 0)
     return tuple(sorted(several, key=lambda result: result.torque_Nm))
 
 

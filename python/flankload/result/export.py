@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.base.files import write_atomically
+from flankload.base.optional import optional
 from flankload.result.coast_contact import OVER_SITES as COAST
 from flankload.result.coast_contact import coast_arrays
 from flankload.result.csv_form import CsvForm
@@ -293,12 +294,7 @@ def to_xarray(results: Result | Sequence[Result]) -> Any:
     ImportError
         If xarray is not installed.
     """
-    try:
-        import xarray
-    except ImportError:
-        raise ImportError(
-            "to_xarray needs the package xarray: pip install 'flankload[xarray]'"
-        ) from None
+    xarray = optional("xarray", "to_xarray")
     if not isinstance(results, Sequence) and not results.has_torque_list:
         return _dataset(results)
     several = results if isinstance(results, Sequence) else results.by_torque

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.optional import optional
 from flankload.result.export import OVER_SITES, along_positions, more_arrays
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
 
@@ -34,7 +35,7 @@ def positions_frame(results: Sequence[Result]) -> Any:
     ImportError
         If pandas is not installed.
     """
-    pandas = _pandas("to_dataframe")
+    pandas = optional("pandas", "to_dataframe")
     return pandas.concat([pandas.DataFrame(_positions(one)) for one in results], ignore_index=True)
 
 
@@ -57,7 +58,7 @@ def pairs_frame(results: Sequence[Result]) -> Any:
     ImportError
         If pandas is not installed.
     """
-    pandas = _pandas("pairs_dataframe")
+    pandas = optional("pandas", "pairs_dataframe")
     return pandas.concat([pandas.DataFrame(_pairs(one)) for one in results], ignore_index=True)
 
 
@@ -79,20 +80,10 @@ def summary_frame(results: Sequence[Result]) -> Any:
     ImportError
         If pandas is not installed.
     """
-    pandas = _pandas("summary_dataframe")
+    pandas = optional("pandas", "summary_dataframe")
     return pandas.DataFrame(
         [{"torque_Nm": one.torque_Nm, **dict(_flat(one.summary))} for one in results]
     )
-
-
-def _pandas(name: str) -> Any:
-    try:
-        import pandas
-    except ImportError:
-        raise ImportError(
-            f"{name} needs the package pandas: pip install 'flankload[pandas]'"
-        ) from None
-    return pandas
 
 
 def _positions(result: Result) -> dict[str, Any]:

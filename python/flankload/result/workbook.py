@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.base.files import write_atomically
+from flankload.base.optional import optional
 from flankload.result.export import (
     OVER_SLICES,
     SINGLE_NUMBERS,
@@ -55,12 +56,7 @@ def results_to_xlsx(results: Result | Sequence[Result], path: str | Path) -> Non
     ValueError
         If the results have different positions.
     """
-    try:
-        import openpyxl
-    except ImportError:
-        raise ImportError(
-            "to_xlsx needs the package openpyxl: pip install 'flankload[xlsx]'"
-        ) from None
+    openpyxl = optional("openpyxl", "to_xlsx", extra="xlsx")
     several = tuple(results) if isinstance(results, Sequence) else results.by_torque
     first = several[0]
     if any(not np.array_equal(first.position_rad, one.position_rad) for one in several):

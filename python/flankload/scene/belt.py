@@ -11,6 +11,7 @@ from flankload.scene.drive import DriveTable, WrappedTable
 from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse
 from flankload.scene.table import (
+    BY_NAME,
     USUAL_SIZE,
     BodyTable,
     Deviation,
@@ -43,7 +44,7 @@ class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
         Annotated[int, Meta(ge=6, le=1000)],
         about("-", "number of grooves"),
     ]
-    pitch_mm: Pitch
+    pitch_mm: Pitch = BY_NAME
     profile: Annotated[
         Literal["T", "HTD"] | ProfileName,
         about(
@@ -118,7 +119,7 @@ class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
     }
     no_pair: ClassVar[str] = "a belt has body_2.width_mm and lies on its pulley"
 
-    pitch_mm: Pitch
+    pitch_mm: Pitch = BY_NAME
     wrapped_teeth: Annotated[
         Annotated[int, Meta(ge=1, le=200)],
         about("-", "number of belt teeth in grooves"),
@@ -127,18 +128,20 @@ class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
     cord_stiffness_N_per_mm: Annotated[
         Annotated[float, Meta(ge=1e-3, le=1e9)],
         about("N/mm", "tension of the cord per unit of strain, per mm of width"),
-    ]
+    ] = BY_NAME
     land_distance_mm: Annotated[
         Length,
         about(
             "mm", "distance from the land between the teeth to the cord, which is the pitch line"
         ),
-    ]
-    back_mm: Annotated[Length, about("mm", "thickness from the land to the back of the belt")]
-    tooth_height_mm: Annotated[Length, about("mm", "height of the teeth above the land")]
+    ] = BY_NAME
+    back_mm: Annotated[Length, about("mm", "thickness from the land to the back of the belt")] = (
+        BY_NAME
+    )
+    tooth_height_mm: Annotated[Length, about("mm", "height of the teeth above the land")] = BY_NAME
     tooth_width_mm: Annotated[
         Length, about("mm", "width of the teeth at the land; 'HTD': diameter of the round tip")
-    ]
+    ] = BY_NAME
     flank_angle_deg: Annotated[
         FlankAngle | None,
         about(
@@ -151,7 +154,7 @@ class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
         Modulus,
         # from soft rubber to filled polyurethane
         about("MPa", "Young's modulus of the belt's material", usual=(1.0, 2e4)),
-    ]
+    ] = BY_NAME
     poisson_ratio: Annotated[
         Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")
     ] = 0.45

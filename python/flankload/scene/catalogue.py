@@ -8,29 +8,25 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from flankload.scene.belt import Pulley
 from flankload.scene.belt_profiles import BELT_PROFILES, Estimate
+from flankload.scene.chain import Chain
 from flankload.scene.chain_sizes import CHAIN_SIZES
+from flankload.scene.form import check_key
 from flankload.scene.materials import EFFECT_KEYS, ELASTIC_KEYS, MATERIALS, NamedMaterial
 
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
+    from flankload.scene.table import Table
 
     Tree = Mapping[str, Any]
     Keys = dict[str, dict[str, Any]]
 
-#: Keys, by kind of body, that a name in the scene can give: a scene file may omit them.
-GIVEN_KEYS = {
-    "pulley": ("pitch_mm",),
-    "belt": (
-        *("pitch_mm", "cord_stiffness_N_per_mm", "land_distance_mm", "back_mm"),
-        *("tooth_height_mm", "tooth_width_mm", "young_modulus_MPa"),
-    ),
-    "sprocket": ("pitch_mm", "roller_diameter_mm"),
-    "chain": (
-        *("pitch_mm", "roller_diameter_mm"),
-        *("link_stiffness_N", "contact_stiffness_N_per_mm"),
-    ),
-}
+#: Body, its table and the key with the name of a profile or a chain.
+NAMES_OF_DRIVES: tuple[tuple[str, type[Table], str], ...] = (
+    ("body_1", Pulley, "profile"),
+    ("body_2", Chain, "chain"),
+)
 
 
 def with_catalogue(tree: Any) -> Any:
@@ -45,7 +41,16 @@ def with_catalogue(tree: Any) -> Any:
     -------
     mapping
         The same object if the scene has no such name.
+
+    Raises
+    ------
+    SceneError
+        If a profile or a chain is unknown: otherwise the keys that it gives would seem missing.
     """
+    for name, form, key in NAMES_OF_DRIVES:
+        body = _table(tree, name)
+        if key in body and body.get("kind") == form.__struct_config__.tag:
+            check_key(form, key, body[key], f"{name}.{key}")
     added = catalogue_keys(tree)
     if not added:
         return tree

@@ -9,7 +9,7 @@ from msgspec import Meta
 from flankload.scene.chain_sizes import ChainName
 from flankload.scene.drive import DriveTable, WrappedTable
 from flankload.scene.refusal import refuse
-from flankload.scene.table import BodyTable, Length, about
+from flankload.scene.table import BY_NAME, BodyTable, Length, about
 
 Pitch = Annotated[Length, about("mm", "pitch", usual=(0.5, 500.0))]
 RollerDiameter = Annotated[Length, about("mm", "diameter of the rollers", usual=(0.2, 200.0))]
@@ -24,8 +24,8 @@ class Sprocket(DriveTable, frozen=True, kw_only=True, tag="sprocket"):
         Annotated[int, Meta(ge=6, le=1000)],
         about("-", "number of teeth"),
     ]
-    pitch_mm: Pitch
-    roller_diameter_mm: RollerDiameter
+    pitch_mm: Pitch = BY_NAME
+    roller_diameter_mm: RollerDiameter = BY_NAME
     seat: Annotated[
         Literal["tight", "wide"],
         about(
@@ -84,8 +84,8 @@ class Chain(WrappedTable, frozen=True, kw_only=True, tag="chain"):
             "ASME B29.1; gives the keys of chain and sprocket that the scene does not set",
         ),
     ] = None
-    pitch_mm: Pitch
-    roller_diameter_mm: RollerDiameter
+    pitch_mm: Pitch = BY_NAME
+    roller_diameter_mm: RollerDiameter = BY_NAME
     wrap_angle_deg: Annotated[
         Annotated[float, Meta(gt=0, le=360)],
         about("deg", "angle around the sprocket between the points where the strands leave it"),
@@ -93,11 +93,11 @@ class Chain(WrappedTable, frozen=True, kw_only=True, tag="chain"):
     link_stiffness_N: Annotated[
         Annotated[float, Meta(ge=1e-3, le=1e12)],
         about("N", "tension of the chain per unit of strain"),
-    ]
+    ] = BY_NAME
     contact_stiffness_N_per_mm: Annotated[
         Annotated[float, Meta(ge=1e-3, le=1e12)],
         about("N/mm", "force of a roller on its pocket per mm of local deformation"),
-    ]
+    ] = BY_NAME
     elongation: Annotated[
         Annotated[float, Meta(ge=0, le=0.05)],
         about("-", "relative elongation of every link by wear"),

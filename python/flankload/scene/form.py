@@ -17,7 +17,7 @@ from msgspec import inspect, structs
 from msgspec.structs import FieldInfo
 
 from flankload.scene.refusal import refuse, shown
-from flankload.scene.table import Table
+from flankload.scene.table import BY_NAME, Table
 
 T = TypeVar("T", bound=Table)
 
@@ -73,7 +73,7 @@ def read_table(form: type[T], table: object, key: str) -> T:
         path = f"{key}.{name}" if key else name
         if name in table:
             values[name] = _read(field.type, table[name], path)
-        elif field.required:
+        elif is_required(field):
             more = [
                 other for other in required_of(form) if key and other not in table and other != name
             ]
@@ -89,10 +89,25 @@ def fields_of(form: type[Table]) -> dict[str, FieldInfo]:
     return {field.encode_name: field for field in structs.fields(form)}
 
 
+def is_required(field: FieldInfo) -> bool:
+    """Whether a scene must have a key, in its file or by a name (module `catalogue`)."""
+    return field.required or field.default is BY_NAME
+
+
+def check_key(form: type[Table], name: str, value: object, path: str) -> None:
+    """Refuse a value that a key of a table cannot have.
+
+    Raises
+    ------
+    SceneError
+    """
+    _read(fields_of(form)[name].type, value, path)
+
+
 @cache
 def required_of(form: type[Table]) -> tuple[str, ...]:
     """Keys of a table that have no default."""
-    return tuple(name for name, field in fields_of(form).items() if field.required)
+    return tuple(name for name, field in fields_of(form).items() if is_required(field))
 
 
 @cache

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import msgspec
 from msgspec import inspect
 
-from flankload.scene.catalogue import GIVEN_KEYS
 from flankload.scene.form import expected_of, types_of
 from flankload.scene.scene_file import SceneFile
 from flankload.scene.table import Table
@@ -25,19 +24,9 @@ def scene_schema() -> dict[str, Any]:
     """
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        **_with_names(_without_null(msgspec.json.schema(SceneFile))),
+        **_without_null(msgspec.json.schema(SceneFile)),
         "title": "flankload scene",
     }
-
-
-def _with_names(schema: dict[str, Any]) -> dict[str, Any]:
-    """Schema in which the keys that a name can give (module `catalogue`) are not required."""
-    for table in schema["$defs"].values():
-        kind = table.get("properties", {}).get("kind", {}).get("enum", [""])[0]
-        given = GIVEN_KEYS.get(kind, ())
-        if given:
-            table["required"] = [key for key in table["required"] if key not in given]
-    return schema
 
 
 class KeyPath(NamedTuple):

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
-from msgspec import Meta, Struct
+from msgspec import UNSET, Meta, Struct
 
 #: mm. Far wider than any real pair; beyond it numbers overflow or meshes become too large.
 SMALLEST_LENGTH, LARGEST_LENGTH = 1e-3, 1e5
@@ -21,6 +21,11 @@ Angle = Annotated[float, Meta(ge=-1e7, le=1e7)]
 Angles = Annotated[tuple[Angle, ...], Meta(min_length=1)]
 Torques = Annotated[tuple[Torque, ...], Meta(min_length=1)]
 Shift = Annotated[float, Meta(ge=-5, le=5)]
+
+
+#: Default of a required key that a name beside it can give (module `catalogue`): a table made in
+#: Python may omit it; the reader refuses a scene in which it is still missing.
+BY_NAME: Any = UNSET
 
 
 def about(unit: str, meaning: str, *, usual: tuple[float, float] | None = None) -> Meta:

@@ -87,6 +87,10 @@ def test_positions_of_fields_are_chosen(scene: Path, capsys: pytest.CaptureFixtu
             ("--csv-format: expected words among semicolon, tab, decimal-comma, degrees, with one "
             "separator, found tab,semicolon"),
         ),
+        (
+            ["--csv-format", "degrees"],
+            "--csv-format: expected --csv FILE or --stiffness-csv FILE beside it, found neither",
+        ),
         (["--vtu-positions", "1"], "--vtu-positions: expected --vtu DIR beside it, found 1"),
         (
             ["--vtu", "fields", "--vtu-positions", "1,-2"],

@@ -105,3 +105,25 @@ def test_bad_arguments_get_one_line_and_write_nothing(
     assert err.startswith(f"flankload: {line.replace('BOX', str(box))}")
     assert pair.read_text(encoding="utf-8") == "kept"
     assert box.read_text(encoding="utf-8") == TEXT
+
+
+def test_the_scene_is_printed_and_its_notes_are_apart(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    box, pair = written(tmp_path, spur()), tmp_path / "pair.toml"
+    assert run(capsys, "scene", box, "-o", pair)[0] == 0
+    code, out, err = run(capsys, "scene", box, "-o", "-")
+    assert code == 0
+    assert out == pair.read_text(encoding="utf-8")
+    assert all(line.startswith(("assumed: ", "not taken: ")) for line in err.splitlines())
+    assert not (tmp_path / "-").exists()
+
+
+def test_a_wrong_setting_is_named_as_it_was_given(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    box, pair = written(tmp_path, spur()), tmp_path / "pair.toml"
+    code, _, err = run(capsys, "scene", box, "-o", pair, "--set", "body_1.teeth=-5")
+    assert (code, pair.exists()) == (2, False)
+    assert err == f"flankload: {box}: body_1.teeth: expected a number > 0, found -5\n"

@@ -261,3 +261,11 @@ def test_a_position_that_does_not_exist_is_refused(tmp_path: Path) -> None:
         SceneError, match=r"--vtu-positions: expected indices from 0 to 31, found 32"
     ):
         fl.write_vtu(scene_of(), made_up_result(), tmp_path, positions=[32])
+
+
+def test_torques_that_differ_little_have_folders_of_their_own(tmp_path: Path) -> None:
+    near = [made_up_result(torque_Nm=torque) for torque in (302.0, 302.0001)]
+    fl.write_vtu(fl.read_scene(SCENES / "helical_gear.toml"), near, tmp_path, positions=[0])
+    assert len(list(tmp_path.iterdir())) == 2
+    with pytest.raises(fl.InputError, match=r"^results: expected a Result or a sequence"):
+        fl.write_vtu(scene_of(), 3, tmp_path)  # type: ignore[arg-type]

@@ -17,6 +17,7 @@ from PIL import Image
 
 from flankload import plot
 from flankload.bodies.profile_deviation import ProfileDeviation
+from flankload.errors import InputError
 from flankload.plot.diameters import path_on_flank
 from flankload.plot.figures import CURVE_LABEL, label_curves, spread_labels
 from flankload.plot.spectrum import spectrum
@@ -316,3 +317,20 @@ def test_texts_lie_inside_the_figure(results: tuple[Result, ...]) -> None:
             for x0, y0, x1, y1 in panels[:k]:
                 own = panels[k]
                 assert x1 <= own[0] or own[2] <= x0 or y1 <= low or high <= y0
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "line"),
+    [
+        ("belt_on_pulley", {}, "plot: expected one that suits the results (transmission_error, "),
+        ("loaded_pair", {"position": 32}, "position: expected an index from 0 to 31, found 32"),
+        ("loaded_pair", {"position": True}, "position: expected an index from 0 to 31, found True"),
+        ("profile_deviation", {"body": 3}, "body: expected 1 or 2, found 3"),
+    ],
+)
+def test_wrong_arguments_of_a_plot_are_one_line(
+    results: tuple[Result, ...], name: str, options: dict[str, int], line: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        getattr(Plots(results), name)(**options)
+    assert str(refused.value).startswith(line)

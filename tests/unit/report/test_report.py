@@ -370,3 +370,14 @@ def test_browser_shows_the_page_with_and_without_script(
     assert '<div class="controls" hidden="">' in done.stdout
     largest = results[0].summary["peak_pressure_off_corners_MPa"]
     assert f"{largest:.4g}" in "".join(still.texts)
+
+
+def test_a_report_takes_a_scene_in_each_form() -> None:
+    keys, day = example("external_gear"), date(2026, 1, 2)
+    result = made_up_result()
+    page = report_html(result, keys, line="x", day=day)
+    assert page == report_html(result, fl.Scene.from_dict(keys), line="x", day=day)
+    with pytest.raises(fl.InputError, match=r"^scene: expected a Scene, a GearPair"):
+        report_html(result, 3)  # type: ignore[arg-type]
+    with pytest.raises(fl.InputError, match=r"^results: expected a Result or a sequence"):
+        report_html(3, keys)  # type: ignore[arg-type]

@@ -198,3 +198,43 @@ def test_the_page_of_catalogues_has_the_tables(table: Callable[[], list[str]]) -
 
 if __name__ == "__main__":
     print(*belt_table(), "", *chain_table(), "", *material_table(), sep="\n")
+
+
+def test_typed_bodies_may_have_names_in_place_of_keys() -> None:
+    belt = fl.BeltAndPulley(
+        fl.Pulley(teeth=24, profile="T10"),
+        fl.Belt(wrapped_teeth=5, width_mm=16),
+        torque_Nm=10,
+        slack_tension_N=320,
+    )
+    chain = fl.ChainAndSprocket(
+        fl.Sprocket(teeth=20),
+        fl.Chain(chain="08B", wrap_angle_deg=180),
+        torque_Nm=77,
+        slack_tension_N=100,
+    )
+    for typed, tables in ((belt, BELT), (chain, CHAIN)):
+        scene, same = typed.to_scene(), fl.Scene.from_dict(tables)
+        assert (scene.body_1, scene.body_2) == (same.body_1, same.body_2)
+        assert "pitch_mm" not in typed.to_toml()
+
+
+def test_typed_bodies_without_names_need_the_keys() -> None:
+    belt = fl.BeltAndPulley(
+        fl.Pulley(teeth=24), fl.Belt(wrapped_teeth=5, width_mm=16), torque_Nm=10, slack_tension_N=9
+    )
+    with pytest.raises(SceneError, match=r"^body_1\.pitch_mm: expected a number from 0.001 to"):
+        belt.to_scene()
+
+
+@pytest.mark.parametrize(
+    ("tables", "key", "value"),
+    [(BELT, "body_1.profile", "T11"), (CHAIN, "body_2.chain", "8B"), (CHAIN, "body_2.chain", 40)],
+)
+def test_an_unknown_name_is_refused_before_the_keys_that_it_does_not_give(
+    tables: dict[str, Any], key: str, value: object
+) -> None:
+    body, name = key.split(".")
+    with pytest.raises(SceneError) as refused:
+        fl.Scene.from_dict({**tables, body: {**tables[body], name: value}})
+    assert refused.value.key == key

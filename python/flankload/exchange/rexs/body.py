@@ -136,8 +136,9 @@ def _required(stock: Stock, body: Gear) -> None:
     for key in ("teeth", *wanted, *of_flank):
         value = body.keys.get(key)
         if value is None or (key != "profile_shift" and value <= 0 and key != "bore_diameter_mm"):
-            found = stock.settings.get(f"{body.name}.{key}", value)
-            stock.model.refuse(f"{body.component.label}: {key}", "a number > 0", found)
+            path = f"{body.name}.{key}"
+            place = path if path in stock.settings else f"{body.component.label}: {key}"
+            stock.model.refuse(place, "a number > 0", stock.settings.get(path, value))
 
 
 def _helix(stock: Stock, body: Gear) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from flankload.base.card import Card
 from flankload.base.files import write_atomically
+from flankload.base.optional import optional
 from flankload.base.text_table import text_table
 from flankload.result.export import ALONG_POSITIONS
 from flankload.studies.design.run import SOLVED
@@ -128,13 +129,8 @@ class DesignStudy(Card):
         ImportError
             If pyarrow is not installed.
         """
-        try:
-            import pyarrow
-            from pyarrow import parquet
-        except ImportError:
-            raise ImportError(
-                "to_parquet needs the package pyarrow: pip install 'flankload[parquet]'"
-            ) from None
+        pyarrow = optional("pyarrow", "to_parquet", extra="parquet")
+        parquet = optional("pyarrow.parquet", "to_parquet", extra="parquet")
         stream = pyarrow.BufferOutputStream()
         parquet.write_table(pyarrow.table(self.columns()), stream)
         write_atomically(path, stream.getvalue().to_pybytes())
@@ -155,12 +151,7 @@ class DesignStudy(Card):
         ImportError
             If xarray is not installed.
         """
-        try:
-            import xarray
-        except ImportError:
-            raise ImportError(
-                "to_xarray needs the package xarray: pip install 'flankload[xarray]'"
-            ) from None
+        xarray = optional("xarray", "to_xarray")
         variables = self.designs.variables
         if self.designs.kind == "factorial":
             dims = tuple(variable.name for variable in variables)
