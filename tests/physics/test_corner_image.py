@@ -26,7 +26,9 @@ from flankload.elasticity.near_field import (
     projected_near_field,
 )
 from flankload.elasticity.sector_closure import tooth_response
+from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.scene import Gear, Ring
+from tests.support.solving import solve
 
 SCENE = tomllib.loads(
     (Path(__file__).parents[2] / "examples" / "scenes" / "external_gear.toml").read_text("utf-8")
@@ -61,6 +63,8 @@ REACHES_DEG = [6.328, 16.172]
 #: Of the largest rotation, and of the load: the default against 12 modes on fine elements.
 PAIR = 1e-3
 FINE = {"modes": 12, "flank_element_mm": 0.25}
+#: Bodies and elements of solutions whose forces do not turn.
+STRAIGHT = Parts()
 
 
 @cache
@@ -120,8 +124,11 @@ def test_smooth_part_at_the_tip_of_a_ring_does_not_grow_with_the_modes() -> None
     assert abs(added) < BESIDE * abs(had)
 
 
-def solved(size: float = 1.0, angles: Any = None, **accuracy: Any) -> fl.Result:
-    """The pair, larger by `size` at the same stress."""
+def solved(
+    size: float = 1.0, angles: Any = None, *, turned: bool = True, **accuracy: Any
+) -> fl.Result:
+    """The pair, larger by `size` at the same stress; without `turned`, forces keep the direction
+    of the flank's normal over a corner, and the elements are those of such solutions alone."""
     tree = deepcopy(SCENE)
     for key in ("body_1", "body_2"):
         lengths = [name for name in tree[key] if name.endswith("_mm")]
@@ -131,8 +138,13 @@ def solved(size: float = 1.0, angles: Any = None, **accuracy: Any) -> fl.Result:
     tree["positions"] = {"angles_deg": angles or CORNERS_DEG + OTHERS_DEG}
     tree["effects"] = accuracy.pop("effects", {})
     tree["accuracy"] = {"estimate": False, "tangents": False, **accuracy}
-    found = fl.solve(fl.Scene.from_dict(tree))
-    assert isinstance(found, fl.Result)
+    scene = fl.Scene.from_dict(tree)
+    if turned:
+        found = solve(scene)
+        assert isinstance(found, fl.Result)
+        return found
+    with mock.patch.object(job, "has_turned_forces", return_value=False):
+        (found,) = run_once(scene, earlier=Earlier(parts=STRAIGHT))
     return found
 
 
@@ -174,8 +186,7 @@ def test_lumped_contact_on_corners(default: fl.Result) -> None:
     apart = np.abs(lumped.rotation_rad - default.rotation_rad) / largest
     reaches = np.isin(np.degrees(default.position_rad).round(3), REACHES_DEG)
     assert apart[~reaches].max() < 2.2e-3
-    with mock.patch.object(job, "has_turned_forces", return_value=False):
-        unturned = solved(effects={"contact": "lumped"}), solved()
+    unturned = solved(effects={"contact": "lumped"}, turned=False), solved(turned=False)
     apart = np.abs(unturned[0].rotation_rad - unturned[1].rotation_rad) / largest
     assert apart.max() < 2.2e-3
 
@@ -191,8 +202,7 @@ TURN_LEFT, BOTH_LEFT = 0.04, 0.06
 
 
 def test_forces_turn_over_a_sharp_corner_as_on_plain_elements() -> None:
-    with mock.patch.object(job, "has_turned_forces", return_value=False):
-        straight = solved(angles=TURNED_DEG)
+    straight = solved(angles=TURNED_DEG, turned=False)
     turned = solved(angles=TURNED_DEG)
     change = 100 * (turned.rotation_rad / straight.rotation_rad - 1)
     np.testing.assert_allclose(change, TURNED, rtol=0, atol=TURN_LEFT)
@@ -200,8 +210,7 @@ def test_forces_turn_over_a_sharp_corner_as_on_plain_elements() -> None:
 
 
 def test_forces_that_do_not_turn_keep_their_bits() -> None:
-    with mock.patch.object(job, "has_turned_forces", return_value=False):
-        straight = solved(angles=OTHERS_DEG)
+    straight = solved(angles=OTHERS_DEG, turned=False)
     np.testing.assert_array_equal(solved(angles=OTHERS_DEG).rotation_rad, straight.rotation_rad)
 
 
@@ -218,9 +227,8 @@ RUBBED_LEFT = {0.1: 0.025, 0.3: 0.05}
 
 @pytest.mark.parametrize("mu", RUBBED)
 def test_friction_at_a_corner_has_its_image(mu: float) -> None:
-    with mock.patch.object(job, "has_turned_forces", return_value=False):
-        plain = solved(angles=RUBBED_DEG)
-        rubbed = solved(angles=RUBBED_DEG, effects={"friction_coefficient": mu})
+    plain = solved(angles=RUBBED_DEG, turned=False)
+    rubbed = solved(angles=RUBBED_DEG, effects={"friction_coefficient": mu}, turned=False)
     change = 100 * (rubbed.rotation_rad / plain.rotation_rad - 1)
     np.testing.assert_allclose(change, RUBBED[mu], rtol=0, atol=RUBBED_LEFT[mu])
 
@@ -229,7 +237,7 @@ def test_tangent_of_lumped_contact_is_its_derivative() -> None:
     """The approach of the image is differentiated like the rest."""
     step = 1e-4
     one, two = (
-        fl.solve(
+        solve(
             fl.Scene.from_dict(
                 SCENE
                 | {

@@ -16,6 +16,9 @@ DIGITS = 60
 # The exact solution is refined until its last correction is below this fraction of it.
 SETTLED = mp.mpf(10) ** -40
 MAX_REFINEMENTS = 60
+#: Verdicts that are kept: a solver that finds the same bits from several guesses is judged once.
+MOST_VERDICTS = 64
+_VERDICTS: dict[tuple[bytes, ...], Verdict] = {}
 
 
 @dataclass(frozen=True)
@@ -82,21 +85,31 @@ def judge_general(
         levers if load_rows is None else np.asarray(load_rows, dtype=float).reshape(shape),
         force_scale,
     )
+    arrays = (*vars(problem).values(), state.normal_forces, state.motions)
+    key = (*(array.tobytes() for array in arrays), bytes(str(shape), "ascii"))
+    if key not in _VERDICTS:
+        if len(_VERDICTS) == MOST_VERDICTS:
+            del _VERDICTS[next(iter(_VERDICTS))]
+        _VERDICTS[key] = _verdict(problem, state)
+    return _VERDICTS[key]
+
+
+def _verdict(problem: Problem, state: fl.ContactState) -> Verdict:
+    """Solve and check the set of pairs of a state."""
     active = np.flatnonzero(state.normal_forces)
     with mp.workdps(DIGITS):
-        columns = _exact(problem.compliance[:, active])
         given = _exact(state.normal_forces[active])
         moved = _exact(state.motions)
         backward = max(
-            _worst_row(problem, columns, active, given, moved, closed=True),
+            _worst_row(problem, active, given, moved, closed=True),
             _worst_load(problem, active, given),
         )
         solved = _exact_solution(problem, active)
         if solved is None:
-            violation = _worst_row(problem, columns, active, given, moved, closed=False)
+            violation = _worst_row(problem, active, given, moved, closed=False)
             return Verdict(np.nan, np.nan, float(backward), float(violation))
         forces, motion = solved
-        violation = _worst_row(problem, columns, active, forces, motion, closed=False)
+        violation = _worst_row(problem, active, forces, motion, closed=False)
         root = np.sqrt(problem.compliance.diagonal())
         levers = np.abs(problem.motions / root[:, np.newaxis]).max(axis=0)
         pressed = _size(forces, root[active])
@@ -117,6 +130,25 @@ def _exact(values: np.ndarray) -> list:
     return [mp.mpf(value) for value in values.tolist()]
 
 
+class _Lines:
+    """Rows of doubles as whole numbers times powers of two: their products are exact."""
+
+    def __init__(self, values: np.ndarray) -> None:
+        fractions, powers = np.frexp(values)
+        self._whole = (fractions * 2.0**53).astype(np.int64).astype(object)
+        self._powers = powers.astype(np.int64) - 53
+
+    def times(self, numbers: list) -> list:
+        """Σ_j A_ij x_j of 60-digit numbers, rounded once."""
+        parts = [mp.mpf(number)._mpf_[:3] for number in numbers]
+        digits = np.array([-int(man) if sign else int(man) for sign, man, _ in parts], dtype=object)
+        powers = self._powers + np.array([power for _, _, power in parts], dtype=np.int64)
+        least = powers.min(axis=1)
+        shifts = (powers - least[:, np.newaxis]).astype(object)
+        totals = np.left_shift(self._whole, shifts) @ digits
+        return [mp.mpf((total, power)) for total, power in zip(totals, least.tolist(), strict=True)]
+
+
 def _size(numbers: list, weight: np.ndarray) -> float:
     """Largest weighted number."""
     return float(max((abs(x) * w for x, w in zip(numbers, weight, strict=True)), default=0))
@@ -132,7 +164,7 @@ def _distance(given: list, exact: list, weight: np.ndarray, size: float) -> floa
 
 
 def _worst_row(
-    problem: Problem, columns: list, active: np.ndarray, forces: list, motion: list, *, closed: bool
+    problem: Problem, active: np.ndarray, forces: list, motion: list, *, closed: bool
 ) -> mp.mpf:
     """Largest residual of a row relative to its size Σ|K_ij|F_j + |g0_i| + Σ|B_ic q_c|.
 
@@ -146,14 +178,15 @@ def _worst_row(
         + np.abs(problem.gaps)
         + np.abs(problem.motions) @ np.abs(np.array(motion, dtype=float))
     )
-    back = [-part for part in motion]
+    equations = np.column_stack(
+        [problem.compliance[:, active], problem.motions, problem.gaps[:, np.newaxis]]
+    )
+    gaps = _Lines(equations).times([*forces, *(-part for part in motion), 1])
     touching = set(active.tolist()) if closed else set()
     worst = mp.mpf(0)
-    for i, (line, size) in enumerate(zip(columns, sizes.tolist(), strict=True)):
-        levers = _exact(problem.motions[i])
-        gap = mp.fdot(line + levers, forces + back) + mp.mpf(float(problem.gaps[i]))
-        wrong = abs(gap) if i in touching else max(-gap, mp.mpf(0))
-        worst = max(worst, wrong / size if size else wrong)
+    for i, (gap, size) in enumerate(zip(gaps, sizes.tolist(), strict=True)):
+        if gap < 0 or i in touching:
+            worst = max(worst, abs(gap) / size if size else abs(gap))
     if any(forces):
         root = np.sqrt(problem.compliance.diagonal()[active])
         pull = min(force * weight for force, weight in zip(forces, root, strict=True))
@@ -187,11 +220,10 @@ def _exact_solution(problem: Problem, active: np.ndarray) -> tuple[list, list] |
     if k < q or np.linalg.matrix_rank(problem.motions[active]) < q:
         return None
     rows, columns = _scales(equations, k)
-    exact, target = _exact(equations), _exact(right)
-    solution = _refine(equations * np.outer(rows, columns), rows, columns, exact, target)
+    solution = _refine(equations, rows, columns, right)
     if solution is None:
         try:
-            solution = list(mp.lu_solve(mp.matrix(exact), mp.matrix(target)))
+            solution = list(mp.lu_solve(mp.matrix(_exact(equations)), mp.matrix(_exact(right))))
         except ZeroDivisionError:
             return None
     return solution[:k], solution[k:]
@@ -206,20 +238,21 @@ def _scales(equations: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _refine(
-    scaled: np.ndarray, rows: np.ndarray, columns: np.ndarray, exact: list, target: list
+    equations: np.ndarray, rows: np.ndarray, columns: np.ndarray, right: np.ndarray
 ) -> list | None:
     """Iterative refinement; None if it does not converge."""
     try:
-        factor = lu_factor(scaled)
+        factor = lu_factor(equations * np.outer(rows, columns))
     except (np.linalg.LinAlgError, RuntimeWarning):
         return None
     weights, scales = _exact(rows), _exact(columns)
-    solution = [mp.mpf(0)] * len(target)
+    residuals = _Lines(np.column_stack([-equations, right]))
+    solution = [mp.mpf(0)] * len(right)
     before = mp.inf
     for _ in range(MAX_REFINEMENTS):
         lack = [
-            weight * (right - mp.fdot(line, solution))
-            for weight, right, line in zip(weights, target, exact, strict=True)
+            weight * part
+            for weight, part in zip(weights, residuals.times([*solution, 1]), strict=True)
         ]
         size = max(abs(part) for part in lack)
         if not size:

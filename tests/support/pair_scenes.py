@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import flankload as fl
 from flankload.result import Result
+from tests.support.solving import solve
 
 SMALL = {"kind": "gear", "teeth": 16, "module_mm": 4.5, "bore_diameter_mm": 30.0}
 PINION = {**SMALL, "profile_shift": 0.182, "tip_diameter_mm": 82.46}
@@ -37,9 +40,10 @@ SPLINE = {
 }  # fmt: skip
 
 
-def solved(
+def scene_of(
     pair: dict, torque_Nm: float, *, count: int = 8, rigid: bool = False, **more: object
-) -> Result:
+) -> fl.Scene:
+    """Scene of a pair without estimate and tangents."""
     bodies = {key: {**pair[key], "rigid": rigid} for key in ("body_1", "body_2")}
     scene = {
         **pair,
@@ -49,6 +53,11 @@ def solved(
         "accuracy": {"estimate": False, "tangents": False, "flank_element_mm": 1.0},
         **more,
     }
-    result = fl.solve(fl.Scene.from_dict(scene))
+    return fl.Scene.from_dict(scene)
+
+
+def solved(pair: dict, torque_Nm: float, **more: Any) -> Result:
+    """Result of such a scene; its bodies may be those of earlier ones."""
+    result = solve(scene_of(pair, torque_Nm, **more))
     assert isinstance(result, Result)
     return result

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from html import escape
 from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -146,7 +146,7 @@ def _write_torque(
             write_atomically(folder / file, content)
             listed.append(
                 f'    <DataSet timestep="{angle!r}" group="" part="{part}" '
-                f"name={quoteattr(name)} file={quoteattr(file)}/>\n"
+                f'name="{escape(name)}" file="{escape(file)}"/>\n'
             )
     write_atomically(
         folder / COLLECTION,

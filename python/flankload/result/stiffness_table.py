@@ -10,7 +10,6 @@ import numpy as np
 from flankload.base.card import Card
 from flankload.base.files import write_atomically
 from flankload.result.csv_form import CsvForm
-from flankload.result.fmu import fmu_of
 from flankload.result.harmonics import over_positions
 from flankload.result.multibody import checked_table, modelica_text
 
@@ -141,6 +140,8 @@ class StiffnessTable(Card):
         InputError
             If a library is requested and cannot be compiled.
         """
+        from flankload.result.fmu import fmu_of  # imports much
+
         content, compiled = fmu_of(checked_table(self), binary=binary)
         write_atomically(path, content)
         return compiled

@@ -47,6 +47,14 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     return answers
 
 
+@pytest.fixture
+def empty_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures are made, but their files are empty: only their names are of interest."""
+    import flankload.plot
+
+    monkeypatch.setattr(flankload.plot, "file_of", lambda *_: b"")
+
+
 def run(capsys: pytest.CaptureFixture[str], *argv: str | Path) -> tuple[int, str, str]:
     """Exit code, stdout and stderr of a command."""
     try:
@@ -283,6 +291,7 @@ def test_dash_sends_only_the_data_to_stdout(
     assert run(capsys, "run", scene, option, "-") == (0, getattr(solved[0], method)(), "")
 
 
+@pytest.mark.usefixtures("empty_pictures")
 def test_list_of_torques_gives_a_list_of_everything(
     scene: Path, tmp_path: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -453,6 +462,7 @@ def test_outputs_may_go_to_one_device(
     assert run(capsys, "run", scene, *arguments) == (0, "", "")
 
 
+@pytest.mark.usefixtures("empty_pictures")
 def test_picture_folder_may_be_called_like_a_file_if_it_is_there(
     scene: Path, solved: list[Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -514,6 +524,7 @@ def test_failed_run_leaves_no_output(
     assert os.listdir(tmp_path) == ["pair.toml"]
 
 
+@pytest.mark.usefixtures("empty_pictures")
 def test_failed_picture_leaves_no_output(
     scene: Path, tmp_path: Path, solved: list[Any], monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],

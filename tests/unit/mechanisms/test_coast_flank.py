@@ -23,12 +23,11 @@ from flankload.elasticity.near_field import (
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
-from flankload.plot import plot_flank_forces, plot_loaded_pair
 from flankload.result import Result
 from flankload.scene import Ring
 from tests.support.cam_scenes import cam_scene
 from tests.support.cells_near_field import cells_near_field
-from tests.support.pair_scenes import EXTERNAL, RING_PAIR, SPLINE, solved
+from tests.support.pair_scenes import EXTERNAL, RING_PAIR, SPLINE, scene_of, solved
 from tests.support.ring_bodies import full_ring, gear_body
 from tests.support.tolerances import ROUND_OFF, RUBBING, SOLVER, SPEED_MM
 
@@ -67,7 +66,8 @@ def test_with_backlash_nothing_changes(pair: dict) -> None:
 
 
 def test_effect_is_paid_for_only_where_it_is_asked_for() -> None:
-    one, two = solved(EXTERNAL, 300.0, count=2), solved(EXTERNAL, 300.0, count=2, **BOTH)
+    # each alone: shared bodies cost nothing
+    one, two = (fl.solve(scene_of(EXTERNAL, 300.0, count=2, **keys)) for keys in ({}, BOTH))
     assert one.cost["coast_readings"] == 0
     assert one.coast is None
     assert one.coast_force_N is None
@@ -163,7 +163,7 @@ def test_curves_close_over_a_pitch() -> None:
 
 def test_without_torque_both_sides_are_mirror_images() -> None:
     """Body 2 stands as in a mirror where the other flank of its space is at the pitch point."""
-    pair = build_bodies(_scene(TIGHT, 0.0, **BOTH))
+    pair = build_bodies(scene_of(TIGHT, 0.0, **BOTH))
     mesh = pair.pairing.mesh
     assert mesh is not None
     assert pair.body_2.involute is not None
@@ -190,7 +190,7 @@ def test_without_torque_both_sides_are_mirror_images() -> None:
 def test_state_is_that_of_an_independent_assembly(tight: Result) -> None:
     """Gaps from the bodies as they stand, K from blocks and strips, the problem solved as such."""
     p = 4
-    scene = _scene(TIGHT, 60.0, **BOTH)
+    scene = scene_of(TIGHT, 60.0, **BOTH)
     pair = build_bodies(scene)
     assert tight.coast is not None
     tables = (tight.pairs(p), tight.coast.pair_tables[p])
@@ -370,27 +370,12 @@ def test_files_and_table_have_the_coast_flanks(tight: Result) -> None:
     assert "coast  pressure" in fit.table()
 
 
-def test_pictures_show_both_sides(tight: Result) -> None:
-    (axes,) = plot_flank_forces(tight).axes
-    dashed = [line for line in axes.get_lines() if line.get_linestyle() == "--"]
-    carries = np.flatnonzero((tight.coast_force_N > 0).any(axis=0))
-    assert len(dashed) == carries.size > 0
-    for line, s in zip(dashed, carries, strict=True):
-        drawn = np.asarray(line.get_ydata())[:8]
-        force = tight.coast_force_N[:, s] / 1e3
-        np.testing.assert_array_equal(drawn[force > 0], force[force > 0])
-    names = [text.get_text() for text in plot_loaded_pair(tight, 4).axes[0].texts]
-    assert any("coast" in name for name in names)
-    with pytest.raises(ValueError, match="contact on coast flanks"):
-        plot_flank_forces(solved(EXTERNAL, 0.0, count=1, rigid=True))
-
-
 # --- what is refused ----------------------------------------------------------------------------
 
 
 def refused(*scene: Any, **more: Any) -> str:
     with pytest.raises(SceneError) as caught:
-        build_bodies(_scene(*scene, **more))
+        build_bodies(scene_of(*scene, **more))
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
@@ -410,8 +395,7 @@ def test_bodies_whose_coast_flanks_are_not_known_are_refused() -> None:
 
 
 def test_two_rigid_bodies_cannot_press_on_each_other() -> None:
-    rigid = {key: {**EXTERNAL[key], "rigid": True} for key in ("body_1", "body_2")}
-    assert refused({**EXTERNAL, **rigid}, 0.0, **BOTH) == (
+    assert refused(EXTERNAL, 0.0, rigid=True, **BOTH) == (
         "effects.coast_flank: expected false with body_1.rigid and body_2.rigid: flanks that press "
         "on each other across a tooth must be elastic, found true"
     )
@@ -440,13 +424,3 @@ def test_a_press_fit_has_its_limits() -> None:
         "body_1.profile_shift: expected a tooth wider than its space by at most 0.0544 mm on the "
         "pitch circle (0.01 of the base pitch), even with effects.coast_flank, found 0.1155 mm"
     )
-
-
-def _scene(pair: dict, torque_Nm: float, **more: Any) -> fl.Scene:
-    scene = {
-        **pair,
-        "load": {"torque_Nm": torque_Nm},
-        "positions": {"count": 8},
-        "accuracy": {"estimate": False, "tangents": False, "flank_element_mm": 1.0},
-    }
-    return fl.Scene.from_dict({**scene, **more})

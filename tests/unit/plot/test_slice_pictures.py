@@ -12,6 +12,7 @@ from matplotlib.collections import PolyCollection, QuadMesh
 from matplotlib.patches import StepPatch
 
 import flankload as fl
+from flankload import plot
 from flankload.plot import (
     plot_all,
     plot_contact_pattern,
@@ -21,6 +22,7 @@ from flankload.plot import (
 )
 from flankload.plot.loaded_pair_3d import AXIAL_FACETS, CONTOUR_FACETS, VIEW, teeth_in_mesh
 from flankload.plot.slices import contact_pattern
+from flankload.plot.style import new_figure
 from tests.support.gear_scenes import example
 from tests.support.made_up_result import made_up_result
 from tests.support.solving import solve
@@ -64,6 +66,14 @@ def steps(axes: Axes) -> dict[str, np.ndarray]:
     return {patch.get_label(): np.nan_to_num(patch.get_data().values) for patch in found}
 
 
+@pytest.fixture
+def others_are_empty(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures that plane results have, too, are not drawn."""
+    for name in set(plot.PICTURES) - {name.removesuffix(".png") for name in NAMES}:
+        monkeypatch.setitem(plot.PICTURES, name, lambda _: new_figure((1.0, 1.0)))
+
+
+@pytest.mark.usefixtures("others_are_empty")
 def test_they_are_made_for_three_dimensional_results_alone(
     result: fl.Result, tmp_path: Path
 ) -> None:
@@ -157,6 +167,7 @@ def test_more_load_where_more_metal_is() -> None:
         assert pressure[:, 1].max() > 1.1 * pressure[:, -2].max()
 
 
+@pytest.mark.usefixtures("others_are_empty")
 def test_without_load_there_is_no_contact_pattern(tmp_path: Path) -> None:
     unloaded = solved(load={"torque_Nm": 0.0})
     names = {path.name for path in plot_all(unloaded, tmp_path)}
@@ -250,7 +261,9 @@ def test_a_left_hand_mirrors_a_right_hand(result: fl.Result) -> None:
     )
 
 
-def test_loaded_pair_of_crowned_spur_gears_beside_each_other(tmp_path: Path) -> None:
+def test_loaded_pair_of_crowned_spur_gears_beside_each_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Bands lie where both bodies are; without load there are none."""
     wide = {"axial_offset_mm": 3.0, "face_width_mm": 12.0}
     spur = solved("external_gear", body_1={"lead_crowning_um": 10.0}, body_2=wide)
@@ -265,5 +278,7 @@ def test_loaded_pair_of_crowned_spur_gears_beside_each_other(tmp_path: Path) -> 
     # the crest of the crown is at 0, the middle of the common width at 2 mm
     assert spur.slice_z_mm[load[p].sum(axis=0).argmax()] < 0.0
     unloaded = solved("external_gear", body_1={"lead_crowning_um": 10.0}, load={"torque_Nm": 0.0})
+    for name in set(plot.PICTURES) - {"loaded_pair"}:
+        monkeypatch.setitem(plot.PICTURES, name, lambda _: new_figure((1.0, 1.0)))
     assert (tmp_path / "loaded_pair.png") in plot_all(unloaded, tmp_path)
     assert len(bands_of(plot_loaded_pair(unloaded).axes[0]).get_paths()) == 0

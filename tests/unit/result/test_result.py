@@ -14,6 +14,7 @@ import pytest
 from flankload.result import Result, results_to_csv, results_to_json, results_to_text
 from flankload.result.warning_lines import warning_lines
 from tests.support.made_up_result import made_up_result
+from tests.support.pair_scenes import EXTERNAL, solved
 from tests.support.tolerances import ROUND_OFF
 
 
@@ -255,6 +256,14 @@ def test_xarray_is_labelled_and_has_units() -> None:
     assert data["stiffness_secant_N_per_um"].attrs["units"] == "N/um"
     assert data["position"].attrs["units"] == "rad"
     assert data.attrs["torque_Nm"] == 2.0
+
+
+def test_xarray_holds_stress_with_its_unit() -> None:
+    pytest.importorskip("xarray")
+    result = solved(EXTERNAL, 302.0, count=1, effects={"root_stress": True})
+    data = result.to_xarray()
+    assert data["root_tension_2_MPa"].attrs["units"] == "MPa"
+    assert data["root_tension_2_MPa"].dims == ("position", "site")
 
 
 # --- the table ------------------------------------------------------------------------------------

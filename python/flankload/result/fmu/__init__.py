@@ -11,11 +11,11 @@ import shutil
 import subprocess
 import uuid
 from hashlib import sha256
+from html import escape
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
-from xml.sax.saxutils import quoteattr
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from flankload.errors import InputError
@@ -125,7 +125,7 @@ def _description(table: Table, name: str, guid: str) -> str:
     )
     scalars = "".join(
         f'    <ScalarVariable name="{key}" valueReference="{k}" {kind} '
-        f"description={quoteattr(text)}>\n"
+        f'description="{escape(text)}">\n'
         f'      <Real unit="{unit}"{_start(start)}/>\n'
         "    </ScalarVariable>\n"
         for k, (key, kind, unit, start, text) in enumerate(variables)
@@ -137,7 +137,7 @@ def _description(table: Table, name: str, guid: str) -> str:
     outputs = [k + 1 for k, (_, kind, *_) in enumerate(variables) if kind == output]
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
-        f'<fmiModelDescription fmiVersion="2.0" modelName={quoteattr(table.name or name)} '
+        f'<fmiModelDescription fmiVersion="2.0" modelName="{escape(table.name or name)}" '
         f'guid="{guid}"\n    description="transmission error and stiffness over angle and torque: '
         'periodic in the angle, bilinear"\n'
         f'    generationTool="flankload {version("flankload")}" numberOfEventIndicators="0">\n'
