@@ -14,6 +14,7 @@ import pytest
 
 import flankload as fl
 from tests.support.paths import REFERENCE_SOLUTIONS
+from tests.support.solving import solve
 
 REFERENCE = json.loads((REFERENCE_SOLUTIONS / "external_pair.json").read_text())
 CLOSED_FORM = json.loads((REFERENCE_SOLUTIONS / "closed_form.json").read_text())
@@ -59,7 +60,7 @@ def fzg_scene(torque_Nm: float = 302.0, **accuracy: object) -> fl.Scene:
     ids=["coarse", "fine"],
 )
 def result(request: pytest.FixtureRequest) -> fl.Result:
-    return fl.solve(fzg_scene(**request.param))
+    return solve(fzg_scene(**request.param))
 
 
 @pytest.mark.parametrize("k", range(8))
@@ -127,7 +128,7 @@ def test_fzg_c14_has_hertz_pressure_at_the_pitch_point() -> None:
             "accuracy": {"estimate": False, "tangents": False},
         }
     )
-    result = fl.solve(scene)
+    result = solve(scene)
     zero = result.sites.tolist().index(0)
     assert result.site_force_N[0, zero] == pytest.approx(expected["normal_force_N"], rel=1e-4)
     assert result.peak_pressure_MPa[0, zero] == pytest.approx(
@@ -152,7 +153,7 @@ def _gear(teeth: int, shift: float, tip: float, bore: float) -> dict[str, object
 
 
 def test_zero_torque_gives_the_unloaded_transmission_error() -> None:
-    result = fl.solve(fzg_scene(torque_Nm=0.0))
+    result = solve(fzg_scene(torque_Nm=0.0))
     # conjugate flanks touch everywhere: nothing but the fit of the curves is left
     np.testing.assert_allclose(result.transmission_error_um, 0.0, rtol=0, atol=1e-6)
     assert not result.site_force_N.any()

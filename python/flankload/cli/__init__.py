@@ -345,7 +345,11 @@ def _add_benchmark(commands: Any) -> None:
         help="compare the answers of another program in this file (JSON) instead",
     )  # fmt: skip
     parser.add_argument(
-        "-o", dest="output", metavar="FILE", type=Path, help="write the answers to this file (JSON)"
+        "-o",
+        dest="output",
+        metavar="FILE",
+        type=Path,
+        help="write the answers to this file (JSON; - for stdout, in place of the table)",
     )
     parser.add_argument("--json", action="store_true", help="print JSON instead of the table")
     parser.set_defaults(command=benchmark)

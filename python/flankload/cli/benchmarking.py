@@ -6,8 +6,9 @@ import json
 import sys
 from typing import TYPE_CHECKING
 
-from flankload.cli.outputs import check_file
+from flankload.cli.outputs import STDOUT, check_file
 from flankload.cli.solving import Progress
+from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -17,20 +18,28 @@ if TYPE_CHECKING:
 
 def benchmark(arguments: Namespace) -> None:
     """Solve the cases, or read the answers of a program, and print the comparison."""
-    from flankload.studies.benchmark import compare, read_answers, read_cases
+    from flankload.studies.benchmark import check_answers, compare, read_answers, read_cases
 
-    if arguments.output is not None:
+    printed = str(arguments.output) == STDOUT
+    if printed and arguments.json:
+        raise SceneError(key="-o", expected="a file, since --json uses stdout", found="-")
+    if arguments.output is not None and not printed:
         check_file("-o", arguments.output)
     cases = read_cases(arguments.folder, arguments.cases)
     if arguments.answers is None:
         answers = _solve(cases, arguments)
     else:
         answers = read_answers(arguments.answers)
+        check_answers(answers, read_cases(arguments.folder), arguments.answers)
     if arguments.output is not None:
         from flankload.base.files import write_atomically
 
         values = {"program": answers.program, "values": answers.values, "seconds": answers.seconds}
-        write_atomically(arguments.output, json.dumps(values, indent=1) + "\n")
+        text = json.dumps(values, indent=1) + "\n"
+        if printed:
+            print(text, end="")
+            return
+        write_atomically(arguments.output, text)
     found = compare(cases, answers)
     if arguments.json:
         print(json.dumps(found.as_dict(), indent=1))

@@ -64,10 +64,15 @@ def results_to_xlsx(results: Result | Sequence[Result], path: str | Path) -> Non
     book = openpyxl.Workbook(write_only=True)
     _add_sheet(book, "summary", list(_summary(several)), wide=True)
     for name, rows in _quantities(several):
-        _add_sheet(book, name[:LONGEST_NAME], rows)
+        _add_sheet(book, _sheet_name(name), rows)
     content = io.BytesIO()
     book.save(content)
     write_atomically(path, content.getvalue())
+
+
+def _sheet_name(name: str) -> str:
+    """Name of a sheet; one that is too long loses its unit, which the heads of the columns have."""
+    return name if len(name) <= LONGEST_NAME else name.rpartition("_")[0][:LONGEST_NAME]
 
 
 def _add_sheet(book: Any, name: str, rows: Sequence[Row], *, wide: bool = False) -> None:

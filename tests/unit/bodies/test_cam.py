@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -40,6 +42,7 @@ from tests.support.cam_scenes import (
     waves,
 )
 from tests.support.paths import SCENES
+from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 EXAMPLE = SCENES / "cam.toml"
@@ -362,8 +365,9 @@ def test_many_positions_are_looked_at_in_parts() -> None:
 # --- results ------------------------------------------------------------------------------------
 
 
-def solved(*args: object, **keys: object) -> fl.Result:
-    result = fl.solve(fl.Scene.from_dict(cam_scene(*args, **keys)))
+def solved(*args: object, by: Callable[..., Any] = solve, **keys: object) -> fl.Result:
+    """Result of the pair; its cost by fl.solve."""
+    result = by(fl.Scene.from_dict(cam_scene(*args, **keys)))
     assert isinstance(result, fl.Result)
     return result
 
@@ -450,7 +454,7 @@ def test_unloaded_follower_lies_on_its_cam() -> None:
 
 
 def test_rigid_bodies_cost_no_elements() -> None:
-    result = solved(None, STIFF, positions={"count": 2})
+    result = solved(None, STIFF, positions={"count": 2}, by=fl.solve)
     assert result.cost["fe_factorisations"] == 1
     assert result.cost["fe_degrees_of_freedom"][0] == 0
     assert result.cost["unit_loads_normal"] == 41

@@ -15,7 +15,9 @@ from flankload.bodies.imported.body_file import write_body
 from flankload.errors import MeshError, SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.meshes.io import read_mesh
+from flankload.scene.accuracy import Accuracy
 from tests.support.paths import MESHES, SCENES
+from tests.support.solving import solve
 
 PINION = MESHES / "fzg_c_pinion.msh"
 WHEEL = MESHES / "fzg_c_wheel.msh"
@@ -37,13 +39,19 @@ def mesh_scene(pinion: Path = PINION, wheel: Path = WHEEL, **keys: object) -> fl
     )
 
 
+def example(name: str) -> fl.Scene:
+    """A scene of the examples without estimates."""
+    plain = Accuracy(estimate=False, tangents=False)
+    return dataclasses.replace(fl.read_scene(SCENES / f"{name}.toml"), accuracy=plain)
+
+
 @pytest.fixture(scope="module")
 def parametric() -> fl.Result:
-    return fl.solve(fl.read_scene(SCENES / "external_gear.toml"))
+    return solve(example("external_gear"))
 
 
 def test_mesh_with_its_profile_gives_the_result_of_the_parameters(parametric: fl.Result) -> None:
-    found = fl.solve(fl.read_scene(SCENES / "external_gear_mesh_profile.toml"))
+    found = solve(example("external_gear_mesh_profile"))
     np.testing.assert_allclose(found.rotation_rad, parametric.rotation_rad, rtol=1e-9, atol=0)
     total = parametric.site_force_N.sum(axis=1).max()
     np.testing.assert_allclose(
@@ -56,7 +64,7 @@ def test_mesh_with_its_profile_gives_the_result_of_the_parameters(parametric: fl
 
 
 def test_curve_through_the_nodes_is_near_and_says_how_near(parametric: fl.Result) -> None:
-    found = fl.solve(fl.read_scene(SCENES / "external_gear_mesh.toml"))
+    found = solve(example("external_gear_mesh"))
     np.testing.assert_allclose(found.rotation_rad, parametric.rotation_rad, rtol=3e-3, atol=0)
     deviations = [
         float(match[1]) / 1000
@@ -73,13 +81,13 @@ def test_rigid_mesh_needs_nothing_but_its_flank() -> None:
     """Sets of rim and cuts may be missing; where they are not, the answer is the same."""
     missing = {"fixed_set": "NO_RIM", "cut_sets": ["NO_LEFT", "NO_RIGHT"]}
     found = fl.solve(mesh_scene(rigid=True, **missing))
-    expected = fl.solve(mesh_scene(rigid=True))
+    expected = solve(mesh_scene(rigid=True))
     assert found.cost["fe_factorisations"] == 1
     assert found.cost["fe_degrees_of_freedom"][0] == 0
     np.testing.assert_array_equal(found.rotation_rad, expected.rotation_rad)
     np.testing.assert_array_equal(found.site_force_N, expected.site_force_N)
     with pytest.raises(MeshError, match="NO_RIM"):
-        fl.solve(mesh_scene(**missing))
+        solve(mesh_scene(**missing))
 
 
 @pytest.mark.parametrize("suffix", [".msh", ".vtu"])
@@ -100,7 +108,7 @@ def test_round_trip_keeps_nodes_cells_and_sets(tmp_path: Path, suffix: str) -> N
 
 def test_mirrored_pair_gives_the_mirrored_result(tmp_path: Path) -> None:
     """A pair drawn for the other sense of rotation is the same pair."""
-    straight = fl.solve(mesh_scene())
+    straight = solve(mesh_scene())
     raw = {}
     for path in (PINION, WHEEL):
         mesh = meshio.read(path)
@@ -110,7 +118,7 @@ def test_mirrored_pair_gives_the_mirrored_result(tmp_path: Path) -> None:
         raw[path] = mesh
     for path, mesh in raw.items():
         meshio.write(tmp_path / path.name, mesh, file_format="gmsh22", binary=False)
-    mirrored = fl.solve(mesh_scene(tmp_path / PINION.name, tmp_path / WHEEL.name))
+    mirrored = solve(mesh_scene(tmp_path / PINION.name, tmp_path / WHEEL.name))
     assert any("mirror image" in warning for warning in mirrored.warnings)
     np.testing.assert_allclose(mirrored.rotation_rad, straight.rotation_rad, rtol=1e-9)
 
@@ -254,13 +262,13 @@ def test_bodies_that_stand_wrong_are_refused_or_named(distance: float) -> None:
         scene, pair=type(scene.pair)(center_distance_mm=distance, face_width_mm=14)
     )
     if distance == 91.0:
-        (note,) = [w for w in fl.solve(pair).warnings if "as the files stand" in w]
+        (note,) = [w for w in solve(pair).warnings if "as the files stand" in w]
         overlap = float(re.search(r"overlap by ([\d.]+) um", note)[1])
         # half a millimetre nearer: about 0.5 mm times the sine of the working pressure angle
         assert overlap == pytest.approx(500 * np.sin(np.radians(22.0)), rel=0.15)
         return
     with pytest.raises(fl.errors.FlankloadError) as caught:
-        fl.solve(pair)
+        solve(pair)
     assert "\n" not in str(caught.value)
 
 
@@ -286,11 +294,11 @@ def test_the_wrong_flank_is_blamed_not_the_centre_distance(tmp_path: Path, whole
     # the sector by itself is a whole body with one flank
     name, named = ("flank_sets", ["COAST"]) if whole else ("flank_set", "COAST")
     with pytest.raises(SceneError) as caught:
-        fl.solve(mesh_scene(path, **{name: named}))
+        solve(mesh_scene(path, **{name: named}))
     assert caught.value.key == f"body_1.{name}"
     assert "faces counter-clockwise" in caught.value.expected
     assert caught.value.found.startswith("'COAST', which faces clockwise: in their mirror image")
-    fl.solve(mesh_scene(path))
+    solve(mesh_scene(path))
 
 
 def test_linear_elements_are_raised_and_noted(tmp_path: Path) -> None:
@@ -309,9 +317,9 @@ def test_linear_elements_are_raised_and_noted(tmp_path: Path) -> None:
         mesh.cell_data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
 
     path = changed(tmp_path, linear)
-    found = fl.solve(mesh_scene(path))
+    found = solve(mesh_scene(path))
     assert any("raised to quadratic" in warning for warning in found.warnings)
-    exact = fl.solve(mesh_scene())
+    exact = solve(mesh_scene())
     # straight edges of 0.5 mm leave the flank by up to 15 um at its foot
     interior = ~exact.corner_contact.any(axis=1) & ~found.corner_contact.any(axis=1)
     np.testing.assert_allclose(

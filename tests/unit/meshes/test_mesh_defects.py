@@ -11,6 +11,7 @@ import pytest
 
 from flankload.cli import main
 from tests.support.mesh_files import PINION, WHEEL
+from tests.support.solving import solve
 from tests.support.tolerances import SOLVER
 
 Change = Callable[[meshio.Mesh], None]
@@ -256,9 +257,9 @@ def test_elements_numbered_clockwise_are_turned_round(
         data = quadrilaterals(mesh)
         data[part] = data[part][:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]
 
-    expected = fl.solve(fl.read_scene(scene_with(pinion(unchanged, tmp_path))))
+    expected = solve(fl.read_scene(scene_with(pinion(unchanged, tmp_path))))
     path = pinion(clockwise, tmp_path)
-    found = fl.solve(fl.read_scene(scene_with(path)))
+    found = solve(fl.read_scene(scene_with(path)))
     assert (found.rotation_rad == expected.rotation_rad).all()
     assert any("numbered clockwise: their numbering is reversed" in note for note in found.warnings)
     assert run(capsys, "check", path)[0] == 0
@@ -275,8 +276,8 @@ def test_flank_edges_in_any_order_and_direction_are_one_line(
         lines[flank] = lines[np.random.default_rng(1).permutation(flank)]
         lines[::2] = lines[::2][:, [1, 0, 2]]
 
-    expected = fl.solve(fl.read_scene(scene_with(pinion(unchanged, tmp_path))))
-    found = fl.solve(fl.read_scene(scene_with(pinion(shuffled, tmp_path))))
+    expected = solve(fl.read_scene(scene_with(pinion(unchanged, tmp_path))))
+    found = solve(fl.read_scene(scene_with(pinion(shuffled, tmp_path))))
     assert (found.rotation_rad == expected.rotation_rad).all()
 
 
@@ -389,8 +390,8 @@ def test_straight_sided_quadratic_elements_take_their_corners(tmp_path: Path) ->
                 first, last, middle = block.data.T
                 mesh.points[middle] = 0.5 * (mesh.points[first] + mesh.points[last])
 
-    exact = fl.solve(fl.read_scene(scene_with(pinion(unchanged, tmp_path))))
-    found = fl.solve(fl.read_scene(scene_with(pinion(straighten, tmp_path))))
+    exact = solve(fl.read_scene(scene_with(pinion(unchanged, tmp_path))))
+    found = solve(fl.read_scene(scene_with(pinion(straighten, tmp_path))))
     assert any("its corner nodes alone" in note for note in found.warnings)
     # the curve through 10 corner nodes deviates by about 1 um of 39
     np.testing.assert_allclose(found.rotation_rad, exact.rotation_rad, rtol=0.03, atol=0)
@@ -464,6 +465,6 @@ def test_flank_set_that_takes_in_the_fillet_is_cut_to_the_profile(tmp_path: Path
         assert len(raw.nodes) == len(mesh.points)
         add(mesh, "line3", on_profile, tag=int(mesh.field_data["FLANK"][0]))
 
-    expected = fl.solve(fl.read_scene(scene_with(plain, profile)))
-    found = fl.solve(fl.read_scene(scene_with(pinion(with_fillet, tmp_path), profile)))
+    expected = solve(fl.read_scene(scene_with(plain, profile)))
+    found = solve(fl.read_scene(scene_with(pinion(with_fillet, tmp_path), profile)))
     np.testing.assert_allclose(found.rotation_rad, expected.rotation_rad, rtol=SOLVER, atol=0)

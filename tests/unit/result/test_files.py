@@ -15,8 +15,8 @@ import pytest
 
 from flankload.errors import InputError, SceneError
 from flankload.result import CsvForm, Result, StiffnessTable, results_to_csv, stiffness_table
-from flankload.result.fmu import _compiler
-from flankload.result.workbook import results_to_xlsx
+from flankload.result.fmu import _compiler, _identifier
+from flankload.result.workbook import _sheet_name, results_to_xlsx
 from tests.support.made_up_result import made_up_result
 
 TORQUES = (302.0, 100.0)
@@ -104,6 +104,12 @@ def test_a_text_like_a_formula_stays_a_text(tmp_path: Path) -> None:
     made_up_result(name="=1+1\x01", count=8).to_xlsx(tmp_path / "result.xlsx")
     cell = openpyxl.load_workbook(tmp_path / "result.xlsx")["summary"]["A1"]
     assert (cell.value, cell.data_type) == ("=1+1", "s")
+
+
+def test_names_are_shortened_without_a_wrong_unit() -> None:
+    assert _sheet_name("root_tension_1_arc_length_mm") == "root_tension_1_arc_length_mm"
+    assert _sheet_name("root_compression_1_arc_length_mm") == "root_compression_1_arc_length"
+    assert len(_identifier("long name " * 40)) < 200
 
 
 def test_a_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

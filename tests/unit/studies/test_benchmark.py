@@ -65,6 +65,8 @@ def test_answers_are_written_and_read_again(
 ) -> None:
     answers = tmp_path / "answers.json"
     own = ["benchmark", "--folder", str(FOLDER), "springs", "belt_row"]
+    assert main([*own, "-o", "-"]) == 0
+    assert json.loads(capsys.readouterr().out)["values"].keys() == {"springs", "belt_row"}
     assert main([*own, "-o", str(answers)]) == 0
     printed = capsys.readouterr().out
     assert read_answers(answers).values.keys() == {"springs", "belt_row"}
@@ -99,6 +101,13 @@ def test_a_case_that_does_not_follow_the_format_is_one_line(wrong: str, tmp_path
     [
         (["no_case"], f"{FOLDER}: case: expected belt_T10, "),
         (["--answers", "ANSWERS"], "answers: expected answers, found"),
+        (["--answers", "no.json"], "no.json: file: expected a JSON file with answers to read, "),
+        (["--answers", "TEXT"], "text.json: values.springs.rotation[0]: expected a number, found"),
+        (
+            ["--answers", "OTHER", "belt_row"],
+            "values.springs: expected names of the set, such as rotation[0], found rotatin[0]",
+        ),
+        (["-o", "-", "--json"], "-o: expected a file, since --json uses stdout, found -"),
         (["-o", "no/folder/a.json"], "-o: expected a file in a folder that exists"),
         (["--folder", "EMPTY"], "expected a folder for each case, with case.json, found none"),
     ],
@@ -107,7 +116,11 @@ def test_wrong_arguments_are_one_line(
     arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "answers.json").write_text('{"program": 3}')
-    places = {"ANSWERS": str(tmp_path / "answers.json"), "EMPTY": str(tmp_path)}
+    for name, answer in (("text", '{"rotation[0]": "x"}'), ("other", '{"rotatin[0]": 1}')):
+        text = f'{{"program": "a", "values": {{"springs": {answer}}}}}'
+        (tmp_path / f"{name}.json").write_text(text)
+    places = {name.upper(): str(tmp_path / f"{name}.json") for name in ("text", "other")}
+    places |= {"ANSWERS": str(tmp_path / "answers.json"), "EMPTY": str(tmp_path)}
     given = [places.get(argument, argument) for argument in arguments]
     assert main(["benchmark", "--folder", str(FOLDER), *given]) == 2
     assert message in capsys.readouterr().err

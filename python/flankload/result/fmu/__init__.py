@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 #: Sources that all FMUs share.
 SHARED = ("flankload_fmu.c", "table.h")
+#: Longest part of a scene's name in the names of files, which have at most 255 characters.
+LONGEST_NAME = 100
 #: Compiled with these; the binary depends on sources and compiler only.
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC", "-shared", "-s")
 LINKED = ("-Wl,--build-id=none", "-lm")
@@ -83,7 +85,7 @@ def fmu_of(table: Table, *, binary: bool | None = None) -> tuple[bytes, bool]:
 def _identifier(name: str) -> str:
     """A name in C."""
     found = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
-    return f"flankload_{found}" if found else "flankload"
+    return f"flankload_{found[:LONGEST_NAME]}" if found else "flankload"
 
 
 def _numbers(table: Table) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from math import radians, tan
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
+from flankload.base.arguments import is_number
 from flankload.contact import solve_contact, solve_contact_general
 from flankload.elasticity.near_field import mode_norms
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
@@ -22,7 +24,7 @@ from flankload.studies.benchmark.case import Case, place_of
 from flankload.studies.prepared import solve_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -70,12 +72,61 @@ def read_answers(path: Path) -> Answers:
     Raises
     ------
     SceneError
-        If the file does not follow the format.
+        If the file cannot be read or does not follow the format.
     """
     try:
-        return msgspec.json.decode(path.read_bytes(), type=Answers)
+        found = msgspec.json.decode(path.read_bytes())
+        _check_numbers(path, found)
+        return msgspec.convert(found, Answers)
+    except OSError as error:
+        expected, why = "a JSON file with answers to read", str(error.strerror).lower()
+        raise SceneError(file=path, key="file", expected=expected, found=why) from None
     except msgspec.DecodeError as error:
         raise SceneError(file=path, key="answers", expected="answers", found=error) from None
+
+
+def _check_numbers(path: Path, found: Any) -> None:
+    """Refuse a value that is no number, by its case and identifier."""
+    cases = found.get("values") if isinstance(found, dict) else None
+    for name, values in cases.items() if isinstance(cases, dict) else ():
+        for identifier, value in values.items() if isinstance(values, dict) else ():
+            if not is_number(value):
+                raise SceneError(
+                    file=path,
+                    key=f"values.{name}.{identifier}",
+                    expected="a number",
+                    found=repr(value),
+                )
+
+
+def check_answers(answers: Answers, cases: Sequence[Case], path: Path) -> None:
+    """Refuse answers to cases or quantities that do not exist: they would seem to be missing.
+
+    Parameters
+    ----------
+    answers : Answers
+    cases : sequence of Case
+        All of the set.
+    path : Path
+        File of the answers, for the error.
+
+    Raises
+    ------
+    SceneError
+    """
+    known = {case.name: list(case.quantities) for case in cases}
+    for name, values in answers.values.items():
+        _require_known(path, "values", name, list(known))
+        for identifier in values:
+            _require_known(path, f"values.{name}", identifier, known[name])
+
+
+def _require_known(path: Path, key: str, name: str, known: list[str]) -> None:
+    if name not in known:
+        near = get_close_matches(name, known, n=1) or known[:1]
+        raise SceneError(
+            file=path, key=key, expected=f"names of the set, such as {near[0]}", found=name
+        )
 
 
 def answers_of(case: Case, folder: Path) -> tuple[dict[str, float], float]:
