@@ -19,7 +19,7 @@ ROOT = Path(__file__).parent.parent
 SOURCES = (
     "docs/**.md",
     "fortran/README.md",
-    "examples/README.md",
+    "examples/**README.md",
     "benchmarks/README.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",

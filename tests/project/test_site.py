@@ -124,6 +124,14 @@ def test_every_page_is_in_a_table_of_contents() -> None:
         assert (ROOT / f"{page}.md").exists(), f"an index lists {page}.md, which does not exist"
 
 
+def test_links_of_the_examples_lead_to_pages_of_the_site() -> None:
+    import site_pages
+
+    listed = {page for pages in site_pages.pages_of_indexes().values() for page in pages}
+    for path in (ROOT / "examples").rglob("README.md"):
+        assert path.relative_to(ROOT).with_suffix("").as_posix() in listed
+
+
 def test_a_new_page_appears_in_the_index_of_its_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
