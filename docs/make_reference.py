@@ -158,7 +158,7 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
     def group(units: dict[str, str], axes: str, owner: type = fl.Result) -> list[Quantity]:
         return [Quantity(name, unit, axes, owner, name) for name, unit in units.items()]
 
-    rubs = [
+    of_friction = [
         Quantity(f"friction_{name}", unit, "(P,)", friction.FrictionResult, name)
         for name, unit in friction.ALONG_POSITIONS.items()
     ]
@@ -196,7 +196,7 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
             "In every result; a plane scene has one slice.",
             group(export.OVER_SLICES, "(P, S, J)"),
         ),
-        ("Friction", "With `effects.friction_coefficient`; `result.friction`.", rubs),
+        ("Friction", "With `effects.friction_coefficient`; `result.friction`.", of_friction),
         (
             "Coast flanks",
             "With `effects.coast_flank = true`.",

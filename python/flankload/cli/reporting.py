@@ -33,8 +33,8 @@ def report(arguments: Namespace) -> None:
     scene = scene_of_report(scene)
     import_plot_meanwhile()
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
-        told = None if arguments.quiet else partial(announce, progress)
-        found = solve(scene, progress=progress.tell, on_duration=told)
+        on_duration = None if arguments.quiet else partial(announce, progress)
+        found = solve(scene, progress=progress.tell, on_duration=on_duration)
     write_page(found, scene, output, arguments.line)
     if output != STDOUT and not arguments.quiet:
         print(f"wrote {output}")

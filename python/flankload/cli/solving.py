@@ -42,8 +42,8 @@ def run(arguments: Namespace) -> None:
         import_plot_meanwhile()
     with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
         plan = _plan(scene, progress) if arguments.cost else None
-        told = None if arguments.quiet else partial(announce, progress)
-        found = solve(scene, progress=progress.tell, plan=plan, on_duration=told)
+        on_duration = None if arguments.quiet else partial(announce, progress)
+        found = solve(scene, progress=progress.tell, plan=plan, on_duration=on_duration)
     results = found.by_torque
     written: tuple[Path, ...] = ()
     if arguments.plot is not None:

@@ -10,7 +10,6 @@ from matplotlib.ticker import MaxNLocator
 from flankload.plot.figures import heaviest, one_panel
 from flankload.plot.positions import is_closed, label_positions, pair_curve
 from flankload.plot.style import SIZE, loaded_sites
-from flankload.result.chain import ChainDrive
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,10 +34,9 @@ def plot_load_map(results: Result | Sequence[Result]) -> Figure:
 
 def _words(result: Result) -> tuple[str, str]:
     """The word for a site, and for several."""
-    if isinstance(result.drive, ChainDrive):
-        return "roller", "rollers"
-    on_teeth = result.drive is not None or result.whole_circle
-    return ("tooth", "teeth") if on_teeth else ("pair", "pairs")
+    if result.drive is not None:
+        return result.drive.words_for_sites
+    return ("tooth", "teeth") if result.whole_circle else ("pair", "pairs")
 
 
 def draw_load_map(axes: Axes, results: Sequence[Result]) -> None:

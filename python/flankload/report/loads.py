@@ -6,9 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.result.belt import BeltDrive
-from flankload.result.chain import ChainDrive
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -94,18 +91,11 @@ def _path_of_load(
 
 
 def _on_wheel(result: Result, p: int, s: int) -> tuple[Floats, Floats]:
-    """Place and direction of the force on a roller, or of that of a belt's tooth."""
-    drawing = result.drawing
-    angle = drawing.angle_1[p] + 2 * np.pi / drawing.teeth_1 * s
-    radius, turn = result.reference_radius_mm, 0.5 * np.pi
-    if isinstance(result.drive, ChainDrive):
-        turn = float(np.radians(np.nan_to_num(result.drive.force_angle_deg[p, s])))
-        angle += float(result.rotation_rad[p])
-    else:
-        assert isinstance(result.drive, BeltDrive)
-        radius *= 1.0 + 0.35 * result.pitch_rad
+    """Place and direction of the force at a site of a chain or a belt."""
+    assert result.drive is not None
+    angle, radius, direction = result.drive.drawn_force(result, p, s)
     place = radius * np.array([np.cos(angle), np.sin(angle)])
-    return place, np.array([np.cos(angle + turn), np.sin(angle + turn)])
+    return place, np.array([np.cos(direction), np.sin(direction)])
 
 
 def arrow(start: Floats, direction: Floats, length: float) -> tuple[str, Floats, Floats]:

@@ -75,6 +75,8 @@ class BeltDrive:
 
     #: Name of the drive in a report.
     name: ClassVar[str] = "belt"
+    #: Word for a site, and for several.
+    words_for_sites: ClassVar[tuple[str, str]] = ("tooth", "teeth")
     #: Arrays over the positions, with their units.
     along: ClassVar[dict[str, str]] = {
         "tight_tension_N": "N",
@@ -105,6 +107,26 @@ class BeltDrive:
         least = ROUNDING * self.tight_tension_N[:, None]
         lift = np.column_stack([self.land_lift_um, self.last_land_lift_um])
         return np.asarray((self.lands_N < -least) | ((self.lands_N < least) & (lift > 0)))
+
+    def drawn_force(self, result: Result, p: int, s: int) -> tuple[float, float, float]:
+        """Polar angle, radius and direction of a force on the wheel, for a drawing.
+
+        Parameters
+        ----------
+        result : Result
+            Result of this drive.
+        p, s : int
+            Indices of the position and of the site.
+
+        Returns
+        -------
+        angle_rad, radius_mm, direction_rad : float
+            The direction is an angle, too.
+        """
+        drawing = result.drawing
+        angle = float(drawing.angle_1[p] + 2 * np.pi / drawing.teeth_1 * s)
+        radius = result.reference_radius_mm * (1.0 + 0.35 * result.pitch_rad)
+        return angle, radius, angle + 0.5 * np.pi
 
     def rows(self, result: Result) -> Iterator[str]:
         """A row per position if there are several, then one per tooth at the largest force.

@@ -75,6 +75,8 @@ class ChainDrive:
 
     #: Name of the drive in a report.
     name: ClassVar[str] = "chain"
+    #: Word for a site, and for several.
+    words_for_sites: ClassVar[tuple[str, str]] = ("roller", "rollers")
     along: ClassVar[dict[str, str]] = ALONG_POSITIONS
     over_sites: ClassVar[dict[str, str]] = OVER_SITES
 
@@ -87,6 +89,27 @@ class ChainDrive:
     def least_margin_N(self) -> float:
         """Least value over all positions."""
         return float(self.jump_margin_N.min())
+
+    def drawn_force(self, result: Result, p: int, s: int) -> tuple[float, float, float]:
+        """Polar angle, radius and direction of a force on the wheel, for a drawing.
+
+        Parameters
+        ----------
+        result : Result
+            Result of this drive.
+        p, s : int
+            Indices of the position and of the site.
+
+        Returns
+        -------
+        angle_rad, radius_mm, direction_rad : float
+            The direction is an angle, too.
+        """
+        drawing = result.drawing
+        angle = float(drawing.angle_1[p] + 2 * np.pi / drawing.teeth_1 * s)
+        turn = float(np.radians(np.nan_to_num(self.force_angle_deg[p, s])))
+        angle += float(result.rotation_rad[p])
+        return angle, result.reference_radius_mm, angle + turn
 
     def rows(self, result: Result) -> Iterator[str]:
         """A row per position, then one per roller at the position of the largest tension.

@@ -202,7 +202,7 @@ def results_to_csv(
     """
     several = results if isinstance(results, Sequence) else results.by_torque
     form = CsvForm() if form is None else form
-    rubs = FRICTION if any(result.friction is not None for result in several) else {}
+    friction_units = FRICTION if any(result.friction is not None for result in several) else {}
     drives = several[0].drive.along if several[0].drive is not None else {}
     sites = sorted({int(site) for result in several for site in result.sites})
     keys = over_sites(*several)
@@ -210,7 +210,7 @@ def results_to_csv(
     units = {
         "torque_Nm": "N m",
         **along,
-        **{f"friction_{key}": unit for key, unit in rubs.items()},
+        **{f"friction_{key}": unit for key, unit in friction_units.items()},
         **drives,
         **{f"{key}_pair_{j}": unit for j in sites for key, unit in keys.items()},
     }
@@ -219,7 +219,7 @@ def results_to_csv(
         at_sites = SiteValues(result)
         for p in range(result.position_rad.size):
             row = [result.torque_Nm, *(at_position(result, key, p) for key in along)]
-            row += [getattr(result.friction, key)[p] for key in rubs]
+            row += [getattr(result.friction, key)[p] for key in friction_units]
             row += [getattr(result.drive, key)[p] for key in drives]
             row += [at_sites(key, p, j) for j in sites for key in keys]
             rows.append(list(map(form.cell, row, units.values())))

@@ -260,3 +260,16 @@ def test_run_draws_and_check_describes(tmp_path: Path, capsys: pytest.CaptureFix
     assert "chain jumps below about" in capsys.readouterr().out
     assert main(["mesh", str(EXAMPLE), "-o", str(tmp_path)]) == 2
     assert "body_2.kind: expected bodies with flanks" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kind", ["chain", "belt"])
+def test_drawn_forces_have_the_moment_of_the_torque(kind: str) -> None:
+    count = 3 if kind == "chain" else 1
+    result = fl.solve({**example(kind), "positions": {"count": count}})
+    drive = result.drive
+    assert drive is not None
+    for p, forces in enumerate(result.site_force_N):
+        places = [drive.drawn_force(result, p, s) for s in range(result.sites.size)]
+        levers = [result.reference_radius_mm * np.sin(there - angle) for angle, _, there in places]
+        # MODEL: rollers are drawn on the pitch circle; 0.4 % where they are
+        assert forces @ levers == pytest.approx(1e3 * result.torque_Nm, rel=5e-3)
