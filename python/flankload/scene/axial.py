@@ -39,7 +39,6 @@ PLANE_EFFECTS = {
     "friction_coefficient": "no friction of slices",
     "near_field": "no nodal forces on three-dimensional bodies",
     "influence": "influence coefficients of small forces for slices",
-    "root_stress": "root stress of plane bodies only",
     "body": "three-dimensional bodies with all their teeth",
     "temperature_rise_K": "expansion of plane bodies only",
     "speed_rpm": "expansion of plane bodies only",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -14,14 +14,16 @@ from flankload.bodies.free_corner import image_strengths
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import Account
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
-from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearField
+from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearField, RootResponse
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.end_faces import edge_angles, end_strength
 from flankload.elasticity.prism.flank_potential import FlankSurface, projected_potential
+from flankload.elasticity.prism.recovery import Recovery
 from flankload.elasticity.prism.regions import functions_of
+from flankload.elasticity.prism.root_surface import root_surface_stress
 from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import close_ring
 from flankload.errors import SceneError
@@ -32,6 +34,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.bodies.root_fillet import RootFillets
+    from flankload.elasticity.sector_closure import CondensedSector
 
     Floats = NDArray[np.float64]
 
@@ -95,7 +99,12 @@ class Prism:
 
 
 def prism_compliance(
-    body: Body, prism: Prism, *, n_modes: int, account: Account | None = None
+    body: Body,
+    prism: Prism,
+    *,
+    n_modes: int,
+    fillets: RootFillets | None = None,
+    account: Account | None = None,
 ) -> BodyCompliance:
     """Compliance of a body's flanks in three dimensions, its fixed nodes held over all their width.
 
@@ -124,6 +133,8 @@ def prism_compliance(
     n_modes : int
         Pressure modes along s; their degree should be at most half the number of flank elements.
         A tip rounding or chamfer has half as many more.
+    fillets : RootFillets, optional
+        Where stress is read.
     account : Account, optional
         Where factorisations are counted.
 
@@ -144,7 +155,7 @@ def prism_compliance(
     mesh, log = _sector_of(body), JobLog(account)
     if body.tip is not None:
         n_modes = with_tip(n_modes)
-    response = _ring_response(body, mesh, prism, n_modes, log)
+    response, of_roots = _ring_response(body, mesh, prism, n_modes, fillets, log)
     surface = flank_surface(body, prism)
     kernel = logarithm_strength(body.material, "strain")
     near = projected_potential(surface, n_modes, prism.load_degree)
@@ -153,6 +164,11 @@ def prism_compliance(
     along = mode_norms_z(high - low, prism.load_degree)
     inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along))
     response = inverse @ response @ inverse
+    root = None
+    if fillets is not None:
+        places = fillets.points.arc_length_mm.size
+        by_function = (of_roots @ inverse).reshape(mesh.teeth, places, -1, len(inverse))
+        root = RootResponse(fillets.points, by_function, prism.range_mm)
     unknowns = prism_unknowns(body, prism.degree)
     log.account.count(
         fe_unknowns=unknowns, fe_solutions=len(inverse), unit_loads_normal=len(inverse)
@@ -174,16 +190,26 @@ def prism_compliance(
                 end=surface.end,
             ),
         ),
+        root=root,
         job=log.cost(asymmetry, unknowns),
     )
 
 
-def _ring_response(body: Body, mesh: SectorMesh, prism: Prism, n_modes: int, log: JobLog) -> Floats:
-    """Readings B'C_t B (z, p, p) of the loads on the teeth of the closed ring."""
+def _ring_response(
+    body: Body,
+    mesh: SectorMesh,
+    prism: Prism,
+    n_modes: int,
+    fillets: RootFillets | None,
+    log: JobLog,
+) -> tuple[Floats, Floats]:
+    """Readings of the loads on the closed ring: B'C_t B (z, p, p), stress in the roots (z, r, p)."""
     axial = AxialBasis(prism.range_mm, prism.degree)
     numbers, functions = functions_of(mesh, axial, dict(prism.regions))
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
     in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, tip=body.tip, twist=prism.twist)
+    loads = _prism_loads(in_plane, axial.load_vectors(prism.load_degree))
+    recovery = None if fillets is None else Recovery(fillets.on_elements.nodes)
     log.end_step("assembly")
     # most fronts are too small to share: two threads take longer, and more CPU seconds
     with one_blas_thread():
@@ -191,15 +217,35 @@ def _ring_response(body: Body, mesh: SectorMesh, prism: Prism, n_modes: int, log
             section,
             functions,
             mesh,
-            _prism_loads(in_plane, axial.load_vectors(prism.load_degree)),
+            loads,
             cut_degree=min(prism.cut_degree, prism.degree),
             twisted=prism.twist != 0.0,
             account=log.account,
+            recovery=recovery,
         )
         log.end_step("factorisation")
+        if fillets is not None and recovery is not None:
+            nodes = fillets.on_elements
+            stress = root_surface_stress(nodes, functions, axial, body.material, prism.twist)
+            by_loads, by_cuts = recovery.unit_displacements(nodes.nodes, loads.shape[2])
+            sector = _with_reading(sector, stress, by_loads, by_cuts)
+            log.account.count(stress_recoveries=fillets.points.arc_length_mm.size)
+            log.end_step("solution")
         response = close_ring(sector, mesh.teeth)
     log.end_step("ring")
-    return response
+    return response[:, : loads.shape[2]], response[:, loads.shape[2] :]
+
+
+def _with_reading(
+    sector: CondensedSector, columns: Floats, by_loads: Floats, by_cuts: Floats
+) -> CondensedSector:
+    """The sector with columns (r, n) that read displacements (k, …) of nodes, n of them in all."""
+    local, carried = (
+        columns @ moved.reshape(columns.shape[1], -1) for moved in (by_loads, by_cuts)
+    )
+    return replace(
+        sector, local=(*sector.local, local), carried=(*sector.carried, np.asarray(carried.T))
+    )
 
 
 def prism_unknowns(body: Body, degree: int) -> int:

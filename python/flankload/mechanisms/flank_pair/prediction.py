@@ -63,7 +63,8 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
             if body.tip is not None and not pair.effects.nodal_near_field:
                 modes = with_tip(modes)
             if pair.effects.three_dimensions:
-                stages[stage] = _prism(body, modes, *degrees_of(scene.accuracy))
+                places = _places(pair.fillets[z]) if work.recoveries else 0
+                stages[stage] = _prism(body, modes, *degrees_of(scene.accuracy), places)
                 continue
             places = _places(pair.fillets[z])
             stages[stage] = (
@@ -129,12 +130,12 @@ def _sector(
     )
 
 
-def _prism(body: Body, modes: int, degree: int, load_degree: int) -> dict[str, int]:
+def _prism(body: Body, modes: int, degree: int, load_degree: int, places: int) -> dict[str, int]:
     """Work of a three-dimensional sector; with a plane of symmetry two parts of half the size."""
     assert body.axial is not None
     factorisations = 2 if body.axial.symmetric else 1
     work = _solved(factorisations, modes * (load_degree + 1), 0, growth=0)
-    return work | {"fe_unknowns": prism_unknowns(body, degree)}
+    return work | {"fe_unknowns": prism_unknowns(body, degree), "stress_recoveries": places}
 
 
 def _loads(work: Work) -> tuple[float, float]:
