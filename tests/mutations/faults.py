@@ -642,7 +642,7 @@ _PYTHON = (
         "unit/export/test_fields.py",
         ("right_left / waves", "right_left * waves"),
         (" - coupling.T @ moved[cut]", ""),
-        ("_on_edges(s, s_mm[own])", "_on_edges(s, s_mm[own] + 1.0)"),
+        ("on_edges(s, s_mm[own])", "on_edges(s, s_mm[own] + 1.0)"),
     ),
     *_in(
         "result/fmu/flankload_fmu.c",

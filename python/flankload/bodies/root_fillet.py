@@ -255,7 +255,7 @@ def edge_strains(nodes: Floats, image: Floats, edges: NDArray[np.int64]) -> tupl
     """
     places, strains = [], np.zeros((len(nodes), 2, 2 * len(edges)))
     for g, x in enumerate(GAUSS):
-        shape, slope = _line_shapes(np.float64(x))
+        shape, slope = (part[0] for part in _line_shapes(np.array([x])))
         tangent = np.einsum("k,mkd->md", slope, nodes[edges])
         squared = (tangent**2).sum(axis=1)
         columns = g + 2 * np.arange(len(edges))

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander
 from numpy.typing import NDArray
 
 from flankload.base.read_only import KeepsReadOnly
@@ -101,12 +100,11 @@ class OverWidth:
 
     def modes_at(self, z_mm: Floats) -> Floats:
         """Means of the modes along the axis over the slices of places (n,): (n, load_degree + 1)."""
-        points, weights = leggauss(self.load_degree // 2 + 1)
-        low, high = self.range_mm
-        half = 0.5 * np.diff(self.edges_mm)[:, None]
-        xi = (2.0 * (self.z_mm[:, None] + half * points) - low - high) / (high - low)
-        means = np.einsum("g,jgb->jb", 0.5 * weights, legvander(xi, self.load_degree))
-        return np.asarray(means[np.searchsorted(self.edges_mm, z_mm) - 1])
+        basis, edges = AxialBasis(self.range_mm, self.load_degree), self.edges_mm
+        at = np.searchsorted(edges, z_mm)
+        means = basis.means(np.column_stack([edges[at - 1], edges[at]]))
+        # of 1 at the end of the teeth, as Legendre polynomials are
+        return np.asarray(means / basis.values(np.array(self.range_mm[1:])))
 
 
 @dataclass(frozen=True, eq=False)

@@ -134,14 +134,14 @@ class Recovery:
         by_loads = np.zeros((nodes.size, self._unknowns, loads))
         by_cuts = np.zeros((nodes.size, self._unknowns, cuts * per_cut))
         for part in self._parts:
-            m, k = part.of_cut.size, part.columns.size
-            on_cuts = np.zeros((cuts, m, cuts * m + k))
+            m, columns = part.of_cut.size, part.columns.size
+            on_cuts = np.zeros((cuts, m, cuts * m + columns))
             on_cuts[..., : cuts * m] = np.eye(cuts * m).reshape(cuts, m, -1)
-            factors = np.eye(k, cuts * m + k, cuts * m)
+            factors = np.eye(columns, cuts * m + columns, cuts * m)
             moved = self._substituted(part, on_cuts, factors)
-            found = np.zeros((nodes.size, part.unknowns.size, cuts * m + k))
-            for at, node in enumerate(nodes.tolist()):
-                found[at, : len(moved[node])] = moved[node]
+            found = np.zeros((nodes.size, part.unknowns.size, cuts * m + columns))
+            for k, node in enumerate(nodes.tolist()):
+                found[k, : len(moved[node])] = moved[node]
             at = (np.arange(cuts)[:, None] * per_cut + part.of_cut).ravel()
             by_cuts[:, part.unknowns[:, None], at] = found[..., : cuts * m]
             by_loads[:, part.unknowns[:, None], part.columns] = found[..., cuts * m :]

@@ -71,7 +71,13 @@ def elements_call(
     """
     effects, own = effects_of(scene), body.for_elements()
     if effects.three_dimensions:
-        return _prism_call(own, scene, discretization, fillets)
+        return partial(
+            prism_compliance,
+            own,
+            prism_of(own, scene),
+            n_modes=modes_of(own, scene, discretization),
+            fillets=fillets,
+        )
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
     if own.given is not None:
@@ -289,22 +295,18 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
     )
 
 
-def _prism_call(
-    body: Body, scene: Scene, discretization: Discretization, fillets: RootFillets | None
-) -> partial[BodyCompliance]:
-    """Call for the compliance of a three-dimensional body."""
+def prism_of(body: Body, scene: Scene) -> Prism:
+    """How a three-dimensional body extends along its axis, with the degrees of a scene."""
     axial = body.axial
     assert axial is not None
     degree, load_degree = degrees_of(scene.accuracy)
-    prism = Prism(
+    return Prism(
         axial.range_mm,
         axial.twist_rad_per_mm,
         degree=degree,
         load_degree=load_degree,
         regions=axial.regions,
     )
-    n_modes = modes_of(body, scene, discretization)
-    return partial(prism_compliance, body, prism, n_modes=n_modes, fillets=fillets)
 
 
 def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
