@@ -94,7 +94,7 @@ def draw_root_stress_over_width(axes: Axes, results: Sequence[Result]) -> None:
             axes.plot(result.slice_z_mm, values[p, s], label=label, **look)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.set_xlabel("axial position z in mm")
-    axes.set_ylabel("tension (solid), compression (dashed) in MPa")
+    axes.set_ylabel("stress in MPa")
     legend_below(axes, ncols=1)
 
 

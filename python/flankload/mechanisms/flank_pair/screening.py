@@ -290,8 +290,10 @@ class FlankPairScreening(Screening):
             if name not in counted:
                 continue
             if pair.slices is not None:
-                body = (pair.body_1, pair.body_2)[z]
-                stages[name] = self._models.prism_rates[z].price(scene, body, counted[name])
+                body, counters = (pair.body_1, pair.body_2)[z], counted[name]
+                if pair.effects.root_stress and pair.fillets[z] is None:  # of another scene
+                    counters = counters | {"stress_recoveries": PLACES}
+                stages[name] = self._models.prism_rates[z].price(scene, body, counters)
                 continue
             if z not in self._models.rates:  # it comes from a file
                 stages[name] = Account(bytes=held_bytes(self._models.compliance(scene, pair, z)))
