@@ -199,7 +199,7 @@ class SolidBody(_OnBody):
         """Fields of a result at position p, as of `FieldBody`."""
         drawing, loaded, twist = result.drawing, self.loaded, self.loaded.prism.twist
         angle = float((drawing.angle_1, drawing.angle_2)[self.number][p])
-        forces = self._forces(result, p, angle)
+        forces = self.forces(result, p)
         moved = loaded.displacements(forces.tooth, forces.s_mm, forces.spans_mm, forces.force_N)
         center = np.array([self.number * drawing.center_distance_mm, 0.0])
         found: list[list[Floats]] = []
@@ -222,9 +222,10 @@ class SolidBody(_OnBody):
         )
         return NodalFields(points, moved_to, stresses, pressures[:, 0], nodal_forces)
 
-    def _forces(self, result: Result, p: int, angle: float) -> _SliceForces:
-        """Contact forces of a position, at Gauss points of the cells of each slice."""
-        table, slices = result.pairs(p), result.slices
+    def forces(self, result: Result, p: int) -> SliceForces:
+        """Contact forces of position p, at Gauss points of the cells of each slice."""
+        table, slices, drawing = result.pairs(p), result.slices, result.drawing
+        angle = float((drawing.angle_1, drawing.angle_2)[self.number][p])
         assert slices is not None
         assert table.z_mm is not None
         carries = table.force_N > 0
@@ -234,7 +235,7 @@ class SolidBody(_OnBody):
         s = self._on_elements((s[:, None] + 0.5 * cell[:, None] * x).ravel(), self.loaded.body)
         normal = np.column_stack([table.normal_x, table.normal_y])[carries]
         lever = table.x_mm[carries] * normal[:, 1] - table.y_mm[carries] * normal[:, 0]
-        shape = result.drawing.axial[0]
+        shape = drawing.axial[0]
         assert shape is not None
         # the normal out of body 1 leans along its helix
         leaning = np.column_stack([normal, -shape.twist_rad_per_mm * lever])
@@ -248,7 +249,7 @@ class SolidBody(_OnBody):
         number = np.abs(slices.z_mm - z[:, None]).argmin(axis=1)
         half = 0.5 * slices.width_mm[number]
         share = np.tile(0.5 * weights, site.size)
-        return _SliceForces(
+        return SliceForces(
             np.repeat(self._teeth(site, coast=False), POINTS),
             s,
             np.repeat(np.column_stack([z - half, z + half]), POINTS, axis=0),
@@ -256,7 +257,7 @@ class SolidBody(_OnBody):
             share * np.repeat(table.force_N[carries], POINTS),
         )
 
-    def _nodal(self, part: SolidPart, forces: _SliceForces) -> tuple[Floats, Floats]:
+    def _nodal(self, part: SolidPart, forces: SliceForces) -> tuple[Floats, Floats]:
         """Forces (n, J, 3) at the points of a part, and pressures (n, J) on its flanks."""
         loaded, count = self.loaded, part.z_mm.size
         place = np.full(len(loaded.nodes), -1)
@@ -279,7 +280,7 @@ class SolidBody(_OnBody):
 
 
 @dataclass(frozen=True, eq=False)
-class _SliceForces:
+class SliceForces:
     """Forces on the flanks of a body, each even over a span along the axis.
 
     Attributes
