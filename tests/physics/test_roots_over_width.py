@@ -97,7 +97,8 @@ def test_the_middle_of_a_wide_spur_gear_is_in_plane_strain() -> None:
 
 @cache
 def _helical(*, mirrored: bool = False) -> fl.Result:
-    found = solve(fl.Scene.from_dict(tree_of(HELICAL, {**ROOTS, **(OTHER_HANDS if mirrored else {})})))
+    changes = {**ROOTS, **(OTHER_HANDS if mirrored else {})}
+    found = solve(fl.Scene.from_dict(tree_of(HELICAL, changes)))
     assert isinstance(found, fl.Result)
     return found
 
@@ -121,9 +122,7 @@ def test_shapes_names_and_the_place_of_the_largest_stress() -> None:
     points = stress.points.arc_length_mm.size
     assert stress.stress_MPa.shape == (4, sites, 8, points)
     assert stress.slice_tension_MPa.shape == (4, sites, 8)
-    np.testing.assert_array_equal(
-        stress.tension.stress_MPa, stress.slice_tension_MPa.max(axis=2)
-    )
+    np.testing.assert_array_equal(stress.tension.stress_MPa, stress.slice_tension_MPa.max(axis=2))
     assert stress.tension.z_mm is not None
     at = np.abs(result.slice_z_mm - stress.tension.z_mm[..., None]).argmin(axis=2)
     np.testing.assert_array_equal(at, stress.slice_tension_MPa.argmax(axis=2))

@@ -186,7 +186,7 @@ def turned(vectors: Floats, angle_rad: float) -> Floats:
 def on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
     """Edges of places on a flank, and the values (n, 3) of the edges' shape functions there.
 
-    s (m, 3), mm, are the arc lengths of the first, last and middle nodes; s is quadratic on an edge.
+    s (m, 3) are the arc lengths of the first, last and middle nodes; s is quadratic on an edge.
     """
     ends = np.append(s[:, 0], s[-1, 1])
     if ends[-1] - ends[0] > 0 and (s[:, 1] < s[:, 0]).any():  # a turn: the last edge ends at 0

@@ -124,7 +124,10 @@ def _as_solved(scene: Scene) -> Scene:
 
 
 def _write_torque(
-    folder: Path, result: Result, bodies: dict[str, FieldBody | SolidBody | str], positions: Sequence[int]
+    folder: Path,
+    result: Result,
+    bodies: dict[str, FieldBody | SolidBody | str],
+    positions: Sequence[int],
 ) -> None:
     """Write the files of one torque; the collection is the last one."""
     folder.mkdir(parents=True, exist_ok=True)

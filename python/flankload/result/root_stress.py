@@ -99,7 +99,7 @@ class OverWidth:
         return np.asarray(0.5 * (self.edges_mm[1:] + self.edges_mm[:-1]))
 
     def modes_at(self, z_mm: Floats) -> Floats:
-        """Means of the modes along the axis over the slices of places (n,): (n, load_degree + 1)."""
+        """Means (n, load_degree + 1) of the modes along the axis over the slices of places (n,)."""
         basis, edges = AxialBasis(self.range_mm, self.load_degree), self.edges_mm
         at = np.searchsorted(edges, z_mm)
         means = basis.means(np.column_stack([edges[at - 1], edges[at]]))

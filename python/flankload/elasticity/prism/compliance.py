@@ -203,7 +203,7 @@ def _ring_response(
     fillets: RootFillets | None,
     log: JobLog,
 ) -> tuple[Floats, Floats]:
-    """Readings of the loads on the closed ring: B'C_t B (z, p, p), stress in the roots (z, r, p)."""
+    """Readings B'C_t B (z, p, p) of the loads on the closed ring, and of the roots (z, r, p)."""
     axial = AxialBasis(prism.range_mm, prism.degree)
     numbers, functions = functions_of(mesh, axial, dict(prism.regions))
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)

@@ -173,15 +173,25 @@ class LoadedPrism:
         np.add.at(forces, (nodes, tooth[:, None] % z), parts)
         by_sector = forces.transpose(0, 2, 3, 1).reshape(len(mesh.nodes), -1, z)
         with one_blas_thread():
-            moved = self._solved(by_sector).reshape(len(mesh.nodes), count, COMPONENTS, z)
+            moved = self.solved(by_sector).reshape(len(mesh.nodes), count, COMPONENTS, z)
         found = np.empty((len(self.nodes), count, COMPONENTS))
         for k, row in enumerate(self.numbers):
             found[row] = moved[..., k]
             found[row, :, :2] = turned(moved[:, :, :2, k], k * pitch)
         return found
 
-    def _solved(self, forces: Floats) -> Floats:
-        """Displacements (N, 3 (p + 1), z) of all sectors under forces of that shape."""
+    def solved(self, forces: Floats) -> Floats:
+        """Displacements of all sectors of the ring under nodal forces.
+
+        Parameters
+        ----------
+        forces : (N, 3 (p + 1), z) array
+            By node, unknown and sector, in the frames of the sectors.
+
+        Returns
+        -------
+        array of that shape
+        """
         mesh, m = self.mesh, len(self.sector.stiffness) // 2
         z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
         kept, carried = self.recovery.reduced(forces)

@@ -211,7 +211,7 @@ class Recovery:
         factors: Floats | None,
         forces: list[Floats] | None = None,
     ) -> dict[int, Floats]:
-        """Displacements (n, r) of each kept node, and (m, r) of the cuts, from the last front on."""
+        """Displacements (n, r) of each kept node and (m, r) of the cuts, last fronts first."""
         r, n = on_cuts.shape[2], part.unknowns.size
         moved = dict(zip(self._cut.tolist(), on_cuts, strict=True))
         for number in range(len(part.fronts) - 1, -1, -1):

@@ -9,6 +9,7 @@ import numpy as np
 
 from flankload.elasticity.loaded_body import loaded_body, turned
 from flankload.elasticity.prism.loaded_prism import loaded_prism
+from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import prism_of
 from flankload.pairing.coast_sites import coast_sites
@@ -211,10 +212,10 @@ class SolidBody(_OnBody):
             v, stress = loaded.fields(part, moved)
             columns = [
                 np.concatenate([_turned_by(section, turns) + center, height], axis=-1),
-                _in_world(v, turns),
-                _stress_in_world(stress, turns),
+                in_world(v, turns),
+                stress_in_world(stress, turns),
                 pressure[..., None],
-                _in_world(nodal, turns),
+                in_world(nodal, turns),
             ]
             found.append([column.reshape(turns.size, -1) for column in columns])
         points, moved_to, stresses, pressures, nodal_forces = map(
@@ -226,8 +227,10 @@ class SolidBody(_OnBody):
         """Contact forces of position p, at Gauss points of the cells of each slice."""
         table, slices, drawing = result.pairs(p), result.slices, result.drawing
         angle = float((drawing.angle_1, drawing.angle_2)[self.number][p])
-        assert slices is not None
-        assert table.z_mm is not None
+        if slices is None or table.z_mm is None:
+            raise SceneError(
+                key="results", expected="results of this scene", found="those of a plane scene"
+            )
         carries = table.force_N > 0
         x, weights = np.polynomial.legendre.leggauss(POINTS)
         site, cell, z = table.site[carries], table.cell_mm[carries], table.z_mm[carries]
@@ -245,7 +248,7 @@ class SolidBody(_OnBody):
             tangent = np.column_stack([normal[:, 1], -normal[:, 0], np.zeros(len(normal))])
             on_1 += table.friction_force_N[carries, None] * tangent
         force = on_1 if self.number == 0 else -on_1
-        force = _in_world(force, -(angle + self.loaded.prism.twist * z))
+        force = in_world(force, -(angle + self.loaded.prism.twist * z))
         number = np.abs(slices.z_mm - z[:, None]).argmin(axis=1)
         half = 0.5 * slices.width_mm[number]
         share = np.tile(0.5 * weights, site.size)
@@ -356,12 +359,12 @@ def _turned_by(plane: Floats, turns: Floats) -> Floats:
     return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
 
 
-def _in_world(vectors: Floats, turns: Floats) -> Floats:
+def in_world(vectors: Floats, turns: Floats) -> Floats:
     """Vectors (…, 3), each rotated about z by an angle of its own (…)."""
     return np.concatenate([_turned_by(vectors[..., :2], turns), vectors[..., 2:]], axis=-1)
 
 
-def _stress_in_world(stress: Floats, turns: Floats) -> Floats:
+def stress_in_world(stress: Floats, turns: Floats) -> Floats:
     """Stresses (…, 6) as xx, yy, zz, xy, yz, xz of sections rotated by angles (…)."""
     xx, yy, zz, xy, yz, xz = np.moveaxis(stress, -1, 0)
     mean, half = 0.5 * (xx + yy), np.stack([0.5 * (xx - yy), xy], axis=-1)

@@ -50,8 +50,8 @@ def _unknowns(gradient: np.ndarray, axial: AxialBasis, turn: float) -> np.ndarra
     low, high = axial.range_mm
     z = 0.5 * (low + high) + 0.5 * (high - low) * points
     nodes = BODY.mesh.nodes[FILLETS.on_elements.nodes]
-    section = np.concatenate([np.broadcast_to(nodes[:, None], (len(nodes), z.size, 2)),
-                              np.broadcast_to(z[:, None], (len(nodes), z.size, 1))], axis=2)  # fmt: skip
+    plane = np.broadcast_to(nodes[:, None], (len(nodes), z.size, 2))
+    section = np.dstack([plane, np.broadcast_to(z, plane.shape[:2])])
     frame = _turned(turn * z)
     place = np.einsum("ijz,nzj->nzi", frame, section)
     own = np.einsum("jiz,nzj->nzi", frame, place @ gradient.T)
@@ -73,8 +73,7 @@ def test_stress_of_even_strains_on_the_twisted_surface(twist: float) -> None:
         across = np.column_stack([tangents, np.zeros(len(places))]) @ frame.T
         step = 1e-5
         ends = [
-            np.column_stack([places, np.zeros(len(places))])
-            @ _turned(np.array(twist * (z + d))).T
+            np.column_stack([places, np.zeros(len(places))]) @ _turned(np.array(twist * (z + d))).T
             + [0.0, 0.0, d]
             for d in (-step, step)
         ]
