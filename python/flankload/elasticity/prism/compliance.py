@@ -24,6 +24,7 @@ from flankload.elasticity.prism.flank_potential import FlankSurface, projected_p
 from flankload.elasticity.prism.recovery import Recovery
 from flankload.elasticity.prism.regions import functions_of
 from flankload.elasticity.prism.root_surface import root_surface_stress
+from flankload.elasticity.prism.section_error import missed_over_width
 from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import close_ring
 from flankload.errors import SceneError
@@ -104,6 +105,7 @@ def prism_compliance(
     *,
     n_modes: int,
     fillets: RootFillets | None = None,
+    estimate: bool = False,
     account: Account | None = None,
 ) -> BodyCompliance:
     """Compliance of a body's flanks in three dimensions, its fixed nodes held over all their width.
@@ -135,6 +137,8 @@ def prism_compliance(
         A tip rounding or chamfer has half as many more.
     fillets : RootFillets, optional
         Where stress is read.
+    estimate : bool
+        Whether the discretization error of the plane elements is estimated.
     account : Account, optional
         Where factorisations are counted.
 
@@ -152,7 +156,7 @@ def prism_compliance(
     prism.check()
     if body.rigid or body.mesh is None:
         return no_compliance(body)
-    mesh, log = _sector_of(body), JobLog(account)
+    mesh, log, modes_s = _sector_of(body), JobLog(account), n_modes
     if body.tip is not None:
         n_modes = with_tip(n_modes)
     response, of_roots = _ring_response(body, mesh, prism, n_modes, fillets, log)
@@ -176,6 +180,17 @@ def prism_compliance(
     mirrored = response[-np.arange(mesh.teeth) % mesh.teeth].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     log.end_step("near field")
+    missed = None
+    if estimate:
+        missed = missed_over_width(
+            body,
+            modes_s,
+            width_mm=high - low,
+            load_degree=prism.load_degree,
+            cosine=surface.cos_base_helix,
+            account=log.account,
+        )
+        log.end_step("estimate")
     return BodyCompliance(
         smooth=0.5 * (response + mirrored),
         near=NearField(kernel, wedge=surface.wedge),
@@ -191,6 +206,7 @@ def prism_compliance(
             ),
         ),
         root=root,
+        missed=missed,
         job=log.cost(asymmetry, unknowns),
     )
 

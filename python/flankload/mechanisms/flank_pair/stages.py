@@ -77,6 +77,7 @@ def elements_call(
             prism_of(own, scene),
             n_modes=modes_of(own, scene, discretization),
             fillets=fillets,
+            estimate=estimate,
         )
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
