@@ -168,11 +168,6 @@ def prism_compliance(
     along = mode_norms_z(high - low, prism.load_degree)
     inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along))
     response = inverse @ response @ inverse
-    root = None
-    if fillets is not None:
-        places = fillets.points.arc_length_mm.size
-        by_function = (of_roots @ inverse).reshape(mesh.teeth, places, -1, len(inverse))
-        root = RootResponse(fillets.points, by_function, prism.range_mm)
     unknowns = prism_unknowns(body, prism.degree)
     log.account.count(
         fe_unknowns=unknowns, fe_solutions=len(inverse), unit_loads_normal=len(inverse)
@@ -205,10 +200,18 @@ def prism_compliance(
                 end=surface.end,
             ),
         ),
-        root=root,
+        root=None if fillets is None else _of_roots(fillets, of_roots @ inverse, prism),
         missed=missed,
         job=log.cost(asymmetry, unknowns),
     )
+
+
+def _of_roots(fillets: RootFillets, response: Floats, prism: Prism) -> RootResponse:
+    """Readings (z, r, p) by place and function of z."""
+    teeth, _, modes = response.shape
+    places = fillets.points.arc_length_mm.size
+    by_function = response.reshape(teeth, places, -1, modes)
+    return RootResponse(fillets.points, by_function, prism.range_mm)
 
 
 def _ring_response(
