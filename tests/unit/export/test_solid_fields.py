@@ -226,6 +226,7 @@ def test_results_of_a_plane_scene_are_refused() -> None:
         bodies()[0].at(made_up_result(), 0)
 
 
+@cache
 def _webbed(twist: float) -> LoadedPrism:
     body = build_involute_body(
         gear(web_width_mm=5.0, rim_thickness_mm=6.0),
@@ -250,3 +251,17 @@ def test_a_web_and_its_rim_move_as_one() -> None:
     )
     np.testing.assert_allclose(v[in_two], own, atol=SOLVER * np.abs(v).max())
     assert np.abs(v).max() > 0
+
+
+def test_a_force_on_another_tooth_moves_it_alike() -> None:
+    loaded, tooth = _webbed(0.01), 3
+    turn = tooth * 2 * np.pi / loaded.mesh.teeth
+    force = np.array([[100.0, -40.0, 20.0]])
+    found = []
+    for number, own in ((0, force), (tooth, in_world(force, np.array([turn])))):
+        moved = loaded.displacements(
+            np.array([number]), np.array([4.0]), np.array([[-7.0, 0.0]]), own
+        )
+        row = moved[loaded.numbers[number]]
+        found.append(in_world(row, np.full(row.shape[:2], -number * turn / tooth)))
+    np.testing.assert_allclose(found[1], found[0], atol=SOLVER * np.abs(found[0]).max())

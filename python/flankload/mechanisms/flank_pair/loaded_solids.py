@@ -57,7 +57,7 @@ class SolidBody(BodyOfPair):
             height = np.broadcast_to(part.z_mm, turns.shape)[..., None]
             v, stress = loaded.fields(part, moved)
             columns = [
-                np.concatenate([_turned_by(section, turns) + center, height], axis=-1),
+                np.concatenate([turned_by(section, turns) + center, height], axis=-1),
                 in_world(v, turns),
                 stress_in_world(stress, turns),
                 pressure[..., None],
@@ -166,7 +166,7 @@ def _on_layers(z_mm: Floats, spans_mm: Floats) -> Floats:
     return found
 
 
-def _turned_by(plane: Floats, turns: Floats) -> Floats:
+def turned_by(plane: Floats, turns: Floats) -> Floats:
     """Vectors (…, 2), each rotated counter-clockwise by an angle of its own (…)."""
     cosine, sine = np.cos(turns), np.sin(turns)
     x, y = plane[..., 0], plane[..., 1]
@@ -175,14 +175,14 @@ def _turned_by(plane: Floats, turns: Floats) -> Floats:
 
 def in_world(vectors: Floats, turns: Floats) -> Floats:
     """Vectors (…, 3), each rotated about z by an angle of its own (…)."""
-    return np.concatenate([_turned_by(vectors[..., :2], turns), vectors[..., 2:]], axis=-1)
+    return np.concatenate([turned_by(vectors[..., :2], turns), vectors[..., 2:]], axis=-1)
 
 
 def stress_in_world(stress: Floats, turns: Floats) -> Floats:
     """Stresses (…, 6) as xx, yy, zz, xy, yz, xz of sections rotated by angles (…)."""
     xx, yy, zz, xy, yz, xz = np.moveaxis(stress, -1, 0)
     mean, half = 0.5 * (xx + yy), np.stack([0.5 * (xx - yy), xy], axis=-1)
-    half = _turned_by(half, 2.0 * turns)
-    shear = _turned_by(np.stack([xz, yz], axis=-1), turns)
+    half = turned_by(half, 2.0 * turns)
+    shear = turned_by(np.stack([xz, yz], axis=-1), turns)
     parts = mean + half[..., 0], mean - half[..., 0], zz, half[..., 1], shear[..., 1], shear[..., 0]
     return np.stack(parts, axis=-1)
