@@ -38,7 +38,8 @@ PLANE = 0.03
 #: 3 mm; measured 3 % (0.3 % with the default elements and five modes).
 FEW_MODES = 0.05
 MODES = {"accuracy__axial_degree": 8, "accuracy__load_degree_z": 4, "accuracy__slices": 16}
-ROOTS = {**SMALL, "effects__root_stress": True}
+#: The wheel is rigid, which saves its elements.
+ROOTS = {**SMALL, "effects__root_stress": True, "body_2__rigid": True}
 
 
 @cache
@@ -85,15 +86,13 @@ def test_the_middle_of_a_wide_spur_gear_is_in_plane_strain() -> None:
     plane = solve(fl.Scene.from_dict(tree))
     assert isinstance(wide, fl.Result)
     assert isinstance(plane, fl.Result)
-    for one, two in zip(wide.root_stress, plane.root_stress, strict=True):
-        assert one is not None
-        assert two is not None
-        p, s = np.unravel_index(two.tension.stress_MPa.argmax(), two.tension.stress_MPa.shape)
-        assert one.slice_tension_MPa[p, s, 4] == pytest.approx(
-            two.tension.stress_MPa[p, s], rel=PLANE
-        )
-        # the ends carry less
-        assert one.slice_tension_MPa[p, s, 0] < 0.95 * one.slice_tension_MPa[p, s, 4]
+    one, two = wide.root_stress[0], plane.root_stress[0]
+    assert one is not None
+    assert two is not None
+    p, s = np.unravel_index(two.tension.stress_MPa.argmax(), two.tension.stress_MPa.shape)
+    assert one.slice_tension_MPa[p, s, 4] == pytest.approx(two.tension.stress_MPa[p, s], rel=PLANE)
+    # the ends carry less
+    assert one.slice_tension_MPa[p, s, 0] < 0.95 * one.slice_tension_MPa[p, s, 4]
 
 
 @cache
@@ -105,19 +104,19 @@ def _helical(*, mirrored: bool = False) -> fl.Result:
 
 
 def test_the_mirrored_pair_has_mirrored_stresses() -> None:
-    pairs = (_helical(), _helical(mirrored=True))
-    for one, two in zip(*(result.root_stress for result in pairs), strict=True):
-        assert one is not None
-        assert two is not None
-        largest = np.abs(one.stress_MPa).max()
-        mirrored = two.stress_MPa[:, :, ::-1]
-        np.testing.assert_allclose(mirrored, one.stress_MPa, atol=10 * MIRRORED * largest)
-        found, wanted = two.tension, one.tension
-        np.testing.assert_allclose(found.stress_MPa, wanted.stress_MPa, atol=1e-9 * largest)
+    one, two = (_helical(mirrored=mirrored).root_stress[0] for mirrored in (False, True))
+    assert one is not None
+    assert two is not None
+    largest = np.abs(one.stress_MPa).max()
+    mirrored = two.stress_MPa[:, :, ::-1]
+    np.testing.assert_allclose(mirrored, one.stress_MPa, atol=10 * MIRRORED * largest)
+    found, wanted = two.tension, one.tension
+    np.testing.assert_allclose(found.stress_MPa, wanted.stress_MPa, atol=1e-9 * largest)
 
 
 def test_shapes_names_and_the_place_of_the_largest_stress() -> None:
     result = _helical()
+    assert result.root_stress[1] is None
     stress, sites = result.root_stress[0], result.sites.size
     assert stress is not None
     points = stress.points.arc_length_mm.size
@@ -134,12 +133,12 @@ def test_shapes_names_and_the_place_of_the_largest_stress() -> None:
     data = result.to_xarray()
     assert data["slice_root_tension_1_MPa"].dims == ("position", "site", "slice")
     assert data["root_tension_1_z_mm"].dims == ("position", "site")
-    assert "root_compression_2_z_mm_pair_0" in result.to_csv().splitlines()[0].split(",")
+    assert "root_compression_1_z_mm_pair_0" in result.to_csv().splitlines()[0].split(",")
 
 
 def test_stress_is_that_of_the_elements_under_the_forces_of_the_slices() -> None:
     """The run superposes pressure modes; here the forces of the slices act on the elements."""
-    scene = fl.Scene.from_dict(tree_of(HELICAL, {**ROOTS, **MODES}))
+    scene = fl.Scene.from_dict(tree_of(HELICAL, {**ROOTS, **MODES, "body_2__rigid": False}))
     result, body = solve(scene), field_bodies(scene)["body_1"]
     assert isinstance(result, fl.Result)
     assert isinstance(body, SolidBody)
