@@ -29,6 +29,7 @@ from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
 from flankload.pairing.period import Period, period_of
 from flankload.pairing.slices import Slices, gap_by_misalignment, reached_positions, slices_of
+from flankload.scene.axial import check_hands
 from flankload.scene.discretization import (
     DEFAULT,
     Discretization,
@@ -257,6 +258,7 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
     one, two = (body.axial for body in bodies)
     if one is None or two is None:
         return None
+    check_hands(one.hand_sign, two.hand_sign, inward=bodies[1].outward < 0)
     angles = scene.pair.inclination_um_per_mm, scene.pair.deviation_um_per_mm
     misalignment = 0.0
     if any(angles):
