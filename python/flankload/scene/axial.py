@@ -168,20 +168,22 @@ class AxialKeys:
 
     inward: ClassVar[bool | None] = False
 
+    # splines lack these keys
+    helix_angle_deg: HelixAngle = 0.0
+    hand: Hand = None
+    profile_twist_um: ProfileTwist = None
+    topography_file: TopographyFile = None
+    shaft: OnShaft = None
+
     if TYPE_CHECKING:
-        helix_angle_deg: HelixAngle
-        hand: Hand
         face_width_mm: OwnWidth
         axial_offset_mm: AxialOffset
         lead_crowning_um: LeadCrowning
         helix_slope_um: HelixSlope
         tooth_helix_slope_um: ToothHelixSlopes
-        profile_twist_um: ProfileTwist
-        topography_file: TopographyFile
         end_relief_um: EndRelief
         end_relief_length_mm: EndReliefLength
         end_relief_shape: EndReliefShape
-        shaft: OnShaft
 
         @property
         def number_of_teeth(self) -> int: ...
