@@ -54,7 +54,8 @@ LEAD_KEYS = (
     "profile_twist_um",
     "topography_file",
 )
-MISALIGNMENTS = ("inclination_um_per_mm", "deviation_um_per_mm")
+#: Keys of axes that are not parallel; the last one is that of splines.
+MISALIGNMENTS = ("inclination_um_per_mm", "deviation_um_per_mm", "misalignment_mrad")
 #: Keys that give regions of a body widths of their own and hence require three dimensions.
 REGION_KEYS = ("web_width_mm", "hub_width_mm", "region_sets")
 BothEnds = Annotated[tuple[Relief, ...], Meta(min_length=2, max_length=2)]

@@ -312,6 +312,17 @@ class WidthKeys(ByNormalModule, InvoluteKeys, frozen=True, kw_only=True):
     end_relief_length_mm: EndReliefLength = None
     end_relief_shape: EndReliefShape = "linear"
 
+    def check_conforming(self, key: str, why: str) -> None:
+        """Refuse profile modifications of a spline in three dimensions."""
+        for name in PROFILE_MODIFICATIONS:
+            if getattr(self, name):
+                refuse(
+                    f"{key}.{name}",
+                    f"nothing, since {why} requires three dimensions: flanks of splines conform "
+                    "over their height there (lead modifications vary along it)",
+                    getattr(self, name),
+                )
+
 
 class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
     """Keys of a body with internal teeth."""
@@ -346,9 +357,10 @@ class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
         return self.teeth
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Check the pitch errors, the keys of the tip and the order of the circles."""
+        """Check pitch errors, the keys of the tip, along the axis, and the order of the circles."""
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
         check_tip(self, given, key, inwards=True)
+        self.check_axial(given, key)
         _check_ring(self, key)
 
 
@@ -370,11 +382,6 @@ class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
         ),
     ] = None
 
-    def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Check the keys of internal teeth, and those along the axis."""
-        super().check(given, key)
-        self.check_axial(given, key)
-
 
 SplineAngle = Annotated[
     Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
@@ -389,11 +396,13 @@ IndexErrors = Annotated[
         usual=USUAL_ERRORS,
     ),
 ]
+#: Keys with which flanks of splines no longer lie on each other over their height.
+PROFILE_MODIFICATIONS = ("tip_relief_um", "root_relief_um", "profile_crowning_um")
 #: Root fillet radius of splines in modules: that of DIN 5480 for hobbed shafts.
 SPLINE_FILLET = 0.16
 
 
-class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="spline_shaft"):
+class SplineShaft(WidthKeys, BodyTable, frozen=True, kw_only=True, tag="spline_shaft"):
     """An involute spline on a shaft, fixed at its bore; its root is cut by a generating rack."""
 
     partner: ClassVar[str | None] = "spline_hub"
@@ -428,10 +437,15 @@ class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="splin
         return self.teeth
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Check the pitch errors, the keys of the tip and the bore."""
+        """Check the pitch errors, the keys of the tip, along the axis, and the bore."""
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
         check_tip(self, given, key)
+        self.check_axial(given, key)
         _check_bore(self, key)
+
+    def check_solid(self, key: str, why: str) -> None:
+        """Refuse profile modifications."""
+        self.check_conforming(key, why)
 
     @property
     def dedendum_factor(self) -> float:
@@ -457,6 +471,10 @@ class SplineHub(RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
         ),
     ] = None
     pitch_errors_um: IndexErrors = ()
+
+    def check_solid(self, key: str, why: str) -> None:
+        """Refuse profile modifications."""
+        self.check_conforming(key, why)
 
 
 def check_pitch_errors(

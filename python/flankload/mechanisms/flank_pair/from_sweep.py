@@ -233,7 +233,7 @@ def _pair_table(
         cell_mm=column["cell"],
         sliding_mm_per_rad=column.get("sliding"),
         friction_force_N=column["friction"] * column["force"] if "friction" in column else None,
-        half_width_mm=column["cell"] * (2.0 / pi) if lumped else None,
+        half_width_mm=column["cell"] * (2.0 / pi) if lumped and not pairing.whole_circle else None,
         z_mm=z_mm,
     )
 
