@@ -227,6 +227,7 @@ def _as_sweep(
         slice_force_N=forces,
         slice_peak_MPa=pressures,
         slice_corner=corner,
+        conforming=True,
     )
 
 

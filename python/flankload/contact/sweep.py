@@ -83,6 +83,8 @@ class Sweep:
         the sum over the slices, and `site_peak_N_per_mm` the largest pressure, in MPa.
     unloaded_rad : (P,) array or None
         Rotation without torque, if computed.
+    conforming : bool
+        Whether slices are those of flanks that conform: their pressures are means over the height.
     """
 
     torque_Nmm: float
@@ -102,6 +104,7 @@ class Sweep:
     slice_peak_MPa: NDArray[np.float64] | None = None
     slice_corner: NDArray[np.int64] | None = None
     unloaded_rad: NDArray[np.float64] | None = None
+    conforming: bool = False
 
     @property
     def turned_rad(self) -> NDArray[np.float64]:
@@ -371,6 +374,7 @@ def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
     return Sweep(
         torque_Nmm=parts[0].torque_Nmm,
         coast=CoastSweep(**_joined(coasts, order)) if coasts else None,
+        conforming=parts[0].conforming,
         **_joined(parts, order),
     )
 
@@ -379,7 +383,7 @@ def _joined(
     parts: Sequence[Sweep] | Sequence[CoastSweep], order: NDArray[np.int64]
 ) -> dict[str, Any]:
     """Fields with a row for each position, and the pairs."""
-    single = ("torque_Nmm", "pairs", "coast", "unloaded_rad")
+    single = ("torque_Nmm", "pairs", "coast", "unloaded_rad", "conforming")
     names = [
         item.name
         for item in fields(parts[0])

@@ -389,7 +389,7 @@ def _face_load_factor(pair: BodyPair, found: Sweep) -> float | None:
     if force is None or slices is None:
         return None
     widths = slices if force.shape[2] == slices.count else slices.coarser()
-    return face_load_factor(force, widths.width_mm)
+    return face_load_factor(force, widths.width_mm, each=pair.pairing.whole_circle)
 
 
 def _every(positions: Floats, most: int) -> slice:
