@@ -223,7 +223,9 @@ def _as_sweep(
         site_corner=corner[..., 0],
         site_force_per_torque=site_forces / (torque or 1.0),
         n_pairs=np.full(len(states), forces[0].size, dtype=np.int64),
-        pairs=_pairs(forces, np.array([state.gap_mm for state in states]), turns_rad, height, base_mm),
+        pairs=_pairs(
+            forces, np.array([state.gap_mm for state in states]), turns_rad, height, base_mm
+        ),
         slice_force_N=forces,
         slice_peak_MPa=pressures,
         slice_corner=corner,

@@ -415,8 +415,10 @@ def check_hands(sign_1: int, sign_2: int, *, inward: bool) -> None:
     if sign_2 == (sign_1 if inward else -sign_1):
         return
     hands = {1: "'right'", -1: "'left'", 0: "nothing"}
-    how = "as body_1.hand, since body_2 has internal teeth" if inward else (
-        "the opposite of body_1.hand"
+    how = (
+        "as body_1.hand, since body_2 has internal teeth"
+        if inward
+        else ("the opposite of body_1.hand")
     )
     wanted = sign_1 if inward else -sign_1
     refuse("body_2.hand", f"{hands[wanted]}, {how}", hands[sign_2])
