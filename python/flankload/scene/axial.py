@@ -354,8 +354,8 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
         if not isinstance(body, AxialKeys):
             refuse(
                 f"body_{number}.kind",
-                f"'gear' or 'mesh', since {why} requires three dimensions, which this version has "
-                "for these bodies",
+                f"'gear', 'ring', 'mesh' or a spline, since {why} requires three dimensions, which "
+                "this version has for these bodies",
                 f"'{body.kind}'",
             )
         body.check_solid(f"body_{number}", why)
