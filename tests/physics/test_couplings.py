@@ -281,6 +281,20 @@ def test_a_helix_slope_of_one_tooth() -> None:
 # --- scene ----------------------------------------------------------------------------------------
 
 
+def test_a_tilt_that_takes_up_the_backlash_is_said() -> None:
+    """100 um of normal backlash: 6 mrad move the ends of 16 mm by 48 um, 7 mrad by 56 um."""
+    enough, few = (
+        [
+            note
+            for note in build_bodies(scene(pair__misalignment_mrad=angle)).notes
+            if "coast" in note
+        ]
+        for angle in (6.0, 7.0)
+    )
+    assert not enough
+    assert few[0].startswith("the normal backlash of 100.0 um is less than twice the 56.0 um")
+
+
 def test_misaligned_couplings_have_positions() -> None:
     """On a common axis all positions are alike, at an angle they are not."""
     many = {"positions__angles_deg": None, "positions__count": 3}
@@ -300,8 +314,10 @@ def test_misaligned_couplings_have_positions() -> None:
         (
             {"body_1__profile_crowning_um": 3.0},
             "body_1.profile_crowning_um",
-            "nothing, since body_1.lead_crowning_um requires three dimensions: flanks of splines "
-            "conform over their height there (lead modifications vary along it)",
+            (
+                "nothing, since body_1.lead_crowning_um requires three dimensions: flanks of "
+                "splines conform over their height there (lead modifications vary along it)"
+            ),
         ),
         (
             {"pair__inclination_um_per_mm": 0.1},

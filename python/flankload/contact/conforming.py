@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from flankload.contact import solve_contact_general
-from flankload.contact.sweep import Sweep
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.pair_table import COLUMNS, PackedPairs
+from flankload.contact.sweep import Sweep
 from flankload.elasticity.prism.strip_field import StripField
 from flankload.pairing.common_height import turned
 
@@ -84,12 +84,13 @@ def conforming_slices(
         for body, compliance, s in zip(bodies, compliances, height.s_mm, strict=True)
     ]
     even = fields[0].of_even_load() + fields[1].of_even_load()
-    spread = np.linalg.solve(even, np.ones(len(even)))
-    spread /= spread.sum()
-    compliance = np.zeros((pairing.sites.size, slices.count) * 2)
-    for field, teeth in zip(fields, pairing.site_teeth, strict=True):
-        compliance += field.between_sites(spread, teeth)
-    compliance = compliance.reshape(pairing.sites.size * slices.count, -1)
+    together = np.linalg.solve(even, np.ones(len(even)))
+    spread: Floats = np.asarray(together / together.sum(), dtype=float)
+    one, two = (
+        field.between_sites(spread, teeth)
+        for field, teeth in zip(fields, pairing.site_teeth, strict=True)
+    )
+    compliance = (one + two).reshape(pairing.sites.size * slices.count, -1)
     return ConformingSlices(
         spread=spread,
         compliance=0.5 * (compliance + compliance.T),
@@ -255,7 +256,7 @@ def _pairs(
         "lever": base_mm,
     }
     table = [np.broadcast_to(column[name], forces.shape).ravel() for name in COLUMNS]
-    count, (n_sites, n_slices) = forces[0].size, forces.shape[1:]
+    count, n_slices = forces[0].size, forces.shape[2]
     number = np.tile(np.arange(count, dtype=np.intc), len(forces))
     return PackedPairs(
         site=number // n_slices,

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.pairing.spline_fit import SplineFit
 
     Floats = NDArray[np.float64]
 
@@ -155,6 +156,36 @@ def common_height(
         tilt=misalignment_rad * direction,
         middle_z_mm=middle_z_mm,
     )
+
+
+def tilt_notes(fit: SplineFit | None, height: CommonHeight | None, width_mm: float) -> list[str]:
+    """Note on coast flanks that would touch before all teeth carry.
+
+    Parameters
+    ----------
+    fit : SplineFit or None
+    height : CommonHeight or None
+        None if the pair is no spline in three dimensions.
+    width_mm : float
+        Common face width.
+
+    Returns
+    -------
+    list of str
+        Empty where the backlash is wide enough, or the axes are parallel.
+    """
+    if fit is None or height is None or not height.tilt.any():
+        return []
+    moved = fit.offset_mm + 0.5 * width_mm * float(np.hypot(*height.tilt))
+    if 2.0 * moved <= fit.normal_backlash_mm:
+        return []
+    said = (
+        f"the normal backlash of {1000 * fit.normal_backlash_mm:.1f} um is less than twice the "
+        f"{1000 * moved:.1f} um by which misalignment and offset move the ends of the flanks: "
+        "before all teeth carry, coast flanks would touch, too; only the working flanks are looked "
+        "at"
+    )
+    return [said]
 
 
 def _radii(body: Body) -> tuple[Floats, Floats]:

@@ -20,7 +20,7 @@ from flankload.mechanisms.parts import made_once
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.toggles import without_modifications
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.common_height import common_height
+from flankload.pairing.common_height import common_height, tilt_notes
 from flankload.pairing.expansion import growth_notes, growth_of
 from flankload.pairing.friction import (
     coefficients_by_tooth,
@@ -243,6 +243,13 @@ def _notes(
         *(f"body_2: {note}" for note in pair.body_2.notes),
         *spacing_notes(bodies, scene.torques_Nm, scene.pair.face_width_mm),
         *pair.pairing.warnings,
+        *(
+            []
+            if pair.slices is None
+            else tilt_notes(
+                pair.pairing.fit, pair.slices.conforming, float(pair.slices.width_mm.sum())
+            )
+        ),
         *window.notes,
         *_beyond_window(pitches, window.geometric),
         *_beyond_teeth(pitches, window.whole, groups, bodies),
