@@ -230,6 +230,7 @@ def _as_sweep(
         slice_force_N=forces,
         slice_peak_MPa=pressures,
         slice_corner=corner,
+        slice_edges_mm=slices.edges_mm,
         conforming=True,
     )
 

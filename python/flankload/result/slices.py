@@ -64,7 +64,8 @@ class SliceLoads(KeepsReadOnly):
         divided by its mean over the face width; of a spline the largest line load of a tooth,
         divided by the mean of all teeth; 1 without load.
         """
-        return face_load_factor(self.force_N, self.width_mm, each=self.directions is not None)
+        each = self.directions is not None
+        return float(face_load_factors(self.force_N, self.width_mm, each=each).max())
 
     @cached_property
     def flank_face_load_factor(self) -> Floats:
@@ -122,8 +123,8 @@ class SliceLoads(KeepsReadOnly):
         )
 
 
-def face_load_factor(force_N: Floats, width_mm: Floats, *, each: bool = False) -> float:
-    """K_Hbeta: the largest line load over its mean, at the worst position.
+def face_load_factors(force_N: Floats, width_mm: Floats, *, each: bool = False) -> Floats:
+    """Largest line load over its mean at each position; K_Hbeta is the largest of these.
 
     Parameters
     ----------
@@ -135,7 +136,7 @@ def face_load_factor(force_N: Floats, width_mm: Floats, *, each: bool = False) -
 
     Returns
     -------
-    float
+    (P,) array
         1 without load.
     """
     line_load = force_N / width_mm
@@ -146,7 +147,7 @@ def face_load_factor(force_N: Floats, width_mm: Floats, *, each: bool = False) -
         largest = line_load.sum(axis=1).max(axis=1)
     factors = np.ones_like(mean)
     np.divide(largest, mean, out=factors, where=mean > 0)
-    return float(factors.max())
+    return factors
 
 
 def slice_summary(slices: SliceLoads | None) -> Mapping[str, float]:

@@ -210,12 +210,6 @@ GIVEN = {"kind": "compliance", "file": "wheel.npz"}
             "0.1",
         ),
         (
-            {**CROWNED, "accuracy__tolerance": 0.01},
-            "accuracy.tolerance",
-            f"nothing, {SINCE}: this version controls the discretization of plane scenes only",
-            "0.01",
-        ),
-        (
             {**CROWNED, "body_2": GIVEN},
             "body_2.kind",
             f"'gear', 'ring', 'mesh' or a spline, {SINCE}, which this version has for these bodies",
