@@ -95,7 +95,8 @@ def friction_result(
     ----------
     pairs : mapping
         Columns x, y, normal_x, normal_y, force, sliding, friction of N pairs, mm, N, and numbers
-        of each pair's position and site.
+        of each pair's position and site; `in_section` is the part of a normal force that lies in
+        the transverse section.
     n_sites : int
     n_working : int
         Sites from this number on are those of coast flanks.
@@ -115,8 +116,9 @@ def friction_result(
     force, friction = pairs["force"], pairs["force"] * pairs["friction"]
     # on body 2: n F - mu sigma t F, where t is n rotated backward, on coast flanks forward
     turned = np.where(pairs["site"] < n_working, friction, -friction)
-    force_x = pairs["normal_x"] * force - pairs["normal_y"] * turned
-    force_y = pairs["normal_y"] * force + pairs["normal_x"] * turned
+    across = force * pairs["in_section"]
+    force_x = pairs["normal_x"] * across - pairs["normal_y"] * turned
+    force_y = pairs["normal_y"] * across + pairs["normal_x"] * turned
     moment = (pairs["x"] - center_distance_mm) * force_y - pairs["y"] * force_x
     sense = 1.0 if driver == "body_1" else -1.0
     cell = position * n_sites + pairs["site"]

@@ -36,7 +36,6 @@ DEGREES_ABOVE_LOAD = 4
 #: Effects of plane scenes only, with what is missing in three dimensions.
 PLANE_EFFECTS = {
     "choose": "no choice of effects for three-dimensional bodies",
-    "friction_coefficient": "no friction of slices",
     "near_field": "no nodal forces on three-dimensional bodies",
     "influence": "influence coefficients of small forces for slices",
     "root_stress": "root stress of plane bodies only",

@@ -259,8 +259,7 @@ class BodyCompliance:
             return self
         kept = np.flatnonzero(np.arange(self.smooth.shape[1]) % axial.count < axial.count - fewer)
         return replace(
-            self,
-            smooth=self.smooth[:, kept[:, None], kept],
+            self.with_blocks(lambda blocks: blocks[:, kept[:, None], kept]),
             modes=replace(self.modes, axial=replace(axial, degree=axial.degree - fewer)),
             missed=None,
         )

@@ -63,7 +63,7 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
             if body.tip is not None and not pair.effects.nodal_near_field:
                 modes = with_tip(modes)
             if pair.effects.three_dimensions:
-                stages[stage] = _prism(body, modes, *degrees_of(scene.accuracy))
+                stages[stage] = _prism(body, work, modes, *degrees_of(scene.accuracy))
                 continue
             places = _places(pair.fillets[z])
             stages[stage] = (
@@ -129,12 +129,13 @@ def _sector(
     )
 
 
-def _prism(body: Body, modes: int, degree: int, load_degree: int) -> dict[str, int]:
+def _prism(body: Body, work: Work, modes: int, degree: int, load_degree: int) -> dict[str, int]:
     """Work of a three-dimensional sector; with a plane of symmetry two parts of half the size."""
     assert body.axial is not None
     factorisations = 2 if body.axial.symmetric else 1
-    work = _solved(factorisations, modes * (load_degree + 1), 0, growth=0)
-    return work | {"fe_unknowns": prism_unknowns(body, degree)}
+    normal, tangential = (round(part) * modes * (load_degree + 1) for part in _loads(work))
+    found = _solved(factorisations, normal, tangential, growth=0)
+    return found | {"fe_unknowns": prism_unknowns(body, degree)}
 
 
 def _loads(work: Work) -> tuple[float, float]:

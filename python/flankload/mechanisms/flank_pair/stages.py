@@ -303,7 +303,13 @@ def _prism_call(
         load_degree=load_degree,
         regions=axial.regions,
     )
-    return partial(prism_compliance, body, prism, n_modes=modes_of(body, scene, discretization))
+    return partial(
+        prism_compliance,
+        body,
+        prism,
+        n_modes=modes_of(body, scene, discretization),
+        friction=effects_of(scene).friction,
+    )
 
 
 def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
