@@ -32,14 +32,14 @@ contains
         complex(wp) :: place, corner, power, series
 
         if (x**2 + y**2 > far**2*(a**2 + b**2)) then
-            ! x/R² = Re 1/z, and the mean of w^m is Im c^(m+2)/((m+1)(m+2)ab/2), c = a + ib
+            ! x/R² = Re 1/z, and the mean of w^m is Im c^(m+2)/((m+1)(m+2)ab), c = a + ib
             place = 1.0_wp/cmplx(x, y, wp)
             corner = cmplx(a, b, wp)
             power = corner**2
             series = place
             do m = 2, last_moment, 2
                 power = power*corner**2
-                series = series + aimag(power)/((m + 1)*(m + 2)*0.5_wp*a*b)*place**(m + 1)
+                series = series + aimag(power)/((m + 1)*(m + 2)*a*b)*place**(m + 1)
             end do
             mean = real(series, wp)
             return
