@@ -203,12 +203,6 @@ CROWNED = {"body_1__lead_crowning_um": 5}
             "'pairs'",
         ),
         (
-            {**CROWNED, "effects__friction_coefficient": 0.1},
-            "effects.friction_coefficient",
-            f"nothing, {SINCE}: this version has no friction of slices",
-            "0.1",
-        ),
-        (
             {**CROWNED, "accuracy__tolerance": 0.01},
             "accuracy.tolerance",
             f"nothing, {SINCE}: this version controls the discretization of plane scenes only",

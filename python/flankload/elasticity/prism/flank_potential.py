@@ -245,7 +245,7 @@ def projected_tangential(
         Rows: displacement; with area elements ds dz/cos(beta), mm⁵/N.
     """
     rule = _Rule(surface, n_modes, degree_z, finer)
-    direct, images = rule.along_profile(), np.zeros((n_modes, n_modes, degree_z + 1, degree_z + 1))
+    direct, images = rule.direct(turned=True), np.zeros([n_modes] * 2 + [degree_z + 1] * 2)
     for psi, corner in zip(surface.wedge_along, (0, 1), strict=True):
         if psi:
             images += 0.5 * kernel * psi * rule.behind_corner(corner)
@@ -302,23 +302,17 @@ class _Rule:
         self._apart = _panels(surface.width_mm, shortest, np.full(lengths.size - 1, shortest))
         self._known: dict[bytes, list[_Lines]] = {}
 
-    def direct(self) -> Floats:
-        """Without an image: over s - s' > 0, and its transpose."""
+    def direct(self, *, turned: bool = False) -> Floats:
+        """Without an image: over s - s' > 0, and its transpose; if turned, of x/R² in place of 1/R,
+        which is antisymmetric.
+        """
         total = np.zeros((self._n, self._n, self._m, self._m))
         for (ahead, apart), weight in self._points(self._ahead, self._apart):
             for z_change in (apart, -apart):
-                part = self._profile(ahead, z_change, z_change, weight)
+                part = self._profile(ahead, z_change, z_change, weight, turned=turned)
                 total += np.tensordot(part, self._overlap(z_change), axes=(0, 0))
-        return total + total.transpose(1, 0, 3, 2)
-
-    def along_profile(self) -> Floats:
-        """Of x/R² in place of 1/R: antisymmetric."""
-        total = np.zeros((self._n, self._n, self._m, self._m))
-        for (ahead, apart), weight in self._points(self._ahead, self._apart):
-            for z_change in (apart, -apart):
-                part = self._profile(ahead, z_change, z_change, weight, turned=True)
-                total += np.tensordot(part, self._overlap(z_change), axes=(0, 0))
-        return total - total.transpose(1, 0, 3, 2)
+        exchanged = total.transpose(1, 0, 3, 2)
+        return np.asarray(total - exchanged if turned else total + exchanged)
 
     def behind_end(self, face: int) -> Floats:
         """Behind the low end face (0) or the high one (1)."""
