@@ -392,8 +392,8 @@ contains
         type(segment_type), intent(in) :: segments(:)
         !> How far beside its line a load is spread [mm], above 0
         real(wp), intent(in) :: beside
-        !> Displacements of both bodies at i under unit forces at j, on each body towards growing arc
-        !> length of its flank, shape (n, n)
+        !> Displacements of both bodies at i under unit forces at j, on each body towards growing
+        !> arc length of its flank, shape (n, n)
         real(wp) :: matrix(size(segments), size(segments))
 
         integer :: i, j

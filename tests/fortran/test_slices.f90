@@ -455,7 +455,8 @@ contains
                 w(4, i) = place(2)*w(3, i) - place(3)*w(2, i)
                 w(5, i) = place(3)*w(1, i) - place(1)*w(3, i)
                 w(6, i) = place(1)*w(2, i) - place(2)*w(1, i)
-                t(4:, i) = [-place(3)*t(2, i), place(3)*t(1, i), place(1)*t(2, i) - place(2)*t(1, i)]
+                t(4:5, i) = place(3)*[-t(2, i), t(1, i)]
+                t(6, i) = place(1)*t(2, i) - place(2)*t(1, i)
             end do
             matrix = matrix + matmul(transpose(w), matmul(bodies(z)%shaft%compliance, w))
             ! the force on body 1 is -n F + T t, and it recedes against n

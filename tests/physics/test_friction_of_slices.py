@@ -160,6 +160,8 @@ def test_forces_hold_the_torque_and_the_bearings_hold_the_forces() -> None:
         assert torque_2 == pytest.approx(-result.friction.torque_2_Nm[p], rel=SOLVER)
         on_bearings = result.shafts.bearing_force_1_N[p].sum(axis=0)
         np.testing.assert_allclose(on_bearings, -force.sum(axis=0), rtol=0.0, atol=0.1)
+        rubbing = result.pairs(p).friction_force_N @ result.pairs(p).z_mm / 1e3
+        assert result.friction.tilting_moment_Nm[p] == pytest.approx(rubbing, rel=SOLVER)
         assert result.axial_force_N[p] == pytest.approx(-force[:, 2].sum(), rel=1e-3)
 
 

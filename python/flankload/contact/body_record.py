@@ -228,9 +228,7 @@ def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:
     return parts
 
 
-def _pair_parts(
-    pairing: Pairing, friction: Friction | None, slices: Slices | None
-) -> list[Part]:
+def _pair_parts(pairing: Pairing, friction: Friction | None, slices: Slices | None) -> list[Part]:
     """Parts of body 1 that concern both bodies: sides of the sites, friction."""
     parts: list[Part] = []
     if pairing.coast is not None:

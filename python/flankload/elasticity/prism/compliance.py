@@ -144,7 +144,8 @@ def prism_compliance(
     Returns
     -------
     BodyCompliance
-        With `axial`; smooth and tangential are (z, p, p), p = n_modes (q_z + 1), in mm/N of the whole width.
+        With `axial`; smooth and tangential are (z, p, p), p = n_modes (q_z + 1), in mm/N of the
+        whole width.
 
     Raises
     ------
@@ -168,7 +169,7 @@ def prism_compliance(
     log.count_loads(response.shape[1], friction=friction)
     log.end_step("near field")
     return BodyCompliance(
-        smooth=response[:, :p, :p],
+        smooth=np.ascontiguousarray(response[:, :p, :p]),
         near=near,
         modes=FlankModes(
             body.mode_range_mm,
@@ -181,7 +182,7 @@ def prism_compliance(
                 end=surface.end,
             ),
         ),
-        tangential=response[:, :p, p:] if friction else None,
+        tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
         job=log.cost(asymmetry, unknowns),
     )
 

@@ -36,7 +36,9 @@ COARSE = Discretization(flank_element_parts=0.5, modes=3, grid=Grid())
 DEGREE, LOAD_DEGREE, CUT_DEGREE = 4, 2, 3
 
 
-def coarse_compliance(scene: Scene, z: int, *, friction: bool) -> tuple[Body, BodyCompliance]:
+def coarse_compliance(
+    scene: Scene, z: int, *, friction: bool = False
+) -> tuple[Body, BodyCompliance]:
     """A body on coarse elements, and its compliance.
 
     Parameters
