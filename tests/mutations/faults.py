@@ -510,7 +510,7 @@ _PYTHON = (
     *_in(
         "result/friction.py",
         "unit/pairing/test_friction.py physics/test_rubbing_pair.py",
-        ('pairs["normal_y"] * force + pairs["normal_x"] * turned', 'pairs["normal_y"] * force'),
+        ('pairs["normal_y"] * across + pairs["normal_x"] * turned', 'pairs["normal_y"] * across'),
         ('friction * pairs["sliding"]', '0.9 * friction * pairs["sliding"]'),
     ),
     *_in(
