@@ -49,7 +49,7 @@ def test_a_pair_that_grows_as_a_whole_is_as_it_was() -> None:
     turned = (found.rotation_rad - unloaded[0]) * (1 + STRAIN) ** 2
     assert turned.mean() == pytest.approx(cold.rotation_rad.mean(), rel=2e-3)
     loads = found.slice_line_load_N_per_mm.sum(axis=(0, 1)) * (1 + STRAIN)
-    assert deviation(loads, cold.slice_line_load_N_per_mm.sum(axis=(0, 1))) < 1e-3
+    assert deviation(loads, cold.slice_line_load_N_per_mm.sum(axis=(0, 1))) < 3e-3
 
 
 @pytest.mark.parametrize("warm", [0, 1])
