@@ -26,6 +26,7 @@ from flankload.elasticity.prism.flank_potential import (
     projected_tangential,
 )
 from flankload.elasticity.prism.regions import functions_of
+from flankload.elasticity.prism.section_error import missed_over_width
 from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import close_ring
 from flankload.errors import SceneError
@@ -104,6 +105,7 @@ def prism_compliance(
     *,
     n_modes: int,
     friction: bool = False,
+    estimate: bool = False,
     account: Account | None = None,
 ) -> BodyCompliance:
     """Compliance of a body's flanks in three dimensions, its fixed nodes held over all their width.
@@ -138,6 +140,8 @@ def prism_compliance(
         A tip rounding or chamfer has half as many more.
     friction : bool
         Loads along the profile are solved, as many as along the normal.
+    estimate : bool
+        Whether the discretization error of the plane elements is estimated.
     account : Account, optional
         Where factorisations are counted.
 
@@ -156,7 +160,7 @@ def prism_compliance(
     prism.check()
     if body.rigid or body.mesh is None:
         return no_compliance(body)
-    mesh, log = _sector_of(body), JobLog(account)
+    mesh, log, modes_s = _sector_of(body), JobLog(account), n_modes
     if body.tip is not None:
         n_modes = with_tip(n_modes)
     response = _ring_response(body, mesh, prism, n_modes, log, friction=friction)
@@ -168,6 +172,18 @@ def prism_compliance(
     log.account.count(fe_unknowns=unknowns, fe_solutions=response.shape[1])
     log.count_loads(response.shape[1], friction=friction)
     log.end_step("near field")
+    missed = None
+    if estimate:
+        missed = missed_over_width(
+            body,
+            modes_s,
+            width_mm=surface.width_mm,
+            load_degree=prism.load_degree,
+            friction=friction,
+            cosine=surface.cos_base_helix,
+            account=log.account,
+        )
+        log.end_step("estimate")
     return BodyCompliance(
         smooth=np.ascontiguousarray(response[:, :p, :p]),
         near=near,
@@ -183,6 +199,7 @@ def prism_compliance(
             ),
         ),
         tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
+        missed=missed,
         job=log.cost(asymmetry, unknowns),
     )
 

@@ -71,7 +71,7 @@ def elements_call(
     """
     effects, own = effects_of(scene), body.for_elements()
     if effects.three_dimensions:
-        return _prism_call(own, scene, discretization)
+        return _prism_call(own, scene, discretization, estimate=estimate)
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
     if own.given is not None:
@@ -295,7 +295,7 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
 
 
 def _prism_call(
-    body: Body, scene: Scene, discretization: Discretization
+    body: Body, scene: Scene, discretization: Discretization, *, estimate: bool
 ) -> partial[BodyCompliance]:
     """Call for the compliance of a three-dimensional body."""
     axial = body.axial
@@ -314,6 +314,7 @@ def _prism_call(
         prism,
         n_modes=modes_of(body, scene, discretization),
         friction=effects_of(scene).friction,
+        estimate=estimate,
     )
 
 
