@@ -180,8 +180,9 @@ contains
     !> The mean of x/(x² + y²) over both segments, near and far.
     subroutine test_segments_of_cerruti
         integer, parameter :: n = 400
-        real(wp), parameter :: along(4) = [0.0_wp, 0.8_wp, 3.0_wp, 12.0_wp]
-        real(wp), parameter :: across = -0.3_wp, beside = 0.1_wp, one = 1.0_wp, other = 0.6_wp
+        real(wp), parameter :: along(5) = [0.0_wp, 0.8_wp, 3.0_wp, 12.0_wp, 0.0_wp]
+        real(wp), parameter :: across(5) = [-0.3_wp, 0.3_wp, -0.3_wp, 0.3_wp, 12.0_wp]
+        real(wp), parameter :: beside = 0.1_wp, one = 1.0_wp, other = 0.6_wp
         integer :: i, j, k
         real(wp) :: total, distance
 
@@ -191,10 +192,10 @@ contains
                 do i = 1, n
                     distance = along(k) + one*((i - 0.5_wp)/n - 0.5_wp) &
                         & - other*((j - 0.5_wp)/n - 0.5_wp)
-                    total = total + across/(distance**2 + across**2 + beside**2)
+                    total = total + across(k)/(distance**2 + across(k)**2 + beside**2)
                 end do
             end do
-            call expect(abs(segment_field(along(k), one, other, across, beside)/(total/n**2) &
+            call expect(abs(segment_field(along(k), one, other, across(k), beside)/(total/n**2) &
                 & - 1.0_wp) < quadrature, 'segments of Cerruti')
         end do
     end subroutine test_segments_of_cerruti

@@ -62,7 +62,7 @@ FLANK_POWERS: Mapping[str, Powers] = {
     "modes": {MODES: -3.0},
     "strips": {STRIPS: -2.0},
     "axial": {LOAD_DEGREE: -2.0},
-    "slices": {SLICES: -1.0},
+    "slices": {SLICES: -1.5},
 }
 #: Near the re-entrant corners of a belt's teeth errors decrease to 0.6 when lengths are halved.
 BELT_POWERS: Mapping[str, Powers] = {"elements": {ELEMENTS: 0.75}}
