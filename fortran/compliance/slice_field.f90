@@ -409,9 +409,11 @@ contains
             do i = 1, size(segments)
                 if (segments(i)%flank /= segments(j)%flank) cycle
                 associate (one => segments(i), other => segments(j))
-                    matrix(i, j) = strength*segment_field(along_line(one, other), one%length, &
-                        & other%length, across_lines(one, other), beside) &
-                        & + behind_corners(one, other, beside, corners)
+                    matrix(i, j) = behind_corners(one, other, beside, corners)
+                    ! bodies of one material move alike, one in front of its force, one behind it
+                    if (abs(strength) > 0.0_wp) matrix(i, j) = matrix(i, j) &
+                        & + strength*segment_field(along_line(one, other), one%length, &
+                        & other%length, across_lines(one, other), beside)
                 end associate
             end do
         end do
