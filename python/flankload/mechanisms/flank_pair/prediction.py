@@ -65,9 +65,8 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
             if pair.effects.three_dimensions:
                 estimated = scene.accuracy.estimate and z in elements_estimated(pair)
                 places = _places(pair.fillets[z]) if work.recoveries else 0
-                stages[stage] = _prism(
-                    body, modes, degrees_of(scene.accuracy), estimated=estimated, places=places
-                )
+                found = _prism(body, work, modes, degrees_of(scene.accuracy), estimated)
+                stages[stage] = found | {"stress_recoveries": places}
                 continue
             places = _places(pair.fillets[z])
             stages[stage] = (
@@ -134,7 +133,7 @@ def _sector(
 
 
 def _prism(
-    body: Body, modes: int, degrees: tuple[int, int], *, estimated: bool, places: int
+    body: Body, work: Work, modes: int, degrees: tuple[int, int], estimated: bool
 ) -> dict[str, int]:
     """Work of a three-dimensional sector; with a plane of symmetry two parts of half the size.
 
@@ -142,10 +141,12 @@ def _prism(
     """
     assert body.axial is not None
     degree, load_degree = degrees
-    normal = modes * (load_degree + 1)
-    work = _solved((2 if body.axial.symmetric else 1) + estimated, normal, 0, growth=0)
-    work["fe_solutions"] += modes * estimated
-    return work | {"fe_unknowns": prism_unknowns(body, degree), "stress_recoveries": places}
+    of_profile = [round(part) * modes for part in _loads(work)]
+    normal, tangential = (part * (load_degree + 1) for part in of_profile)
+    factorisations = (2 if body.axial.symmetric else 1) + estimated
+    found = _solved(factorisations, normal, tangential, growth=0)
+    found["fe_solutions"] += sum(of_profile) * estimated
+    return found | {"fe_unknowns": prism_unknowns(body, degree)}
 
 
 def _loads(work: Work) -> tuple[float, float]:
