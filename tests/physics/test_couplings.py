@@ -352,5 +352,5 @@ def test_gears_have_no_misalignment_of_splines() -> None:
 
 
 def test_friction_is_refused_in_one_line() -> None:
-    with pytest.raises(fl.SceneError, match=r"effects.friction_coefficient.*friction of splines"):
+    with pytest.raises(fl.SceneError, match=r"effects\.friction_coefficient.*friction of splines"):
         scene(effects__friction_coefficient=0.1)
