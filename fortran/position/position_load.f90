@@ -3,13 +3,14 @@
 !> left out could touch.
 module flankload_position_load
     use flankload_kinds, only: wp
-    use flankload_status, only: code_unsettled_cells
+    use flankload_status, only: code_conforms, code_unsettled_cells
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_zones, only: zone_type
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_lumped_position, only: solve_lumped
     use flankload_lumped_slices, only: solve_slices
     use flankload_slice_coupling, only: check_slices, look_at_slices
+    use flankload_slice_field, only: flank_of
     use flankload_position_zones, only: body_type, look_at_position, position_type
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
         & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
@@ -302,11 +303,22 @@ contains
         state%lumped_solutions = state%lumped_solutions + lumped%lumped_solutions
         state%largest_part = lumped%largest_part
         state%none_proven = lumped%none_proven
-        if (allocated(error)) return
         estimate = 0.0_wp
-        do k = 1, lumped%pairs%n
-            estimate(lumped%pairs%zone(k)) = lumped%forces(k)
-        end do
+        if (.not. allocated(error)) then
+            do k = 1, lumped%pairs%n
+                estimate(lumped%pairs%zone(k)) = lumped%forces(k)
+            end do
+        else if (error%code == code_conforms) then
+            return
+        else
+            ! contacts hardly longer than wide are no lines: the flank that touches first, evenly
+            deallocate (error)
+            associate (flanks => flank_of(body_1%slices, position%zones%site))
+                where (flanks == flanks(minloc(position%gap, dim=1))) estimate &
+                    & = position%part*torque/position%zones%lever
+            end associate
+            lumped%rotation = minval(position%gap)
+        end if
         cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. position%gap &
             & < lumped%rotation + joining*(lumped%rotation - minval(position%gap)), settings)
         call measure_reach(body_1, body_2, position, cells)
