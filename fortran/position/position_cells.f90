@@ -4,6 +4,7 @@ module flankload_position_cells
     use flankload_kinds, only: wp
     use flankload_status, only: code_circle_misses
     use flankload_error, only: error_type, fatal_error
+    use flankload_ordering, only: ascending_order
     use flankload_rounding, only: tie
     use flankload_contact_zones, only: zone_type
     use flankload_contact_normal, only: contact_normal, normal_type
@@ -64,6 +65,9 @@ module flankload_position_cells
     real(wp), parameter :: widening = 1.6_wp
     !> A zone that carries little gets cells as if it carried this part of the whole load.
     real(wp), parameter :: least_part = 0.02_wp
+    !> The same for a slice and its part of the load: at the ends of a contact line forces are small
+    !> and known to their size only.
+    real(wp), parameter :: slice_part = 0.1_wp
 
 contains
 
@@ -88,7 +92,7 @@ contains
         cells%estimate = estimate
         cells%least = least_part*torque/position%zones%lever
         cells%in_slices = allocated(position%part)
-        if (cells%in_slices) cells%least = position%part*cells%least
+        if (cells%in_slices) cells%least = slice_part/least_part*position%part*cells%least
         if (any(position%zones%side < 0.0_wp)) then
             ! flanks that press on each other across a tooth carry more than the torque
             cells%least = max(cells%least, least_part*maxval(estimate))
@@ -162,7 +166,7 @@ contains
                 grids(z) = wanted_grid(zones(z), cells%reach(:, z), &
                     & edges_within(body_1%flanks(section_at(body_1, site)), frames_1(site), &
                     & body_2%flanks(section_at(body_2, site)), frames_2(site), zones(z), &
-                    & cells%reach(:, z)), cells%widths(:, z), &
+                    & cells%reach(:, z)), cells%widths(:, z)*one_sided(cells, z), &
                     & settings%strips_per_half_width, settings%corner_strips_per_half_width)
             end do
             call part_grids(body_1, body_2, position, cells%joins, grids)
@@ -272,6 +276,22 @@ contains
         end associate
     end subroutine append_cells
 
+    !> How far a contact extends relative to its reach: on one side alone, as at a corner, twice as
+    !> far; in the plane cells are laid anew for that.
+    pure function one_sided(cells, z) result(times)
+        !> The cells, their reach measured
+        type(cells_type), intent(in) :: cells
+        !> Number of the zone
+        integer, intent(in) :: z
+        real(wp) :: times(2)
+
+        times = 1.0_wp
+        if (.not. cells%in_slices) return
+        associate (reach => cells%reach(:, z))
+            times = 1.0_wp + max(0.0_wp, reach - reach(2:1:-1))/reach
+        end associate
+    end function one_sided
+
     !> Part the grids of neighbouring zones of a site.
     pure subroutine part_grids(body_1, body_2, position, joins, grids)
         !> The bodies
@@ -309,18 +329,21 @@ contains
         integer, allocatable :: warm(:)
 
         integer :: i, z
-        real(wp) :: beyond, within(2)
+        real(wp) :: beyond, within(2), depth(pairs%n)
         logical :: expected(pairs%n)
 
         do i = 1, pairs%n
             z = pairs%zone(i)
             beyond = pairs%s_1(i) - zones(z)%nearest%s_1
             ! the centre of a cell on the edge of a contact is not inside
-            within = (1.0_wp - tie)*cells%reach(:, z)
+            within = (1.0_wp - tie)*cells%reach(:, z)*one_sided(cells, z)
             expected(i) = cells%estimate(z) > 0.0_wp .and. beyond > -within(1) &
                 & .and. beyond < within(2)
+            depth(i) = max(-beyond/within(1), beyond/within(2))
         end do
         warm = pack([(i, i=1, pairs%n)], expected)
+        ! pairs that leave are those at the edges: last in the factor, they take little of it along
+        if (cells%in_slices) warm = warm(ascending_order(depth(warm)))
     end function expected_pairs
 
     !> Widen grids at whose ends a force stands; learn the forces of the zones.

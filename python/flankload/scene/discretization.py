@@ -64,7 +64,7 @@ DEFAULT = Discretization(1.0 / 4.5, 5, Grid())
 
 #: Cells in slices (three dimensions): lumped contact gives the forces of all slices in advance, so
 #: the zones can be short. Six cells instead of ten change the rotation by TODO.
-IN_SLICES = Grid(6.0, 18.0, 1.5)
+IN_SLICES = Grid(6.0, 9.0, 2.0)
 
 #: Part of the scene's tolerance for the sampling error of positions: more positions cost little.
 POSITIONS_PART = 0.3
