@@ -51,7 +51,7 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(out) :: matrix(:, :)
 
-        integer :: i, j, a, b
+        integer :: a, b
         type(run_type), allocatable :: runs(:)
         type(mirror_type), allocatable :: ends(:), corners(:)
 
@@ -73,12 +73,28 @@ contains
                 end associate
             end do
         end do
-        do j = 2, pairs%n
-            do i = 1, j - 1
-                matrix(i, j) = matrix(j, i)
+        call mirror(matrix)
+    end subroutine cell_influences
+
+    !> Copy the lower triangle of a matrix to the upper one, in blocks that fit into the cache.
+    pure subroutine mirror(matrix)
+        !> The matrix, shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer, parameter :: block = 32
+        integer :: i, j, row, column, n
+
+        n = size(matrix, 1)
+        do column = 1, n, block
+            do row = 1, column, block
+                do j = column, min(n, column + block - 1)
+                    do i = row, min(j - 1, row + block - 1)
+                        matrix(i, j) = matrix(j, i)
+                    end do
+                end do
             end do
         end do
-    end subroutine cell_influences
+    end subroutine mirror
 
     !> The pairs of each zone.
     pure function runs_of(pairs) result(runs)

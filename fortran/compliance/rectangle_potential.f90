@@ -157,6 +157,11 @@ contains
 
         half_sum = 0.5_wp*(length + other)
         half_difference = 0.5_wp*(length - other)
+        if (.not. abs(half_difference) > 0.0_wp) then
+            value = integrated(across, along + half_sum) - 2.0_wp*integrated(across, along) &
+                & + integrated(across, along - half_sum)
+            return
+        end if
         value = (integrated(across, along + half_sum) - integrated(across, along &
             & + half_difference)) - (integrated(across, along - half_difference) &
             & - integrated(across, along - half_sum))
