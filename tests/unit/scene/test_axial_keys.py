@@ -197,12 +197,6 @@ CROWNED = {"body_1__lead_crowning_um": 5}
             "5",
         ),
         (
-            {**CROWNED, "effects__contact": "pairs"},
-            "effects.contact",
-            f"'lumped' or nothing, {SINCE}",
-            "'pairs'",
-        ),
-        (
             {**CROWNED, "effects__friction_coefficient": 0.1},
             "effects.friction_coefficient",
             f"nothing, {SINCE}: this version has no friction of slices",
