@@ -71,7 +71,7 @@ def elements_call(
     """
     effects, own = effects_of(scene), body.for_elements()
     if effects.three_dimensions:
-        return _prism_call(own, scene, discretization)
+        return _prism_call(own, scene, discretization, estimate=estimate)
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
     if own.given is not None:
@@ -290,7 +290,7 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
 
 
 def _prism_call(
-    body: Body, scene: Scene, discretization: Discretization
+    body: Body, scene: Scene, discretization: Discretization, *, estimate: bool
 ) -> partial[BodyCompliance]:
     """Call for the compliance of a three-dimensional body."""
     axial = body.axial
@@ -303,7 +303,8 @@ def _prism_call(
         load_degree=load_degree,
         regions=axial.regions,
     )
-    return partial(prism_compliance, body, prism, n_modes=modes_of(body, scene, discretization))
+    modes = modes_of(body, scene, discretization)
+    return partial(prism_compliance, body, prism, n_modes=modes, estimate=estimate)
 
 
 def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
