@@ -92,7 +92,8 @@ contains
             type(position_type), intent(out) :: at
 
             if (allocated(body_1%slices)) then
-                call check_slices(body_1, body_2, settings%finite_steps, error)
+                call check_slices(body_1, body_2, settings%level == level_lumped, &
+                    & settings%finite_steps, error)
                 if (allocated(error)) return
             end if
             call look_at_position(body_1, body_2, angle_1, angle_2, torque, everywhere, at, error)

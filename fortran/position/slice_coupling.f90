@@ -19,11 +19,14 @@ module flankload_slice_coupling
 
 contains
 
-    !> Refuse what slices do not follow: friction, nodes, known displacements, finite forces.
-    pure subroutine check_slices(body_1, body_2, finite_steps, error)
+    !> Refuse what slices do not follow: friction, nodes, known displacements; cells also finite
+    !> forces.
+    pure subroutine check_slices(body_1, body_2, is_lumped, finite_steps, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
+        !> Whether contact is lumped
+        logical, intent(in) :: is_lumped
         !> Steps of influence coefficients of finite forces; 0: of small ones
         integer, intent(in) :: finite_steps
         !> Set if something is refused
@@ -31,7 +34,8 @@ contains
 
         logical :: refused
 
-        refused = finite_steps > 0 .or. allocated(body_1%friction)
+        refused = .not. is_lumped .and. finite_steps > 0
+        refused = refused .or. allocated(body_1%friction)
         refused = refused .or. is_plane_only(body_1%compliance) &
             & .or. is_plane_only(body_2%compliance)
         if (refused) call fatal_error(error, code_not_in_slices, &
