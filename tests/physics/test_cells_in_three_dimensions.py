@@ -12,6 +12,7 @@ import pytest
 import flankload as fl
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.prediction import predicted_work
+from flankload.plot.slices import contact_pattern
 from flankload.scene.discretization import Grid
 from tests.support.crowned_cylinders import hertz_ellipse, press
 from tests.support.finite_elements_3d import FINITE_ELEMENTS
@@ -199,6 +200,28 @@ def test_cells_of_a_position() -> None:
         assert np.bincount(s * j.size + j, weights=table.force_N > 0).max() > 8
         assert np.abs(table.gap_um[table.force_N > 0]).max() < 1e-6
         assert (table.gap_um >= -1e-6).all()
+
+
+def test_half_widths_are_those_of_slices() -> None:
+    """The widest slice of each flank, as a Hertz contact and by its cells; not their sum."""
+    cells, slices = (solve(HELICAL, contact=each, **SLICED) for each in ("pairs", "lumped"))
+    wide = slices.site_force_N > 500.0
+    for found in (cells, slices):
+        assert found.contact_half_width_mm[wide].max() < 0.25
+    np.testing.assert_allclose(
+        cells.contact_half_width_mm[wide], slices.contact_half_width_mm[wide], rtol=3e-2
+    )
+
+
+def test_a_contact_pattern_of_cells() -> None:
+    """The pressures of the cells of all positions, and what lies between these."""
+    keys = {**SLICED, "positions__count": 16}
+    cells, slices = (solve(HELICAL, contact=each, **keys) for each in ("pairs", "lumped"))
+    (diameter, pressure), (_, wanted) = (contact_pattern(each, 1) for each in (cells, slices))
+    assert 73.9 < diameter[0] < diameter[-1] < 84.8
+    assert pressure.shape == (240, 28)
+    assert pressure.max() == pytest.approx(cells.peak_pressure_MPa.max(), rel=1e-2)
+    assert (pressure > 0).mean() == pytest.approx((wanted > 0).mean(), abs=2e-2)
 
 
 def test_a_list_of_torques() -> None:
