@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.collections import PolyCollection
 
 import flankload as fl
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.prediction import predicted_work
+from flankload.plot import plot_loaded_pair
 from flankload.plot.slices import contact_pattern
 from flankload.scene.discretization import Grid
 from tests.support.crowned_cylinders import hertz_ellipse, press
@@ -222,6 +224,21 @@ def test_a_contact_pattern_of_cells() -> None:
     assert pressure.shape == (240, 28)
     assert pressure.max() == pytest.approx(cells.peak_pressure_MPa.max(), rel=1e-2)
     assert (pressure > 0).mean() == pytest.approx((wanted > 0).mean(), abs=2e-2)
+
+
+def test_the_loaded_pair_shows_line_loads() -> None:
+    """The cells of a slice are one band, with the line load of the slice."""
+    cells = solve(HELICAL, **SLICED)
+    bands = next(
+        each
+        for axes in plot_loaded_pair(cells, 0).axes
+        for each in axes.collections
+        if isinstance(each, PolyCollection) and each.get_array() is not None
+    )
+    loads = np.asarray(bands.get_array())
+    wanted = cells.slice_line_load_N_per_mm[0]
+    assert loads.size == (wanted > 0).sum()
+    assert loads.max() == pytest.approx(wanted.max(), rel=SOLVER)
 
 
 def test_a_list_of_torques() -> None:
