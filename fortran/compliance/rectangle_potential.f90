@@ -1,9 +1,9 @@
-!> Displacement of a half-space under a force spread evenly over a rectangle: the near field of cells
-!> in slices (`docs/theory/cells_in_three_dimensions.md`).
+!> Displacement of a half-space under a force spread evenly over a rectangle: the near field of
+!> cells in slices (`docs/theory/cells_in_three_dimensions.md`).
 !>
 !> Along its length a rectangle displaces another one by the mean over that, across it by the value
-!> in the middle. So rectangles of any lengths displace each other alike, long ones are the strips of
-!> the plane, and half-ellipses of pressure keep the accuracy that they have on these.
+!> in the middle. So rectangles of any lengths displace each other alike, long ones are the strips
+!> of the plane, and half-ellipses of pressure keep the accuracy that they have on these.
 module flankload_rectangle_potential
     use flankload_kinds, only: wp
     implicit none

@@ -224,13 +224,13 @@ def _contacts(result: Result, p: int) -> tuple[Floats, Floats, Floats]:
                             table.normal_y[carries]])  # fmt: skip
     if table.half_width_mm is None:
         keys = np.column_stack([table.site[carries], rows[:, 2]])
-        _, of = np.unique(keys, axis=0, return_inverse=True)
-        total = np.bincount(of.ravel(), weights=force)
-        means = [np.bincount(of.ravel(), weights=force * column) / total for column in rows.T]
-        # slices are found again by their exact places
-        first = np.unique(of.ravel(), return_index=True)[1]
-        rows, force = np.column_stack(means), total
-        rows[:, 2] = keys[first, 1]
+        of_slice, of = np.unique(keys, axis=0, return_inverse=True)
+        total = np.zeros(len(of_slice))
+        means = np.zeros((len(of_slice), rows.shape[1]))
+        np.add.at(total, of.ravel(), force)
+        np.add.at(means, of.ravel(), force[:, None] * rows)
+        rows, force = means / total[:, None], total
+        rows[:, 2] = of_slice[:, 1]  # slices are found again by their exact places
     return rows[:, :3], rows[:, 3:], force
 
 

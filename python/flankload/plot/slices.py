@@ -303,18 +303,14 @@ def _contacts(table: PairTable) -> list[NDArray[np.int64]]:
     return np.split(np.arange(len(table)), np.flatnonzero(begins) + 1)
 
 
-def _add_cells(
-    result: Result, table: PairTable, body: int, grid: Floats, pattern: Floats
-) -> None:
+def _add_cells(result: Result, table: PairTable, body: int, grid: Floats, pattern: Floats) -> None:
     """Add the pressures of the cells of a position to a contact pattern."""
     assert table.z_mm is not None
     arc_length = table.arc_length_1_mm if body == 1 else table.arc_length_2_mm
     for run in _contacts(table):
         j = int(np.searchsorted(result.slice_z_mm, table.z_mm[run[0]]))
         order = run[np.argsort(arc_length[run])]
-        passed = np.interp(
-            grid, arc_length[order], table.pressure_MPa[order], left=0.0, right=0.0
-        )
+        passed = np.interp(grid, arc_length[order], table.pressure_MPa[order], left=0.0, right=0.0)
         pattern[:, j] = np.maximum(pattern[:, j], passed)
 
 

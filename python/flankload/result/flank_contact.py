@@ -83,7 +83,9 @@ def _half_width(table: PairTable, laid: NDArray[np.bool_]) -> float:
     """Half of the length of flank in contact at pairs beside each other, mm."""
     if table.half_width_mm is not None:
         return float(table.half_width_mm[laid & (table.force_N > 0)].sum())
-    return 0.5 * loaded_length(table.arc_length_1_mm[laid], table.cell_mm[laid], table.force_N[laid])
+    return 0.5 * loaded_length(
+        table.arc_length_1_mm[laid], table.cell_mm[laid], table.force_N[laid]
+    )
 
 
 def pair_velocities(
