@@ -38,7 +38,6 @@ PLANE_EFFECTS = {
     "choose": "no choice of effects for three-dimensional bodies",
     "near_field": "no nodal forces on three-dimensional bodies",
     "influence": "influence coefficients of small forces for slices",
-    "root_stress": "root stress of plane bodies only",
     "body": "three-dimensional bodies with all their teeth",
     "support_expansion_per_K": "bodies that expand as their supports do",
     "speed_rpm": "centrifugal expansion of plane bodies only",
