@@ -18,6 +18,7 @@ from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearFi
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
+from flankload.elasticity.prism.carried_bore import CarriedBore
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.end_faces import edge_angles, end_strength
 from flankload.elasticity.prism.flank_potential import FlankSurface, projected_potential
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.bodies.carrying_shaft import CarryingShaft
 
     Floats = NDArray[np.float64]
 
@@ -64,6 +66,8 @@ class Prism:
         Loads may go to p - 2: the highest mode is some percent too stiff.
     regions : tuple of (str, (float, float))
         Extents along the axis of regions of the mesh that differ from `range_mm`, by name.
+    shaft : CarryingShaft or None
+        What the bore follows; None: the bore is held.
     """
 
     range_mm: tuple[float, float]
@@ -73,6 +77,7 @@ class Prism:
     cut_degree: int = 4
     screening: bool = False
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
+    shaft: CarryingShaft | None = None
 
     def check(self) -> None:
         """Refuse degrees that do not resolve each other.
@@ -97,7 +102,9 @@ class Prism:
 def prism_compliance(
     body: Body, prism: Prism, *, n_modes: int, account: Account | None = None
 ) -> BodyCompliance:
-    """Compliance of a body's flanks in three dimensions, its fixed nodes held over all their width.
+    """Compliance of a body's flanks in three dimensions.
+
+    The fixed nodes are held over all their width, or follow a shaft (`carried_bore`).
 
     A unit force out of the material at (s', z') of a flank moves the flank at (s, z), along its
     normal, by
@@ -184,6 +191,11 @@ def _ring_response(body: Body, mesh: SectorMesh, prism: Prism, n_modes: int, log
     numbers, functions = functions_of(mesh, axial, dict(prism.regions))
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
     in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, tip=body.tip, twist=prism.twist)
+    loads = _prism_loads(in_plane, axial.load_vectors(prism.load_degree))
+    bore = None
+    if prism.shaft is not None:
+        bore = CarriedBore.of(prism.shaft, section, functions, mesh, prism.twist)
+        loads = np.concatenate([loads, bore.columns], axis=2)
     log.end_step("assembly")
     # most fronts are too small to share: two threads take longer, and more CPU seconds
     with one_blas_thread():
@@ -191,13 +203,13 @@ def _ring_response(body: Body, mesh: SectorMesh, prism: Prism, n_modes: int, log
             section,
             functions,
             mesh,
-            _prism_loads(in_plane, axial.load_vectors(prism.load_degree)),
+            loads,
             cut_degree=min(prism.cut_degree, prism.degree),
             twisted=prism.twist != 0.0,
             account=log.account,
         )
         log.end_step("factorisation")
-        response = close_ring(sector, mesh.teeth)
+        response = close_ring(sector, mesh.teeth) if bore is None else bore.close_ring(sector)
     log.end_step("ring")
     return response
 
