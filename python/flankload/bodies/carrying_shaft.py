@@ -39,8 +39,8 @@ class CarryingShaft:
     ----------
     range_mm : (float, float)
         Ends of the bore on the common axis direction z.
-    radius_mm : float
-        Of the bore.
+    radius_mm, inner_radius_mm : float
+        Of the bore; of the bore of the shaft itself, 0 if it is solid.
     stiffness : (float, float, float, float)
         Of the beam in the bore against extension E A (N), bending E I (N mm²), shear k G A (N) and
         twist G I_p (N mm²).
@@ -61,6 +61,7 @@ class CarryingShaft:
 
     range_mm: Extent
     radius_mm: float
+    inner_radius_mm: float
     stiffness: tuple[float, float, float, float]
     beyond: tuple[Springs, Springs]
     end_radii_mm: tuple[float, float]
@@ -105,6 +106,7 @@ def carrying_shaft(
     return CarryingShaft(
         range_mm=range_mm,
         radius_mm=0.5 * bore_diameter_mm,
+        inner_radius_mm=0.5 * inner,
         stiffness=(
             modulus * float(area),
             modulus * float(moment),

@@ -6,19 +6,15 @@ that turns with the helix, each a polynomial of degree q_b in z. In the modes
     v = sum over d of phi_d(z) (u_d + t_d x (x, y, 0)/R),  R the radius of the bore              (B1)
 
 the nodes of the bore have 6 (q_b + 1) unknowns a in the sector. Their columns K T are loads of the
-condensation like those of the flanks. In the closed ring u_z, t_z are those of sector harmonic 0;
-u_x, u_y, t_x, t_y those of harmonics 1 and -1, where sectors see (1, i) exp(i k pitch):
+condensation like those of the flanks. K_shaft is a Timoshenko beam in the same functions (Galerkin)
+with the strains of the turning frame, D u = u' + kappa J u, J u = (-u_y, u_x, 0):
 
-    C_t = C_t(held bore) + sum over k of w_k/z Re(H_fa W A^-1 W^H H_af exp(i k t pitch))         (B2)
-    A = W^H (K_aa - H_aa + K_shaft/z) W,  w_0 = 1, w_1 = 2
+    E A u_z'^2 + k G A ((D u)_x - t_y)^2 + k G A ((D u)_y + t_x)^2 + E I |D t|^2 + G I_p t_z'^2   (B2)
 
-with H the response of harmonic k to flank loads f and columns a with the bore held. K_shaft is a
-Timoshenko beam in the same functions (Galerkin), strains in the turning frame: D u = u' + kappa J u,
-J = (-u_y, u_x, 0), so
-
-    E A u_z'^2 + k G A ((D u)_x - t_y)^2 + k G A ((D u)_y + t_x)^2 + E I |D t|^2 + G I_p t_z'^2   (B3)
-
-and the springs of the shaft beyond the bore and of bearings in it.
+Beyond each end the shaft may be thicker than the bore. It is then joined to the beam in the bore and
+to the end face of the body around it: its motion is the mean over both, weighted with the tractions
+of a round shaft (uniform under forces, linear under moments). Springs between it and the ground are
+what is left of the shaft and its bearings there.
 """
 
 from __future__ import annotations
@@ -30,10 +26,13 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from scipy.linalg import null_space
 
+from flankload.elasticity.finite_elements import block_basis
 from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions
 from flankload.elasticity.sector_closure import close_ring, turned_cuts
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from flankload.bodies.body import SectorMesh
@@ -48,6 +47,9 @@ if TYPE_CHECKING:
 MOTIONS = 6
 #: Degree of the motions of the sections along z.
 SECTION_DEGREE = 5
+#: Degree of the integration over end faces: elements that the shaft's circle cuts count by their
+#: points inside.
+FACE_DEGREE = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,23 +59,24 @@ class CarriedBore:
     Attributes
     ----------
     shaft : CarryingShaft
-    basis : AxialBasis
-        Functions of z of the bore's nodes.
     teeth : int
-    columns : (N, 3 (p + 1), 6 (q_b + 1)) array
-        K T: forces on the nodes of a sector when the sections of its bore move; by d, motion.
+    columns : (N, 3 (p + 1), 6 (q_b + 1) + 12) array
+        K T: forces on the nodes of a sector when the sections of its bore move; by d, motion. Then
+        the loads on the end faces that unit forces and moments of the shaft beyond make there.
     stiffness : (6 (q_b + 1), 6 (q_b + 1)) array
         K_aa = T'K T: all nodes beside the bore at rest.
-    held : (6 (q_b + 1), 6 (q_b + 1)) array
-        K_shaft.
+    beam : (6 (q_b + 1), 6 (q_b + 1)) array
+        K_shaft, the bearings in the bore included.
+    ends : (12, 6 (q_b + 1)) array
+        Part of a sector in the motions of the shaft beyond both ends, by the motions of its bore.
     """
 
     shaft: CarryingShaft
-    basis: AxialBasis
     teeth: int
     columns: Floats
     stiffness: Floats
-    held: Floats
+    beam: Floats
+    ends: Floats
 
     @classmethod
     def of(
@@ -83,6 +86,7 @@ class CarriedBore:
         functions: AxialBasis | AxialRegions,
         mesh: SectorMesh,
         twist: float,
+        regions: Sequence[int] = (),
     ) -> CarriedBore:
         """The bore of a sector.
 
@@ -94,6 +98,8 @@ class CarriedBore:
         mesh : SectorMesh
         twist : float
             kappa, rad/mm.
+        regions : sequence of int, optional
+            As in `section_stiffness`.
 
         Returns
         -------
@@ -101,12 +107,35 @@ class CarriedBore:
         """
         basis = _bore_basis(functions, mesh)
         degree = min(SECTION_DEGREE, basis.degree)
-        columns, stiffness = _bore_columns(section, functions, mesh, shaft.radius_mm, degree)
-        held = shaft_stiffness(shaft, basis, degree, twist)
-        return cls(shaft, basis, mesh.teeth, columns, stiffness, held)
+        motions = _motions(mesh.nodes, shaft.radius_mm)
+        of_bore = np.zeros_like(motions)
+        of_bore[mesh.fixed_nodes] = motions[mesh.fixed_nodes]
+        columns, stiffness = _bore_columns(section, functions, mesh, of_bore, degree)
+        at_ends = basis.values(np.array(basis.range_mm))[:, : degree + 1]
+        all_ends, parts = [], []
+        for end, place in enumerate(basis.range_mm):
+            faces, shares = _face_loads(shaft, mesh, motions, regions, functions, end)
+            on_bore = np.einsum("ncm,nco->mo", faces, of_bore) + np.diag(shares / mesh.teeth)
+            parts.append(np.einsum("mo,d->mdo", on_bore, at_ends[end]).reshape(MOTIONS, -1))
+            along = _node_values(functions, len(mesh.nodes), place)
+            all_ends.append(np.einsum("ncm,nk->nkcm", faces, along))
+        columns = np.concatenate(
+            [columns, *(face.reshape(len(face), -1, MOTIONS) for face in all_ends)], axis=2
+        )
+        beam = beam_stiffness(shaft, basis, degree, twist)
+        return cls(shaft, mesh.teeth, columns, stiffness, beam, np.concatenate(parts))
 
     def close_ring(self, sector: CondensedSector) -> Floats:
-        """Response of all teeth of a closed ring to the loads on tooth 0, Eq. (B2).
+        """Response of all teeth of a closed ring to the loads on tooth 0.
+
+        In harmonic k, with H the response to all loads while the bore is held, forces s of the
+        shaft beyond the ends and c their compliance,
+
+            [ W^H (K_aa - H_aa + K_shaft/z) W   B^H         ] [a]     [H_af]
+            [ B                                 -c/z - H_ss ] [s] = - [H_sf] f                   (B3)
+
+        and -H_fa a - H_fs s adds to H_ff f. u_z and t_z belong to harmonic 0; u_x, u_y, t_x and t_y
+        to 1 and -1, where sectors see (1, i) exp(i k pitch).
 
         Parameters
         ----------
@@ -118,7 +147,8 @@ class CarriedBore:
         (z, p, p) array
             As of `sector_closure.close_ring`.
         """
-        count = sector.local[0].shape[1] - len(self.stiffness)
+        size = len(self.stiffness)
+        count = sector.local[0].shape[1] - size - len(self.ends)
         flanks = replace(
             sector,
             local=(sector.local[0][:count, :count],),
@@ -128,10 +158,17 @@ class CarriedBore:
         angles = 2.0 * np.pi * np.arange(self.teeth) / self.teeth
         for k, weight in ((0, 1.0), (1, 2.0)):
             moved = _harmonic(sector, self.teeth, k)
-            free = self._motions(k)
-            reads = free.conj().T @ moved[count:, :count]
-            own = self.stiffness - moved[count:, count:] + self.held / self.teeth
+            motions, (springs, compliance) = self._motions(k), self._springs(k)
+            free = np.zeros((size + len(self.ends), motions.shape[1] + springs.shape[1]), complex)
+            free[:size, : motions.shape[1]] = motions
+            free[size:, motions.shape[1] :] = springs
+            own = -moved[count:, count:]
+            own[:size, :size] += self.stiffness + self.beam / self.teeth
+            own[size:, :size] += self.ends
+            own[:size, size:] += self.ends.T
             own = free.conj().T @ own @ free
+            own[motions.shape[1] :, motions.shape[1] :] -= np.diag(compliance / self.teeth)
+            reads = free.conj().T @ moved[count:, :count]
             part = reads.conj().T @ np.linalg.solve(own, reads)
             waves = np.exp(1j * k * angles)[:, None, None]
             response += (weight / self.teeth) * np.real(part[None] * waves)
@@ -140,21 +177,47 @@ class CarriedBore:
     def _motions(self, k: int) -> Complexes:
         """Motions of the sections in harmonic 0 or 1, as columns over those of a sector.
 
-        The rotation is counted from the section where the torque enters, and a shaft without axial
-        bearings, which has no axial force, from its mean axial position.
+        A shaft without axial bearings, which has no axial force, does not move axially in the mean;
+        it does not turn in the mean if the torque enters evenly.
         """
         identity = np.eye(len(self.stiffness) // MOTIONS)
         if k == 1:
-            turning = np.zeros((MOTIONS, 2), dtype=complex)
-            turning[[0, 3], [0, 1]], turning[[1, 4], [0, 1]] = np.sqrt(0.5), 1j * np.sqrt(0.5)
-            return np.kron(identity, turning)
-        mean, side = identity[:1], self.shaft.torque_end
-        ends = dict(zip(("I", "II"), self.basis.values(np.array(self.basis.range_mm)), strict=True))
-        entry = mean if side == "even" else ends[side][None, : len(identity)]
-        along = identity if self.shaft.axially_held else null_space(mean)
-        units = np.eye(MOTIONS)[:, [2, 5]]
-        parts = np.kron(along, units[:, :1]), np.kron(null_space(entry), units[:, 1:])
-        return np.hstack(parts).astype(complex)
+            return np.kron(identity, TURNING)
+        without_mean = null_space(identity[:1])
+        along = identity if self.shaft.axially_held else without_mean
+        turned = without_mean if self.shaft.torque_end == "even" else identity
+        return np.hstack(
+            [np.kron(part, STRAIGHT[:, [j]]) for j, part in enumerate((along, turned))]
+        )
+
+    def _springs(self, k: int) -> tuple[Complexes, Floats]:
+        """Forces of the shaft beyond the ends in harmonic 0 or 1, and their compliances.
+
+        Returns
+        -------
+        forces : (12, n) array
+        compliances : (n,) array
+            0: the section where the torque enters does not turn.
+        """
+        forces, compliances = [], []
+        own = TURNING if k == 1 else STRAIGHT
+        scale = _scale(self.shaft.radius_mm)
+        for end, (name, springs) in enumerate(zip(("I", "II"), self.shaft.beyond, strict=True)):
+            stiffness = scale[:, None] * _round_spring(*springs) * scale
+            values, vectors = np.linalg.eigh(own.conj().T @ stiffness @ own)
+            parts = [own @ (vectors * np.sqrt(np.maximum(values, 0.0)))]
+            compliances += [1.0] * values.size
+            if k == 0 and self.shaft.torque_end == name:
+                parts.append(own[:, 1:])
+                compliances.append(0.0)
+            place = np.eye(2)[:, [end]]
+            forces.append(np.kron(place, np.hstack(parts)))
+        return np.hstack(forces), np.array(compliances)
+
+
+#: Motions of harmonic 0 (u_z, t_z) and of harmonic 1 (u and t that turn with the sectors).
+STRAIGHT = np.eye(MOTIONS, dtype=complex)[:, [2, 5]]
+TURNING = np.sqrt(0.5) * np.kron(np.eye(2), np.array([[1.0], [1.0j], [0.0]]))
 
 
 def _bore_basis(functions: AxialBasis | AxialRegions, mesh: SectorMesh) -> AxialBasis:
@@ -165,31 +228,12 @@ def _bore_basis(functions: AxialBasis | AxialRegions, mesh: SectorMesh) -> Axial
     return functions.bases[number]
 
 
-def _bore_columns(
-    section: SectionStiffness,
-    functions: AxialBasis | AxialRegions,
-    mesh: SectorMesh,
-    radius_mm: float,
-    degree: int,
-) -> tuple[Floats, Floats]:
-    """`columns` and `stiffness` of a sector."""
-    count = functions.count
-    motions = np.zeros((len(mesh.nodes), 3, MOTIONS))
-    motions[mesh.fixed_nodes] = _motions(mesh.nodes[mesh.fixed_nodes], radius_mm)
-    number, terms = functions.products(section)
-    held = np.flatnonzero(np.isin(section.columns, mesh.fixed_nodes))
-    columns = np.zeros((len(mesh.nodes), count, 3, degree + 1, MOTIONS))
-    for one in np.unique(number[held]):
-        pairs = held[number[held] == one]
-        moved = np.einsum(
-            "ntxc,ncm->ntxm", section.blocks[pairs], motions[section.columns[pairs]]
-        )
-        forces = np.einsum("ntxm,tad->naxdm", moved, terms[one][:, :, : degree + 1])
-        np.add.at(columns, section.rows[pairs], forces)
-    size = MOTIONS * (degree + 1)
-    forces = columns[mesh.fixed_nodes, : degree + 1].reshape(-1, degree + 1, 3, size)
-    stiffness = np.einsum("ncm,ndcs->dms", motions[mesh.fixed_nodes], forces).reshape(size, size)
-    return columns.reshape(len(mesh.nodes), 3 * count, size), 0.5 * (stiffness + stiffness.T)
+def _node_values(functions: AxialBasis | AxialRegions, nodes: int, place: float) -> Floats:
+    """Functions of all nodes at a place along z, (N, p + 1)."""
+    at = np.array([place])
+    if isinstance(functions, AxialBasis):
+        return np.broadcast_to(functions.values(at), (nodes, functions.count))
+    return np.concatenate([basis.values(at) for basis in functions.bases])[functions.of_node]
 
 
 def _motions(places: Floats, radius_mm: float) -> Floats:
@@ -202,10 +246,74 @@ def _motions(places: Floats, radius_mm: float) -> Floats:
     return found
 
 
-def shaft_stiffness(
-    shaft: CarryingShaft, basis: AxialBasis, degree: int, twist: float
-) -> Floats:
-    """K_shaft: the beam in the bore, the shaft beyond it and its bearings, Eq. (B3).
+def _bore_columns(
+    section: SectionStiffness,
+    functions: AxialBasis | AxialRegions,
+    mesh: SectorMesh,
+    motions: Floats,
+    degree: int,
+) -> tuple[Floats, Floats]:
+    """K T by node, unknown and mode (B1), and T'K T; motions (N, 3, 6) of the bore's nodes."""
+    nodes, count, size = len(mesh.nodes), functions.count, MOTIONS * (degree + 1)
+    number, terms = functions.products(section)
+    held = np.flatnonzero(np.isin(section.columns, mesh.fixed_nodes))
+    columns = np.zeros((nodes, count, 3, degree + 1, MOTIONS))
+    for one in np.unique(number[held]):
+        pairs = held[number[held] == one]
+        moved = np.einsum("ntxc,ncm->ntxm", section.blocks[pairs], motions[section.columns[pairs]])
+        forces = np.einsum("ntxm,tad->naxdm", moved, terms[one][:, :, : degree + 1])
+        np.add.at(columns, section.rows[pairs], forces)
+    forces = columns[:, : degree + 1].reshape(nodes, degree + 1, 3, size)
+    stiffness = np.einsum("ncm,ndcs->dms", motions, forces).reshape(size, size)
+    return columns.reshape(nodes, 3 * count, size), 0.5 * (stiffness + stiffness.T)
+
+
+def _face_loads(
+    shaft: CarryingShaft,
+    mesh: SectorMesh,
+    motions: Floats,
+    regions: Sequence[int],
+    functions: AxialBasis | AxialRegions,
+    end: int,
+) -> tuple[Floats, Floats]:
+    """How the shaft beyond an end is joined to the end face around the bore, and to the beam.
+
+    Returns
+    -------
+    loads : (N, 3, 6) array
+        On the face of a sector by unit forces and moments (over R) of the shaft.
+    shares : (6,) array
+        Part of them on the beam in the bore.
+    """
+    inner, bore, outer = shaft.inner_radius_mm, shaft.radius_mm, shaft.end_radii_mm[end]
+    loads = np.zeros_like(motions)
+    if outer <= bore:
+        return loads, np.ones(MOTIONS)
+    extents = [functions] if isinstance(functions, AxialBasis) else list(functions.bases)
+    for number, (kind, cells) in zip(regions or [0] * len(mesh.cells), mesh.cells, strict=True):
+        if extents[number].range_mm[end] != shaft.range_mm[end]:
+            continue
+        basis = block_basis(mesh.nodes, kind, cells, FACE_DEGREE)
+        x, y = np.asarray(basis.global_coordinates())
+        points = np.column_stack([x.ravel(), y.ravel()])
+        traction = _motions(points, bore).reshape(*x.shape, 3, MOTIONS)
+        area = np.where(np.hypot(x, y) <= outer, basis.dx, 0.0)
+        for local, shape in enumerate(basis.basis):
+            value = np.broadcast_to(np.asarray(shape[0]), area.shape)
+            part = np.einsum("eg,egcm->ecm", value * area, traction)
+            np.add.at(loads, cells[:, local], part)
+    by_force = (bore**2 - inner**2) / (outer**2 - inner**2)
+    by_moment = (bore**4 - inner**4) / (outer**4 - inner**4)
+    shares = np.repeat([by_force, by_moment], 3)
+    whole = mesh.teeth * np.einsum("ncm,ncm->m", loads, motions)
+    whole[[0, 1]], whole[[3, 4]] = whole[[0, 1]].mean(), whole[[3, 4]].mean()
+    if not whole.all():  # no face there
+        return np.zeros_like(motions), np.ones(MOTIONS)
+    return loads * (1.0 - shares) / whole, shares
+
+
+def beam_stiffness(shaft: CarryingShaft, basis: AxialBasis, degree: int, twist: float) -> Floats:
+    """Beam in the bore, and the bearings there, Eq. (B2).
 
     Parameters
     ----------
@@ -223,7 +331,7 @@ def shaft_stiffness(
         By d, motion; N/mm, rotations times R.
     """
     push, bend, shear, turn = shaft.stiffness
-    radius, (low, high) = shaft.radius_mm, basis.range_mm
+    low, high = basis.range_mm
     points, weights = leggauss(degree + 2)  # exact to degree 2 q_b + 3
     z, weights = 0.5 * (low + high + (high - low) * points), 0.5 * (high - low) * weights
     values, slopes = (part[:, : degree + 1] for part in (basis.values(z), basis.derivatives(z)))
@@ -234,23 +342,19 @@ def shaft_stiffness(
     strain += np.einsum("gd,sm->gsdm", values, constant)
     moduli = np.array([shear, shear, push, bend, bend, turn])
     total = np.einsum("gsdm,gsen,g,s->dmen", strain, strain, weights, moduli)
-    for place, springs in _springs(shaft):
+    for place, radial, axial, tilt in shaft.bearings:
         at = basis.values(np.array([place]))[0, : degree + 1]
-        total += np.einsum("d,e,mn->dmen", at, at, springs)
-    scale = np.array([1.0, 1.0, 1.0, *[1.0 / radius] * 3])
+        spring = _round_spring(axial, radial, 0.0, tilt)
+        total += np.einsum("d,e,mn->dmen", at, at, spring)
+    scale = _scale(shaft.radius_mm)
     total *= scale[:, None, None] * scale
     size = MOTIONS * (degree + 1)
     return np.asarray(total.reshape(size, size))
 
 
-def _springs(shaft: CarryingShaft) -> list[tuple[float, Floats]]:
-    """Places and stiffnesses (6, 6) of what holds the beam in the bore."""
-    found = [
-        (place, _round_spring(axial, radial, 0.0, tilt))
-        for place, radial, axial, tilt in shaft.bearings
-    ]
-    ends = zip(shaft.range_mm, shaft.beyond, strict=True)
-    return found + [(place, _round_spring(*springs)) for place, springs in ends]
+def _scale(radius_mm: float) -> Floats:
+    """Motions of a section per displacement and per rotation times R."""
+    return np.repeat([1.0, 1.0 / radius_mm], 3)
 
 
 def _round_spring(axial: float, force: float, mixed: float, moment: float) -> Floats:

@@ -194,7 +194,7 @@ def _ring_response(body: Body, mesh: SectorMesh, prism: Prism, n_modes: int, log
     loads = _prism_loads(in_plane, axial.load_vectors(prism.load_degree))
     bore = None
     if prism.shaft is not None:
-        bore = CarriedBore.of(prism.shaft, section, functions, mesh, prism.twist)
+        bore = CarriedBore.of(prism.shaft, section, functions, mesh, prism.twist, numbers)
         loads = np.concatenate([loads, bore.columns], axis=2)
     log.end_step("assembly")
     # most fronts are too small to share: two threads take longer, and more CPU seconds
