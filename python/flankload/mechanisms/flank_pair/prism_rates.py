@@ -67,6 +67,7 @@ def coarse_compliance(scene: Scene, z: int) -> tuple[Body, BodyCompliance]:
         cut_degree=CUT_DEGREE,
         screening=True,
         regions=body.axial.regions,
+        shaft=body.axial.carrying,
     )
     return body, prism_compliance(body, prism, n_modes=modes_of(body, scene, COARSE))
 

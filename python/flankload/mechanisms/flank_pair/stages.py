@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flankload.bodies import Body
+    from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.root_fillet import RootFillets
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.parts import Parts
@@ -71,7 +72,7 @@ def elements_call(
     """
     effects, own = effects_of(scene), body.for_elements()
     if effects.three_dimensions:
-        return _prism_call(own, scene, discretization)
+        return _prism_call(own, body.axial, scene, discretization)
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
     if own.given is not None:
@@ -290,10 +291,9 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
 
 
 def _prism_call(
-    body: Body, scene: Scene, discretization: Discretization
+    body: Body, axial: AxialShape | None, scene: Scene, discretization: Discretization
 ) -> partial[BodyCompliance]:
     """Call for the compliance of a three-dimensional body."""
-    axial = body.axial
     assert axial is not None
     degree, load_degree = degrees_of(scene.accuracy)
     prism = Prism(
@@ -302,6 +302,7 @@ def _prism_call(
         degree=degree,
         load_degree=load_degree,
         regions=axial.regions,
+        shaft=axial.carrying,
     )
     return partial(prism_compliance, body, prism, n_modes=modes_of(body, scene, discretization))
 
