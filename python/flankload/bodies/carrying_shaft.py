@@ -99,9 +99,7 @@ def carrying_shaft(
     modulus = table.young_modulus_MPa
     shear_modulus = modulus / (2.0 * (1.0 + table.poisson_ratio))
     inner = table.bore_diameter_mm or 0.0
-    area, moment, sheared = round_section(
-        np.array(bore_diameter_mm), inner, table.poisson_ratio
-    )
+    area, moment, sheared = round_section(np.array(bore_diameter_mm), inner, table.poisson_ratio)
     places = np.round(table.bearing_positions_mm, DECIMALS)
     return CarryingShaft(
         range_mm=range_mm,
@@ -158,13 +156,13 @@ def _beyond(table: keys.Shaft, free: float, end: float) -> Springs:
     bearings = np.searchsorted(nodes, places[own])
     at = int(np.searchsorted(nodes, end))
     bent = _condensed(
-        bending_stiffness(table, nodes, bearings, radial, tilt), [2 * at, 2 * at + 1]
+        bending_stiffness(table, nodes, bearings, radial, tilt), np.array([2 * at, 2 * at + 1])
     )
-    pushed = _condensed(pushing_stiffness(table, nodes, bearings, axial), [at])
+    pushed = _condensed(pushing_stiffness(table, nodes, bearings, axial), np.array([at]))
     return float(pushed[0, 0]), float(bent[0, 0]), float(bent[0, 1]), float(bent[1, 1])
 
 
-def _condensed(stiffness: Floats, kept: list[int]) -> Floats:
+def _condensed(stiffness: Floats, kept: NDArray[np.int64]) -> Floats:
     """Stiffness of some unknowns when no load acts on the others; symmetric."""
     rest = np.setdiff1d(np.arange(len(stiffness)), kept)
     scale = 1.0 / np.sqrt(np.diag(stiffness))

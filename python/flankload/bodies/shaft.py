@@ -128,7 +128,9 @@ def _sections(table: keys.Shaft, nodes: Floats) -> tuple[Floats, Floats, Floats]
     return round_section(outer, inner, table.poisson_ratio)
 
 
-def round_section(outer: Floats, inner: float, poisson_ratio: float) -> tuple[Floats, ...]:
+def round_section(
+    outer: Floats, inner: float, poisson_ratio: float
+) -> tuple[Floats, Floats, Floats]:
     """Area, second moment of area and shear area (Cowper 1966) between two diameters."""
     area = np.pi / 4.0 * (outer**2 - inner**2)
     moment = np.pi / 64.0 * (outer**4 - inner**4)

@@ -211,9 +211,7 @@ class AxialKeys:
     def check_extents(self, range_mm: tuple[float, float], key: str) -> None:
         """Check the regions against the ends of the teeth."""
 
-    def bore_of(
-        self, range_mm: tuple[float, float]
-    ) -> tuple[tuple[float, float], float] | None:
+    def bore_of(self, range_mm: tuple[float, float]) -> tuple[tuple[float, float], float] | None:
         """Ends along the axis and diameter of the bore; None if the diameter is unknown."""
         return None
 
@@ -278,9 +276,7 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
     return ends
 
 
-def _check_flexible(
-    body: AxialKeys, shaft: Shaft, ends: tuple[float, float], key: str
-) -> None:
+def _check_flexible(body: AxialKeys, shaft: Shaft, ends: tuple[float, float], key: str) -> None:
     """Check that a shaft that bends under the teeth fills the bore of an elastic gear."""
     bore, why = body.bore_of(ends), f"no {key}.bore_diameter_mm"
     if getattr(body, "rigid", False):

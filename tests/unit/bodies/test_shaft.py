@@ -301,9 +301,10 @@ def test_parts_of_a_flexible_shaft_make_the_whole_one(inner: float) -> None:
     basis, degree = AxialBasis((-10.0, 15.0), 11), 11
     stiffness = beam_stiffness(parts, basis, degree, 0.0)
     scale = np.repeat([1.0, 1.0 / 15.0], 3)
-    ends = [np.kron(row, np.eye(6)) * np.tile(scale, degree + 1) for row in basis.values(
-        np.array([-10.0, 15.0])
-    )]
+    ends = [
+        np.kron(row, np.eye(6)) * np.tile(scale, degree + 1)
+        for row in basis.values(np.array([-10.0, 15.0]))
+    ]
     for end, (axial, force, mixed, moment) in zip(ends, parts.beyond, strict=True):
         spring = np.diag([force, force, axial, moment, moment, 0.0])
         spring[[0, 4], [4, 0]] = mixed

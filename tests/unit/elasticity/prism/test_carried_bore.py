@@ -70,9 +70,7 @@ def _response(twist: float, carrying: CarryingShaft | None) -> np.ndarray:
     if carrying is not None:
         bore, _ = _bore(twist, carrying)
         loads = np.concatenate([loads, bore.columns], axis=2)
-    sector = condense_prism(
-        _section(twist), AXIAL, MESH, loads, cut_degree=3, twisted=twist != 0.0
-    )
+    sector = condense_prism(_section(twist), AXIAL, MESH, loads, cut_degree=3, twisted=twist != 0.0)
     found = close_ring(sector, MESH.teeth) if bore is None else bore.close_ring(sector)
     mirrored = found[-np.arange(MESH.teeth)].transpose(0, 2, 1)
     np.testing.assert_allclose(found, mirrored, rtol=0, atol=CLOSURE * np.abs(found).max())
