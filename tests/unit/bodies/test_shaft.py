@@ -15,7 +15,7 @@ from flankload.elasticity.prism.carried_bore import beam_stiffness
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.effects import effects_of, switches_of
 from flankload.scene.shaft import Shaft as ShaftTable
-from tests.support.gear_scenes import ABSENT, changed, one_line, refusal
+from tests.support.gear_scenes import ABSENT, changed, example, one_line, refusal
 
 #: Beams in closed form.
 CLOSED = 1e-10
@@ -373,13 +373,12 @@ def test_refused_flexible_shafts(
     one_line({"body_1__shaft": table}, f"body_1.{key}", expected, found)
 
 
-def test_a_rigid_body_does_not_follow_a_shaft() -> None:
-    one_line(
-        {"body_1__shaft": {**BEAM, **FLEXIBLE}, "body_1__rigid": True},
-        "body_1.shaft.under_teeth",
-        "'rigid', since there is body_1.rigid",
-        "'flexible'",
-    )
+def test_the_bore_of_a_mesh_has_no_diameter() -> None:
+    scene = example("external_gear_mesh")
+    scene["body_1"]["shaft"] = {**BEAM, **FLEXIBLE}
+    error = refusal(scene)
+    assert error.key == "body_1.shaft.under_teeth"
+    assert error.expected == "'rigid', since there is no body_1.bore_diameter_mm"
 
 
 def test_a_compliance_does_not_bend_under_the_teeth() -> None:

@@ -3,18 +3,20 @@
 The bore at z moves as a rigid section: displacements u and rotations t about x, y, z in the frame
 that turns with the helix, each a polynomial of degree q_b in z. In the modes
 
-    v = sum over d of phi_d(z) (u_d + t_d x (x, y, 0)/R),  R the radius of the bore              (B1)
+    v = sum over d of phi_d(z) (u_d + t_d x (x, y, 0)/R),  R the radius of the bore         (B1)
 
 the nodes of the bore have 6 (q_b + 1) unknowns a in the sector. Their columns K T are loads of the
 condensation like those of the flanks. K_shaft is a Timoshenko beam in the same functions (Galerkin)
 with the strains of the turning frame, D u = u' + kappa J u, J u = (-u_y, u_x, 0):
 
-    E A u_z'^2 + k G A ((D u)_x - t_y)^2 + k G A ((D u)_y + t_x)^2 + E I |D t|^2 + G I_p t_z'^2   (B2)
+    E A u_z'^2 + k G A ((D u)_x - t_y)^2 + k G A ((D u)_y + t_x)^2 + E I |D t|^2 + G I_p t_z'^2
 
-Beyond each end the shaft may be thicker than the bore. It is then joined to the beam in the bore and
-to the end face of the body around it: its motion is the mean over both, weighted with the tractions
-of a round shaft (uniform under forces, linear under moments). Springs between it and the ground are
-what is left of the shaft and its bearings there.
+                                                                                            (B2)
+
+Beyond each end the shaft may be thicker than the bore. It is then joined to the beam in the bore
+and to the end face of the body around it: its motion is the mean over both, weighted with the
+tractions of a round shaft (uniform under forces, linear under moments). Springs between it and the
+ground are what is left of the shaft and its bearings there.
 """
 
 from __future__ import annotations
