@@ -41,6 +41,8 @@ from flankload.analysis.error_rules import (
     AXIAL,
     COAST,
     ELEMENTS,
+    FACE_LOAD,
+    LINE_LOAD,
     MODES,
     MODES_WITH_IMAGES,
     NODES,
@@ -122,7 +124,7 @@ class Estimate:
         """Estimate from the errors of each source, by quantity."""
         by_quantity = {
             quantity: [parts[quantity] for parts in left.values() if quantity in parts]
-            for quantity in (*POINTWISE, *OVERALL, COAST)
+            for quantity in (*POINTWISE, *OVERALL, COAST, LINE_LOAD, FACE_LOAD)
         }
         return cls(
             {quantity: Left.of(parts).size for quantity, parts in by_quantity.items() if parts},

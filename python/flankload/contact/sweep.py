@@ -81,6 +81,8 @@ class Sweep:
     slice_force_N, slice_peak_MPa, slice_corner : (P, S, J) arrays or None
         Force, largest pressure and corner of each slice, if flanks are cut; `site_force_N` is then
         the sum over the slices, and `site_peak_N_per_mm` the largest pressure, in MPa.
+    slice_edges_mm : (J + 1,) array or None
+        Ends of the slices along the axis.
     unloaded_rad : (P,) array or None
         Rotation without torque, if computed.
     """
@@ -101,6 +103,7 @@ class Sweep:
     slice_force_N: NDArray[np.float64] | None = None
     slice_peak_MPa: NDArray[np.float64] | None = None
     slice_corner: NDArray[np.int64] | None = None
+    slice_edges_mm: NDArray[np.float64] | None = None
     unloaded_rad: NDArray[np.float64] | None = None
 
     @property
@@ -290,6 +293,7 @@ def _summed(found: Sweep, slices: Slices) -> Sweep:
         slice_force_N=force,
         slice_peak_MPa=peak,
         slice_corner=corner,
+        slice_edges_mm=slices.edges_mm,
         pairs=found.pairs.in_slices(slices.count),
     )
 
@@ -358,6 +362,7 @@ def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
     coasts = [part.coast for part in parts if part.coast is not None]
     return Sweep(
         torque_Nmm=parts[0].torque_Nmm,
+        slice_edges_mm=parts[0].slice_edges_mm,
         coast=CoastSweep(**_joined(coasts, order)) if coasts else None,
         **_joined(parts, order),
     )
@@ -367,7 +372,7 @@ def _joined(
     parts: Sequence[Sweep] | Sequence[CoastSweep], order: NDArray[np.int64]
 ) -> dict[str, Any]:
     """Fields with a row for each position, and the pairs."""
-    single = ("torque_Nmm", "pairs", "coast", "unloaded_rad")
+    single = ("torque_Nmm", "pairs", "coast", "slice_edges_mm", "unloaded_rad")
     names = [
         item.name
         for item in fields(parts[0])

@@ -57,7 +57,7 @@ class SliceLoads(KeepsReadOnly):
         """K_Hbeta: largest over positions and slices of the line load summed over all sites,
         divided by its mean over the face width; 1 without load.
         """
-        return face_load_factor(self.force_N, self.width_mm)
+        return float(face_load_factors(self.force_N, self.width_mm).max())
 
     @cached_property
     def flank_face_load_factor(self) -> Floats:
@@ -96,8 +96,8 @@ class SliceLoads(KeepsReadOnly):
         )
 
 
-def face_load_factor(force_N: Floats, width_mm: Floats) -> float:
-    """K_Hbeta: the largest line load over its mean, at the worst position.
+def face_load_factors(force_N: Floats, width_mm: Floats) -> Floats:
+    """Largest line load over its mean at each position; K_Hbeta is the largest of these.
 
     Parameters
     ----------
@@ -107,14 +107,14 @@ def face_load_factor(force_N: Floats, width_mm: Floats) -> float:
 
     Returns
     -------
-    float
+    (P,) array
         1 without load.
     """
     summed = (force_N / width_mm).sum(axis=1)
     mean = force_N.sum(axis=(1, 2)) / width_mm.sum()
     factors = np.ones_like(mean)
     np.divide(summed.max(axis=1), mean, out=factors, where=mean > 0)
-    return float(factors.max())
+    return factors
 
 
 def slice_summary(slices: SliceLoads | None) -> Mapping[str, float]:

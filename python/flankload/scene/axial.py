@@ -368,13 +368,6 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
     assert asked.pair is not None
     _check_pair(one, two, asked.pair.face_width_mm)
     _check_effects(asked, given.get("effects", {}), why)
-    if "tolerance" in given.get("accuracy", {}):
-        refuse(
-            "accuracy.tolerance",
-            f"nothing, since {why} requires three dimensions: this version controls the "
-            "discretization of plane scenes only",
-            accuracy.tolerance,
-        )
     degree = accuracy.axial_degree or AXIAL_DEGREE
     if (accuracy.load_degree_z or 0) > degree - DEGREES_ABOVE_LOAD:
         refuse(

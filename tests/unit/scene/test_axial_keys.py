@@ -209,12 +209,6 @@ CROWNED = {"body_1__lead_crowning_um": 5}
             "0.1",
         ),
         (
-            {**CROWNED, "accuracy__tolerance": 0.01},
-            "accuracy.tolerance",
-            f"nothing, {SINCE}: this version controls the discretization of plane scenes only",
-            "0.01",
-        ),
-        (
             {**CROWNED, "body_2": RING, "pair__center_distance_mm": 99},
             "body_2.kind",
             f"'gear' or 'mesh', {SINCE}, which this version has for these bodies",

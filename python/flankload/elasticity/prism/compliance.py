@@ -23,6 +23,7 @@ from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.end_faces import edge_angles, end_strength
 from flankload.elasticity.prism.flank_potential import FlankSurface, projected_potential
 from flankload.elasticity.prism.regions import functions_of
+from flankload.elasticity.prism.section_error import missed_over_width
 from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import close_ring
 from flankload.errors import SceneError
@@ -100,7 +101,12 @@ class Prism:
 
 
 def prism_compliance(
-    body: Body, prism: Prism, *, n_modes: int, account: Account | None = None
+    body: Body,
+    prism: Prism,
+    *,
+    n_modes: int,
+    estimate: bool = False,
+    account: Account | None = None,
 ) -> BodyCompliance:
     """Compliance of a body's flanks in three dimensions.
 
@@ -131,6 +137,8 @@ def prism_compliance(
     n_modes : int
         Pressure modes along s; their degree should be at most half the number of flank elements.
         A tip rounding or chamfer has half as many more.
+    estimate : bool
+        Whether the discretization error of the plane elements is estimated.
     account : Account, optional
         Where factorisations are counted.
 
@@ -148,7 +156,7 @@ def prism_compliance(
     prism.check()
     if body.rigid or body.mesh is None:
         return no_compliance(body)
-    mesh, log = _sector_of(body), JobLog(account)
+    mesh, log, modes_s = _sector_of(body), JobLog(account), n_modes
     if body.tip is not None:
         n_modes = with_tip(n_modes)
     response = _ring_response(body, mesh, prism, n_modes, log)
@@ -167,6 +175,17 @@ def prism_compliance(
     mirrored = response[-np.arange(mesh.teeth) % mesh.teeth].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     log.end_step("near field")
+    missed = None
+    if estimate:
+        missed = missed_over_width(
+            body,
+            modes_s,
+            width_mm=high - low,
+            load_degree=prism.load_degree,
+            cosine=surface.cos_base_helix,
+            account=log.account,
+        )
+        log.end_step("estimate")
     return BodyCompliance(
         smooth=0.5 * (response + mirrored),
         near=NearField(kernel, wedge=surface.wedge),
@@ -181,6 +200,7 @@ def prism_compliance(
                 end=surface.end,
             ),
         ),
+        missed=missed,
         job=log.cost(asymmetry, unknowns),
     )
 

@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flankload.bodies import Body
-    from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.root_fillet import RootFillets
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.parts import Parts
@@ -72,7 +71,7 @@ def elements_call(
     """
     effects, own = effects_of(scene), body.for_elements()
     if effects.three_dimensions:
-        return _prism_call(own, body.axial, scene, discretization)
+        return _prism_call(body, scene, discretization, estimate=estimate)
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
     if own.given is not None:
@@ -291,9 +290,10 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
 
 
 def _prism_call(
-    body: Body, axial: AxialShape | None, scene: Scene, discretization: Discretization
+    body: Body, scene: Scene, discretization: Discretization, *, estimate: bool
 ) -> partial[BodyCompliance]:
     """Call for the compliance of a three-dimensional body."""
+    own, axial = body.for_elements(), body.axial
     assert axial is not None
     degree, load_degree = degrees_of(scene.accuracy)
     prism = Prism(
@@ -304,7 +304,8 @@ def _prism_call(
         regions=axial.regions,
         shaft=axial.carrying,
     )
-    return partial(prism_compliance, body, prism, n_modes=modes_of(body, scene, discretization))
+    modes = modes_of(body, scene, discretization)
+    return partial(prism_compliance, own, prism, n_modes=modes, estimate=estimate)
 
 
 def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
