@@ -132,8 +132,8 @@ def test_teeth_carry_more_where_the_torque_enters() -> None:
     np.testing.assert_allclose(loads[2][::-1], loads[2], rtol=0, atol=1e-6 * loads[2].max())
     rigid = solved(None)
     assert rigid.face_load_factor < 1.05 < even.face_load_factor < one.face_load_factor
-    # the ends of the bore turn less than its middle
-    assert even.rotation_rad[0] < one.rotation_rad[0]
+    # the mean of the bore is held, not an end; and the pinion stiffens the shaft
+    assert even.rotation_rad[0] < one.rotation_rad[0] < rigid.rotation_rad[0]
 
 
 def test_bearings_of_a_flexible_shaft_carry_the_force_of_the_teeth() -> None:

@@ -142,21 +142,24 @@ class CarriedBore:
         Parameters
         ----------
         sector : CondensedSector
-            Its loads are those of the flanks, then `columns`.
+            Its loads are those of the flanks, then `columns`. Further kinds of readings read the
+            displacements under all of them.
 
         Returns
         -------
-        (z, p, p) array
+        (z, r, p) array
             As of `sector_closure.close_ring`.
         """
-        size = len(self.stiffness)
-        count = sector.local[0].shape[1] - size - len(self.ends)
+        size, loads = len(self.stiffness), sector.local[0].shape[1]
+        count = loads - size - len(self.ends)
+        first, *others = sector.local
         flanks = replace(
             sector,
-            local=(sector.local[0][:count, :count],),
-            carried=(sector.carried[0][:, :count],),
+            local=(first[:count, :count], *(part[:, :count] for part in others)),
+            carried=(sector.carried[0][:, :count], *sector.carried[1:]),
         )
         response = close_ring(flanks, self.teeth)
+        read = np.append(np.arange(count), np.arange(loads, loads - count + response.shape[1]))
         angles = 2.0 * np.pi * np.arange(self.teeth) / self.teeth
         for k, weight in ((0, 1.0), (1, 2.0)):
             moved = _harmonic(sector, self.teeth, k)
@@ -164,14 +167,14 @@ class CarriedBore:
             free = np.zeros((size + len(self.ends), motions.shape[1] + springs.shape[1]), complex)
             free[:size, : motions.shape[1]] = motions
             free[size:, motions.shape[1] :] = springs
-            own = -moved[count:, count:]
+            own = -moved[count:loads, count:]
             own[:size, :size] += self.stiffness + self.beam / self.teeth
             own[size:, :size] += self.ends
             own[:size, size:] += self.ends.T
             own = free.conj().T @ own @ free
             own[motions.shape[1] :, motions.shape[1] :] -= np.diag(compliance / self.teeth)
-            reads = free.conj().T @ moved[count:, :count]
-            part = reads.conj().T @ np.linalg.solve(own, reads)
+            forces = np.linalg.solve(own, free.conj().T @ moved[count:loads, :count])
+            part = moved[read, count:] @ free @ forces
             waves = np.exp(1j * k * angles)[:, None, None]
             response += (weight / self.teeth) * np.real(part[None] * waves)
         return response
@@ -368,10 +371,11 @@ def _round_spring(axial: float, force: float, mixed: float, moment: float) -> Fl
 
 
 def _harmonic(sector: CondensedSector, teeth: int, k: int) -> Complexes:
-    """Response of harmonic k to all loads, with the bore held; Hermitian."""
+    """Response of harmonic k to all loads, with the bore held: all kinds of readings."""
     pitch = 2.0 * np.pi / teeth
-    (ll, lr, rl, rr), ((left, right),) = turned_cuts(sector, pitch)
+    (ll, lr, rl, rr), carried = turned_cuts(sector, pitch)
     shift = np.exp(1j * pitch * k)
-    loads = left + right / shift
-    found = np.linalg.solve(ll + rr + lr * shift + rl / shift, loads)
-    return np.asarray(sector.local[0] + loads.conj().T @ found)
+    loads = [left + right / shift for left, right in carried]
+    found = np.linalg.solve(ll + rr + lr * shift + rl / shift, loads[0])
+    kinds = zip(sector.local, loads, strict=True)
+    return np.concatenate([local + read.conj().T @ found for local, read in kinds])

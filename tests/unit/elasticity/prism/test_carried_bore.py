@@ -14,7 +14,7 @@ from flankload.elasticity.prism.axial_basis import AxialBasis
 from flankload.elasticity.prism.carried_bore import CarriedBore, beam_stiffness
 from flankload.elasticity.prism.condensation import condense_prism
 from flankload.elasticity.prism.section_stiffness import SectionStiffness, section_stiffness
-from flankload.elasticity.sector_closure import close_ring
+from flankload.elasticity.sector_closure import CondensedSector, close_ring
 from tests.support.plain_prism import product_loads, whole_stiffness
 from tests.support.plane_sectors import STEEL, ring_sector
 from tests.support.tolerances import CLOSURE, SOLVER
@@ -63,15 +63,20 @@ def _bore(twist: float, carrying: CarryingShaft) -> tuple[CarriedBore, np.ndarra
     return CarriedBore.of(carrying, _section(twist), AXIAL, MESH, twist), _loads(twist)
 
 
+def _sector(twist: float, loads: np.ndarray) -> CondensedSector:
+    section = _section(twist)
+    return condense_prism(section, AXIAL, MESH, loads, cut_degree=3, twisted=twist != 0.0)
+
+
 @cache
 def _response(twist: float, carrying: CarryingShaft | None) -> np.ndarray:
     """(z, p, p) of modes on the ring, its bore held or on a shaft."""
-    loads, bore = _loads(twist), None
-    if carrying is not None:
+    loads = _loads(twist)
+    if carrying is None:
+        found = close_ring(_sector(twist, loads), MESH.teeth)
+    else:
         bore, _ = _bore(twist, carrying)
-        loads = np.concatenate([loads, bore.columns], axis=2)
-    sector = condense_prism(_section(twist), AXIAL, MESH, loads, cut_degree=3, twisted=twist != 0.0)
-    found = close_ring(sector, MESH.teeth) if bore is None else bore.close_ring(sector)
+        found = bore.close_ring(_sector(twist, np.concatenate([loads, bore.columns], axis=2)))
     mirrored = found[-np.arange(MESH.teeth)].transpose(0, 2, 1)
     np.testing.assert_allclose(found, mirrored, rtol=0, atol=CLOSURE * np.abs(found).max())
     return found
@@ -164,6 +169,19 @@ def test_sectors_close_to_the_meshed_ring_on_its_shaft(twist: float, torque_end:
     found = _response(twist, carrying)
     wanted = _meshed_ring(MESH, AXIAL, twist, bore, loads)
     np.testing.assert_allclose(found, wanted, rtol=0, atol=CLOSURE * np.abs(wanted).max())
+
+
+def test_other_readings_see_the_shaft() -> None:
+    """The displacements under two of the loads, read once more as a kind of their own."""
+    carrying = shaft((-9.0, 6.0), 10.0)
+    bore, loads = _bore(0.02, carrying)
+    sector = _sector(0.02, np.concatenate([loads, bore.columns], axis=2))
+    (local,), (carried,) = sector.local, sector.carried
+    sector = replace(sector, local=(local, local[1:3]), carried=(carried, carried[:, 1:3]))
+    found, wanted = bore.close_ring(sector), _response(0.02, carrying)
+    accuracy = {"rtol": 0.0, "atol": CLOSURE * np.abs(wanted).max()}
+    np.testing.assert_allclose(found[:, :4], wanted, **accuracy)
+    np.testing.assert_allclose(found[:, 4:], wanted[:, 1:3], **accuracy)
 
 
 def test_a_rigid_motion_of_the_face_is_that_of_the_shaft() -> None:
