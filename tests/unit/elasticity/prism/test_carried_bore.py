@@ -245,6 +245,27 @@ def test_a_cantilever_with_a_force_at_its_end(twist: float) -> None:
     np.testing.assert_allclose(at_end[5] / radius, 3.0 * length / turn, **accuracy)
 
 
+@pytest.mark.parametrize("twist", [0.0, 0.03, -0.03])
+def test_rigid_motions_do_not_strain_a_beam_in_a_frame_that_turns_with_z(twist: float) -> None:
+    """A translation along x in space is (cos, -sin)(twist z) in the frame, as in the sections."""
+    radius, length, degree = 5.0, 40.0, 11
+    carrying = shaft((0.0, length), radius, beyond=((0.0,) * 4,) * 2)
+    basis = AxialBasis((0.0, length), degree)
+    stiffness = beam_stiffness(carrying, basis, degree, twist)
+    z, weights = np.polynomial.legendre.leggauss(30)
+    z, weights = 20.0 * (z + 1.0), 20.0 * weights
+    along = np.stack([np.cos(twist * z), -np.sin(twist * z)])
+    across = np.stack([np.sin(twist * z), np.cos(twist * z)])
+    none = np.zeros_like(z)
+    moved = [*along, none, none, none, none]
+    tilted = [*(-z * across), none, *(radius * along), none]  # about x in space
+    turned = [none, none, none, none, none, none + radius]
+    for motion in (moved, tilted, turned):
+        modes = (np.stack(motion) * weights @ basis.values(z)).T.ravel()
+        size = np.abs(stiffness).max() * np.abs(modes).max()
+        assert np.abs(stiffness @ modes).max() < 1e-9 * size
+
+
 def test_an_even_torque_twists_a_wide_bar_by_a_parabola() -> None:
     radius, length, degree = 5.0, 200.0, 4
     carrying = shaft((-100.0, 100.0), radius, beyond=((0.0,) * 4,) * 2)
