@@ -31,12 +31,12 @@ SHAFT: dict[str, Any] = {
     "under_teeth": "flexible",
     "torque_end": "I",
 }
-#: Compliance (nm/N) of this pinion and shaft as one solid, between line loads P_b(2 z/b) N per mm of
-#: width that are even over the height of the flank of one tooth; b, c: 0, 1; 1, 1; 0, 2; 2, 2; 1, 3;
-#: 3, 3; the rotation of the shaft at z = -60 mm is held. 27- and 18-node elements on the plane mesh
-#: of flank elements of 3 mm, continued to the axis: 8 layers over the face width, graded to its ends,
-#: and 7 on either side (783 000 unknowns; 5 layers change these by less than 0.4 %, the last
-#: by 1.5 %). `tests/support/solid_pinion_shaft.py` computes them.
+#: Compliance (nm/N) of this pinion and shaft as one solid, between line loads P_b(2 z/b) N per mm
+#: of width that are even over the height of the flank of one tooth, by (b, c); the rotation of the
+#: shaft at z = -60 mm is held. 27- and 18-node elements on the plane mesh of flank elements of
+#: 3 mm, continued to the axis: 8 layers over the face width, graded to its ends, and 7 on either
+#: side (783 000 unknowns; with 5 layers the first four differ by less than 0.4 %, the others by
+#: 1.5 %). `tests/support/solid_pinion_shaft.py` computes them.
 SOLID = {(0, 1): 200.928, (1, 1): 589.962, (0, 2): -133.058, (2, 2): 218.309}
 SOLID |= {(1, 3): -24.143, (3, 3): 118.959, (0, 3): -3.115}
 #: Stiffness of what the line of contact is pressed against, N/(mm um).

@@ -134,7 +134,7 @@ class CarriedBore:
         shaft beyond the ends and c their compliance,
 
             [ W^H (K_aa - H_aa + K_shaft/z) W   B^H         ] [a]     [H_af]
-            [ B                                 -c/z - H_ss ] [s] = - [H_sf] f                   (B3)
+            [ B                                 -c/z - H_ss ] [s] = - [H_sf] f                  (B3)
 
         and -H_fa a - H_fs s adds to H_ff f. u_z and t_z belong to harmonic 0; u_x, u_y, t_x and t_y
         to 1 and -1, where sectors see (1, i) exp(i k pitch).

@@ -13,8 +13,8 @@ from flankload.mechanisms.flank_pair.data_sheet import data_sheet
 from flankload.mechanisms.flank_pair.description import describe, mesh_files
 from flankload.mechanisms.flank_pair.duration import duration_of
 from flankload.mechanisms.flank_pair.error_estimates import error_estimates, unseen_notes
-from flankload.mechanisms.flank_pair.iso_6336 import with_iso_factor
 from flankload.mechanisms.flank_pair.from_sweep import result_of
+from flankload.mechanisms.flank_pair.iso_6336 import with_iso_factor
 from flankload.mechanisms.flank_pair.prediction import predicted_work
 from flankload.mechanisms.flank_pair.stages import (
     compliances_of,

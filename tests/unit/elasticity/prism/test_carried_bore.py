@@ -1,4 +1,4 @@
-"""A bore that follows a shaft: the meshed ring on a beam, closed forms of beams, limits, mirrors."""
+"""A bore that follows a shaft: the meshed ring on a beam, closed forms, limits, mirrors."""
 
 from __future__ import annotations
 
