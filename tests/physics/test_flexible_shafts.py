@@ -146,7 +146,7 @@ def test_bearings_of_a_flexible_shaft_carry_the_force_of_the_teeth() -> None:
     assert np.all(result.tilt_um_per_mm != 0.0)
 
 
-def test_the_factor_of_the_standard_stands_beside_the_computed_one() -> None:
+def test_the_factor_of_the_standard_is_beside_the_computed_one() -> None:
     """f_sh and c_gamma by hand; the pinion is in the middle of its bearings."""
     result = solved("I")
     line_load = 2000.0 * 60.0 / (34.0 * 40.0)
