@@ -13,6 +13,7 @@ from flankload.bodies.profile_deviation import profile_deviation
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
 from flankload.mechanisms.flank_pair.shaft_loads import shaft_loads
+from flankload.pairing.common_height import turned
 from flankload.result.coast_contact import CoastContact
 from flankload.result.contact_quantities import frozen
 from flankload.result.friction import FrictionResult, friction_result
@@ -162,6 +163,12 @@ def _slice_loads(pair: BodyPair, slices: Slices, found: Sweep) -> SliceLoads:
         peak_pressure_MPa=found.slice_peak_MPa,
         tangent_helix_base=tangent,
         cosine_helix_base=1.0 / sqrt(1.0 + tangent**2),
+        directions=None
+        if slices.conforming is None
+        else turned(
+            slices.conforming.middle_normal,
+            pair.pairing.turns(pair.position_rad)[0][:, None] + pair.pairing.site_angles_rad[0],
+        ),
     )
 
 
@@ -233,7 +240,7 @@ def _pair_table(
         cell_mm=column["cell"],
         sliding_mm_per_rad=column.get("sliding"),
         friction_force_N=column["friction"] * column["force"] if "friction" in column else None,
-        half_width_mm=column["cell"] * (2.0 / pi) if lumped else None,
+        half_width_mm=column["cell"] * (2.0 / pi) if lumped and not pairing.whole_circle else None,
         z_mm=z_mm,
     )
 
@@ -288,6 +295,9 @@ def _drawing(pair: BodyPair) -> PairDrawing:
         cam_turns_clockwise=pair.body_2.turns_clockwise if pair.pairing.motion else None,
         active_roll_mm=_active_roll_mm(pair.pairing.mesh, pair.pairing.ratio, profiles),
         axial=(pair.body_1.axial, pair.body_2.axial),
+        tilted=pair.slices is not None
+        and pair.slices.conforming is not None
+        and bool(pair.slices.conforming.tilt.any()),
     )
 
 
