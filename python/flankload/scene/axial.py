@@ -36,13 +36,12 @@ DEGREES_ABOVE_LOAD = 4
 #: Effects of plane scenes only, with what is missing in three dimensions.
 PLANE_EFFECTS = {
     "choose": "no choice of effects for three-dimensional bodies",
-    "friction_coefficient": "no friction of slices",
     "near_field": "no nodal forces on three-dimensional bodies",
     "influence": "influence coefficients of small forces for slices",
     "root_stress": "root stress of plane bodies only",
     "body": "three-dimensional bodies with all their teeth",
-    "temperature_rise_K": "expansion of plane bodies only",
-    "speed_rpm": "expansion of plane bodies only",
+    "support_expansion_per_K": "bodies that expand as their supports do",
+    "speed_rpm": "centrifugal expansion of plane bodies only",
     "coast_flank": "slices on working flanks only",
 }
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.

@@ -266,6 +266,8 @@ def _friction(
             **{name: np.concatenate([pairs.column(name) for pairs, _ in parts]) for name in names},
             "position": np.concatenate([pairs.position for pairs, _ in parts]),
             "site": np.concatenate([pairs.sites + first for pairs, first in parts]),
+            "in_section": np.concatenate([_in_section(pair, pairs) for pairs, _ in parts]),
+            **({} if pair.slices is None else {"z": _from_middle(pair.slices, found.pairs)}),
         },
         n_sites=n_sites,
         n_working=pair.pairing.sites.size,
@@ -276,6 +278,22 @@ def _friction(
         over_period=over_period,
     )
     return replace(summed, site_friction_N=summed.site_friction_N[:, carries])
+
+
+def _in_section(pair: BodyPair, pairs: PackedPairs) -> NDArray[np.float64]:
+    """Part of each normal force that lies in the transverse section: cos(beta)."""
+    x, y, across, up = (pairs.column(name) for name in ("x", "y", "normal_x", "normal_y"))
+    if pair.body_1.axial is None:
+        return np.ones_like(x)
+    return np.asarray(
+        1.0 / np.hypot(1.0, pair.body_1.axial.twist_rad_per_mm * (x * up - y * across))
+    )
+
+
+def _from_middle(slices: Slices, pairs: PackedPairs) -> NDArray[np.float64]:
+    """Axial distance of each pair from the middle of the face width."""
+    z_mm = slices.z_mm - 0.5 * (slices.edges_mm[0] + slices.edges_mm[-1])
+    return np.asarray(z_mm[pairs.slices])
 
 
 def _drawing(pair: BodyPair) -> PairDrawing:

@@ -144,16 +144,16 @@ class PairModels:
         spatial = [scene for scene in asked if is_spatial(scene).on]
         if not self._pair.effects.three_dimensions:
             self._solve_plane_elements(z, [scene for scene in asked if scene not in spatial])
-        variants: dict[_Variant, Scene] = {}
+        on_shafts: dict[CarryingShaft | bool, Scene] = {}
         for scene in spatial:
-            variants.setdefault(self._variant(scene, z), scene)
-        for scene in variants.values():
-            self._solve_prism(z, scene)
+            on_shafts.setdefault(self._variant(scene, z)[0], scene)
+        for scene in on_shafts.values():
+            self._solve_prism(z, scene, friction=any(each.has_friction for each in spatial))
 
-    def _solve_prism(self, z: int, scene: Scene) -> None:
+    def _solve_prism(self, z: int, scene: Scene, *, friction: bool) -> None:
         """A three-dimensional body on coarse elements, and the plane body on the same elements."""
         load_packages()
-        body, found = coarse_compliance(scene, z)
+        body, found = coarse_compliance(scene, z, friction=friction)
         self._jobs[z][self._variant(scene, z)] = found
         if z in self.prism_rates:  # on another shaft
             return
@@ -164,7 +164,7 @@ class PairModels:
         seconds = process_time() - start
         modes = modes_of(body, self.screened, COARSE)
         self._sections[z] = flank_compliance(
-            body, JobOptions(n_modes=modes, plane=plane), matrix=matrix
+            body, JobOptions(n_modes=modes, plane=plane, friction=friction), matrix=matrix
         )
         if self._pair.effects.three_dimensions:
             self._jobs[z][False, None, None] = self._sections[z]
