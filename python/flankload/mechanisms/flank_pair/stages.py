@@ -71,7 +71,7 @@ def elements_call(
     """
     effects, own = effects_of(scene), body.for_elements()
     if effects.three_dimensions:
-        return _prism_call(body, scene, discretization, estimate=estimate)
+        return _prism_call(own, scene, discretization, estimate=estimate)
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
     if own.given is not None:
@@ -298,7 +298,7 @@ def _prism_call(
     body: Body, scene: Scene, discretization: Discretization, *, estimate: bool
 ) -> partial[BodyCompliance]:
     """Call for the compliance of a three-dimensional body."""
-    own, axial = body.for_elements(), body.axial
+    axial = body.axial
     assert axial is not None
     degree, load_degree = degrees_of(scene.accuracy)
     prism = Prism(
@@ -311,7 +311,7 @@ def _prism_call(
     )
     return partial(
         prism_compliance,
-        own,
+        body,
         prism,
         n_modes=modes_of(body, scene, discretization),
         friction=effects_of(scene).friction,
