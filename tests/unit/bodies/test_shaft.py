@@ -373,12 +373,15 @@ def test_refused_flexible_shafts(
     one_line({"body_1__shaft": table}, f"body_1.{key}", expected, found)
 
 
-def test_the_bore_of_a_mesh_has_no_diameter() -> None:
-    scene = example("external_gear_mesh")
-    scene["body_1"]["shaft"] = {**BEAM, **FLEXIBLE}
+@pytest.mark.parametrize(
+    ("name", "body"), [("external_gear_mesh", "body_1"), ("internal_gear", "body_2")]
+)
+def test_a_body_without_a_bore_has_no_flexible_shaft(name: str, body: str) -> None:
+    scene = example(name)
+    scene[body]["shaft"] = {**BEAM, **FLEXIBLE}
     error = refusal(scene)
-    assert error.key == "body_1.shaft.under_teeth"
-    assert error.expected == "'rigid', since there is no body_1.bore_diameter_mm"
+    assert error.key == f"{body}.shaft.under_teeth"
+    assert error.expected == f"'rigid', since there is no {body}.bore_diameter_mm"
 
 
 def test_a_compliance_does_not_bend_under_the_teeth() -> None:
