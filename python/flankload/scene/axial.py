@@ -220,6 +220,10 @@ class AxialKeys:
     def check_extents(self, range_mm: tuple[float, float], key: str) -> None:
         """Check the regions against the ends of the teeth."""
 
+    def bore_of(self, range_mm: tuple[float, float]) -> tuple[tuple[float, float], float] | None:
+        """Ends along the axis and diameter of the bore; None if the diameter is unknown."""
+        return None
+
     def check_solid(self, key: str, why: str) -> None:
         """Refuse what this version has in plane scenes only."""
 
@@ -276,7 +280,18 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
             )
     ends = body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
     body.check_extents(ends, key)
+    if body.shaft is not None and body.shaft.is_flexible:
+        _check_flexible(body, body.shaft, ends, key)
     return ends
+
+
+def _check_flexible(body: AxialKeys, shaft: Shaft, ends: tuple[float, float], key: str) -> None:
+    """Check that a shaft that bends under the teeth fills the bore."""
+    bore = body.bore_of(ends)
+    if bore is None:
+        expected = f"'rigid', since there is no {key}.bore_diameter_mm"
+        refuse(f"{key}.shaft.under_teeth", expected, shown(shaft.under_teeth))
+    shaft.check_bore(*bore, 0.5 * (ends[0] + ends[1]), key)
 
 
 def degrees_of(accuracy: "Accuracy") -> tuple[int, int]:
