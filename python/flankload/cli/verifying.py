@@ -14,17 +14,24 @@ if TYPE_CHECKING:
 #: Range of elements on the half-width of a contact: fewer do not resolve the pressure, more take
 #: hours.
 FEWEST, MOST = 1.0, 100.0
+#: Range of layers over the face width.
+MOST_LAYERS = 200
 
 
 def verify(arguments: Namespace) -> None:
     """Print both solutions side by side."""
     if arguments.folder is not None:
         check_folder("-o", arguments.folder, content="the deck")
-    if not FEWEST <= arguments.elements <= MOST:
+    if arguments.elements is not None and not FEWEST <= arguments.elements <= MOST:
         raise SceneError(
             key="--elements",
             expected=f"a number from {FEWEST:g} to {MOST:g}",
             found=f"{arguments.elements:g}",
+        )
+    layers = arguments.layers
+    if layers is not None and not 1 <= layers <= MOST_LAYERS:
+        raise SceneError(
+            key="--layers", expected=f"an integer from 1 to {MOST_LAYERS}", found=layers
         )
     limit = arguments.time_limit
     if limit is not None and not (isfinite(limit) and limit > 0):
@@ -41,10 +48,12 @@ def verify(arguments: Namespace) -> None:
     found = compared(
         scene,
         position=arguments.position,
+        dimension=arguments.dimension,
         folder=arguments.folder,
         run=not arguments.no_run,
         time_limit_s=limit,
         elements_per_half_width=arguments.elements,
+        layers=layers,
         large_displacement=arguments.large_displacement,
         program=arguments.program,
     )

@@ -92,23 +92,23 @@ def contact_places(
     FlankloadError
         If no flanks meet.
     """
-    compliance = sum(_half_plane(body.material, plane) for body in (pair.body_1, pair.body_2))
-    meetings = _meetings(pair, turns)
-    if not meetings:
+    compliance = sum(half_plane(body.material, plane) for body in (pair.body_1, pair.body_2))
+    found = meetings(pair, turns)
+    if not found:
         raise FlankloadError("no flanks meet at this position")
-    touch = min(meeting.gap_rad for meeting in meetings)
+    touch = min(meeting.gap_rad for meeting in found)
     least = LEAST_PART * sum(force_N_per_mm.values()) / len(force_N_per_mm)
     return tuple(
         meeting.place(
             compliance * max(force_N_per_mm.get(meeting.site, 0.0), least), elements_per_half_width
         )
-        for meeting in meetings
+        for meeting in found
         if meeting.gap_rad <= touch + reach * (rotation_rad - touch)
     )
 
 
 @dataclass(frozen=True, eq=False)
-class _Meeting:
+class Meeting:
     """Two flanks of a pair with opposite points: samples of the gap on flank 1.
 
     Attributes
@@ -153,10 +153,21 @@ class _Meeting:
         return Place(self.site, self.gap_rad, size, _spread(self.points[near], middle, size))
 
 
-def _meetings(pair: BodyPair, turns: tuple[float, float]) -> list[_Meeting]:
-    """The pairs of flanks that have opposite points, by ascending pair number."""
+def meetings(pair: BodyPair, turns: tuple[float, float]) -> list[Meeting]:
+    """The pairs of flanks that have opposite points, by ascending pair number.
+
+    Parameters
+    ----------
+    pair : BodyPair
+    turns : (float, float)
+        Rotations of both bodies' frames, rad.
+
+    Returns
+    -------
+    list of Meeting
+    """
     pairing = pair.pairing
-    meetings = []
+    found = []
     for number, site in enumerate(pairing.sites.tolist()):
         curve_1, curve_2 = (
             body.curve.rotated(turn + float(angles[number]))
@@ -164,13 +175,13 @@ def _meetings(pair: BodyPair, turns: tuple[float, float]) -> list[_Meeting]:
                 (pair.body_1, pair.body_2), turns, pairing.site_angles_rad, strict=True
             )
         )
-        found = _gaps(curve_1, curve_2, pairing.center_distance_mm, pairing.period_rad)
-        if found is not None:
-            meetings.append(_Meeting(site, curve_1, curve_2, pairing.center_distance_mm, *found))
-    return meetings
+        gaps = _gaps(curve_1, curve_2, pairing.center_distance_mm, pairing.period_rad)
+        if gaps is not None:
+            found.append(Meeting(site, curve_1, curve_2, pairing.center_distance_mm, *gaps))
+    return found
 
 
-def _half_plane(material: Material, plane: str) -> float:
+def half_plane(material: Material, plane: str) -> float:
     """Compliance c0 of a half-plane, mm²/N."""
     ratio = material.poisson_ratio if plane == "strain" else 0.0
     return 2 * (1 - ratio**2) / (np.pi * material.young_modulus_MPa)
