@@ -19,10 +19,11 @@ from flankload.studies.verification.solid import (
     solid_part,
 )
 from flankload.studies.verification.solid_deck import SolidDeck
-from flankload.studies.verification.triangles import whole_body
+from flankload.studies.verification.triangles import whole_body, without
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.spatial import cKDTree
 
     from flankload.bodies import Body
     from flankload.pairing.body_pair import BodyPair
@@ -42,15 +43,17 @@ GROWTH = 0.4
 #: and grow by this much per mm, up to so many lengths of the flank from the contacts.
 MIDDLE_PART, MIDDLE_GROWTH, MIDDLE_REACH = 0.06, 0.12, 1.6
 #: Triangles have thin layers up to this distance from the contacts, as part of a flank's length.
-NEAR_PART = 0.8
+NEAR_PART = 0.6
+#: Teeth are cut off at the root circle beyond this distance, in lengths of the flank.
+TEETH_REACH, SAME_RADIUS = 3.0, 1e-6
 #: Initial rotation of body 1 into its mate, relative to its deflection.
 START_PART = 0.05
 #: Flanks get a contact pair if their gap is below this multiple of the deflection.
 REACH = 1.5
-#: Layers over the common width by default; thick layers elsewhere have so many times less.
-LAYERS, THICK_PART = 12, 6
+#: Layers over the common width by default, and thick layers elsewhere.
+LAYERS, THICK_LAYERS = 12, 2
 #: A contact line moves by at most so many half-widths across the flank within a layer.
-HALF_WIDTHS_PER_LAYER = 1.5
+HALF_WIDTHS_PER_LAYER = 3.0
 
 
 @dataclass(frozen=True)
@@ -178,18 +181,14 @@ def _places(
     """Places where flanks may touch in all slices, with the length of elements there."""
     assert result.slices is not None
     turns = _turns(pair, float(result.position_rad[position]))
-    loads = result.slices.line_load_N_per_mm[position]
-    column = {site: s for s, site in enumerate(result.sites.tolist())}
+    largest = float(result.slices.line_load_N_per_mm[position].max())
     compliance = sum(half_plane(body.material, "strain") for body in (pair.body_1, pair.body_2))
-    largest = float(loads.max())
     rotation, distance = float(result.rotation_rad[position]), pair.pairing.center_distance_mm
     rows: list[tuple[Place, tuple[float, float]]] = []
     for j in range(slices.count):
         stand = turns[0] + float(slices.turns_rad[0][j]), turns[1] + float(slices.turns_rad[1][j])
         for meeting in meetings(pair, stand):
-            s = column.get(meeting.site)
-            load = float(loads[s, j]) if s is not None else 0.0
-            place = meeting.place(compliance * max(load, 0.25 * largest), elements)
+            place = meeting.place(compliance * largest, elements)
             late = _removed(pair, slices, meeting.site, j) / pair.body_1.reference_radius_mm
             rows.append((replace(place, gap_rad=place.gap_rad + late), stand))
     if not rows:
@@ -246,7 +245,8 @@ def _part(
         far = np.maximum(distance - MIDDLE_REACH * length, 0.0)
         return np.minimum(beside, (around + GROWTH * far) / elements)
 
-    mesh = refined(whole_body(body, flanks), size_at)
+    whole = whole_body(body, flanks)
+    mesh = refined(without(whole, _far_teeth(body, whole, tree)), size_at)
     assert body.axial is not None
     every = beyond(edges, body.axial.range_mm)
     first = int(np.searchsorted(every, edges[0] - 1e-9))
@@ -262,10 +262,17 @@ def _part(
     return solid_part(body, mesh, teeth, layers, stand)
 
 
+def _far_teeth(body: Body, mesh: Triangles, tree: cKDTree) -> NDArray[np.bool_]:
+    """Triangles beyond the root circle far from all contacts: they carry nothing."""
+    root = float(np.linalg.norm(body.curve.point([0.0])[0])) * (1.0 - SAME_RADIUS)
+    teeth = (np.linalg.norm(mesh.vertices, axis=1)[mesh.corners] >= root).all(axis=1)
+    distance, _ = tree.query(mesh.vertices[mesh.corners].mean(axis=1))
+    return np.asarray(teeth & (distance > TEETH_REACH * body.curve.length_mm))
+
+
 def _thick(edges: Floats) -> NDArray[np.int64]:
     """Ends of thick layers, about equal in width, among those of thin layers."""
-    count = max(2, round((edges.size - 1) / THICK_PART))
-    wanted = np.linspace(edges[0], edges[-1], min(count, edges.size - 1) + 1)
+    wanted = np.linspace(edges[0], edges[-1], min(THICK_LAYERS, edges.size - 1) + 1)
     return np.unique(np.abs(edges[:, None] - wanted).argmin(axis=0))
 
 
