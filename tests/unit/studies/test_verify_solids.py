@@ -80,7 +80,7 @@ SKEWED = scene_of(
 @pytest.fixture(scope="module")
 def skewed() -> SolidDeck:
     """Helical, modified in every way, of unequal widths."""
-    return deck_of(SKEWED, 1)
+    return deck_of(SKEWED, 2)
 
 
 # --- layers ---------------------------------------------------------------------------------------
@@ -148,8 +148,9 @@ def flank_nodes(deck: SolidDeck, z: int, k: int) -> np.ndarray:
 def test_nodes_of_flanks_are_on_the_modified_helicoids(skewed: SolidDeck) -> None:
     """The flank of tooth and z, turned by the metal removed over the base radius."""
     pair = build_bodies(SKEWED)
-    turns = [float(turn) for turn in pair.pairing.turns(solve(SKEWED).position_rad[1])]
+    turns = [float(turn) for turn in pair.pairing.turns(solve(SKEWED).position_rad[2])]
     turns[0] += skewed.start_rad
+    assert -1 in skewed.sites  # other teeth than those of pair 0
     twist = math.tan(math.radians(12.0)) / (12 * 4 / math.cos(math.radians(12.0)) / 2)
     for z, body in enumerate((pair.body_1, pair.body_2)):
         flanks = flanks_of(pair, z, skewed.sites)

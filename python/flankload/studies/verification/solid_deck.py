@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 ELEMENT = "C3D15"
+#: Defaults of CalculiX but for the third number: contacts have their whole stiffness from the first
+#: increment, so that CalculiX does not append a second one.
+STIFF = "0.001, 0.1, 1, 60"
 INTERACTION = "FLANKS"
 
 
@@ -193,6 +196,7 @@ def _contact(deck: SolidDeck) -> Iterator[str]:
 def _step(deck: SolidDeck) -> Iterator[str]:
     yield "*STEP, INC=1000" + (", NLGEOM" if deck.large_displacement else "")
     yield from ("*CONTROLS, PARAMETERS=FIELD", f", {CORRECTION:g}")
+    yield from ("*CONTROLS, PARAMETERS=CONTACT", STIFF)
     yield from ("*STATIC", "1., 1.")
     yield from ("*CLOAD", f"AXIS_1, 1, {number(1000.0 * deck.torque_Nm)}")
     yield from ("*NODE PRINT, NSET=AXIS_1", "U")
