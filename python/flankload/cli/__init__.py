@@ -416,12 +416,8 @@ def _add_verify(commands: Any) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--elements", metavar="N", type=float,
-        help="elements on the half-width of each contact; default: 6, or 0.7 of solids, whose other "
-        "elements follow in proportion",
-    )  # fmt: skip
-    parser.add_argument(
-        "--layers", metavar="N", type=int,
-        help="layers of solids over the face width; default: 12, more if contact lines run across",
+        help="elements on the half-width of each contact; default: 6, or 0.7 of solids, whose "
+        "other elements and layers follow in proportion",
     )  # fmt: skip
     parser.add_argument(
         "--time-limit", metavar="S", type=float, help="stop CalculiX after this many seconds"

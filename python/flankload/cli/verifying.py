@@ -14,19 +14,12 @@ if TYPE_CHECKING:
 #: Range of elements on the half-width of a contact: fewer do not resolve the pressure, more take
 #: hours. Solids do not need the pressure.
 FEWEST, FEWEST_SOLID, MOST = 1.0, 0.2, 100.0
-#: Range of layers over the face width.
-MOST_LAYERS = 200
 
 
 def verify(arguments: Namespace) -> None:
     """Print both solutions side by side."""
     if arguments.folder is not None:
         check_folder("-o", arguments.folder, content="the deck")
-    layers = arguments.layers
-    if layers is not None and not 1 <= layers <= MOST_LAYERS:
-        raise SceneError(
-            key="--layers", expected=f"an integer from 1 to {MOST_LAYERS}", found=layers
-        )
     limit = arguments.time_limit
     if limit is not None and not (isfinite(limit) and limit > 0):
         raise SceneError(key="--time-limit", expected="seconds > 0", found=f"{limit:g}")
@@ -34,7 +27,9 @@ def verify(arguments: Namespace) -> None:
     from flankload.scene.effects import is_spatial
 
     scene = read_scene(arguments.scene)
-    _check_elements(arguments.elements, solid=arguments.dimension == 3 or is_spatial(scene).on)
+    if arguments.dimension is not None:
+        scene = scene.replace({"effects.dimension": arguments.dimension})
+    _check_elements(arguments.elements, solid=is_spatial(scene).on)
     from flankload.studies.verification import files_of_deck
     from flankload.studies.verification import verify as compared
 
@@ -44,12 +39,10 @@ def verify(arguments: Namespace) -> None:
     found = compared(
         scene,
         position=arguments.position,
-        dimension=arguments.dimension,
         folder=arguments.folder,
         run=not arguments.no_run,
         time_limit_s=limit,
         elements_per_half_width=arguments.elements,
-        layers=layers,
         large_displacement=arguments.large_displacement,
         program=arguments.program,
     )

@@ -15,6 +15,7 @@ from flankload.cli import main
 from flankload.errors import OtherProgramError, SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
+from flankload.studies.verification import solid_model
 from flankload.studies.verification.calculix import read_answer
 from flankload.studies.verification.model import flanks_of
 from flankload.studies.verification.solid import (
@@ -32,7 +33,7 @@ from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 #: Elements of 0.6 mm at contacts 0.2 mm wide, in three layers.
-COARSE: dict[str, Any] = {"elements_per_half_width": 0.2, "layers": 3}
+COARSE: dict[str, Any] = {"elements_per_half_width": 0.2}
 #: Nodes of flanks are on them, mm.
 ON_FLANK = 1e-9
 #: Rotation, and loads of pairs as parts of the torque's, on so coarse elements.
@@ -282,7 +283,7 @@ def test_deck_says_what_the_arrays_say(skewed: SolidDeck) -> None:
     surfaces = {key.split("NAME=")[1].split(",")[0]: data for key, data in blocks
                 if key.startswith("*SURFACE, NAME")}  # fmt: skip
     pairs = [data[0] for key, data in blocks if key.startswith("*CONTACT PAIR")]
-    assert len(pairs) == len(skewed.sites) * 3
+    assert len(pairs) == len(skewed.sites) * skewed.layers
     for pair in pairs:
         slave, master = (surfaces[name] for name in pair.split(", "))
         assert len({nodes_of(row, elements, nodes) for row in slave}) == 1  # all in one layer
@@ -355,7 +356,7 @@ def test_table_compares_layers_with_the_slices_in_them(monkeypatch: pytest.Monke
     monkeypatch.setattr(
         comparison, "_run", lambda *_, **__: read_answer(CALCULIX_SOLIDS, small_deck())
     )
-    found = fl.verify(scene_of(), position=2, elements_per_half_width=0.2, layers=2)
+    found = fl.verify(scene_of(), position=2, elements_per_half_width=0.1)
     layers, loads = found.layers, solve(scene_of()).slices
     assert layers is not None
     assert loads is not None
@@ -403,21 +404,22 @@ def test_dimension_is_that_of_both_programs(
         "[accuracy]\nflank_element_mm = 3.0\nmodes = 3\nestimate = false\n",
         encoding="utf-8",
     )
-    told = ["--no-run", "--json", "--dimension", "3", "--layers", "2"]
+    told = ["--no-run", "--json", "--dimension", "3"]
     assert main(["verify", str(plane), *told, "-o", str(tmp_path)]) == 0
     out = capsys.readouterr().out
-    assert len(json.loads(out)["deck"]["layer_ends_mm"]) == 3
+    assert len(json.loads(out)["deck"]["layer_ends_mm"]) == 4
     assert "C3D15" in (tmp_path / "deck.inp").read_text(encoding="ascii")
     assert main(["verify", str(SCENES / "helical_gear.toml"), "--dimension", "2"]) == 2
     assert "effects.dimension: expected 3 or nothing" in capsys.readouterr().err
-    assert main(["verify", str(plane), "--layers", "0"]) == 2
-    assert "--layers: expected an integer from 1 to 200" in capsys.readouterr().err
+    assert main(["verify", str(plane), "--dimension", "3", "--elements", "0.1"]) == 2
+    assert "--elements: expected a number from 0.2 to 100" in capsys.readouterr().err
 
 
 # --- the other program itself ---------------------------------------------------------------------
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
-def test_coarse_solids_give_rotation_and_loads() -> None:
-    found = fl.verify(scene_of(), position=2, elements_per_half_width=0.2, layers=1)
+def test_coarse_solids_give_rotation_and_loads(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(solid_model, "LAYERS", 5.0)  # one layer
+    found = fl.verify(scene_of(), position=2, **COARSE)
     other = found.calculix
     assert other is not None
     assert abs(found.rotation_difference) < COARSE_ROTATION

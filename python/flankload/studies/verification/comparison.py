@@ -152,12 +152,10 @@ def verify(
     scene: SceneLike,
     *,
     position: int = 0,
-    dimension: int | None = None,
     folder: str | Path | None = None,
     run: bool = True,
     time_limit_s: float | None = None,
     elements_per_half_width: float | None = None,
-    layers: int | None = None,
     large_displacement: bool = False,
     program: str = "ccx",
 ) -> Verification:
@@ -174,8 +172,6 @@ def verify(
         As of `solve`; the largest of a list of torques is used.
     position : int
         Index into the scene's positions.
-    dimension : 2, 3 or None
-        Dimension in which both programs solve the scene; None: that of the scene.
     folder : path, optional
         Folder for deck.inp and the files of CalculiX, which are kept; by default a temporary
         folder, which is kept only if CalculiX was not run or found no solution.
@@ -186,9 +182,6 @@ def verify(
     elements_per_half_width : float
         Elements on the half-width of a Hertz contact; 6 in the plane and 0.7 of solids by default.
         All other elements of solids follow in proportion.
-    layers : int, optional
-        Layers of solids over the common face width; by default 12, or more if contact lines run
-        across the flanks.
     large_displacement : bool
         Whether CalculiX includes the deformation of the geometry.
     program : str
@@ -206,26 +199,18 @@ def verify(
         If CalculiX is missing or finds no solution; `folder` of the exception keeps its files.
     """
     require("position", position, "an integer", fits=isinstance(position, int | np.integer))
-    require("dimension", dimension, "2, 3 or None", fits=dimension in (None, 2, 3))
     require_path("folder", folder)
-    scene, result = _solved(scene_of(scene), position, dimension)
-    if result.slices is None:
-        model: Model | SolidModel = model_of(
-            scene,
-            result,
-            position,
-            elements_per_half_width=elements_per_half_width or ELEMENTS,
-            large_displacement=large_displacement,
-        )
-    else:
-        model = solid_model_of(
-            scene,
-            result,
-            position,
-            elements_per_half_width=elements_per_half_width or SOLID_ELEMENTS,
-            layers=layers,
-            large_displacement=large_displacement,
-        )
+    scene, result = _solved(scene_of(scene), position)
+    made, usual = (
+        (model_of, ELEMENTS) if result.slices is None else (solid_model_of, SOLID_ELEMENTS)
+    )
+    model = made(
+        scene,
+        result,
+        position,
+        elements_per_half_width=elements_per_half_width or usual,
+        large_displacement=large_displacement,
+    )
     path = _write(model.deck, folder)
     keep = folder is not None
     answer = _run(path.parent, model.deck, program, time_limit_s, keep=keep) if run else None
@@ -322,10 +307,8 @@ def _layers(result: Result, position: int, model: SolidModel, rows: list[int]) -
     )
 
 
-def _solved(scene: Scene, position: int, dimension: int | None) -> tuple[Scene, Result]:
+def _solved(scene: Scene, position: int) -> tuple[Scene, Result]:
     """The scene with its effects chosen, and Flankload's own result for the largest torque."""
-    if dimension is not None:
-        scene = scene.replace({"effects.dimension": dimension})
     scene, _ = choose_effects(first_scene(scene))
     check_bodies(scene)
     if not any(scene.torques_Nm):

@@ -137,18 +137,21 @@ class Meeting:
         """The least gap."""
         return float(self.gaps_rad.min())
 
+    def half_width_mm(self, force_compliance: float) -> float:
+        """Half-width of the contact; infinite on flat flanks, which touch over their length."""
+        best = int(self.gaps_rad.argmin())
+        s_2 = self.curve_2.arc_length_of(self.points[best] - [self.center_distance_mm, 0.0])[0]
+        bend = self.curve_1.curvature([self.arc_mm[best]])[0] + self.curve_2.curvature(s_2)[0]
+        # line contact: b^2 = 2 F c / bend
+        return float(np.sqrt(2 * force_compliance / bend)) if bend > 0 else float(np.inf)
+
     def place(self, force_compliance: float, elements_per_half_width: float) -> Place:
         """Element size and zone from the force times the compliance of both half-planes, mm."""
         best = int(self.gaps_rad.argmin())
         s_1, middle = self.arc_mm[best], self.points[best]
         lever = abs(float(_cross(middle, self.curve_1.normal([s_1])[0])))
-        s_2 = self.curve_2.arc_length_of(middle - [self.center_distance_mm, 0.0])[0]
-        bend = float(self.curve_1.curvature([s_1])[0] + self.curve_2.curvature(s_2)[0])
         longest = LARGEST_PART * min(self.curve_1.length_mm, self.curve_2.length_mm)
-        # half-width of a line contact: b^2 = 2 F c / bend; flat flanks touch over their whole
-        # length
-        width = np.sqrt(2 * force_compliance / bend) if bend > 0 else np.inf
-        size = float(min(width / elements_per_half_width, longest))
+        size = min(self.half_width_mm(force_compliance) / elements_per_half_width, longest)
         near = (self.gaps_rad - self.gap_rad) * lever <= ZONE_HALF_WIDTHS**2 * force_compliance
         return Place(self.site, self.gap_rad, size, _spread(self.points[near], middle, size))
 

@@ -47,13 +47,13 @@ NEAR_PART = 0.6
 #: Teeth are cut off at the root circle beyond this distance, in lengths of the flank.
 TEETH_REACH, SAME_RADIUS = 3.0, 1e-6
 #: Initial rotation of body 1 into its mate, relative to its deflection.
-START_PART = 0.05
+START_PART = 0.5
 #: Flanks get a contact pair if their gap is below this multiple of the deflection.
 REACH = 1.5
-#: Layers over the common width by default, and thick layers elsewhere.
-LAYERS, THICK_LAYERS = 12, 2
-#: A contact line moves by at most so many half-widths across the flank within a layer.
-HALF_WIDTHS_PER_LAYER = 3.0
+#: Layers over the common width per element on the half-width, and thick layers elsewhere.
+LAYERS, THICK_LAYERS = 17.0, 2
+#: A contact line moves by at most so many elements across the flank within a layer.
+ELEMENTS_PER_LAYER = 2.0
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,6 @@ def solid_model_of(
     position: int,
     *,
     elements_per_half_width: float,
-    layers: int | None,
     large_displacement: bool,
 ) -> SolidModel:
     """Deck of one position.
@@ -119,9 +118,7 @@ def solid_model_of(
         contacts.
     position : int
     elements_per_half_width : float
-        Elements on the half-width of a Hertz contact.
-    layers : int or None
-        Layers of elements over the common face width; None: by the width and the contact lines.
+        Elements on the half-width of a Hertz contact; all others and the layers follow.
     large_displacement : bool
 
     Returns
@@ -139,8 +136,11 @@ def solid_model_of(
     rotation = float(result.rotation_rad[position])
     start = found.touch_rad + START_PART * (rotation - found.touch_rad)
     ends = pair.slices.edges_mm[[0, -1]]
-    count = layers or _layer_count(result, float(np.ptp(ends)), found.half_width_mm)
-    edges = layers_of(float(ends[0]), float(ends[1]), count)
+    edges = layers_of(
+        float(ends[0]),
+        float(ends[1]),
+        _layer_count(result, float(np.ptp(ends)), found.half_width_mm, elements_per_half_width),
+    )
     turns = _turns(pair, float(result.position_rad[position]))
     shear = 1e-3 * scene.pair.inclination_um_per_mm, 1e-3 * scene.pair.deviation_um_per_mm
     stands = (
@@ -168,11 +168,12 @@ def _turns(pair: BodyPair, position_rad: float) -> tuple[float, float]:
     return float(turn_1), float(turn_2)
 
 
-def _layer_count(result: Result, width_mm: float, half_width_mm: float) -> int:
+def _layer_count(result: Result, width_mm: float, half_width_mm: float, elements: float) -> int:
     """Layers over the width: contact lines that run across the flank need more of them."""
     assert result.slices is not None
     across = abs(result.slices.tangent_helix_base) * width_mm
-    return max(LAYERS, int(np.ceil(across / (HALF_WIDTHS_PER_LAYER * half_width_mm))))
+    steps = across * elements / (ELEMENTS_PER_LAYER * half_width_mm)
+    return max(1, round(LAYERS * elements), round(steps))
 
 
 def _places(
@@ -184,28 +185,31 @@ def _places(
     largest = float(result.slices.line_load_N_per_mm[position].max())
     compliance = sum(half_plane(body.material, "strain") for body in (pair.body_1, pair.body_2))
     rotation, distance = float(result.rotation_rad[position]), pair.pairing.center_distance_mm
-    rows: list[tuple[Place, tuple[float, float]]] = []
+    rows: list[tuple[Place, tuple[float, float], float]] = []
     for j in range(slices.count):
         stand = turns[0] + float(slices.turns_rad[0][j]), turns[1] + float(slices.turns_rad[1][j])
         for meeting in meetings(pair, stand):
             place = meeting.place(compliance * largest, elements)
             late = _removed(pair, slices, meeting.site, j) / pair.body_1.reference_radius_mm
-            rows.append((replace(place, gap_rad=place.gap_rad + late), stand))
+            half_width = meeting.half_width_mm(compliance * largest)
+            rows.append((replace(place, gap_rad=place.gap_rad + late), stand, half_width))
     if not rows:
         raise FlankloadError("no flanks meet at this position")
-    touch = min(place.gap_rad for place, _ in rows)
+    touch = min(place.gap_rad for place, _, _ in rows)
     near = [row for row in rows if row[0].gap_rad <= touch + REACH * (rotation - touch)]
     return _Found(
-        sites=tuple(sorted({place.site for place, _ in near})),
+        sites=tuple(sorted({place.site for place, _, _ in near})),
         touch_rad=touch,
         points=(
-            np.vstack([_turned(place.points, -stand[0]) for place, stand in near]),
+            np.vstack([_turned(place.points, -stand[0]) for place, stand, _ in near]),
             np.vstack(
-                [_turned(place.points - [distance, 0.0], -stand[1]) for place, stand in near]
+                [_turned(place.points - [distance, 0.0], -stand[1]) for place, stand, _ in near]
             ),
         ),
-        sizes=np.concatenate([np.full(len(place.points), place.element_mm) for place, _ in near]),
-        half_width_mm=elements * max(place.element_mm for place, _ in near),
+        sizes=np.concatenate(
+            [np.full(len(place.points), place.element_mm) for place, _, _ in near]
+        ),
+        half_width_mm=max(half_width for _, _, half_width in near),
     )
 
 
