@@ -416,7 +416,7 @@ def _add_verify(commands: Any) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--elements", metavar="N", type=float,
-        help="elements on the half-width of each contact; default: 6, or 0.7 of solids, whose "
+        help="elements on the half-width of each contact; default: 6, or 1 of solids, whose "
         "other elements and layers follow in proportion",
     )  # fmt: skip
     parser.add_argument(

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: Elements on the half-width of a contact by default, in the plane and of solids.
-ELEMENTS, SOLID_ELEMENTS = 6.0, 0.7
+ELEMENTS, SOLID_ELEMENTS = 6.0, 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +180,7 @@ def verify(
     time_limit_s : float, optional
         Wall-clock limit of CalculiX.
     elements_per_half_width : float
-        Elements on the half-width of a Hertz contact; 6 in the plane and 0.7 of solids by default.
+        Elements on the half-width of a Hertz contact; 6 in the plane and 1 of solids by default.
         All other elements of solids follow in proportion.
     large_displacement : bool
         Whether CalculiX includes the deformation of the geometry.
