@@ -14,14 +14,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.interpolate import interp1d
 
 import flankload as fl
+from flankload.analysis.error_rules import FACE_LOAD, LINE_LOAD
 from flankload.analysis.estimate import OVERALL, POINTWISE
 from flankload.mechanisms import run_once
-from flankload.scene.discretization import Discretization, Grid, choose_discretization
+from flankload.scene.discretization import (
+    DEFAULT,
+    Discretization,
+    Grid,
+    choose_discretization,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -29,12 +36,16 @@ if TYPE_CHECKING:
 #: Refinement factors of elements, cells and positions. Cells of splines cover whole flanks, and
 #: their refinement would take too long.
 FINER, FINER_SPLINE = (8, 4, 4), (8, 2, 2)
+#: In three dimensions: relative element lengths and positions, and keys of [accuracy].
+FINER_SPATIAL = (0.5, 2)
+SPATIAL = {"modes": 8, "axial_degree": 12, "load_degree_z": 8, "slices": 48, "estimate": False}
 #: Modes for elements eight times as fine (70 and more along a flank). On elements four times as
 #: fine, pressures at the ends of a flank are up to 9 % too high with 12 modes; with 8 modes, the
 #: error of some quantities is still a third of that at the default.
 MODES = 12
 #: Stored results are computed again if the definition of a quantity changes.
-DEFINED = {"stiffness_secant": "from the state without torque"}
+DEFINED = {"stiffness_secant": "from the state without torque", "line_load": "of slices"}
+QUANTITIES = (*POINTWISE, *OVERALL, LINE_LOAD, FACE_LOAD)
 #: CPU seconds after which a solution is abandoned.
 MOST_CPU_S = 90.0
 
@@ -48,6 +59,9 @@ class Truth:
     sites : (S,) array
     position_rad, rotation_rad, stiffness_secant_Nm_per_rad, stiffness_tangent_Nm_per_rad : (P,)
     load_share, peak_pressure_MPa, corner_contact : (P, S) arrays
+    slice_z_mm : (J,) array
+    slice_line_load_N_per_mm : (P, S, J) array
+    face_load_factor : number
     """
 
     sites: NDArray[np.int64]
@@ -58,12 +72,17 @@ class Truth:
     load_share: NDArray[np.float64]
     peak_pressure_MPa: NDArray[np.float64]
     corner_contact: NDArray[np.int64]
+    slice_z_mm: NDArray[np.float64]
+    slice_line_load_N_per_mm: NDArray[np.float64]
+    face_load_factor: NDArray[np.float64]
 
 
 def kept_truth(scene: dict[str, Any], file: Path) -> Truth | None:
     """Reference of a scene from its file, or computed and stored; None if it takes too long."""
     names = [field.name for field in fields(Truth)]
-    key = json.dumps([scene, FINER, FINER_SPLINE, MODES, DEFINED], sort_keys=True)
+    key = json.dumps(
+        [scene, FINER, FINER_SPLINE, FINER_SPATIAL, SPATIAL, MODES, DEFINED], sort_keys=True
+    )
     if file.exists():
         with np.load(file) as stored:
             if str(stored["scene"]) == key:
@@ -80,6 +99,8 @@ def kept_truth(scene: dict[str, Any], file: Path) -> Truth | None:
 
 def finer_solution(scene: dict[str, Any], finer: tuple[int, int, int] | None = None) -> Truth:
     """The scene with all discretization parameters refined, by default by those above."""
+    if _is_spatial(scene):
+        return _finer_spatial(scene)
     splined = scene["body_1"]["kind"] == "spline_shaft"
     elements, cells, positions = finer or (FINER_SPLINE if splined else FINER)
     count = positions * scene["positions"]["count"]
@@ -100,6 +121,25 @@ def finer_solution(scene: dict[str, Any], finer: tuple[int, int, int] | None = N
             ),
         ),
     )
+    return _truth_of(result)
+
+
+def _is_spatial(scene: dict[str, Any]) -> bool:
+    return scene.get("effects", {}).get("dimension") == 3
+
+
+def _finer_spatial(scene: dict[str, Any]) -> Truth:
+    part, positions = FINER_SPATIAL
+    length = part * DEFAULT.flank_element_parts * scene["body_1"]["module_mm"]
+    fine = {
+        **scene,
+        "positions": {"count": positions * scene["positions"]["count"]},
+        "accuracy": {**SPATIAL, "flank_element_mm": length},
+    }
+    return _truth_of(fl.solve(fl.Scene.from_dict(fine)))
+
+
+def _truth_of(result: fl.Result) -> Truth:
     return Truth(**{field.name: np.asarray(getattr(result, field.name)) for field in fields(Truth)})
 
 
@@ -138,7 +178,7 @@ def compared(
     stages = {name: stage["cpu_s"] for name, stage in result.cost["stages"].items()}
     return {
         "true": true_errors(result, truth or finer_solution(scene, finer)),
-        "told": {name: result.estimate.get(name, np.nan) for name in (*POINTWISE, *OVERALL)},
+        "told": {name: result.estimate.get(name, np.nan) for name in QUANTITIES},
         "price": stages["estimate"] / sum(stages.values()),
     }
 
@@ -150,7 +190,7 @@ def true_errors(result: fl.Result, finer: fl.Result | Truth) -> Errors:
     sites = np.union1d(result.sites, finer.sites)
 
     def placed(one: fl.Result | Truth, values: np.ndarray) -> np.ndarray:
-        wide = np.zeros((len(values), sites.size))
+        wide = np.zeros((len(values), sites.size, *values.shape[2:]))
         wide[:, np.searchsorted(sites, one.sites)] = values
         return wide
 
@@ -176,7 +216,35 @@ def true_errors(result: fl.Result, finer: fl.Result | Truth) -> Errors:
         "stiffness_tangent": _of_mean(
             result.stiffness_tangent_Nm_per_rad, finer.stiffness_tangent_Nm_per_rad
         ),
+        **(_of_slices(result, finer, at, placed) if result.slice_z_mm.size > 1 else {}),
     }
+
+
+def _of_slices(
+    result: fl.Result,
+    finer: fl.Result | Truth,
+    at: NDArray[np.int64],
+    placed: Callable[[fl.Result | Truth, np.ndarray], np.ndarray],
+) -> Errors:
+    """Errors of line loads, on average over the slices, and of the face load factor."""
+    one, two = _edges(result), _edges(finer)
+    two[[0, -1]] = one[[0, -1]]  # equal up to rounding
+    sums = np.cumsum(finer.slice_line_load_N_per_mm[at] * np.diff(two), axis=2)
+    sums = np.pad(sums, ((0, 0), (0, 0), (1, 0)))
+    means = np.diff(interp1d(two, sums, axis=2)(one), axis=2) / np.diff(one)
+    true = placed(finer, means)
+    change = placed(result, result.slice_line_load_N_per_mm) - true
+    return {
+        LINE_LOAD: float(np.abs(change).max() / true.max()),
+        FACE_LOAD: float(abs(result.face_load_factor / finer.face_load_factor - 1)),
+    }
+
+
+def _edges(one: fl.Result | Truth) -> np.ndarray:
+    """Ends of equal slices."""
+    z = one.slice_z_mm
+    half = 0.5 * (z[1] - z[0])
+    return np.append(z - half, z[-1] + half)
 
 
 def _of_mean(values: np.ndarray, true: np.ndarray) -> float:

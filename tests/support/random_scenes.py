@@ -6,7 +6,7 @@ Loads are 0.1 to 3 times those of a nominal Hertz pressure; a third of the scene
 from __future__ import annotations
 
 from functools import cache
-from math import acos, cos, pi, radians, sin, sqrt, tan
+from math import acos, atan, cos, degrees, pi, radians, sin, sqrt, tan
 from typing import Any
 
 import numpy as np
@@ -48,6 +48,58 @@ def _scenes(count: int, seed: int) -> tuple[tuple[str, Scene], ...]:
             continue
         found.append((kind, scene))
     return tuple(found)
+
+
+@cache
+def spatial_scenes(count: int, *, seed: int = SEED) -> tuple[Scene, ...]:
+    """The given number of valid pairs of gears in three dimensions."""
+    found: list[Scene] = []
+    rng = np.random.default_rng(seed)
+    while len(found) < count:
+        scene = _gears(rng)
+        if scene is None:
+            continue
+        _extend(scene, rng)
+        try:
+            build_bodies(fl.Scene.from_dict(scene))
+        except FlankloadError:
+            continue
+        found.append(scene)
+    return tuple(found)
+
+
+def _extend(scene: Scene, rng: np.random.Generator) -> None:
+    """Give a pair of gears widths, mostly a helix of the same transverse section, and errors."""
+    helix = radians(rng.uniform(0, 30)) * (rng.random() < 0.75)
+    module, c, pair = scene["body_1"]["module_mm"], cos(helix), scene["pair"]
+    width = module * float(rng.uniform(2, 12))
+    scene["load"]["torque_Nm"] *= width / pair["face_width_mm"]
+    pair["face_width_mm"] = width
+    for name, hand in (("body_1", "right"), ("body_2", "left")):
+        body = scene[name]
+        if helix:
+            body |= {
+                "module_mm": module * c,
+                "pressure_angle_deg": degrees(atan(tan(ANGLE) * c)),
+                "profile_shift": body["profile_shift"] / c,
+                "dedendum_factor": 1.25 / c,
+                "helix_angle_deg": degrees(helix),
+                "hand": hand,
+            }
+        if rng.random() < 0.5:
+            body["lead_crowning_um"] = float(rng.uniform(1, 4 + module))
+        if rng.random() < 0.4:
+            body["helix_slope_um"] = float(rng.uniform(-1, 1) * (4 + 2 * module))
+        if rng.random() < 0.2:
+            body["end_relief_um"] = rng.uniform(2, 10, 2).tolist()
+            body["end_relief_length_mm"] = [0.15 * width, 0.2 * width]
+    if rng.random() < 0.4:
+        scene["body_2"]["face_width_mm"] = width * float(rng.uniform(0.85, 0.98))
+        scene["body_2"]["axial_offset_mm"] = width * float(rng.uniform(-0.1, 0.1))
+    if rng.random() < 0.3:
+        pair["deviation_um_per_mm"] = float(rng.uniform(-0.4, 0.4))
+    scene["positions"] = {"count": 16}
+    scene["effects"] = {"dimension": 3}
 
 
 def inv(angle: float) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 
 from flankload.analysis.sampling_error import between_positions, mean_stiffness
 from flankload.analysis.tangent import LARGEST_KINK
+from flankload.result.slices import face_load_factors
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 #: Additional quantity if coast flanks can carry load.
 COAST = "coast_force"
+#: Additional quantities in three dimensions.
+LINE_LOAD, FACE_LOAD = "line_load", "face_load_factor"
 
 
 @dataclass(frozen=True)
@@ -71,12 +74,15 @@ MODES_WITH_IMAGES = Rule(0.4, 0.7, 1.0, 1.0, 0.4, doubt_share=1.7)
 SHARE_TO_PEAK = 3.0
 #: Half as many nodes: if the error is only proportional to their distance, it equals the change.
 NODES = Rule(0.5, 0.5, 0.5, 0.5)
-#: Two degrees less along the axis: on 12 pairs of 0 to 30 degrees and 2 to 10 modules the error was
-#: 0.2 of the change of the rotation (median), that of peak pressures 0.7, up to 3 where an end
-#: carries the peak. Means nearly cancel; changes at single positions bound their error.
-AXIAL = Rule(0.0, 1.0, 3.0, 1.0, 1.0)
+#: Two degrees less along the axis: on pairs of 0 to 30 degrees and 2 to 12 modules the error was
+#: 0.2 of the change of the rotation (median). Means nearly cancel; changes at single positions
+#: bound their error.
+AXIAL = Rule(0.0, 1.0, 1.0, 1.0, 1.0)
 #: Half as many slices: 0.3 of the change of the rotation, 0.7 of that of peak pressures, at most 1.
 SLICES = Rule(0.0, 1.0, 1.0, 1.0, 1.0)
+#: Doubt of line loads and of the face load factor, relative to that of pressures. Both are largest
+#: where a contact ends, and change there with the first power of the slices' width.
+LINE_LOADS, FACE_LOADS = 1.5, 2.0
 #: Smoothed stresses give 0.5 to 1.0 of the error under pressures that the flank elements hardly
 #: resolve.
 ELEMENTS = Rule(-1.45, 1.0, 2.0, 1.0)
@@ -158,7 +164,57 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
     if found.coast is not None:
         change = _coast_shares(other) - _coast_shares(base)
         left[COAST] = _at_each(_of_shares(rule), change, 1.0)
+    if found.slice_force_N is not None:
+        left |= _of_line_loads(rule, found, base, other)
     return left
+
+
+def _of_line_loads(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[str, Left]:
+    """Errors of the line loads and of the face load factor."""
+    of_loads, of_factor = (
+        replace(rule, doubt=part * rule.doubt_pressure) for part in (LINE_LOADS, FACE_LOADS)
+    )
+    largest = float(np.max(_line_loads(found)))
+    change = _line_loads(other) - _line_loads(base, other)
+    change = change[..., _slices_around(found, other)]
+    factors = [float(_face_load_factors(part).max()) for part in (found, base, other)]
+    return {
+        LINE_LOAD: _at_each(of_loads, change, largest),
+        FACE_LOAD: _at_each(of_factor, np.array([factors[2] - factors[1]]), factors[0]),
+    }
+
+
+def _line_loads(part: Sweep, on: Sweep | None = None) -> Floats:
+    """(P, S, J) Force per mm of face width in the slices of a sweep, or in those of another one
+    whose edges are among them.
+    """
+    on = part if on is None else on
+    assert part.slice_edges_mm is not None
+    assert on.slice_edges_mm is not None
+    first = np.searchsorted(part.slice_edges_mm, on.slice_edges_mm[:-1])
+    return np.asarray(np.add.reduceat(_forces(part), first, axis=2) / _widths(on))
+
+
+def _slices_around(part: Sweep, other: Sweep) -> NDArray[np.int64]:
+    """Slices of another sweep that contain those of a sweep."""
+    assert part.slice_edges_mm is not None
+    assert other.slice_edges_mm is not None
+    middle = 0.5 * (part.slice_edges_mm[1:] + part.slice_edges_mm[:-1])
+    return np.asarray(np.searchsorted(other.slice_edges_mm, middle) - 1)
+
+
+def _face_load_factors(part: Sweep) -> Floats:
+    return face_load_factors(_forces(part), _widths(part), each=part.conforming)
+
+
+def _forces(part: Sweep) -> Floats:
+    assert part.slice_force_N is not None
+    return part.slice_force_N
+
+
+def _widths(part: Sweep) -> Floats:
+    assert part.slice_edges_mm is not None
+    return np.diff(part.slice_edges_mm)
 
 
 def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str, Left]:
@@ -177,7 +233,14 @@ def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str
         By quantity.
     """
     errors = between_positions(found, window, position_rad)
-    return {name: Left(*both) for name, both in errors.items()}
+    left = {name: Left(*both) for name, both in errors.items()}
+    if found.slice_force_N is not None and position_rad.size > 1:
+        factors = _face_load_factors(found)
+        at = int(factors.argmax())
+        # beside a kink, the largest value may lie half the step to a neighbour above the sample
+        beside = [factors[at - 1], factors[(at + 1) % factors.size]]
+        left[FACE_LOAD] = Left(0.0, 0.5 * float(1.0 - min(beside) / factors[at]))
+    return left
 
 
 def _of_shares(rule: Rule) -> Rule:

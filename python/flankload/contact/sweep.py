@@ -81,8 +81,12 @@ class Sweep:
     slice_force_N, slice_peak_MPa, slice_corner : (P, S, J) arrays or None
         Force, largest pressure and corner of each slice, if flanks are cut; `site_force_N` is then
         the sum over the slices, and `site_peak_N_per_mm` the largest pressure, in MPa.
+    slice_edges_mm : (J + 1,) array or None
+        Ends of the slices along the axis.
     unloaded_rad : (P,) array or None
         Rotation without torque, if computed.
+    conforming : bool
+        Whether slices are those of flanks that conform: their pressures are means over the height.
     """
 
     torque_Nmm: float
@@ -101,7 +105,9 @@ class Sweep:
     slice_force_N: NDArray[np.float64] | None = None
     slice_peak_MPa: NDArray[np.float64] | None = None
     slice_corner: NDArray[np.int64] | None = None
+    slice_edges_mm: NDArray[np.float64] | None = None
     unloaded_rad: NDArray[np.float64] | None = None
+    conforming: bool = False
 
     @property
     def turned_rad(self) -> NDArray[np.float64]:
@@ -187,6 +193,18 @@ def sweep(
     spent = Account() if account is None else account
     torques = np.asarray(torques_Nmm, dtype=float)
     positions = np.asarray(position_rad, dtype=float)
+    if slices is not None and slices.conforming is not None:
+        # imported here, since it makes a Sweep
+        from flankload.contact.conforming import conforming_slices, conforming_sweep
+
+        reduced = conforming_slices(bodies, compliances, pairing, slices)
+        spent.count(
+            states=positions.size * torques.size,
+            slices=slices.count * positions.size * torques.size,
+        )
+        return conforming_sweep(
+            reduced, bodies, pairing, slices, positions, torques.tolist(), progress=progress
+        )
     core = CoreCall(
         n_sites=pairing.sites.size * _parts_of_site(pairing, slices),
         motion=_motion(pairing, positions, friction),
@@ -290,6 +308,7 @@ def _summed(found: Sweep, slices: Slices) -> Sweep:
         slice_force_N=force,
         slice_peak_MPa=peak,
         slice_corner=corner,
+        slice_edges_mm=slices.edges_mm,
         pairs=found.pairs.in_slices(slices.count),
     )
 
@@ -358,7 +377,9 @@ def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
     coasts = [part.coast for part in parts if part.coast is not None]
     return Sweep(
         torque_Nmm=parts[0].torque_Nmm,
+        slice_edges_mm=parts[0].slice_edges_mm,
         coast=CoastSweep(**_joined(coasts, order)) if coasts else None,
+        conforming=parts[0].conforming,
         **_joined(parts, order),
     )
 
@@ -367,7 +388,7 @@ def _joined(
     parts: Sequence[Sweep] | Sequence[CoastSweep], order: NDArray[np.int64]
 ) -> dict[str, Any]:
     """Fields with a row for each position, and the pairs."""
-    single = ("torque_Nmm", "pairs", "coast", "unloaded_rad")
+    single = ("torque_Nmm", "pairs", "coast", "slice_edges_mm", "unloaded_rad", "conforming")
     names = [
         item.name
         for item in fields(parts[0])

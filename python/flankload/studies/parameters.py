@@ -13,7 +13,10 @@ from flankload.bodies import SPLINE_PART
 from flankload.bodies.imported.given import ModalCompliance
 from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import bodies_of
+from flankload.pairing.slices import SLICES as DEFAULT_SLICES
+from flankload.scene.axial import DEGREES_ABOVE_LOAD, degrees_of
 from flankload.scene.discretization import DEFAULT, elements_for_modes
+from flankload.scene.effects import effects_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -25,10 +28,20 @@ if TYPE_CHECKING:
     Powers = Mapping[str, float]
 
 ELEMENTS, MODES, STRIPS = "flank_element_mm", "modes", "strips_per_half_width"
+#: The same in three dimensions: degrees along the axis of the pressure modes and of the
+#: displacements, which follows from it, and slices.
+LOAD_DEGREE, DEGREE, SLICES = "load_degree_z", "axial_degree", "slices"
 #: Parameters on which compliances depend.
-OF_ELEMENTS = (ELEMENTS, MODES)
+OF_ELEMENTS = (ELEMENTS, MODES, LOAD_DEGREE, DEGREE)
 #: Parameters by the names of `NamedDiscretization`, and the error source that each controls.
-SOURCES = {ELEMENTS: "elements", MODES: "modes", STRIPS: "strips", "positions": "positions"}
+SOURCES = {
+    ELEMENTS: "elements",
+    MODES: "modes",
+    LOAD_DEGREE: "axial",
+    SLICES: "slices",
+    STRIPS: "strips",
+    "positions": "positions",
+}
 #: Range of the number of pressure modes that a scene can name.
 LEAST_MODES, MOST_MODES = 3, 12
 #: Refinement steps to half the element length, and the shortest length relative to the default:
@@ -36,6 +49,7 @@ LEAST_MODES, MOST_MODES = 3, 12
 #: FINE.
 STEPS, LEAST_PART, FINEST_PART, FINE = 4, 0.2, 0.125, 1e-3
 STRIPS_STEPS = (14.0, 20.0, 28.0, 40.0, 56.0, 80.0)
+LOAD_DEGREES, SLICES_STEPS = (5, 6, 8, 10, 12), (40, 56, 80, 112, 160)
 #: Elements of the default length on a flank of usual height, which is two modules of a gear.
 FLANK_ELEMENTS = 9.0
 #: From this number of modes on, more modes are not better on any elements.
@@ -47,12 +61,14 @@ FLANK_POWERS: Mapping[str, Powers] = {
     "elements": {ELEMENTS: 2.0, MODES: 4.0},
     "modes": {MODES: -3.0},
     "strips": {STRIPS: -2.0},
+    "axial": {LOAD_DEGREE: -2.0},
+    "slices": {SLICES: -1.5},
 }
 #: Near the re-entrant corners of a belt's teeth errors decrease to 0.6 when lengths are halved.
 BELT_POWERS: Mapping[str, Powers] = {"elements": {ELEMENTS: 0.75}}
 #: Orders of the work in the parameters: elements, and states.
-ELEMENTS_WORK: Powers = {ELEMENTS: -2.0}
-STATES_WORK: Powers = {STRIPS: 1.0}
+ELEMENTS_WORK: Powers = {ELEMENTS: -2.0, DEGREE: 2.0}
+STATES_WORK: Powers = {STRIPS: 1.0, SLICES: 2.0}
 #: Keys of [positions] that set the positions of a drive.
 PLACES = ("count", "angles_deg", "adaptive", "tolerance", "max_count")
 FEW_MODES = "meshes and compliances from files allow no more modes"
@@ -123,7 +139,8 @@ class Parameters:
         -------
         dict or None
             None at the end of its steps, and for fixed parameters. More modes are combined with
-            elements that resolve them.
+            elements that resolve them, and higher degrees of the pressure modes along the axis with
+            higher ones of the displacements.
         """
         name = next((name for name, of in SOURCES.items() if of == source), "")
         towards = -1.0 if name == ELEMENTS else 1.0
@@ -131,6 +148,8 @@ class Parameters:
         if not ahead:
             return None
         changed = {**values, name: ahead[0]}
+        if name == LOAD_DEGREE:
+            changed[DEGREE] = max(values[DEGREE], ahead[0] + DEGREES_ABOVE_LOAD)
         return self._bearing(changed) if name == MODES else changed
 
     def _bearing(self, values: Values) -> Values | None:
@@ -222,6 +241,8 @@ def _of_flanks(scene: Scene) -> Parameters:
     if length is not None:
         values[ELEMENTS] = named_mm or _rounded(length)
         steps[ELEMENTS] = _lengths(scene, length)
+    if effects_of(scene).three_dimensions:
+        _add_axial(scene, values, steps)
     return Parameters(
         values,
         fixed,
@@ -233,6 +254,18 @@ def _of_flanks(scene: Scene) -> Parameters:
     )
 
 
+def _add_axial(scene: Scene, values: Values, steps: dict[str, tuple[float, ...]]) -> None:
+    """Add the degrees along the axis and the slices of three-dimensional bodies."""
+    accuracy = scene.accuracy
+    if scene.effects.contact == "lumped":
+        del values[STRIPS]
+    values[DEGREE], values[LOAD_DEGREE] = degrees_of(accuracy)
+    values[SLICES] = accuracy.slices or DEFAULT_SLICES
+    most = inf if accuracy.axial_degree is None else accuracy.axial_degree - DEGREES_ABOVE_LOAD
+    steps[LOAD_DEGREE] = tuple(degree for degree in LOAD_DEGREES if degree <= most)
+    steps[SLICES] = SLICES_STEPS
+
+
 #: By kind of body 2; flank pairs otherwise.
 KINDS = {"chain": _of_chain, "belt": _of_belt}
 
@@ -241,7 +274,7 @@ def _named(scene: Scene) -> dict[str, str]:
     """Parameters that the scene names."""
     fixed = {
         name: f"accuracy.{name} is set"
-        for name in (ELEMENTS, MODES, STRIPS)
+        for name in (ELEMENTS, MODES, STRIPS, LOAD_DEGREE, SLICES)
         if getattr(scene.accuracy, name) is not None
     }
     places = [key for key in PLACES if f"positions.{key}" in scene.named_knobs]

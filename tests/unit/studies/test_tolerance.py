@@ -17,10 +17,13 @@ from flankload.result.accuracy_lines import accuracy_lines, percent
 from flankload.scene.discretization import elements_for_modes
 from flankload.studies.parameters import (
     ANYWHERE,
+    DEGREE,
     ELEMENTS,
     LEAST_PART,
+    LOAD_DEGREE,
     MODES,
     OF_ELEMENTS,
+    SLICES,
     STRIPS,
     parameters_of,
 )
@@ -271,6 +274,30 @@ def test_parameters_that_stay_say_why(keys: dict[str, Any], name: str, why: str)
     assert name not in parameters.steps
 
 
+SPATIAL = {"effects": {"dimension": 3}}
+
+
+def test_three_dimensions_have_degrees_and_slices() -> None:
+    """Pressure modes of a higher degree along the axis come with higher displacements."""
+    parameters = parameters_of(fl.Scene.from_dict({**small(tolerance=0.01), **SPATIAL}))
+    values = parameters.values
+    assert (values[LOAD_DEGREE], values[DEGREE], values[SLICES]) == (4, 8, 28)
+    assert STRIPS not in values
+    finer = parameters.finer(values, "axial")
+    assert finer == {**values, LOAD_DEGREE: 5, DEGREE: 9}
+    assert parameters.finer(values, "slices") == {**values, SLICES: 40}
+
+
+@pytest.mark.parametrize(
+    ("keys", "source"),
+    [({"axial_degree": 8}, "axial"), ({"load_degree_z": 4}, "axial"), ({"slices": 7}, "slices")],
+)
+def test_named_degrees_and_slices_stay(keys: dict[str, int], source: str) -> None:
+    scene = fl.Scene.from_dict({**small(tolerance=0.01, **keys), **SPATIAL})
+    parameters = parameters_of(scene)
+    assert parameters.finer(parameters.values, source) is None
+
+
 # --- the choice -----------------------------------------------------------------------------------
 def attempt(
     by_source: dict[str, float], result: fl.Result, *, quantity: str = "load_share", **values: Any
@@ -358,7 +385,7 @@ def test_a_third_run_solves_no_elements_and_is_the_last(met: fl.Result) -> None:
     assert first is not None
     assert second is not None
     assert first.values[MODES] > run.choice.values[MODES]
-    assert all(second.values[name] == run.choice.values[name] for name in OF_ELEMENTS)
+    assert all(second.values.get(name) == run.choice.values.get(name) for name in OF_ELEMENTS)
     assert choose_discretization(parameters, [run] * MOST_RUNS, 0.01) is None
 
 

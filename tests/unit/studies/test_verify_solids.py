@@ -382,11 +382,18 @@ def test_table_compares_layers_with_the_slices_in_them(monkeypatch: pytest.Monke
          "body_2.shaft: expected nothing, since the deck turns the bore of body 1 about a fixed"),
         ({"body_1": {"web_width_mm": 5.0, "rim_thickness_mm": 3.0}},
          "body_1.web_width_mm: expected nothing, since all of a body in the deck is as wide as"),
+        ({"effects": {"friction_coefficient": 0.1}},
+         "effects.friction_coefficient: expected nothing, since solid decks have no friction"),
     ],
 )  # fmt: skip
 def test_what_the_deck_does_not_follow_is_refused(changes: dict[str, Any], line: str) -> None:
     with pytest.raises(SceneError, match=re.escape(line)):
         fl.verify(scene_of(**changes), run=False)
+
+
+def test_internal_gears_are_refused() -> None:
+    with pytest.raises(SceneError, match=r"body_2\.kind: expected 'gear' or 'mesh', since solid"):
+        fl.verify(fl.read_scene(SCENES / "internal_helical.toml"), run=False)
 
 
 def test_dimension_is_that_of_both_programs(

@@ -132,9 +132,8 @@ def unseen_notes(
         axials = (pair.body_1.axial, pair.body_2.axial)
         slower = ", slower where widths jump" * any(axial and axial.regions for axial in axials)
         note = (
-            "the error estimate does not contain the error of the plane elements, of the degree of "
-            f"the displacements along the axis (accuracy.axial_degree{slower}), and of forces that "
-            "turn at tip corners"
+            "the error estimate does not contain the error of the degree of the displacements "
+            f"along the axis (accuracy.axial_degree{slower}) and of forces that turn at tip corners"
         )
         return (note,)
     bodies = (pair.body_1, pair.body_2)

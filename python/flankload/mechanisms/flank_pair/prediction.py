@@ -63,7 +63,8 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
             if body.tip is not None and not pair.effects.nodal_near_field:
                 modes = with_tip(modes)
             if pair.effects.three_dimensions:
-                stages[stage] = _prism(body, modes, *degrees_of(scene.accuracy))
+                estimated = scene.accuracy.estimate and z in elements_estimated(pair)
+                stages[stage] = _prism(body, work, modes, degrees_of(scene.accuracy), estimated)
                 continue
             places = _places(pair.fillets[z])
             stages[stage] = (
@@ -81,7 +82,7 @@ def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
 
     Empty for nodal tables: there, fewer nodes give the error of both bodies.
     """
-    if pair.effects.nodal_near_field or pair.slices is not None:
+    if pair.effects.nodal_near_field:
         return ()
     elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
     bodies = (pair.body_1, pair.body_2)
@@ -129,12 +130,21 @@ def _sector(
     )
 
 
-def _prism(body: Body, modes: int, degree: int, load_degree: int) -> dict[str, int]:
-    """Work of a three-dimensional sector; with a plane of symmetry two parts of half the size."""
+def _prism(
+    body: Body, work: Work, modes: int, degrees: tuple[int, int], estimated: bool
+) -> dict[str, int]:
+    """Work of a three-dimensional sector; with a plane of symmetry two parts of half the size.
+
+    An estimate of the error of its elements is one of the plane section.
+    """
     assert body.axial is not None
-    factorisations = 2 if body.axial.symmetric else 1
-    work = _solved(factorisations, modes * (load_degree + 1), 0, growth=0)
-    return work | {"fe_unknowns": prism_unknowns(body, degree)}
+    degree, load_degree = degrees
+    of_profile = [round(part) * modes for part in _loads(work)]
+    normal, tangential = (part * (load_degree + 1) for part in of_profile)
+    factorisations = (2 if body.axial.symmetric else 1) + estimated
+    found = _solved(factorisations, normal, tangential, growth=0)
+    found["fe_solutions"] += sum(of_profile) * estimated
+    return found | {"fe_unknowns": prism_unknowns(body, degree)}
 
 
 def _loads(work: Work) -> tuple[float, float]:

@@ -37,7 +37,7 @@ from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles, with_keys
 from flankload.pairing.body_pair import BodyPair
 from flankload.result.geometry import PairGeometry, pair_geometry
-from flankload.result.slices import face_load_factor
+from flankload.result.slices import face_load_factors
 from flankload.scene.discretization import Grid
 from flankload.scene.effects import EFFECTS, effects_of
 
@@ -74,6 +74,8 @@ RUNG_S, RUNGS = 0.3, 6.0
 PLACES = 40
 #: Least duration of a call of the core, s.
 TINY_S = 1e-5
+#: CPU seconds of the plane elements behind the error estimate of a prism, as part of the prism's.
+SECTION_PART = 0.1
 
 
 @dataclass(frozen=True)
@@ -218,7 +220,7 @@ class FlankPairScreening(Screening):
                 pair.pairing.sites,
                 part.rotation_rad,
                 part.site_force_N,
-                face_load_factor=_face_load_factor(pair, part),
+                face_load_factor=_face_load_factor(part),
             )
             for part in found
         ]
@@ -292,6 +294,7 @@ class FlankPairScreening(Screening):
             if pair.slices is not None:
                 body = (pair.body_1, pair.body_2)[z]
                 stages[name] = self._models.prism_rates[z].price(scene, body, counted[name])
+                smoothing += stages[name].cpu_s * SECTION_PART * (z in elements_estimated(pair))
                 continue
             if z not in self._models.rates:  # it comes from a file
                 stages[name] = Account(bytes=held_bytes(self._models.compliance(scene, pair, z)))
@@ -383,13 +386,12 @@ class FlankPairScreening(Screening):
         return StateRate(call, state, state * 0.5**power, account, count)
 
 
-def _face_load_factor(pair: BodyPair, found: Sweep) -> float | None:
+def _face_load_factor(found: Sweep) -> float | None:
     """K_Hbeta of all positions; None in the plane."""
-    force, slices = found.slice_force_N, pair.slices
-    if force is None or slices is None:
+    if found.slice_force_N is None or found.slice_edges_mm is None:
         return None
-    widths = slices if force.shape[2] == slices.count else slices.coarser()
-    return face_load_factor(force, widths.width_mm)
+    widths = np.diff(found.slice_edges_mm)
+    return float(face_load_factors(found.slice_force_N, widths, each=found.conforming).max())
 
 
 def _every(positions: Floats, most: int) -> slice:

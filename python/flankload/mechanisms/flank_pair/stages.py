@@ -21,7 +21,7 @@ from flankload.elasticity.nodal_loads import nodes_of
 from flankload.elasticity.prism import Prism, prism_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.expansion import grown
+from flankload.pairing.expansion import grown, grown_slices
 from flankload.scene.axial import degrees_of
 from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import effects_of
@@ -71,7 +71,7 @@ def elements_call(
     """
     effects, own = effects_of(scene), body.for_elements()
     if effects.three_dimensions:
-        return _prism_call(own, scene, discretization)
+        return _prism_call(own, scene, discretization, estimate=estimate)
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
     if own.given is not None:
@@ -255,10 +255,15 @@ def grown_pair(
     if not any(compliance.expansion.strain for compliance in compliances):
         return pair, compliances
     one, two = compliances
+    strains, slices = (one.expansion.strain, two.expansion.strain), pair.slices
+    shapes = pair.body_1.axial, pair.body_2.axial
+    if slices is not None and shapes[0] is not None and shapes[1] is not None:
+        slices = grown_slices(slices, (shapes[0], shapes[1]), strains)
     pair = replace(
         pair,
-        body_1=grown(pair.body_1, one.expansion.strain),
-        body_2=grown(pair.body_2, two.expansion.strain),
+        body_1=grown(pair.body_1, strains[0]),
+        body_2=grown(pair.body_2, strains[1]),
+        slices=slices,
     )
     return pair, (one.grown(), two.grown())
 
@@ -290,7 +295,7 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
 
 
 def _prism_call(
-    body: Body, scene: Scene, discretization: Discretization
+    body: Body, scene: Scene, discretization: Discretization, *, estimate: bool
 ) -> partial[BodyCompliance]:
     """Call for the compliance of a three-dimensional body."""
     axial = body.axial
@@ -303,7 +308,14 @@ def _prism_call(
         load_degree=load_degree,
         regions=axial.regions,
     )
-    return partial(prism_compliance, body, prism, n_modes=modes_of(body, scene, discretization))
+    return partial(
+        prism_compliance,
+        body,
+        prism,
+        n_modes=modes_of(body, scene, discretization),
+        friction=effects_of(scene).friction,
+        estimate=estimate,
+    )
 
 
 def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:

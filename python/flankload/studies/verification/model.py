@@ -122,6 +122,13 @@ def _check_solids(scene: Scene) -> None:
             found=shown(scene.effects.friction_coefficient),
         )
     for key, spec in (("body_1", scene.body_1), ("body_2", scene.body_2)):
+        if spec.kind not in ("gear", "mesh"):
+            raise SceneError(
+                file=scene.file,
+                key=f"{key}.kind",
+                expected="'gear' or 'mesh', since solid decks have external teeth",
+                found=shown(spec.kind),
+            )
         for name, reason in NOT_SOLID.items():
             if value := getattr(spec, name, None):
                 raise SceneError(

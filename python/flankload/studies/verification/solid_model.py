@@ -271,6 +271,7 @@ def _far_teeth(body: Body, mesh: Triangles, tree: cKDTree) -> NDArray[np.bool_]:
     root = float(np.linalg.norm(body.curve.point([0.0])[0])) * (1.0 - SAME_RADIUS)
     teeth = (np.linalg.norm(mesh.vertices, axis=1)[mesh.corners] >= root).all(axis=1)
     distance, _ = tree.query(mesh.vertices[mesh.corners].mean(axis=1))
+    teeth &= body.outward > 0
     return np.asarray(teeth & (distance > TEETH_REACH * body.curve.length_mm))
 
 
