@@ -349,3 +349,8 @@ def test_gears_have_no_misalignment_of_splines() -> None:
     assert caught.value.expected == (
         "nothing: a gear and a gear have pair.inclination_um_per_mm and deviation_um_per_mm"
     )
+
+
+def test_friction_is_refused_in_one_line() -> None:
+    with pytest.raises(fl.SceneError, match=r"effects\.friction_coefficient.*friction of splines"):
+        scene(effects__friction_coefficient=0.1)

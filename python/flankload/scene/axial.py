@@ -379,6 +379,9 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
     if given.get("contact") == "pairs":
         refuse("effects.contact", f"'lumped' or nothing, {since}", "'pairs'")
     plain = type(asked.effects)()
+    if asked.body_1.conforms and asked.effects.friction_coefficient:
+        expected = f"nothing, {since}: this version has no friction of splines there"
+        refuse("effects.friction_coefficient", expected, asked.effects.friction_coefficient)
     for key, what in PLANE_EFFECTS.items():
         value = getattr(asked.effects, key)
         if value != getattr(plain, key):
