@@ -47,7 +47,7 @@ NEAR_PART = 0.6
 #: Teeth are cut off at the root circle beyond this distance, in lengths of the flank.
 TEETH_REACH, SAME_RADIUS = 3.0, 1e-6
 #: Initial rotation of body 1 into its mate, relative to its deflection.
-START_PART = 0.5
+START_PART = 0.05
 #: Flanks get a contact pair if their gap is below this multiple of the deflection.
 REACH = 1.5
 #: Layers over the common width per element on the half-width, and thick layers elsewhere.
