@@ -161,10 +161,9 @@ def verify(
 ) -> Verification:
     """Solve one position of a scene by nonlinear finite elements as well.
 
-    CalculiX gets both whole bodies in their places at that position, with fine elements at the
-    contacts: plane triangles, or layers of wedges in a three-dimensional scene. Rotation, forces
-    and pressures are its own output. Flankload's solution determines only the element size and the
-    flanks that are near enough for a contact pair.
+    CalculiX gets both whole bodies at that position, fine at the contacts: plane triangles, or
+    layers of wedges in three dimensions. Rotation, forces and pressures are its own output;
+    flankload's solution determines only the element size and the flanks with a contact pair.
 
     Parameters
     ----------
@@ -201,20 +200,33 @@ def verify(
     require("position", position, "an integer", fits=isinstance(position, int | np.integer))
     require_path("folder", folder)
     scene, result = _solved(scene_of(scene), position)
-    made, usual = (
-        (model_of, ELEMENTS) if result.slices is None else (solid_model_of, SOLID_ELEMENTS)
-    )
-    model = made(
-        scene,
-        result,
-        position,
-        elements_per_half_width=elements_per_half_width or usual,
-        large_displacement=large_displacement,
+    model = _model(
+        scene, result, position, elements_per_half_width, large_displacement=large_displacement
     )
     path = _write(model.deck, folder)
     keep = folder is not None
     answer = _run(path.parent, model.deck, program, time_limit_s, keep=keep) if run else None
     return _comparison(scene, result, position, model, path if path.exists() else None, answer)
+
+
+def _model(
+    scene: Scene,
+    result: Result,
+    position: int,
+    elements: float | None,
+    *,
+    large_displacement: bool,
+) -> Model | SolidModel:
+    """Plane or solid deck, as the result is."""
+    plane = result.slices is None
+    made = model_of if plane else solid_model_of
+    return made(
+        scene,
+        result,
+        position,
+        elements_per_half_width=elements or (ELEMENTS if plane else SOLID_ELEMENTS),
+        large_displacement=large_displacement,
+    )
 
 
 def _write(deck: Deck | SolidDeck, folder: str | Path | None) -> Path:

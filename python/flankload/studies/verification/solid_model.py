@@ -112,13 +112,11 @@ def solid_model_of(
     Parameters
     ----------
     scene : Scene
-        Three-dimensional.
     result : Result
-        Flankload's result: only determines the element size and the range of the search for
-        contacts.
+        Determines only the element size and the range of the search for contacts.
     position : int
     elements_per_half_width : float
-        Elements on the half-width of a Hertz contact; all others and the layers follow.
+        Elements on the half-width of a contact; all others and the layers follow.
     large_displacement : bool
 
     Returns
