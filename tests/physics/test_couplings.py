@@ -308,6 +308,9 @@ def test_misaligned_couplings_have_positions() -> None:
     assert deviation(loads[1], np.roll(loads[0], -1, axis=0)) < 1e-8
 
 
+WHY = "body_1.lead_crowning_um requires three dimensions"
+
+
 @pytest.mark.parametrize(
     ("changes", "key", "expected"),
     [
@@ -333,6 +336,16 @@ def test_misaligned_couplings_have_positions() -> None:
             {"body_2__tooth_helix_slope_um": [1.0, 2.0]},
             "body_2.tooth_helix_slope_um",
             "one entry per tooth: 24, as in body_2.teeth",
+        ),
+        (
+            {"effects__friction_coefficient": 0.1},
+            "effects.friction_coefficient",
+            f"nothing, since {WHY}: this version has friction of splines in plane scenes only",
+        ),
+        (
+            {"effects__temperature_rise_K": 50.0},
+            "effects.temperature_rise_K",
+            f"nothing, since {WHY}: this version has expansion of splines in plane scenes only",
         ),
     ],
 )

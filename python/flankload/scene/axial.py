@@ -44,6 +44,11 @@ PLANE_EFFECTS = {
     "speed_rpm": "centrifugal expansion of plane bodies only",
     "coast_flank": "slices on working flanks only",
 }
+#: The same of splines, whose slices lie on each other over a height.
+PLANE_EFFECTS_OF_SPLINES = {
+    "friction_coefficient": "friction of splines in plane scenes only",
+    "temperature_rise_K": "expansion of splines in plane scenes only",
+}
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
 LEAD_KEYS = (
     "lead_crowning_um",
@@ -384,6 +389,10 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
         if value != getattr(plain, key):
             default = shown(getattr(plain, key)) if getattr(plain, key) else "nothing"
             refuse(f"effects.{key}", f"{default}, {since}: this version has {what}", shown(value))
+    for key, what in PLANE_EFFECTS_OF_SPLINES.items() if asked.body_1.conforms else ():
+        if getattr(asked.effects, key):
+            expected = f"nothing, {since}: this version has {what}"
+            refuse(f"effects.{key}", expected, shown(getattr(asked.effects, key)))
     for key in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
         if getattr(asked.accuracy, key) is not None:
             expected = f"nothing, {since}: their contact has slices instead of cells"
