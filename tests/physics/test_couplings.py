@@ -340,12 +340,12 @@ WHY = "body_1.lead_crowning_um requires three dimensions"
         (
             {"effects__friction_coefficient": 0.1},
             "effects.friction_coefficient",
-            f"nothing, since {WHY}: this version has friction of splines in plane scenes only",
+            f"nothing, since {WHY}: this version has no friction of splines there",
         ),
         (
             {"effects__temperature_rise_K": 50.0},
             "effects.temperature_rise_K",
-            f"nothing, since {WHY}: this version has expansion of splines in plane scenes only",
+            f"nothing, since {WHY}: this version has no expansion of splines there",
         ),
     ],
 )

@@ -46,8 +46,8 @@ PLANE_EFFECTS = {
 }
 #: The same of splines, whose slices lie on each other over a height.
 PLANE_EFFECTS_OF_SPLINES = {
-    "friction_coefficient": "friction of splines in plane scenes only",
-    "temperature_rise_K": "expansion of splines in plane scenes only",
+    "friction_coefficient": "no friction of splines there",
+    "temperature_rise_K": "no expansion of splines there",
 }
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
 LEAD_KEYS = (
