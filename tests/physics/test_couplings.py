@@ -308,6 +308,9 @@ def test_misaligned_couplings_have_positions() -> None:
     assert deviation(loads[1], np.roll(loads[0], -1, axis=0)) < 1e-8
 
 
+WHY = "body_1.lead_crowning_um requires three dimensions"
+
+
 @pytest.mark.parametrize(
     ("changes", "key", "expected"),
     [
@@ -334,6 +337,16 @@ def test_misaligned_couplings_have_positions() -> None:
             "body_2.tooth_helix_slope_um",
             "one entry per tooth: 24, as in body_2.teeth",
         ),
+        (
+            {"effects__friction_coefficient": 0.1},
+            "effects.friction_coefficient",
+            f"nothing, since {WHY}: this version has no friction of splines there",
+        ),
+        (
+            {"effects__temperature_rise_K": 50.0},
+            "effects.temperature_rise_K",
+            f"nothing, since {WHY}: this version has no expansion of splines there",
+        ),
     ],
 )
 def test_refusals(changes: dict[str, Any], key: str, expected: str) -> None:
@@ -351,13 +364,6 @@ def test_gears_have_no_misalignment_of_splines() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "why"),
-    [
-        ("friction_coefficient", 0.1, "no friction of splines"),
-        ("contact", "pairs", "one unknown each"),
-    ],
-)
-def test_effects_of_other_flanks_are_refused(key: str, value: Any, why: str) -> None:
-    with pytest.raises(fl.SceneError, match=rf"effects\.{key}.*{why}"):
-        scene(**{f"effects__{key}": value})
+def test_cells_are_refused_in_one_line() -> None:
+    with pytest.raises(fl.SceneError, match=r"effects\.contact.*one unknown each"):
+        scene(effects__contact="pairs")
