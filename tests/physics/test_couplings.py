@@ -330,6 +330,22 @@ def test_misaligned_couplings_have_positions() -> None:
             "nothing, unless pair.misalignment_mrad is > 0",
         ),
         (
+            {"effects__friction_coefficient": 0.1},
+            "effects.friction_coefficient",
+            (
+                "nothing, since body_1.lead_crowning_um requires three dimensions: this version "
+                "has no friction of splines in slices"
+            ),
+        ),
+        (
+            {"effects__temperature_rise_K": 50.0},
+            "effects.temperature_rise_K",
+            (
+                "nothing, since body_1.lead_crowning_um requires three dimensions: this version "
+                "has expansion of splines in the plane only"
+            ),
+        ),
+        (
             {"body_2__tooth_helix_slope_um": [1.0, 2.0]},
             "body_2.tooth_helix_slope_um",
             "one entry per tooth: 24, as in body_2.teeth",

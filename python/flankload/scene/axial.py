@@ -44,6 +44,11 @@ PLANE_EFFECTS = {
     "speed_rpm": "centrifugal expansion of plane bodies only",
     "coast_flank": "slices on working flanks only",
 }
+#: The same of splines, whose flanks lie on each other over a height.
+OF_LINES = {
+    "friction_coefficient": "no friction of splines in slices",
+    "temperature_rise_K": "expansion of splines in the plane only",
+}
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
 LEAD_KEYS = (
     "lead_crowning_um",
@@ -379,7 +384,8 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
     if given.get("contact") == "pairs":
         refuse("effects.contact", f"'lumped' or nothing, {since}", "'pairs'")
     plain = type(asked.effects)()
-    for key, what in PLANE_EFFECTS.items():
+    missing = PLANE_EFFECTS | (OF_LINES if asked.body_1.conforms else {})
+    for key, what in missing.items():
         value = getattr(asked.effects, key)
         if value != getattr(plain, key):
             default = shown(getattr(plain, key)) if getattr(plain, key) else "nothing"
