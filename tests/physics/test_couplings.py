@@ -249,6 +249,8 @@ def test_crowned_teeth_for_axes_at_an_angle() -> None:
     assert even < 1.2 < crowned
     assert both < 0.8 * tilted
     assert solve(**CROWNED).load_share.max() == pytest.approx(1.0 / TEETH)
+    loads = solve(**MISALIGNED).slice_line_load_N_per_mm
+    assert tilted == pytest.approx(loads.max() / loads.mean())
 
 
 def test_work_of_the_torque() -> None:
