@@ -249,6 +249,8 @@ def test_crowned_teeth_for_axes_at_an_angle() -> None:
     assert even < 1.2 < crowned
     assert both < 0.8 * tilted
     assert solve(**CROWNED).load_share.max() == pytest.approx(1.0 / TEETH)
+    loads = solve(**MISALIGNED).slice_line_load_N_per_mm
+    assert tilted == pytest.approx(loads.max() / loads.mean())
 
 
 def test_work_of_the_torque() -> None:
@@ -331,6 +333,22 @@ WHY = "body_1.lead_crowning_um requires three dimensions"
             {"pair__misalignment_direction_deg": 10.0},
             "pair.misalignment_direction_deg",
             "nothing, unless pair.misalignment_mrad is > 0",
+        ),
+        (
+            {"effects__friction_coefficient": 0.1},
+            "effects.friction_coefficient",
+            (
+                "nothing, since body_1.lead_crowning_um requires three dimensions: this version "
+                "has no friction of splines in slices"
+            ),
+        ),
+        (
+            {"effects__temperature_rise_K": 50.0},
+            "effects.temperature_rise_K",
+            (
+                "nothing, since body_1.lead_crowning_um requires three dimensions: this version "
+                "has expansion of splines in the plane only"
+            ),
         ),
         (
             {"body_2__tooth_helix_slope_um": [1.0, 2.0]},

@@ -45,8 +45,8 @@ PLANE_EFFECTS = {
 }
 #: The same of splines, whose slices lie on each other over a height.
 PLANE_EFFECTS_OF_SPLINES = {
-    "friction_coefficient": "no friction of splines there",
-    "temperature_rise_K": "no expansion of splines there",
+    "friction_coefficient": "no friction of splines",
+    "temperature_rise_K": "expansion of splines in the plane only",
 }
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
 LEAD_KEYS = (
@@ -403,15 +403,12 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
     if cells and asked.effects.friction_coefficient:
         expected = f"nothing, {since}: this version has no friction with effects.contact = 'pairs'"
         refuse("effects.friction_coefficient", expected, asked.effects.friction_coefficient)
-    for key, what in PLANE_EFFECTS.items():
+    missing = PLANE_EFFECTS | (PLANE_EFFECTS_OF_SPLINES if asked.body_1.conforms else {})
+    for key, what in missing.items():
         value = getattr(asked.effects, key)
         if value != getattr(plain, key):
             default = shown(getattr(plain, key)) if getattr(plain, key) else "nothing"
             refuse(f"effects.{key}", f"{default}, {since}: this version has {what}", shown(value))
-    for key, what in PLANE_EFFECTS_OF_SPLINES.items() if asked.body_1.conforms else ():
-        if getattr(asked.effects, key):
-            expected = f"nothing, {since}: this version has {what}"
-            refuse(f"effects.{key}", expected, shown(getattr(asked.effects, key)))
     if cells:
         return
     for key in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
