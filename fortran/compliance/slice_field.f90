@@ -13,12 +13,14 @@ module flankload_slice_field
     use flankload_lapack, only: set_product
     use flankload_rounding, only: tie
     use flankload_line_potential, only: mean_potential
+    use flankload_tangential_potential, only: segment_field
     implicit none
     private
 
     public :: mirror_type, segment_type, shaft_type, slices_type
     public :: add_segment_field, axial_means, corner_mirrors, end_mirrors, flank_of, &
-        & holds_slices, mean_width, middle_of, modes_of, slice_of, sliced_compliance, width_of
+        & holds_slices, mean_width, middle_of, modes_of, slice_of, sliced_compliance, &
+        & sliced_tangential, tangential_field, width_of
 
     !> How flanks are cut: site (pair - 1)*n + j is slice j of flank pair `pair`.
     type :: slices_type
@@ -208,6 +210,43 @@ contains
         end do
     end function sliced_compliance
 
+    !> The same for loads along the profile, without its near field: not symmetric.
+    pure function sliced_tangential(body, slices, site, s) result(matrix)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> Site of each place, those of a flank pair together, and its arc length [mm], shape (n)
+        integer, intent(in) :: site(:)
+        real(wp), intent(in) :: s(:)
+        !> Displacement along the normal at place i under a unit force along the profile at j,
+        !> towards growing arc length [mm/N], shape (n, n)
+        real(wp) :: matrix(size(s), size(s))
+
+        integer :: first, last, other, other_last
+        integer :: flanks(size(s))
+        real(wp), allocatable :: values(:, :), carried(:, :)
+
+        matrix = 0.0_wp
+        if (.not. allocated(body%tangential)) return
+        flanks = flank_of(slices, site)
+        values = modes_of(body, slices, site, s)
+        allocate (carried, mold=values)
+        first = 1
+        do while (first <= size(s))
+            last = count(flanks <= flanks(first))
+            other = 1
+            do while (other <= size(s))
+                other_last = count(flanks <= flanks(other))
+                call set_block(size(values, 1), size(s), [first, last, other, other_last], &
+                    & transpose(body%tangential(:, :, body%block(site(first), site(other)))), &
+                    & values, carried, matrix)
+                other = other_last + 1
+            end do
+            first = last + 1
+        end do
+    end function sliced_tangential
+
     !> One block of V g Vᵀ.
     pure subroutine set_block(m, n, bounds, smooth, values, carried, matrix)
         !> Modes, and places
@@ -282,7 +321,8 @@ contains
         type(mirror_type), allocatable :: ends(:), corners(:)
 
         ends = end_mirrors(body_1, body_2)
-        corners = [corner_mirrors(body_1, 1), corner_mirrors(body_2, 2)]
+        corners = [corner_mirrors(body_1, 1, body_1%wedge), &
+            & corner_mirrors(body_2, 2, body_2%wedge)]
         do j = 1, size(segments)
             recession = field_between(segments(j), segments(j), beside, ends, corners(:0))
             matrix(j, j) = matrix(j, j) + recession
@@ -324,21 +364,63 @@ contains
     end function end_mirrors
 
     !> Images behind the free corners of the profile of a body.
-    pure function corner_mirrors(body, flank) result(mirrors)
+    pure function corner_mirrors(body, flank, psi) result(mirrors)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> Which body that is: 1 or 2
         integer, intent(in) :: flank
+        !> Strengths at both ends of its modes: those of loads along the normal, or along the flank
+        real(wp), intent(in) :: psi(2)
         type(mirror_type), allocatable :: mirrors(:)
 
         type(mirror_type) :: all(2)
 
-        all%strength = 0.5_wp*body%kernel*body%wedge
+        all%strength = 0.5_wp*body%kernel*psi
         all%place = [body%s_low, body%s_high]
         all%sense = [1.0_wp, -1.0_wp]
         all%body = flank
-        mirrors = pack(all, all%strength > 0.0_wp)
+        mirrors = pack(all, abs(all%strength) > 0.0_wp)
     end function corner_mirrors
+
+    !> Near field of both bodies under loads along the profile, as displacement of each body out of
+    !> its material: that of half-spaces, and of images behind free corners [mm/N].
+    !>
+    !> Between slices of one contact line x is 0, and so is the field of a half-space: it counts
+    !> where modifications bend the line.
+    pure function tangential_field(body_1, body_2, segments, beside) result(matrix)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> Contact lines, those of a flank pair together, shape (n)
+        type(segment_type), intent(in) :: segments(:)
+        !> How far beside its line a load is spread [mm], above 0
+        real(wp), intent(in) :: beside
+        !> Displacements of both bodies at i under unit forces at j, on each body towards growing
+        !> arc length of its flank, shape (n, n)
+        real(wp) :: matrix(size(segments), size(segments))
+
+        integer :: i, j
+        real(wp) :: strength
+        type(mirror_type), allocatable :: corners(:)
+
+        matrix = 0.0_wp
+        ! in front of the force on body 1 is behind that on body 2
+        strength = (body_2%jump - body_1%jump)/acos(-1.0_wp)
+        corners = [corner_mirrors(body_1, 1, body_1%wedge_along), &
+            & corner_mirrors(body_2, 2, body_2%wedge_along)]
+        do j = 1, size(segments)
+            do i = 1, size(segments)
+                if (segments(i)%flank /= segments(j)%flank) cycle
+                associate (one => segments(i), other => segments(j))
+                    matrix(i, j) = behind_corners(one, other, beside, corners)
+                    ! bodies of one material move alike, one in front of its force, one behind it
+                    if (abs(strength) > 0.0_wp) matrix(i, j) = matrix(i, j) &
+                        & + strength*segment_field(along_line(one, other), one%length, &
+                        & other%length, across_lines(one, other), beside)
+                end associate
+            end do
+        end do
+    end function tangential_field
 
     !> Recession of both bodies at one segment under a unit force on another one [mm/N].
     pure function field_between(one, other, beside, ends, corners) result(recession)
@@ -353,27 +435,64 @@ contains
         real(wp) :: recession
 
         integer :: k
-        real(wp) :: cosine, along, across
+        real(wp) :: cosine, across
 
         cosine = 0.5_wp*(one%cosine + other%cosine)
-        along = (one%z - other%z)/cosine
-        ! a contact line of an involute is straight and normal to the profiles
-        across = 0.5_wp*dot_product(one%point - other%point, one%tangent + other%tangent)
-        across = sqrt(across**2 + beside**2)
+        across = sqrt(across_lines(one, other)**2 + beside**2)
         ! Eq. (S2), averaged by Eq. (S3)
-        recession = ends(1)%strength*mean_potential(along, one%length, other%length, across)
+        recession = ends(1)%strength*mean_potential(along_line(one, other), one%length, &
+            & other%length, across)
         do k = 2, size(ends)
             recession = recession + ends(k)%strength*mean_potential((one%z + other%z &
                 & - 2.0_wp*ends(k)%place)/cosine, one%length, other%length, across)
         end do
+        recession = recession + behind_corners(one, other, beside, corners)
+    end function field_between
+
+    !> Distance of two segments along their contact line [mm].
+    elemental function along_line(one, other) result(along)
+        !> The segments
+        type(segment_type), intent(in) :: one
+        type(segment_type), intent(in) :: other
+        real(wp) :: along
+
+        along = (one%z - other%z)/(0.5_wp*(one%cosine + other%cosine))
+    end function along_line
+
+    !> Distance of one segment before another one along flank 1 [mm]: a contact line of an involute
+    !> is straight and normal to the profiles.
+    pure function across_lines(one, other) result(across)
+        !> The segments
+        type(segment_type), intent(in) :: one
+        type(segment_type), intent(in) :: other
+        real(wp) :: across
+
+        across = 0.5_wp*dot_product(one%point - other%point, one%tangent + other%tangent)
+    end function across_lines
+
+    !> Displacement by the images of a unit force behind free corners [mm/N].
+    pure function behind_corners(one, other, beside, corners) result(recession)
+        !> The segments
+        type(segment_type), intent(in) :: one
+        type(segment_type), intent(in) :: other
+        !> How far beside its line a load is spread [mm]
+        real(wp), intent(in) :: beside
+        !> The images
+        type(mirror_type), intent(in) :: corners(:)
+        real(wp) :: recession
+
+        integer :: k
+        real(wp) :: across
+
+        recession = 0.0_wp
         do k = 1, size(corners)
             associate (corner => corners(k))
                 across = max(0.0_wp, corner%sense*(one%s(corner%body) - corner%place)) &
                     & + max(0.0_wp, corner%sense*(other%s(corner%body) - corner%place))
-                recession = recession + corner%strength*mean_potential(along, one%length, &
-                    & other%length, sqrt(across**2 + beside**2))
+                recession = recession + corner%strength*mean_potential(along_line(one, other), &
+                    & one%length, other%length, sqrt(across**2 + beside**2))
             end associate
         end do
-    end function field_between
+    end function behind_corners
 
 end module flankload_slice_field

@@ -117,8 +117,9 @@ end subroutine flankload_pack_body
 !> | fl_part_slices    | (n + 1), of body 1 alone: where n slices of the flanks end [mm],          |
 !> |                   | ascending. Sites are the slices, those of a flank pair together in this   |
 !> |                   | order; their angles are those of their middle sections, their deviations  |
-!> |                   | those of its slice in the plane of the section. Contact must be lumped,   |
-!> |                   | without friction                                                          |
+!> |                   | those of its slice in the plane of the section. Contact must be lumped.   |
+!> |                   | With friction there are as many modes along the flank as along the normal,|
+!> |                   | and the jump is in mm²/N                                                  |
 !> | fl_part_turned    | (n_modes, n_blocks): displacement out of the material, as modes, under a  |
 !> |                   | unit force along the flank at its sharp tip [mm/N], towards growing arc   |
 !> |                   | length; forces over that corner turn halfway to the normal of the mate    |

@@ -63,6 +63,10 @@ contains
                 allocate (rubbing(n, 0))
                 return
             end if
+            if (allocated(position%rubbing)) then
+                rubbing = position%rubbing(of, of)
+                return
+            end if
             allocate (rubbing(n, n), source=0.0_wp)
             ones = 1.0_wp
             call add_tangential(body_1%compliance, zones%site, zones%nearest%s_1, width, ones, &

@@ -83,7 +83,8 @@ contains
                 call follow_places(position, of, some_force(forces, full), places, state%pairs)
             end if
             last = forces
-            solved = pass <= newton_passes
+            ! with friction K is not symmetric
+            solved = pass <= newton_passes .and. size(rubbing, 2) == 0
             if (solved) call step_places(position, of, places, coupling, torque, forces, &
                 & state%rotation, solved)
             if (solved) call count_lumped(0, state)
@@ -222,6 +223,9 @@ contains
                 place%reach_slope = 0.5_wp*place%reach/place%force
                 place%lever = zone%lever
                 place%torque_lever = zone%lever
+                ! friction comes with the first look
+                place%tangential = 0.0_wp
+                place%tangential_slope = 0.0_wp
             end associate
         end do
     end subroutine take_parabolas
@@ -248,6 +252,8 @@ contains
                 power = max(0.0_wp, min(1.0_wp, place%reach_slope*place%force &
                     & /max(place%reach, tiny(1.0_wp))))
                 place%reach = place%reach*(forces(of(k))/place%force)**power
+                place%tangential_slope = place%tangential/place%force
+                place%tangential = place%tangential_slope*forces(of(k))
                 place%reach = min(place%reach, [zone%nearest%s_1 - zone%s_1_low, &
                     & zone%s_1_high - zone%nearest%s_1])
                 place%force = forces(of(k))

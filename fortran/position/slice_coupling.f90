@@ -11,15 +11,19 @@ module flankload_slice_coupling
     use flankload_near_field, only: new_image
     use flankload_position_zones, only: body_type, lever_share, position_type
     use flankload_slice_field, only: add_segment_field, flank_of, middle_of, segment_type, &
-        & shaft_type, sliced_compliance, slices_type, width_of
+        & shaft_type, sliced_compliance, sliced_tangential, slices_type, tangential_field, width_of
     implicit none
     private
 
     public :: check_slices, look_at_slices, load_slices, segments_of, widen_slices
 
+    !> Half-width of a contact, about, as a part of the flank's length: loads along the flank are
+    !> spread so far in their near field.
+    real(wp), parameter :: usual_part = 0.005_wp
+
 contains
 
-    !> Refuse what slices do not follow: friction, nodes, known displacements; cells also finite
+    !> Refuse what slices do not follow: nodes, known displacements; cells also friction and finite
     !> forces.
     pure subroutine check_slices(body_1, body_2, is_lumped, finite_steps, error)
         !> The bodies
@@ -34,12 +38,11 @@ contains
 
         logical :: refused
 
-        refused = .not. is_lumped .and. finite_steps > 0
-        refused = refused .or. allocated(body_1%friction)
+        refused = .not. is_lumped .and. (finite_steps > 0 .or. allocated(body_1%friction))
         refused = refused .or. is_plane_only(body_1%compliance) &
             & .or. is_plane_only(body_2%compliance)
         if (refused) call fatal_error(error, code_not_in_slices, &
-            & 'slices: contact without friction on flanks with two ends only')
+            & 'slices: flanks with two ends only, cells without friction')
     end subroutine check_slices
 
     !> Whether a compliance has parts that only plane sections have.
@@ -50,6 +53,9 @@ contains
 
         is_plane = allocated(compliance%nodes) .or. allocated(compliance%shift) &
             & .or. compliance%closed
+        ! modes along the profile are those along the normal, each times all polynomials
+        if (allocated(compliance%tangential)) is_plane = is_plane &
+            & .or. size(compliance%tangential, 2) /= size(compliance%tangential, 1)
     end function is_plane_only
 
     !> Set what does not depend on the torque.
@@ -96,22 +102,66 @@ contains
             & position%zones), position%smooth)
         if (allocated(body_2%shaft)) call add_shaft(body_2%shaft, wrenches_on(body_2, body_1, &
             & position%zones), position%smooth)
+        if (allocated(body_1%friction)) call look_at_rubbing(body_1, body_2, position)
     end subroutine look_at_slices
 
-    !> Unit forces along the normals of the zones, and their moments about the section of a shaft.
-    pure function wrenches_on(body, body_1, zones) result(wrenches)
+    !> What the zones recede by under forces along their flanks.
+    !>
+    !> The force on body 1 points to growing arc length of flank 1, that on body 2 to growing arc
+    !> length of flank 2: both recede by minus their displacement out of the material.
+    pure subroutine look_at_rubbing(body_1, body_2, position)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position; its zones are those of slices
+        type(position_type), intent(inout) :: position
+
+        associate (zones => position%zones, slices => body_1%slices)
+            position%rubbing = -tangential_field(body_1%compliance, body_2%compliance, &
+                & segments_of(slices, zones), 0.5_wp*usual_part*position%flank_length) &
+                & - sliced_tangential(body_1%compliance, slices, zones%site, zones%nearest%s_1) &
+                & - sliced_tangential(body_2%compliance, slices, zones%site, zones%nearest%s_2)
+            if (allocated(body_1%shaft)) call rub_shaft(body_1, body_1, zones, position%rubbing)
+            if (allocated(body_2%shaft)) call rub_shaft(body_2, body_1, zones, position%rubbing)
+        end associate
+    end subroutine look_at_rubbing
+
+    !> Add the recession of a body by its shaft and bearings under forces along the flanks:
+    !> -wᵀ S w_t.
+    pure subroutine rub_shaft(body, body_1, zones, rubbing)
+        !> The body, with a shaft
+        type(body_type), intent(in) :: body
+        !> Body 1, whose helix and slices are those of the pair
+        type(body_type), intent(in) :: body_1
+        !> The zones
+        type(zone_type), intent(in) :: zones(:)
+        !> Recession under unit forces along flank 1 [mm/N], shape (zones, zones)
+        real(wp), intent(inout) :: rubbing(:, :)
+
+        rubbing = rubbing - matmul(transpose(wrenches_on(body, body_1, zones)), &
+            & matmul(body%shaft%compliance, wrenches_on(body, body_1, zones, along=.true.)))
+    end subroutine rub_shaft
+
+    !> Unit forces along the normals of the zones, or along flank 1, and their moments about the
+    !> section of a shaft.
+    pure function wrenches_on(body, body_1, zones, along) result(wrenches)
         !> The body, with a shaft
         type(body_type), intent(in) :: body
         !> Body 1, whose helix and slices are those of the pair
         type(body_type), intent(in) :: body_1
         !> The zones; their levers are those of normals in space
         type(zone_type), intent(in) :: zones(:)
+        !> Whether forces are those along the flank, in the plane of the section
+        logical, intent(in), optional :: along
         !> Forces and moments [-, mm], shape (6, zones)
         real(wp) :: wrenches(6, size(zones))
 
         integer :: k
+        logical :: rubs
         real(wp) :: tangent(2), n(3), r(3)
 
+        rubs = .false.
+        if (present(along)) rubs = along
         do k = 1, size(zones)
             associate (place => zones(k)%nearest)
                 tangent = place%tangent_1
@@ -120,6 +170,7 @@ contains
                 tangent = -sign(1.0_wp, dot_product(place%point_1, tangent))*tangent
                 n = [zones(k)%cosine*tangent(2), -zones(k)%cosine*tangent(1), &
                     & -body_1%compliance%twist*zones(k)%lever]
+                if (rubs) n = [-tangent, 0.0_wp]
                 r = [place%point_1 - body%origin, middle_of(body_1%slices, zones(k)%site) &
                     & - body%shaft%z]
             end associate

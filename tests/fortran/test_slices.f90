@@ -1,6 +1,6 @@
 !> Tests of the fields of slices without Python: stops with an error where one fails.
 program test_slices
-    use flankload, only: wp, slices_type
+    use flankload, only: new_friction, wp, slices_type
     use flankload_compliance_field, only: compliance_type, mode_values
     use flankload_contact_loop, only: contact_result, method_single, solve_contact_problem, &
         & symmetric_matrix
@@ -11,8 +11,12 @@ program test_slices
     use flankload_position_zones, only: body_type, position_type
     use flankload_slice_coupling, only: look_at_slices
     use flankload_slice_field, only: add_segment_field, axial_means, flank_of, middle_of, &
-        & segment_type, slice_of, sliced_compliance, width_of
+        & segment_type, slice_of, sliced_compliance, sliced_tangential, tangential_field, width_of
+    use flankload_tangential_potential, only: rectangle_field, segment_field
     implicit none
+
+    !> Twice as many digits.
+    integer, parameter :: qp = selected_real_kind(30)
 
     !> Identities hold to rounding.
     real(wp), parameter :: round_off = 100.0_wp*epsilon(1.0_wp)
@@ -23,6 +27,10 @@ program test_slices
     call test_far_potential
     call test_own_potential
     call test_parts_of_a_segment
+    call test_rectangle_of_cerruti
+    call test_long_rectangle_is_the_plane
+    call test_segments_of_cerruti
+    call test_tangential_field
     call test_axial_means
     call test_sites_are_slices
     call test_smooth_part
@@ -107,6 +115,126 @@ contains
         call expect(abs(whole - parts) < round_off, 'parts of a segment')
     end subroutine test_parts_of_a_segment
 
+    !> Loads along the surface of a rectangle: near, on edges and corners, far, with all digits.
+    subroutine test_rectangle_of_cerruti
+        real(wp), parameter :: sides(2, 3) = reshape([0.02_wp, 0.25_wp, 1.0_wp, 1.0_wp, 0.5_wp, &
+            & 0.1_wp], [2, 3])
+        real(wp), parameter :: away(6) = [0.0_wp, 0.5_wp, 1.0_wp, 3.0_wp, 5.5_wp, 60.0_wp]
+        real(wp), parameter :: digits_lost = 1.0e-12_wp
+        integer :: k, i, j
+        real(wp) :: x, y, a, b, found
+        real(qp) :: wanted
+
+        do k = 1, size(sides, 2)
+            a = sides(1, k)
+            b = sides(2, k)
+            do i = 1, size(away)
+                do j = 1, size(away)
+                    x = away(i)*a
+                    y = -away(j)*b
+                    found = rectangle_field(x, y, a, b)
+                    wanted = (corner(x + a, y + b) - corner(x + a, y - b) - corner(x - a, y + b) &
+                        & + corner(x - a, y - b))/(4.0_qp*a*b)
+                    call expect(abs(found - wanted) <= digits_lost/max(hypot(x, y), a, b), &
+                        & 'rectangle of Cerruti')
+                    call expect(abs(found + rectangle_field(-x, y, a, b)) < digits_lost/b, &
+                        & 'inwards in front, outwards behind')
+                end do
+            end do
+        end do
+    end subroutine test_rectangle_of_cerruti
+
+    !> The integral of X/(X² + Y²) over X and Y.
+    pure function corner(x, y) result(value)
+        !> Corner from the place
+        real(wp), intent(in) :: x
+        real(wp), intent(in) :: y
+        real(qp) :: value
+
+        real(qp) :: u, v
+
+        u = x
+        v = y
+        value = 0.0_qp
+        if (abs(v) > 0.0_qp) value = 0.5_qp*v*log(u**2 + v**2)
+        if (abs(u) > 0.0_qp) value = value + u*atan(v/u)
+    end function corner
+
+    !> Over a long rectangle the field is that of the plane: pi sign(x), linear over the load.
+    subroutine test_long_rectangle_is_the_plane
+        real(wp), parameter :: length = 1.0e6_wp, a = 0.4_wp, pi = acos(-1.0_wp)
+        real(wp), parameter :: places(4) = [-0.7_wp, -0.2_wp, 0.1_wp, 2.0_wp]
+        integer :: k
+        real(wp) :: plane
+
+        do k = 1, size(places)
+            plane = pi*max(-1.0_wp, min(1.0_wp, places(k)/a))
+            call expect(abs(length*rectangle_field(places(k), 3.0_wp, a, 0.5_wp*length) - plane) &
+                & < quadrature, 'a long rectangle')
+            plane = pi*sign(1.0_wp, places(k))
+            call expect(abs(length*segment_field(0.0_wp, length, length, places(k), 1.0e-6_wp) &
+                & - plane) < 20.0_wp*quadrature, 'a long segment')
+        end do
+    end subroutine test_long_rectangle_is_the_plane
+
+    !> The mean of x/(x² + y²) over both segments, near and far.
+    subroutine test_segments_of_cerruti
+        integer, parameter :: n = 400
+        real(wp), parameter :: along(5) = [0.0_wp, 0.8_wp, 3.0_wp, 12.0_wp, 0.0_wp]
+        real(wp), parameter :: across(5) = [-0.3_wp, 0.3_wp, -0.3_wp, 0.3_wp, 12.0_wp]
+        real(wp), parameter :: beside = 0.1_wp, one = 1.0_wp, other = 0.6_wp
+        integer :: i, j, k
+        real(wp) :: total, distance
+
+        do k = 1, size(along)
+            total = 0.0_wp
+            do j = 1, n
+                do i = 1, n
+                    distance = along(k) + one*((i - 0.5_wp)/n - 0.5_wp) &
+                        & - other*((j - 0.5_wp)/n - 0.5_wp)
+                    total = total + across(k)/(distance**2 + across(k)**2 + beside**2)
+                end do
+            end do
+            call expect(abs(segment_field(along(k), one, other, across(k), beside)/(total/n**2) &
+                & - 1.0_wp) < quadrature, 'segments of Cerruti')
+        end do
+    end subroutine test_segments_of_cerruti
+
+    !> Out of the material behind a force, into it in front of the force; on one contact line a
+    !> half-space has no field, and the image behind a corner is that of loads along the normal.
+    subroutine test_tangential_field
+        real(wp), parameter :: psi = -0.4_wp
+        integer :: i
+        real(wp) :: field(2, 2), image(2, 2), corner(2, 2)
+        type(compliance_type) :: body, rigid
+        type(segment_type) :: segments(2)
+
+        segments = [(segment_type(flank=1, z=real(i, wp), s=3.0_wp, tangent=[1.0_wp, 0.0_wp]), &
+            & i=1, 2)]
+        body = body_between(0.0_wp, 3.0_wp)
+        body%jump = 2.0_wp
+        call expect(all(abs(tangential_field(body, rigid, segments, 0.1_wp)) <= 0.0_wp), &
+            & 'no field on the contact line')
+        segments(2)%point = [0.5_wp, 0.0_wp]
+        field = tangential_field(body, rigid, segments, 0.1_wp)
+        call expect(field(2, 1) < 0.0_wp .and. field(1, 2) > 0.0_wp, 'signs of Cerruti')
+        field = field + tangential_field(rigid, body, segments, 0.1_wp)
+        call expect(all(abs(field) < round_off), 'forces on both bodies are opposite')
+        segments(2)%point = 0.0_wp
+        body%kernel = 2.0_wp
+        body%s_low = 1.0_wp
+        body%s_high = 4.0_wp
+        body%wedge_along = [0.0_wp, psi]
+        corner = tangential_field(body, rigid, segments, 0.1_wp)
+        image = 0.0_wp
+        call add_segment_field(body, rigid, segments, 0.1_wp, image)
+        body%wedge = [0.0_wp, 1.0_wp]
+        field = 0.0_wp
+        call add_segment_field(body, rigid, segments, 0.1_wp, field)
+        call expect(abs(corner(1, 2) - psi*(field(1, 2) - image(1, 2))) < round_off, &
+            & 'image of a force along the profile')
+    end subroutine test_tangential_field
+
     !> Legendre polynomials on average over slices.
     subroutine test_axial_means
         integer, parameter :: n = 2000
@@ -180,6 +308,17 @@ contains
                     & body%block(site(i), site(j))), values(j, :)))) < 10.0_wp*round_off, &
                     & 'modes of both places')
                 call expect(.not. abs(matrix(i, j) - matrix(j, i)) > 0.0_wp, 'symmetric modes')
+            end do
+        end do
+        ! loads along the profile: no block is the transpose of another one
+        allocate (body%tangential(6, 6, 3))
+        call random_number(body%tangential)
+        matrix = sliced_tangential(body, slices, site, s)
+        do j = 1, 5
+            do i = 1, 5
+                call expect(abs(matrix(i, j) - dot_product(values(i, :), &
+                    & matmul(body%tangential(:, :, body%block(site(i), site(j))), values(j, :)))) &
+                    & < 10.0_wp*round_off, 'modes along the profile')
             end do
         end do
     end subroutine test_smooth_part
@@ -262,11 +401,13 @@ contains
         real(wp), parameter :: twist = 0.01_wp, distance = 90.0_wp
         integer :: i, j, z
         real(wp) :: angle, lever, cosine, n_t(2), place(3), matrix(n, n), w(6, n), random(6, 6)
+        real(wp) :: t(6, n), rubbed(n, n)
         type(body_type) :: bodies(2)
         type(position_type) :: position
 
         allocate (bodies(1)%slices, position%zones(n))
         bodies(1)%slices%edges = [-2.0_wp, -0.5_wp, 1.0_wp, 3.0_wp]
+        bodies(1)%friction = new_friction([0.0_wp], reshape([(0.1_wp, i=1, 6)], [1, 6]))
         bodies(2)%origin = [distance, 0.0_wp]
         position%flank_length = 10.0_wp
         do z = 1, 2
@@ -301,10 +442,13 @@ contains
                 zone%lever = abs(lever)
                 cosine = 1.0_wp/sqrt(1.0_wp + (twist*lever)**2)
                 w(:3, i) = cosine*[n_t(1), n_t(2), -twist*abs(lever)]
+                ! the normal is the tangent turned to the left
+                t(:3, i) = [n_t(2), -n_t(1), 0.0_wp]
             end associate
         end do
         call look_at_slices(bodies(1), bodies(2), position)
         matrix = 0.0_wp
+        rubbed = 0.0_wp
         do z = 1, 2
             do i = 1, n
                 place = [position%zones(i)%nearest%point_1 - bodies(z)%origin, &
@@ -312,9 +456,15 @@ contains
                 w(4, i) = place(2)*w(3, i) - place(3)*w(2, i)
                 w(5, i) = place(3)*w(1, i) - place(1)*w(3, i)
                 w(6, i) = place(1)*w(2, i) - place(2)*w(1, i)
+                t(4:5, i) = place(3)*[-t(2, i), t(1, i)]
+                t(6, i) = place(1)*t(2, i) - place(2)*t(1, i)
             end do
             matrix = matrix + matmul(transpose(w), matmul(bodies(z)%shaft%compliance, w))
+            ! the force on body 1 is -n F + T t, and it recedes against n
+            rubbed = rubbed - matmul(transpose(w), matmul(bodies(z)%shaft%compliance, t))
         end do
+        call expect(all(abs(position%rubbing - rubbed) <= round_off*maxval(abs(rubbed))), &
+            & 'shafts under friction by hand')
         call expect(all(abs(position%smooth - matrix) <= round_off*maxval(abs(matrix))), &
             & 'shafts by hand')
         do j = 1, n

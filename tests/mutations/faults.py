@@ -62,8 +62,20 @@ _FORTRAN = (
         ("slope = -2.0_wp/", "slope = -1.0_wp/"),
     ),
     *_in(
+        "tangential_potential.f90",
+        "core",
+        ("(m + 1)*(m + 2)*a*b", "(m + 1)*(m + 2)*2.0_wp*a*b"),
+        ("value + abs(x)*atan2(y, abs(x))", "value + x*atan2(y, abs(x))"),
+        ("3.0_wp*distance**2 - apart**2", "3.0_wp*distance**2 + apart**2"),
+    ),
+    *_in(
         "slice_field.f90",
         "core",
+        ("(body_2%jump - body_1%jump)", "(body_2%jump + body_1%jump)"),
+        (
+            "transpose(body%tangential(:, :, body%block(site(first), site(other))))",
+            "body%tangential(:, :, body%block(site(first), site(other)))",
+        ),
         ("at(:n, b + 1) + at(:n, b - 1)", "at(:n, b + 1) - at(:n, b - 1)"),
         ("values((a - 1)*body%n_axial + b, i)", "values((b - 1)*size(along, 2) + a, i)"),
         ("body%block(site(other), site(first))", "body%block(site(first), site(other))"),
@@ -86,6 +98,16 @@ _FORTRAN = (
             "tangent = -tangent",
         ),
         ("            do i = 1, j\n", "            do i = 1, size(wrenches, 2)\n"),
+        ("n = [-tangent, 0.0_wp]", "n = [tangent, 0.0_wp]"),
+    ),
+    *_in(
+        "slice_coupling.f90",
+        "physics/test_slices.py",
+        ("- sliced_tangential(body_1%compliance", "+ sliced_tangential(body_1%compliance"),
+        (
+            "body_2%compliance, &\n                & segments_of(slices, zones), 0.5",
+            "body_1%compliance, &\n                & segments_of(slices, zones), 0.5",
+        ),
     ),
     *_in(
         "slice_coupling.f90",
@@ -448,15 +470,40 @@ _PYTHON = (
         ("* lines.secants[0][at] * lines.secants[1][at]", "* lines.secants[0][at]"),
         ("np.maximum(low, low_ahead - ahead)", "np.maximum(low, low_ahead)"),
         ("psi * rule.behind_end(face)", "psi * rule.behind_end(1 - face)"),
+        ("total - exchanged if turned", "total + exchanged if turned"),
+        ("0.5 * (behind + behind.T)", "behind"),
     ),
     *_in(
         "elasticity/prism/compliance.py",
         "unit/elasticity/prism/test_prism_compliance.py physics/test_prism.py",
-        ("-= 0.5 * kernel * near", "-= kernel * near"),
+        ("-= 0.5 * near.kernel * potential", "-= near.kernel * potential"),
         ("surface.products(n_modes)", "surface.products(n_modes) * surface.cos_base_helix"),
-        ("n_modes, tip=body.tip, twist=", "n_modes, twist="),
+        ("along=each, tip=body.tip, twist=", "along=each, twist="),
         ("twisted=prism.twist != 0.0", "twisted=False"),
         ("-_turning(body, twist, s)[0]", "_turning(body, twist, s)[0]"),
+    ),
+    *_in(
+        "elasticity/prism/compliance.py",
+        "physics/test_friction_of_slices.py",
+        ("response[0, :p, p:] -= tangential", "response[0, :p, p:] += tangential"),
+        ("wedge_along=along_strengths(body)", "wedge_along=image_strengths(body)"),
+    ),
+    *_in(
+        "elasticity/near_field.py",
+        "physics/test_friction_of_slices.py",
+        ("np.pad(secant[..., None] * tangent,", "np.pad(tangent,"),
+    ),
+    *_in(
+        "mechanisms/flank_pair/shaft_loads.py",
+        "physics/test_friction_of_slices.py",
+        ("np.column_stack([-up, across,", "np.column_stack([up, across,"),
+        ("sign * (normal + rubbing)", "sign * normal"),
+    ),
+    *_in(
+        "pairing/expansion.py",
+        "physics/test_warm_helical_pair.py",
+        ("axial.twist_rad_per_mm / larger", "axial.twist_rad_per_mm"),
+        ("(slices.z_mm - np.mean(shape.range_mm))", "slices.z_mm"),
     ),
     *_in(
         "elasticity/prism/axial_basis.py",
@@ -508,7 +555,7 @@ _PYTHON = (
     *_in(
         "result/friction.py",
         "unit/pairing/test_friction.py physics/test_rubbing_pair.py",
-        ('pairs["normal_y"] * force + pairs["normal_x"] * turned', 'pairs["normal_y"] * force'),
+        ('pairs["normal_y"] * across + pairs["normal_x"] * turned', 'pairs["normal_y"] * across'),
         ('friction * pairs["sliding"]', '0.9 * friction * pairs["sliding"]'),
     ),
     *_in(

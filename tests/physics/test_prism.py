@@ -12,11 +12,21 @@ from numpy.polynomial.legendre import leggauss, legvander
 
 from flankload.bodies.body import Body
 from flankload.bodies.involute.involute_body import build_involute_body
-from flankload.elasticity.near_field import consistent_loads, mode_loads, mode_norms, mode_values
+from flankload.elasticity.near_field import (
+    consistent_loads,
+    jump_strength,
+    mode_loads,
+    mode_norms,
+    mode_values,
+)
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism.condensation import condense_prism
-from flankload.elasticity.prism.flank_potential import FlankSurface, projected_potential
+from flankload.elasticity.prism.flank_potential import (
+    FlankSurface,
+    projected_potential,
+    projected_tangential,
+)
 from flankload.elasticity.prism.section_stiffness import section_stiffness
 from tests.support.plain_prism import product_loads
 from tests.support.plane_sectors import STEEL
@@ -215,3 +225,68 @@ def test_displacement_near_an_end_needs_its_image(helix: float) -> None:
     assert errors((0.0, 0.0)).max() > 0.04
     if helix:  # the strengths at the other ends
         assert errors(surface.end[::-1]).max() > 0.05
+
+
+def _along_the_profile(surface: FlankSurface, z: float, middle: float) -> float:
+    """Near field at the bump of a unit force along the profile over the bump and all the width."""
+    points, weights = leggauss(40)
+    at, weight = middle + HALF * points, HALF * weights * _bump(HALF * points)
+    ends, along = leggauss(200)
+    s, load, z_load = at[:, None, None], at[:, None], ENDS[1] * ends
+    x = s - load - 0.5 * (surface.slope(s) + surface.slope(load)) * (z - z_load)
+    y = (z - z_load) / surface.cos_base_helix
+    field = -jump_strength(STEEL, "strain") / np.pi * x / (x**2 + y**2)
+    for psi, corner in zip(surface.wedge_along, surface.s_mm, strict=True):
+        field = field + K * psi / np.hypot(np.abs(s - corner) + np.abs(load - corner), y)
+    return float(np.einsum("ijk,i,j,k", field, weight, weight, 0.5 * along))
+
+
+def test_loads_along_the_profile_move_the_flank_as_in_elements() -> None:
+    """Along its normal, in parts of what as much pressure moves; finer elements agree to 4e-4."""
+    body, twist, n_s, places = _pinion(2.0), _twist(15.0), 5, np.array([-7.0, -6.4, 0.0, 6.4, 7.0])
+    prism, middle = Prism(ENDS, twist), 0.5 * sum(body.mode_range_mm)
+    surface = flank_surface(body, prism)
+    cosine = surface.cos_base_helix
+    bumps, modes = (
+        np.hstack([of(along) for along in ("tangent", "normal")])
+        for of in (
+            lambda along: consistent_loads(
+                body.mesh,
+                lambda s: _bump(s - middle)[:, None],
+                count=1,
+                gauss_points=20,
+                along=along,
+                twist=twist,
+            ),
+            lambda along: mode_loads(body.mesh, body.mode_range_mm, n_s, along=along, twist=twist),
+        )
+    )
+    prism, finer = replace(prism, degree=7, load_degree=3), replace(prism, degree=9)
+    truth = (
+        cosine**2
+        * _tooth(
+            body,
+            finer,
+            bumps,
+            lambda axial: np.hstack([axial.load_vectors(0) / WIDTH, axial.values(places).T]),
+        )[7:, [0, 6]]
+    )
+    p = n_s * (prism.load_degree + 1)
+    response = _tooth(body, prism, modes, lambda axial: axial.load_vectors(prism.load_degree))
+    near = projected_tangential(
+        surface, n_s, prism.load_degree, kernel=2 * K, jump=jump_strength(STEEL, "strain")
+    )
+    norms = np.outer(
+        mode_norms(body.mode_range_mm, n_s), mode_norms_z(WIDTH, prism.load_degree) / cosine
+    ).ravel()
+    smooth = (response[p:, :p] - near) / np.outer(norms, norms)
+    points, weights = leggauss(16)
+    along_s = HALF * weights * _bump(HALF * points)
+    along_s = along_s @ mode_values(middle + HALF * points, body.mode_range_mm, n_s)
+    force = np.kron(along_s, np.eye(1, prism.load_degree + 1)[0])
+    read = np.kron(along_s, legvander(places / ENDS[1], prism.load_degree))
+    direct = [_along_the_profile(surface, z, middle) for z in places]
+    error = np.abs(read @ smooth @ force + direct - truth[:, 0]) / truth[:, 1]
+    assert (truth[:, 0] < -0.3 * truth[:, 1]).all()
+    assert error[1:-1].max() < 2e-3
+    assert error.max() < 1e-2

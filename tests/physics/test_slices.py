@@ -16,6 +16,7 @@ from flankload.errors import InputError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.pairing.body_pair import BodyPair
+from flankload.pairing.friction import Friction
 from flankload.pairing.slices import Slices
 from tests.support.crowned_cylinders import axial, cut, hertz_ellipse, press
 from tests.support.paths import SCENES
@@ -37,7 +38,7 @@ DIFFERENCES = 1e-3
 
 @cache
 def plane() -> tuple[BodyPair, tuple[BodyCompliance, BodyCompliance]]:
-    scene = fl.read_scene(SCENES / "external_gear.toml")
+    scene = fl.read_scene(SCENES / "external_gear_friction.toml")
     pair = build_bodies(scene)
     return pair, (compliance_of(pair.body_1, scene), compliance_of(pair.body_2, scene))
 
@@ -48,6 +49,7 @@ def run(
     *,
     width: float = 1.0,
     torque: float = TORQUE,
+    mu: float | None = None,
     deviations: tuple[np.ndarray, np.ndarray] | None = None,
     **keywords: Any,
 ) -> Sweep:
@@ -63,9 +65,15 @@ def run(
         torques_Nmm=[torque],
         face_width_mm=width,
         grid=pair.discretization.grid,
+        friction=None if mu is None else rubbing(mu),
         **{"level": "lumped", "slices": slices, **keywords},
     )
     return found
+
+
+def rubbing(mu: float) -> Friction:
+    """The same coefficient at all sites; body 1 drives."""
+    return Friction(np.zeros(1), np.full((1, plane()[0].pairing.sites.size), mu))
 
 
 def with_axial(compliance: BodyCompliance, axial: AxialModes) -> BodyCompliance:
@@ -84,7 +92,14 @@ def over_width(compliance: BodyCompliance, width: float, count: int = 1) -> Body
     wide[:, ::count, ::count] = smooth
     for b in range(1, count):  # each further polynomial: half as soft, on the tooth itself alone
         wide[0, b::count, b::count] = compliance.smooth[0] / width * 0.5**b
-    return replace(compliance, smooth=wide, turned=None)
+    assert compliance.tangential is not None
+    along = compliance.tangential / width
+    images = sum(compliance.near.wedge_along)
+    along[0, 0, 0] -= images * compliance.near.kernel / width * (np.log(2.0 * width) - 1.0)
+    rubbed = np.zeros_like(wide)
+    for b in range(count):
+        rubbed[:, b::count, b::count] = along * 0.5**b
+    return replace(compliance, smooth=wide, tangential=rubbed, turned=None)
 
 
 @pytest.mark.parametrize("crown_radius", LINES)
@@ -104,20 +119,42 @@ def test_the_ellipse_of_hertz(crown_radius: float, slices: int) -> None:
     np.testing.assert_allclose(loaded.max(), wanted.large, atol=2.0 * np.diff(edges)[0])
 
 
-def test_one_long_slice_is_the_plane() -> None:
+@pytest.mark.parametrize("mu", [None, 0.3])
+def test_one_long_slice_is_the_plane(mu: float | None) -> None:
     """The same rotation, forces and tangent from the equations of both levels."""
     _, compliances = plane()
-    wanted = run(None, compliances, width=WIDTH)
+    # forces that turn over sharp tips are those of the plane alone
+    flat = tuple(replace(part, turned=None) for part in compliances)
+    wanted = run(None, (flat[0], flat[1]), width=WIDTH, mu=mu)
     half = 0.5 * WIDTH
     ends = axial(-half, half)
     one, two = (with_axial(over_width(part, WIDTH), ends) for part in compliances)
-    found = run(cut(np.array([-half, half]), (ends, ends)), (one, two))
+    found = run(cut(np.array([-half, half]), (ends, ends)), (one, two), mu=mu)
     for name in ("rotation_rad", "site_force_N", "tangent_rad_per_Nmm"):
         scale = np.abs(getattr(wanted, name)).max()
         np.testing.assert_allclose(
             getattr(found, name), getattr(wanted, name), rtol=0.0, atol=1e-6 * scale
         )
     assert found.slice_force_N.shape == (*found.site_force_N.shape, 1)
+    if mu is not None:
+        for name in ("sliding", "friction"):
+            np.testing.assert_allclose(
+                found.pairs.column(name), wanted.pairs.column(name), rtol=0.0, atol=1e-5
+            )
+
+
+def test_friction_of_zero_changes_nothing() -> None:
+    """The unsymmetric equations with tangential forces of 0."""
+    for twist in (0.0, 7e-3):
+        without, _ = short(twist=twist)
+        found, _ = short(twist=twist, mu=0.0)
+        np.testing.assert_allclose(found.rotation_rad, without.rotation_rad, rtol=1e-12)
+        np.testing.assert_allclose(
+            found.slice_force_N,
+            without.slice_force_N,
+            rtol=0.0,
+            atol=1e-12 * without.slice_force_N.max(),
+        )
 
 
 def short(
@@ -156,12 +193,12 @@ def test_a_large_torque_closes_slices_that_are_far_from_each_other() -> None:
     np.testing.assert_array_equal(loaded, [21, 22, 20, 20, 20, 20, 20, 21])
 
 
-@pytest.mark.parametrize("twist", [0.0, 7e-3])
-def test_mirrored_bodies_carry_mirrored_forces(twist: float) -> None:
+@pytest.mark.parametrize(("twist", "mu"), [(0.0, None), (7e-3, None), (7e-3, 0.2)])
+def test_mirrored_bodies_carry_mirrored_forces(twist: float, mu: float | None) -> None:
     """z -> -z with the other hand, a helix slope and ends of their own."""
     gap = 0.004 * np.linspace(0.0, 1.0, 10)
-    one, _ = short(twist=twist, gap=gap)
-    two, _ = short(twist=twist, gap=gap, mirrored=True)
+    one, _ = short(twist=twist, gap=gap, mu=mu)
+    two, _ = short(twist=twist, gap=gap, mu=mu, mirrored=True)
     np.testing.assert_allclose(two.rotation_rad, one.rotation_rad, rtol=1e-10)
     np.testing.assert_allclose(
         two.slice_force_N[..., ::-1],
@@ -235,13 +272,13 @@ def test_a_gap_of_all_slices_is_a_pitch_deviation() -> None:
     np.testing.assert_allclose(found.slice_force_N, wanted.slice_force_N, rtol=SOLVER, atol=SOLVER)
 
 
-@pytest.mark.parametrize("twist", [0.0, 7e-3])
-def test_tangent_is_the_derivative(twist: float) -> None:
+@pytest.mark.parametrize(("twist", "mu"), [(0.0, None), (7e-3, None), (7e-3, 0.2)])
+def test_tangent_is_the_derivative(twist: float, mu: float | None) -> None:
     """Of the rotation by the torque, with all that changes with the forces."""
     step = 1e-4
-    found, _ = short(twist=twist)
-    more, _ = short(twist=twist, torque=TORQUE * (1.0 + step))
-    less, _ = short(twist=twist, torque=TORQUE * (1.0 - step))
+    found, _ = short(twist=twist, mu=mu)
+    more, _ = short(twist=twist, mu=mu, torque=TORQUE * (1.0 + step))
+    less, _ = short(twist=twist, mu=mu, torque=TORQUE * (1.0 - step))
     slope = (more.rotation_rad - less.rotation_rad) / (2.0 * step * TORQUE)
     np.testing.assert_allclose(found.tangent_rad_per_Nmm, slope, rtol=DIFFERENCES)
 

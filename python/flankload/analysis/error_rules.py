@@ -204,7 +204,7 @@ def _slices_around(part: Sweep, other: Sweep) -> NDArray[np.int64]:
 
 
 def _face_load_factors(part: Sweep) -> Floats:
-    return face_load_factors(_forces(part), _widths(part))
+    return face_load_factors(_forces(part), _widths(part), each=part.conforming)
 
 
 def _forces(part: Sweep) -> Floats:

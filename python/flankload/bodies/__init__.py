@@ -108,13 +108,12 @@ def _build_involute(
     lengths_mm: tuple[float, float | None],
     pair_width_mm: float | None,
 ) -> Body:
-    """A body with involute teeth; a gear of a three-dimensional scene with its axial shape."""
+    """A body with involute teeth; in a three-dimensional scene with its axial shape."""
     from flankload.bodies.involute.involute_body import build_involute_body
-    from flankload.scene import Gear
     from flankload.scene.axial import axial_range
 
     element, nodes = lengths_mm
-    if pair_width_mm is None or not isinstance(spec, Gear):
+    if pair_width_mm is None:
         return build_involute_body(spec, key, flank_element_mm=element, flank_nodes_mm=nodes)
     ends = axial_range(spec, pair_width_mm, key)
     body = build_involute_body(
@@ -130,7 +129,7 @@ def _build_involute(
 
 def _along_axis(
     body: Body,
-    spec: Gear | MeshBody,
+    spec: Gear | Ring | SplineShaft | SplineHub | MeshBody,
     key: str,
     folder: Path,
     ends: tuple[float, float],

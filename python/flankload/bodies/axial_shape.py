@@ -109,6 +109,11 @@ class AxialShape:
         """Face width, mm."""
         return self.range_mm[1] - self.range_mm[0]
 
+    @property
+    def hand_sign(self) -> int:
+        """1 for a right-hand helix, -1 for a left-hand one, 0 without a helix."""
+        return int(np.sign(self.twist_rad_per_mm))
+
     def without_lead(self) -> AxialShape:
         """The section along the axis alone: no modified flanks and no shaft."""
         return AxialShape(self.range_mm, self.twist_rad_per_mm, regions=self.regions)

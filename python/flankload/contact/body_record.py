@@ -79,7 +79,7 @@ def body_records(
     InputError
         If the core refuses an argument.
     """
-    common = _pair_parts(pairing, friction), ()
+    common = _pair_parts(pairing, friction, slices), ()
     width = face_width_mm if slices is None else 1.0
     own = [_of_width(compliance, width) for compliance in compliances]
     sections = [_sections(body, slices, z) for z, body in enumerate(bodies)]
@@ -228,7 +228,7 @@ def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:
     return parts
 
 
-def _pair_parts(pairing: Pairing, friction: Friction | None) -> list[Part]:
+def _pair_parts(pairing: Pairing, friction: Friction | None, slices: Slices | None) -> list[Part]:
     """Parts of body 1 that concern both bodies: sides of the sites, friction."""
     parts: list[Part] = []
     if pairing.coast is not None:
@@ -237,6 +237,8 @@ def _pair_parts(pairing: Pairing, friction: Friction | None) -> list[Part]:
         coefficients = friction.coefficients
         if pairing.coast is not None:  # the same coefficients as on the working flanks
             coefficients = np.hstack([coefficients, coefficients])
+        if slices is not None:  # and in all slices of a flank
+            coefficients = np.repeat(coefficients, slices.count, axis=1)
         table = np.column_stack([friction.places_mm, coefficients])
         parts.append(("friction", table.ravel(order="F")))
     return parts

@@ -94,6 +94,12 @@ class PackedPairs:
         """(n,) Number of the site of all pairs under this torque, from 0; a copy."""
         return self.site[self._rows()]
 
+    @property
+    def slices(self) -> NDArray[np.intc]:
+        """(n,) Slice of all pairs under this torque, of a three-dimensional scene; a copy."""
+        assert self.slice_number is not None
+        return self.slice_number[self._rows()]
+
     def _rows(self) -> NDArray[np.int64]:
         """Rows of all pairs under this torque."""
         total = int(self.count.sum())

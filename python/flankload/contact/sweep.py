@@ -87,6 +87,8 @@ class Sweep:
         Ends of the slices along the axis.
     unloaded_rad : (P,) array or None
         Rotation without torque, if computed.
+    conforming : bool
+        Whether slices are those of flanks that conform: their pressures are means over the height.
     """
 
     torque_Nmm: float
@@ -107,6 +109,7 @@ class Sweep:
     slice_corner: NDArray[np.int64] | None = None
     slice_edges_mm: NDArray[np.float64] | None = None
     unloaded_rad: NDArray[np.float64] | None = None
+    conforming: bool = False
 
     @property
     def turned_rad(self) -> NDArray[np.float64]:
@@ -192,6 +195,18 @@ def sweep(
     spent = Account() if account is None else account
     torques = np.asarray(torques_Nmm, dtype=float)
     positions = np.asarray(position_rad, dtype=float)
+    if slices is not None and slices.conforming is not None:
+        # imported here, since it makes a Sweep
+        from flankload.contact.conforming import conforming_slices, conforming_sweep
+
+        reduced = conforming_slices(bodies, compliances, pairing, slices)
+        spent.count(
+            states=positions.size * torques.size,
+            slices=slices.count * positions.size * torques.size,
+        )
+        return conforming_sweep(
+            reduced, bodies, pairing, slices, positions, torques.tolist(), progress=progress
+        )
     core = CoreCall(
         n_sites=pairing.sites.size * _parts_of_site(pairing, slices),
         motion=_motion(pairing, positions, friction),
@@ -369,6 +384,7 @@ def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
         torque_Nmm=parts[0].torque_Nmm,
         slice_edges_mm=parts[0].slice_edges_mm,
         coast=CoastSweep(**_joined(coasts, order)) if coasts else None,
+        conforming=parts[0].conforming,
         **_joined(parts, order),
     )
 
@@ -377,7 +393,7 @@ def _joined(
     parts: Sequence[Sweep] | Sequence[CoastSweep], order: NDArray[np.int64]
 ) -> dict[str, Any]:
     """Fields with a row for each position, and the pairs."""
-    single = ("torque_Nmm", "pairs", "coast", "slice_edges_mm", "unloaded_rad")
+    single = ("torque_Nmm", "pairs", "coast", "slice_edges_mm", "unloaded_rad", "conforming")
     names = [
         item.name
         for item in fields(parts[0])

@@ -258,7 +258,8 @@ def consistent_loads(
         Nodes and arc lengths of the loaded edges; by default those of the flank.
     twist : float, optional
         kappa, rad/mm, by which the section turns along the axis. A pressure on the flank of a prism
-        then has an axial component: (n, -kappa l) per arc length and width, l the lever of n.
+        then has an axial component: (n, -kappa l) per arc length and width, l the lever of n. A
+        load along the profile is 1/cos(beta) = hypot(1, kappa l) of its tangent there.
 
     Returns
     -------
@@ -278,8 +279,13 @@ def consistent_loads(
         direction = np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)
     if twist is not None:
         x, y = np.einsum("gk,mkd->dmg", shape, place)
-        lever = x * direction[..., 1] - y * direction[..., 0]
-        direction = np.concatenate([direction, -twist * lever[..., None]], axis=-1)
+        # l = P x n = P . t
+        slope = twist * (x * tangent[..., 0] + y * tangent[..., 1])
+        if along == "normal":
+            direction = np.concatenate([direction, -slope[..., None]], axis=-1)
+        else:
+            secant = np.hypot(1.0, slope / np.hypot(tangent[..., 0], tangent[..., 1]))
+            direction = np.pad(secant[..., None] * tangent, ((0, 0), (0, 0), (0, 1)))
     if turn is not None:  # a turn begins and ends at the same node
         ends = ends - turn * np.round((ends - ends[:, 2:]) / turn)
     s = ends @ shape.T  # (m, g)

@@ -4,7 +4,8 @@ A temperature rise dT expands a body by the strain e = alpha dT in all direction
 holds it (the shaft in its bore, the housing around a ring) expands by e_s in its plane together
 with the fixed surface; axial expansion is free. If e_s = e, the body expands uniformly without
 stress: its flanks are scaled by 1 + e. The difference e_s - e and the centrifugal force are loads
-on the finite elements.
+on the finite elements. In three dimensions a helix of another length remains: its section turns by
+1/(1 + e) as much per length, about the middle of the face width.
 """
 
 from __future__ import annotations
@@ -16,8 +17,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.body import Body
     from flankload.pairing.pairing import Pairing
+    from flankload.pairing.slices import Slices
     from flankload.scene import Scene
 
 #: Values of steel, used if a scene gives none.
@@ -129,7 +132,9 @@ def grown(body: Body, strain: float) -> Body:
     """
     if strain == 0.0:
         return body
-    curve, larger = body.curve, 1.0 + strain
+    curve, larger, axial = body.curve, 1.0 + strain, body.axial
+    if axial is not None:
+        axial = replace(axial, twist_rad_per_mm=axial.twist_rad_per_mm / larger)
     powers = larger ** (1.0 - np.arange(curve.coefficients.shape[2]))
     low, high = body.mode_range_mm
     active = body.active_range_mm
@@ -140,4 +145,30 @@ def grown(body: Body, strain: float) -> Body:
             curve, breaks=larger * curve.breaks, coefficients=powers * curve.coefficients
         ),
         mode_range_mm=(larger * low, larger * high),
+        axial=axial,
     )
+
+
+def grown_slices(
+    slices: Slices, shapes: tuple[AxialShape, AxialShape], strains: tuple[float, float]
+) -> Slices:
+    """Slices of bodies whose helices have grown along the axis; the face widths remain.
+
+    Parameters
+    ----------
+    slices : Slices
+        Of the bodies before.
+    shapes : two AxialShape
+        The bodies before.
+    strains : (float, float)
+
+    Returns
+    -------
+    Slices
+    """
+    one, two = (
+        turns
+        - shape.twist_rad_per_mm * (slices.z_mm - np.mean(shape.range_mm)) * strain / (1.0 + strain)
+        for turns, shape, strain in zip(slices.turns_rad, shapes, strains, strict=True)
+    )
+    return replace(slices, turns_rad=(one, two))

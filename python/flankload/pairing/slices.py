@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.body import Body
+    from flankload.pairing.common_height import CommonHeight
 
     Floats = NDArray[np.float64]
 
@@ -45,6 +46,8 @@ class Slices:
         The same in addition for each tooth, in the order of pitch errors; None if all are alike.
     surfaces_mm : two (J, m) arrays or None
         The same at the places of a surface over the height of the flanks; None without.
+    conforming : CommonHeight or None
+        What flanks have in common that lie on each other (splines); None if they touch in a line.
     """
 
     edges_mm: Floats
@@ -52,6 +55,7 @@ class Slices:
     removed_mm: tuple[Floats, Floats]
     of_teeth_mm: tuple[Floats | None, Floats | None] = (None, None)
     surfaces_mm: tuple[Floats | None, Floats | None] = (None, None)
+    conforming: CommonHeight | None = None
 
     @property
     def count(self) -> int:
@@ -90,6 +94,7 @@ class Slices:
             removed_mm=each(self.removed_mm),
             of_teeth_mm=(one, two),
             surfaces_mm=(three, four),
+            conforming=self.conforming,
         )
 
     def site_angles(self, angles_rad: Floats, body: int) -> Floats:

@@ -355,7 +355,8 @@ def _of_flanks(result: Result) -> tuple[str, ...]:
     """Plots of a flank pair."""
     several = result.position_rad.size > 1
     if result.whole_circle:
-        names = ("load_per_tooth", "flank_pressure", "loaded_pair")
+        along = "flank_pressure" if result.slices is None else "line_load_map"
+        names = ("load_per_tooth", along, "loaded_pair")
         return (*names, *["transmission_error"] * several)
     loaded = result.torque_Nm > 0
     profiles = any(profile is not None for profile in result.drawing.profiles)
@@ -365,7 +366,8 @@ def _of_flanks(result: Result) -> tuple[str, ...]:
         "follower_motion" if result.has_cam else "load_sharing",
         "peak_pressure",
         *["pressure_over_diameter"] * path,
-        "loaded_pair",
+        # bodies with width are drawn from outside
+        *["loaded_pair"] * (result.slices is None or not result.drawing.is_around),
         *["flank_forces"] * (result.coast is not None),
         *["stiffness"] * loaded,
         *["profile_deviation"] * profiles,

@@ -57,7 +57,7 @@ def plot_loaded_pair(results: Result | Sequence[Result], position: int | None = 
     matplotlib.figure.Figure
     """
     result = heaviest(results)
-    if result.slices is not None:
+    if _has_width(result):
         return plot_loaded_pair_3d(result, position)
     p = _representative_position(result) if position is None else position
     carrying = _carrying(result, p)
@@ -88,7 +88,8 @@ def plot_loaded_pair(results: Result | Sequence[Result], position: int | None = 
 def draw_loaded_pair(axes: Axes, results: Sequence[Result], *, position: int | None = None) -> None:
     """Draw the teeth in mesh at one position with pressures on the flanks, forces on a spline.
 
-    Three-dimensional bodies: the teeth of body 1 with the line load on their flanks.
+    Three-dimensional bodies: the teeth of body 1 with the line load on their flanks; of splines a
+    section as in the plane.
 
     Parameters
     ----------
@@ -99,12 +100,17 @@ def draw_loaded_pair(axes: Axes, results: Sequence[Result], *, position: int | N
         Index of the position; by default as in `plot_loaded_pair`.
     """
     result = heaviest(results)
-    if result.slices is not None:
+    if _has_width(result):
         draw_loaded_body(axes, result, position, 1)
         return
     p = _representative_position(result) if position is None else position
     draw = _draw_whole_circle if result.whole_circle else _draw_teeth_in_mesh
     draw(axes, result, p, _carrying(result, p))
+
+
+def _has_width(result: Result) -> bool:
+    """Whether the teeth are drawn over their width."""
+    return result.slices is not None and not result.whole_circle
 
 
 def _carrying(result: Result, p: int) -> list[tuple[int, int]]:

@@ -127,7 +127,11 @@ def draw_line_load_map(axes: Axes, results: Sequence[Result]) -> None:
     loaded = along[load.any(axis=1)]
     if loaded.size:
         axes.set_xlim(loaded.min() - 0.1, loaded.max() + 0.1)
-    axes.set_xlabel("place of the pair in mesh pitches from the pitch point")
+    axes.set_xlabel(
+        "place of the tooth in pitches around the axis"
+        if result.whole_circle
+        else "place of the pair in mesh pitches from the pitch point"
+    )
     axes.set_ylabel("axial position z in mm")
     axes.figure.colorbar(shown, ax=axes, label="line load in N per mm face width")
 

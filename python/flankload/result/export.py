@@ -131,6 +131,8 @@ def _tree(result: Result) -> dict[str, Any]:
         tree |= {key: getattr(result, key) for key in ("slice_z_mm", *OVER_SLICES)}
         tree["axial_force_N"] = result.slices.axial_force_N
         tree["tilting_moment_Nm"] = result.slices.tilting_moment_Nm
+        if result.slices.tilting_moments_Nm is not None:
+            tree["tilting_moments_Nm"] = result.slices.tilting_moments_Nm
     if result.shafts is not None:
         tree |= result.shafts.bearing_forces
     tree["friction"] = result.friction.as_dict() if result.friction is not None else None

@@ -40,6 +40,10 @@ class FrictionResult:
         None if the positions do not cover the period. The last two differ by the first, except for
         the residual of the pairing on circles (less than 0.1 % of the work, with or without
         friction).
+    tilting_moment_Nm : (P,) array or None
+        Moment of the friction forces on body 1 about the middle of the face width, at right angles
+        to that of the normal forces; positive if more of the force towards the tip acts at larger
+        z. None in the plane.
     """
 
     driver: str
@@ -51,6 +55,7 @@ class FrictionResult:
     loss_work_J: float | None
     work_1_J: float | None
     work_2_J: float | None
+    tilting_moment_Nm: Floats | None = None
 
     @property
     def efficiency(self) -> float | None:
@@ -66,6 +71,7 @@ class FrictionResult:
 
     def as_dict(self) -> dict[str, Any]:
         """Friction in the form of the files."""
+        tilting = self.tilting_moment_Nm
         return {
             "driver": self.driver,
             "torque_2_Nm": self.torque_2_Nm,
@@ -75,7 +81,7 @@ class FrictionResult:
             "work_1_J": self.work_1_J,
             "work_2_J": self.work_2_J,
             "efficiency": self.efficiency,
-        }
+        } | ({} if tilting is None else {"tilting_moment_Nm": tilting})
 
 
 def friction_result(
@@ -95,7 +101,8 @@ def friction_result(
     ----------
     pairs : mapping
         Columns x, y, normal_x, normal_y, force, sliding, friction of N pairs, mm, N, and numbers
-        of each pair's position and site.
+        of each pair's position and site; `in_section` is the part of a normal force that lies in
+        the transverse section. In three dimensions z, from the middle of the face width.
     n_sites : int
     n_working : int
         Sites from this number on are those of coast flanks.
@@ -115,8 +122,9 @@ def friction_result(
     force, friction = pairs["force"], pairs["force"] * pairs["friction"]
     # on body 2: n F - mu sigma t F, where t is n rotated backward, on coast flanks forward
     turned = np.where(pairs["site"] < n_working, friction, -friction)
-    force_x = pairs["normal_x"] * force - pairs["normal_y"] * turned
-    force_y = pairs["normal_y"] * force + pairs["normal_x"] * turned
+    across = force * pairs["in_section"]
+    force_x = pairs["normal_x"] * across - pairs["normal_y"] * turned
+    force_y = pairs["normal_y"] * across + pairs["normal_x"] * turned
     moment = (pairs["x"] - center_distance_mm) * force_y - pairs["y"] * force_x
     sense = 1.0 if driver == "body_1" else -1.0
     cell = position * n_sites + pairs["site"]
@@ -137,4 +145,5 @@ def friction_result(
         loss_work_J=over_period(loss),
         work_1_J=over_period(torque_1_Nm * np.abs(speeds[0])),
         work_2_J=over_period(torque_2 * np.abs(speeds[1])),
+        tilting_moment_Nm=over_positions(friction * pairs["z"]) if "z" in pairs else None,
     )

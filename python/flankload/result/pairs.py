@@ -133,6 +133,8 @@ class PairDrawing:
         For a cam; None for other bodies.
     axial : two AxialShape or None
         Face width and twist of three-dimensional bodies.
+    tilted : bool
+        Whether the axes of a spline are at an angle.
     """
 
     outline_1: Floats
@@ -148,6 +150,7 @@ class PairDrawing:
     active_roll_mm: tuple[tuple[float, float] | None, tuple[float, float] | None] = (None, None)
     cam_turns_clockwise: bool | None = None
     axial: tuple[AxialShape | None, AxialShape | None] = (None, None)
+    tilted: bool = False
 
     @property
     def is_around(self) -> bool:

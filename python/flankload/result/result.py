@@ -225,7 +225,7 @@ class Result(ContactQuantities, ResultForms):
     def tilting_moment_Nm(self) -> Floats:
         """(P,) Moment of the transverse forces about the middle of the face width, N m; 0 if plane.
 
-        Positive if more load is at larger z.
+        Positive if more load is at larger z; of a spline the magnitude of the moment about x and y.
         """
         if self.slices is None:
             return frozen(np.zeros_like(self.rotation_rad))
@@ -240,7 +240,11 @@ class Result(ContactQuantities, ResultForms):
 
     @property
     def face_load_factor(self) -> float:
-        """K_Hbeta: largest line load of a slice over the mean; 1 in a plane scene."""
+        """K_Hbeta: largest line load of a slice over the mean; 1 in a plane scene.
+
+        The load of a slice is the sum over all flanks; of a spline that of one tooth, and the mean
+        is that of all teeth.
+        """
         return 1.0 if self.slices is None else self.slices.face_load_factor
 
     @cached_property
@@ -330,7 +334,7 @@ class Result(ContactQuantities, ResultForms):
     def stands_alike(self) -> bool:
         """Whether the bodies have the same state at all positions: splines on common axes."""
         concentric = self.geometry is not None and self.geometry.center_distance_mm == 0.0
-        return self.whole_circle and concentric
+        return self.whole_circle and concentric and not self.drawing.tilted
 
     @cached_property
     def root_stress(self) -> tuple[RootStress | None, RootStress | None]:

@@ -34,6 +34,9 @@ class SliceLoads(KeepsReadOnly):
         Tangent of the helix angle on the base cylinder of body 1, positive for a right hand.
     cosine_helix_base : float
         Part of a force normal to the flank that lies in the transverse section.
+    directions : (P, S, 2) array or None
+        Transverse normals out of body 1 of the flanks of a spline, which carry all around the
+        axis; None if all flanks push in nearly the same direction.
     """
 
     z_mm: Floats
@@ -42,10 +45,13 @@ class SliceLoads(KeepsReadOnly):
     peak_pressure_MPa: Floats
     tangent_helix_base: float
     cosine_helix_base: float
+    directions: Floats | None = None
 
     def __post_init__(self) -> None:
         for array in (self.z_mm, self.width_mm, self.force_N, self.peak_pressure_MPa):
             frozen(array)
+        if self.directions is not None:
+            frozen(self.directions)
 
     @cached_property
     def line_load_N_per_mm(self) -> Floats:
@@ -55,9 +61,11 @@ class SliceLoads(KeepsReadOnly):
     @cached_property
     def face_load_factor(self) -> float:
         """K_Hbeta: largest over positions and slices of the line load summed over all sites,
-        divided by its mean over the face width; 1 without load.
+        divided by its mean over the face width; of a spline the largest line load of a tooth,
+        divided by the mean of all teeth; 1 without load.
         """
-        return float(face_load_factors(self.force_N, self.width_mm).max())
+        each = self.directions is not None
+        return float(face_load_factors(self.force_N, self.width_mm, each=each).max())
 
     @cached_property
     def flank_face_load_factor(self) -> Floats:
@@ -78,11 +86,29 @@ class SliceLoads(KeepsReadOnly):
     def tilting_moment_Nm(self) -> Floats:
         """(P,) Moment of the transverse forces about the middle of the face width.
 
-        Their lever arm is the axial distance; positive if more load is at larger z.
+        Their lever arm is the axial distance; positive if more load is at larger z. Of a spline the
+        magnitude of `tilting_moments_Nm`.
         """
+        moments = self.tilting_moments_Nm
+        if moments is not None:
+            return frozen(np.hypot(*moments.T))
         middle = 0.5 * (self.z_mm[0] + self.z_mm[-1])
         transverse = self.cosine_helix_base * self.force_N.sum(axis=1)
         return frozen(transverse @ (self.z_mm - middle) / 1000.0)
+
+    @cached_property
+    def tilting_moments_Nm(self) -> Floats | None:
+        """(P, 2) Moment on the hub of a spline about x and y, by the forces of the shaft.
+
+        About the middle of the face width; None if the bodies are no spline.
+        """
+        if self.directions is None:
+            return None
+        middle = 0.5 * (self.z_mm[0] + self.z_mm[-1])
+        along = self.force_N @ (self.z_mm - middle) / 1000.0
+        normal_x, normal_y = np.moveaxis(self.directions, -1, 0)
+        # (x, y, z) x F n, in the plane of x and y
+        return frozen(np.stack([-(along * normal_y).sum(1), (along * normal_x).sum(1)], axis=1))
 
     def at_sites(self, sites: NDArray[np.int64]) -> SliceLoads:
         """The same for some of the sites."""
@@ -93,10 +119,11 @@ class SliceLoads(KeepsReadOnly):
             self.peak_pressure_MPa[:, sites],
             self.tangent_helix_base,
             self.cosine_helix_base,
+            None if self.directions is None else self.directions[:, sites],
         )
 
 
-def face_load_factors(force_N: Floats, width_mm: Floats) -> Floats:
+def face_load_factors(force_N: Floats, width_mm: Floats, *, each: bool = False) -> Floats:
     """Largest line load over its mean at each position; K_Hbeta is the largest of these.
 
     Parameters
@@ -104,16 +131,22 @@ def face_load_factors(force_N: Floats, width_mm: Floats) -> Floats:
     force_N : (P, S, J) array
     width_mm : (J,) array
         Widths of the slices.
+    each : bool
+        Of single flanks, divided by the mean of all of them, instead of sums over the flanks.
 
     Returns
     -------
     (P,) array
         1 without load.
     """
-    summed = (force_N / width_mm).sum(axis=1)
+    line_load = force_N / width_mm
     mean = force_N.sum(axis=(1, 2)) / width_mm.sum()
+    if each:
+        largest, mean = line_load.max(axis=(1, 2)), mean / force_N.shape[1]
+    else:
+        largest = line_load.sum(axis=1).max(axis=1)
     factors = np.ones_like(mean)
-    np.divide(summed.max(axis=1), mean, out=factors, where=mean > 0)
+    np.divide(largest, mean, out=factors, where=mean > 0)
     return factors
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from math import radians
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
@@ -36,13 +36,12 @@ DEGREES_ABOVE_LOAD = 4
 #: Effects of plane scenes only, with what is missing in three dimensions.
 PLANE_EFFECTS = {
     "choose": "no choice of effects for three-dimensional bodies",
-    "friction_coefficient": "no friction of slices",
     "near_field": "no nodal forces on three-dimensional bodies",
     "influence": "influence coefficients of small forces for slices",
     "root_stress": "root stress of plane bodies only",
     "body": "three-dimensional bodies with all their teeth",
-    "temperature_rise_K": "expansion of plane bodies only",
-    "speed_rpm": "expansion of plane bodies only",
+    "support_expansion_per_K": "bodies that expand as their supports do",
+    "speed_rpm": "centrifugal expansion of plane bodies only",
     "coast_flank": "slices on working flanks only",
 }
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
@@ -54,7 +53,8 @@ LEAD_KEYS = (
     "profile_twist_um",
     "topography_file",
 )
-MISALIGNMENTS = ("inclination_um_per_mm", "deviation_um_per_mm")
+#: Keys of axes that are not parallel; the last one is that of splines.
+MISALIGNMENTS = ("inclination_um_per_mm", "deviation_um_per_mm", "misalignment_mrad")
 #: Keys that give regions of a body widths of their own and hence require three dimensions.
 REGION_KEYS = ("web_width_mm", "hub_width_mm", "region_sets")
 BothEnds = Annotated[tuple[Relief, ...], Meta(min_length=2, max_length=2)]
@@ -156,24 +156,34 @@ OnShaft = Annotated[
 
 
 class AxialKeys:
-    """Mixin of bodies with keys along their axis; end I is the end of smaller z."""
+    """Mixin of bodies with keys along their axis; end I is the end of smaller z.
+
+    Attributes
+    ----------
+    inward : bool or None
+        Whether the teeth point inwards; None if a file says so.
+    """
 
     __slots__ = ()
 
+    inward: ClassVar[bool | None] = False
+
+    # splines lack these keys
+    helix_angle_deg: HelixAngle = 0.0
+    hand: Hand = None
+    profile_twist_um: ProfileTwist = None
+    topography_file: TopographyFile = None
+    shaft: OnShaft = None
+
     if TYPE_CHECKING:
-        helix_angle_deg: HelixAngle
-        hand: Hand
         face_width_mm: OwnWidth
         axial_offset_mm: AxialOffset
         lead_crowning_um: LeadCrowning
         helix_slope_um: HelixSlope
         tooth_helix_slope_um: ToothHelixSlopes
-        profile_twist_um: ProfileTwist
-        topography_file: TopographyFile
         end_relief_um: EndRelief
         end_relief_length_mm: EndReliefLength
         end_relief_shape: EndReliefShape
-        shaft: OnShaft
 
         @property
         def number_of_teeth(self) -> int: ...
@@ -343,8 +353,8 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
         if not isinstance(body, AxialKeys):
             refuse(
                 f"body_{number}.kind",
-                f"'gear' or 'mesh', since {why} requires three dimensions, which this version has "
-                "for these bodies",
+                f"'gear', 'ring', 'mesh' or a spline, since {why} requires three dimensions, which "
+                "this version has for these bodies",
                 f"'{body.kind}'",
             )
         body.check_solid(f"body_{number}", why)
@@ -367,12 +377,20 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
     """Refuse effects and keys that this version has in plane scenes only."""
     since = f"since {why} requires three dimensions"
     plain = type(asked.effects)()
+    if asked.body_1.conforms and asked.effects.friction_coefficient:
+        expected = f"nothing, {since}: this version has no friction of splines there"
+        refuse("effects.friction_coefficient", expected, asked.effects.friction_coefficient)
     for key, what in PLANE_EFFECTS.items():
         value = getattr(asked.effects, key)
         if value != getattr(plain, key):
             default = shown(getattr(plain, key)) if getattr(plain, key) else "nothing"
             refuse(f"effects.{key}", f"{default}, {since}: this version has {what}", shown(value))
     if given.get("contact") == "pairs":
+        if asked.body_1.conforms:
+            refuse("effects.contact", f"'lumped' or nothing, {since}: no cells of splines", "'pairs'")
+        if friction := asked.effects.friction_coefficient:
+            expected = f"nothing, {since}: this version has friction of lumped contact there"
+            refuse("effects.friction_coefficient", expected + ", not of cells", friction)
         return
     for key in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
         if getattr(asked.accuracy, key) is not None:
@@ -381,8 +399,34 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
             refuse(f"accuracy.{key}", expected, getattr(asked.accuracy, key))
 
 
+def check_hands(sign_1: int, sign_2: int, *, inward: bool) -> None:
+    """Check that the hands of two helices mesh: equal if body 2 has internal teeth, else opposite.
+
+    Parameters
+    ----------
+    sign_1, sign_2 : int
+        1 for a right hand, -1 for a left hand, 0 without a helix.
+    inward : bool
+        Whether body 2 has internal teeth.
+
+    Raises
+    ------
+    SceneError
+    """
+    if sign_2 == (sign_1 if inward else -sign_1):
+        return
+    hands = {1: "'right'", -1: "'left'", 0: "nothing"}
+    how = (
+        "as body_1.hand, since body_2 has internal teeth"
+        if inward
+        else ("the opposite of body_1.hand")
+    )
+    wanted = sign_1 if inward else -sign_1
+    refuse("body_2.hand", f"{hands[wanted]}, {how}", hands[sign_2])
+
+
 def _check_pair(one: AxialKeys, two: AxialKeys, pair_width_mm: float) -> None:
-    """Check that the helices of two external bodies mesh and that their widths overlap."""
+    """Check that the helices of two bodies mesh and that their widths overlap."""
     # sections turn along the axis in the ratio of the teeth
     expected = two.helix_deg_of(one.turn_per_mm)
     if abs(expected - two.helix_angle_deg) > max(one.helix_tolerance_deg, two.helix_tolerance_deg):
@@ -395,13 +439,8 @@ def _check_pair(one: AxialKeys, two: AxialKeys, pair_width_mm: float) -> None:
             "(parallel axes)",
             two.helix_angle_deg,
         )
-    if two.hand_sign != -one.hand_sign:
-        wanted = "left" if one.hand == "right" else "right"
-        refuse(
-            "body_2.hand",
-            f"'{wanted}', the opposite of body_1.hand",
-            f"'{two.hand}'" if two.hand else "nothing",
-        )
+    if two.inward is not None:
+        check_hands(one.hand_sign, two.hand_sign, inward=two.inward)
     (low_1, high_1), (low_2, high_2) = (
         axial_range(body, pair_width_mm, f"body_{z}") for z, body in enumerate((one, two), start=1)
     )

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from math import asin, atan, cos, degrees, pi, radians, sin, tan
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
@@ -189,9 +189,13 @@ class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
     @property
     def base_pitch_mm(self) -> float:
         """Distance of neighbouring flanks along the base tangent in the transverse section, mm."""
+        return pi * self.module_mm / cos(self.helix_rad) * cos(self.transverse_angle_rad)
+
+    @property
+    def transverse_angle_rad(self) -> float:
+        """Pressure angle in the transverse section, rad."""
         normal = radians(self.pressure_angle_deg)
-        transverse = atan(tan(normal) / cos(self.helix_rad)) if self.helix_rad else normal
-        return pi * self.module_mm / cos(self.helix_rad) * cos(transverse)
+        return atan(tan(normal) / cos(self.helix_rad)) if self.helix_rad else normal
 
 
 ToolLength = Annotated[float, Meta(ge=0, le=1000)]
@@ -231,7 +235,25 @@ class Geometry(InvoluteKeys, frozen=True, kw_only=True):
     ] = 0.0
 
 
-class Gear(RegionKeys, AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
+class ByNormalModule(AxialKeys):
+    """Mixin of bodies whose helix angle refers to the reference circle of the normal module."""
+
+    __slots__ = ()
+
+    if TYPE_CHECKING:
+        module_mm: float
+
+    @property
+    def turn_per_mm(self) -> float:
+        """Tangent of the helix angle over the transverse module."""
+        return sin(self.helix_rad) / self.module_mm
+
+    def helix_deg_of(self, turn_per_mm: float) -> float:
+        """The helix angle with which sections turn so fast, deg; 90 where there is none."""
+        return degrees(asin(min(1.0, turn_per_mm * self.module_mm)))
+
+
+class Gear(RegionKeys, ByNormalModule, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
     """An external spur or helical gear with a generated root fillet, fixed at its bore."""
 
     teeth: Annotated[Teeth, about("-", "number of teeth")]
@@ -269,15 +291,6 @@ class Gear(RegionKeys, AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True
         """Number of teeth."""
         return self.teeth
 
-    @property
-    def turn_per_mm(self) -> float:
-        """Tangent of the helix angle over the transverse module."""
-        return sin(self.helix_rad) / self.module_mm
-
-    def helix_deg_of(self, turn_per_mm: float) -> float:
-        """The helix angle with which sections turn so fast, deg; 90 where there is none."""
-        return degrees(asin(min(1.0, turn_per_mm * self.module_mm)))
-
     def check(self, given: Mapping[str, Any], key: str) -> None:
         """Check the pitch errors, the keys of the tip, along the axis, and the bore."""
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
@@ -287,10 +300,35 @@ class Gear(RegionKeys, AxialKeys, Geometry, BodyTable, frozen=True, kw_only=True
         _check_bore(self, key)
 
 
-class RingKeys(InvoluteKeys, BodyTable, frozen=True, kw_only=True):
+class WidthKeys(ByNormalModule, InvoluteKeys, frozen=True, kw_only=True):
+    """Keys of an involute profile, and those along the axis that rings and splines have."""
+
+    face_width_mm: OwnWidth = None
+    axial_offset_mm: AxialOffset = 0.0
+    lead_crowning_um: LeadCrowning = None
+    helix_slope_um: HelixSlope = None
+    tooth_helix_slope_um: ToothHelixSlopes = ()
+    end_relief_um: EndRelief = None
+    end_relief_length_mm: EndReliefLength = None
+    end_relief_shape: EndReliefShape = "linear"
+
+    def check_conforming(self, key: str, why: str) -> None:
+        """Refuse profile modifications of a spline in three dimensions."""
+        for name in PROFILE_MODIFICATIONS:
+            if getattr(self, name):
+                refuse(
+                    f"{key}.{name}",
+                    f"nothing, since {why} requires three dimensions: flanks of splines conform "
+                    "over their height there (lead modifications vary along it)",
+                    getattr(self, name),
+                )
+
+
+class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
     """Keys of a body with internal teeth."""
 
     called: ClassVar[str] = "ring"
+    inward: ClassVar[bool | None] = True
 
     teeth: Annotated[Teeth, about("-", "number of teeth")]
     profile_shift: Annotated[
@@ -319,21 +357,27 @@ class RingKeys(InvoluteKeys, BodyTable, frozen=True, kw_only=True):
         return self.teeth
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Check the pitch errors, the keys of the tip and the order of the circles."""
+        """Check pitch errors, the keys of the tip, along the axis, and the order of the circles."""
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
         check_tip(self, given, key, inwards=True)
+        self.check_axial(given, key)
         _check_ring(self, key)
 
 
 class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
-    """An internal spur gear, fixed at the outside of its rim."""
+    """An internal spur or helical gear, fixed at the outside of its rim."""
 
+    helix_angle_deg: HelixAngle = 0.0
+    hand: Hand = None
+    profile_twist_um: ProfileTwist = None
+    topography_file: TopographyFile = None
+    shaft: OnShaft = None
     root_fillet_radius_mm: Annotated[
         Length | None,
         about(
             "mm",
-            "radius of the arc that is tangent to flank and root circle; absent = the "
-            "largest, which rounds the whole root",
+            "radius of the arc that is tangent to flank and root circle of the transverse section; "
+            "absent = the largest, which rounds the whole root",
             usual=USUAL_ROUNDING,
         ),
     ] = None
@@ -352,11 +396,13 @@ IndexErrors = Annotated[
         usual=USUAL_ERRORS,
     ),
 ]
+#: Keys with which flanks of splines no longer lie on each other over their height.
+PROFILE_MODIFICATIONS = ("tip_relief_um", "root_relief_um", "profile_crowning_um")
 #: Root fillet radius of splines in modules: that of DIN 5480 for hobbed shafts.
 SPLINE_FILLET = 0.16
 
 
-class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="spline_shaft"):
+class SplineShaft(WidthKeys, BodyTable, frozen=True, kw_only=True, tag="spline_shaft"):
     """An involute spline on a shaft, fixed at its bore; its root is cut by a generating rack."""
 
     partner: ClassVar[str | None] = "spline_hub"
@@ -391,10 +437,15 @@ class SplineShaft(InvoluteKeys, BodyTable, frozen=True, kw_only=True, tag="splin
         return self.teeth
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Check the pitch errors, the keys of the tip and the bore."""
+        """Check the pitch errors, the keys of the tip, along the axis, and the bore."""
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
         check_tip(self, given, key)
+        self.check_axial(given, key)
         _check_bore(self, key)
+
+    def check_solid(self, key: str, why: str) -> None:
+        """Refuse profile modifications."""
+        self.check_conforming(key, why)
 
     @property
     def dedendum_factor(self) -> float:
@@ -420,6 +471,10 @@ class SplineHub(RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
         ),
     ] = None
     pitch_errors_um: IndexErrors = ()
+
+    def check_solid(self, key: str, why: str) -> None:
+        """Refuse profile modifications."""
+        self.check_conforming(key, why)
 
 
 def check_pitch_errors(

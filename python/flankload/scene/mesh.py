@@ -56,6 +56,7 @@ class MeshBody(MeshRegionKeys, AxialKeys, BodyTable, frozen=True, kw_only=True, 
     """A body from a mesh file: one sector with cut faces, or the whole body with many flanks."""
 
     from_file: ClassVar[bool] = True
+    inward: ClassVar[bool | None] = None
 
     file: Annotated[Text, about("", "mesh file; relative to the folder of the scene file")]
     teeth: Annotated[

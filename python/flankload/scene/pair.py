@@ -5,9 +5,11 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta
 
+from flankload.scene.axial import MISALIGNMENTS
 from flankload.scene.refusal import refuse
 from flankload.scene.table import (
     USUAL_SIZE,
+    Angle,
     Angles,
     BodyTable,
     Length,
@@ -20,6 +22,8 @@ from flankload.scene.table import (
 #: With fewer initial positions, contact pairs that carry during part of a pitch are missed.
 LEAST_START = 8
 
+
+OF_SPLINES = MISALIGNMENTS[-1]
 
 Misalignment = Annotated[float, Meta(ge=-100, le=100)]
 
@@ -66,13 +70,36 @@ class Pair(Table, frozen=True, kw_only=True):
         ),
     ] = 0.0
 
+    misalignment_mrad: Annotated[
+        Annotated[float, Meta(ge=0, le=100)],
+        about(
+            "mrad",
+            "angle between the axes of a spline: the hub leans about the middle of the common "
+            "face width",
+            usual=(1e-3, 50.0),
+        ),
+    ] = 0.0
+    misalignment_direction_deg: Annotated[
+        Angle,
+        about(
+            "deg",
+            "direction in which the hub's axis leans towards larger z, counter-clockwise from that "
+            "of center_offset_mm",
+        ),
+    ] = 0.0
+
+    @property
+    def axes_coincide(self) -> bool:
+        """Whether both axes of a spline are one."""
+        return not self.axes_apart_mm and not self.misalignment_mrad
+
     @property
     def axes_apart_mm(self) -> float:
         """Distance of the two axes, mm."""
         return self.center_distance_mm or self.center_offset_mm or 0.0
 
     def check(self, body_1: BodyTable, body_2: BodyTable) -> None:
-        """Check that splines have a centre offset and all other bodies a centre distance.
+        """Check that splines have offset and misalignment, all other bodies a centre distance.
 
         Raises
         ------
@@ -94,6 +121,20 @@ class Pair(Table, frozen=True, kw_only=True):
             )
         if not body_1.conforms and distance is None:
             refuse("pair.center_distance_mm", "a number from 0.001 to 100000", "nothing")
+        for name in MISALIGNMENTS:
+            if getattr(self, name) and body_1.conforms == (name != OF_SPLINES):
+                here = OF_SPLINES if body_1.conforms else " and ".join(MISALIGNMENTS[:2])
+                refuse(
+                    f"pair.{name}",
+                    f"nothing: a {body_1.kind} and a {body_2.kind} have pair.{here}",
+                    getattr(self, name),
+                )
+        if self.misalignment_direction_deg and not self.misalignment_mrad:
+            refuse(
+                "pair.misalignment_direction_deg",
+                f"nothing, unless pair.{OF_SPLINES} is > 0",
+                self.misalignment_direction_deg,
+            )
 
 
 TorqueOrTorques = Annotated[

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import atan, cos, degrees, radians, tan
+from math import cos, degrees
 from typing import TYPE_CHECKING, Any
 
 from msgspec import structs
 
 from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, AxialKeys, axial_range
 from flankload.scene.effects.keys import EffectsAsked
-from flankload.scene.gear import Gear
+from flankload.scene.gear import Gear, Ring
 
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
@@ -89,12 +89,15 @@ def _straight(body: Any) -> Any:
     keys = {field.name: field.default for field in fields if field.name in ALONG_AXIS}
     if getattr(body, "region_sets", None):  # groups of elements do not mean materials
         keys["one_material"] = True
-    if isinstance(body, Gear) and body.helix_angle_deg:
+    if isinstance(body, Gear | Ring) and body.helix_angle_deg:
         c = cos(body.helix_rad)
         keys |= {
             "module_mm": body.module_mm / c,
-            "pressure_angle_deg": degrees(atan(tan(radians(body.pressure_angle_deg)) / c)),
+            "pressure_angle_deg": degrees(body.transverse_angle_rad),
             "profile_shift": body.profile_shift * c,
+        }
+    if isinstance(body, Gear) and body.helix_angle_deg:
+        keys |= {
             "dedendum_factor": body.dedendum_factor * c,
             "fillet_radius_factor": body.fillet_radius_factor * c,
         }

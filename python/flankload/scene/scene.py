@@ -111,7 +111,7 @@ class Scene(Card):
     @property
     def is_concentric(self) -> bool:
         """Whether the two axes of a spline coincide, so that all positions are equivalent."""
-        return self.body_1.conforms and self.pair.axes_apart_mm == 0.0
+        return self.body_1.conforms and self.pair.axes_coincide
 
     @property
     def sectors(self) -> int | None:
@@ -272,7 +272,7 @@ class Scene(Card):
 
 def _without_repetition(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:
     """Use one position for concentric splines and belts, unless the scene asks for more."""
-    concentric = asked.pair is not None and asked.body_1.conforms and not asked.pair.axes_apart_mm
+    concentric = asked.pair is not None and asked.body_1.conforms and asked.pair.axes_coincide
     if not concentric and not isinstance(asked.body_2, Belt):
         return asked
     if {"count", "angles_deg"} & set(given.get("positions", {})):

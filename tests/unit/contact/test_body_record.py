@@ -375,7 +375,7 @@ def test_slices_need_both_bodies_over_their_width() -> None:
     assert sliced_info([axial], [axial]) == -8
 
 
-def test_cells_friction_and_shifts_have_no_slices() -> None:
+def test_cells_and_shifts_have_no_slices() -> None:
     """The state says so: it has a status of its own."""
     axial = ("axial", AXIAL)
     shift = ("shift", np.zeros(MODES * SITES))
@@ -384,6 +384,10 @@ def test_cells_friction_and_shifts_have_no_slices() -> None:
     assert sliced_info([axial, EDGES], [axial, shift]) == 1
     rubbing = record_of(axial, EDGES, FRICTION), record_of(axial)
     settings = np.array([10.0, 30.0, 2.5, 1.0, 0.0])
+    assert sweep_info(*rubbing, settings=settings, n_columns=13)[0] == 0
+    # loads along the flank have the modes of those along the normal
+    few = ("tangential", np.zeros(MODES * (MODES - 1)))
+    rubbing = record_of(axial, EDGES, FRICTION, few), record_of(axial)
     assert sweep_info(*rubbing, settings=settings, n_columns=13)[0] == 1
 
 

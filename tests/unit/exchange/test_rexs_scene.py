@@ -65,6 +65,7 @@ def test_an_internal_stage_is_the_scene_of_its_values(tmp_path: Path) -> None:
     wanted["name"] = "planet and ring"
     for body in ("body_1", "body_2"):
         del wanted[body]["tip_radius_mm"]
+    wanted["body_2"]["face_width_mm"] = 22.0
     assert keys(made(tmp_path, stage=22, settings=RING)) == wanted
 
 
@@ -172,11 +173,27 @@ def test_a_ring_without_a_helix_angle_is_spur(tmp_path: Path) -> None:
     assert keys(made(tmp_path, text, 22, settings=RING)) == wanted
 
 
-def test_a_ring_with_a_helix_is_refused(tmp_path: Path) -> None:
-    line = '<attribute id="helix_angle_reference_diameter" unit="deg">15</attribute>'
-    text = changed("helix_angle_reference_diameter", 14, line)
-    found = refused(tmp_path, text, 22, settings=RING)
-    assert found.startswith("ring_gear 14: helix_angle_reference_diameter: expected 0")
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_helical_ring_has_the_hand_of_its_planet(tmp_path: Path, sign: int) -> None:
+    """The sign of its profile shift follows from the transverse section."""
+    name, shift = "helix_angle_reference_diameter", "addendum_modification_coefficient"
+    text = TEXT.replace(">53.93<", ">55.84<")
+    for number in (13, 14):
+        text = changed(name, number, attribute_line(name, "deg", 15), text)
+    for number in (47, 48):
+        text = changed(shift, number, attribute_line(shift, "none", 0.3 * sign), text)
+    found = keys(made(tmp_path, text, 22, settings=RING))
+    for body in ("body_1", "body_2"):
+        assert (found[body]["helix_angle_deg"], found[body]["hand"]) == (15.0, "right")
+    assert found["body_2"]["profile_shift"] == 0.3
+
+
+def test_a_ring_of_the_other_hand_is_refused(tmp_path: Path) -> None:
+    name, text = "helix_angle_reference_diameter", TEXT
+    for number, angle in ((13, 15), (14, -15)):
+        text = changed(name, number, attribute_line(name, "deg", angle), text)
+    found = refused(tmp_path, text.replace(">53.93<", ">55.84<"), 22, settings=RING)
+    assert found.startswith("body_2.hand: expected 'right', as body_1.hand")
 
 
 # --- root, profile, material ----------------------------------------------------------------------

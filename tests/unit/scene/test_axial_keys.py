@@ -94,6 +94,7 @@ def test_helices_of_gears_and_meshes_have_one_lead_per_tooth() -> None:
 
 SINCE = "since body_1.lead_crowning_um requires three dimensions"
 CROWNED = {"body_1__lead_crowning_um": 5}
+GIVEN = {"kind": "compliance", "file": "wheel.npz"}
 
 
 @pytest.mark.parametrize(
@@ -197,16 +198,16 @@ CROWNED = {"body_1__lead_crowning_um": 5}
             "5",
         ),
         (
-            {**CROWNED, "effects__friction_coefficient": 0.1},
+            {**CROWNED, "effects__friction_coefficient": 0.1, "effects__contact": "pairs"},
             "effects.friction_coefficient",
-            f"nothing, {SINCE}: this version has no friction of slices",
+            f"nothing, {SINCE}: this version has friction of lumped contact there, not of cells",
             "0.1",
         ),
         (
-            {**CROWNED, "body_2": RING, "pair__center_distance_mm": 99},
+            {**CROWNED, "body_2": GIVEN},
             "body_2.kind",
-            f"'gear' or 'mesh', {SINCE}, which this version has for these bodies",
-            "'ring'",
+            f"'gear', 'ring', 'mesh' or a spline, {SINCE}, which this version has for these bodies",
+            "'compliance'",
         ),
         (
             {"effects__dimension": 3, "body_2": WHOLE},

@@ -9,7 +9,7 @@ import pytest
 
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.pair import Pair
-from tests.support.gear_scenes import ABSENT, RING, changed, one_line, refusal
+from tests.support.gear_scenes import ABSENT, changed, one_line, refusal
 
 #: Kinds of body 1, as a message names them.
 KINDS_1 = (
@@ -48,7 +48,7 @@ TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+
             "the unknown key 'wind'",
         ),
         (
-            {"body_2": {**RING, "topography_file": "a.csv"}},
+            {"body_2": {"kind": "compliance", "file": "a.npz", "topography_file": "a.csv"}},
             "body_2.topography_file",
             "no such key, since this version does not simulate measured topographies",
             "'a.csv'",

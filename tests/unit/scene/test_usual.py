@@ -16,7 +16,7 @@ from flankload.scene import read_scene, scene_schema
 from flankload.scene.form import types_of
 from flankload.scene.table import Table
 from flankload.scene.usual import question, question_notes, questions
-from tests.support.gear_scenes import MESH, RING, changed
+from tests.support.gear_scenes import MESH, changed
 from tests.support.paths import SCENES
 
 RELIEF = {"body_1__tip_relief_um": 20.0, "body_1__tip_relief_start_diameter_mm": 80.0}
@@ -154,9 +154,9 @@ def test_check_prints_questions(
         "tooth_helix_slope_um",
     ],
 )
-def test_lead_modifications_of_a_ring_suggest_no_profile_crowning(key: str) -> None:
+def test_lead_modifications_of_a_file_suggest_no_profile_crowning(key: str) -> None:
     with pytest.raises(fl.SceneError) as caught:
-        fl.Scene.from_dict(changed(body_2={**RING, key: 5}))
+        fl.Scene.from_dict(changed(body_2={"kind": "compliance", "file": "a.npz", key: 5}))
     assert caught.value.key == f"body_2.{key}"
     assert caught.value.expected == (
         "no such key, since this version does not simulate lead modifications, which are "

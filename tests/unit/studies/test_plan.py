@@ -441,13 +441,18 @@ def test_a_section_is_as_wide_as_both_bodies() -> None:
     "scene",
     [
         scene_of(effects__dimension=3, accuracy__flank_element_mm=3.0),
+        scene_of(
+            effects__dimension=3,
+            effects__friction_coefficient=0.1,
+            accuracy__flank_element_mm=3.0,
+        ),
         scene_of(**SPATIAL | {"accuracy__estimate": True, "load__torque_Nm": [0, 100, 200]}),
         fl.read_scene(SCENES / "helical_gear.toml").replace({"accuracy.flank_element_mm": 3.0}),
         scene_of(
             body_1__web_width_mm=6, body_1__rim_thickness_mm=6, accuracy__flank_element_mm=3.0
         ),
     ],
-    ids=["spur", "on a shaft", "helical", "web"],
+    ids=["spur", "friction", "on a shaft", "helical", "web"],
 )
 def test_slices_unknowns_and_states_are_counted_before_the_run(scene: fl.Scene) -> None:
     scene = replace(scene, positions=type(scene.positions)(count=2))
@@ -464,13 +469,14 @@ def test_slices_unknowns_and_states_are_counted_before_the_run(scene: fl.Scene) 
 
 def test_what_a_three_dimensional_scene_cannot_have_is_said() -> None:
     _, plan = spatial()
-    assert not plan.effect("friction").possible
+    assert not plan.effect("nodal_near_field").possible
+    assert plan.effect("friction").size is not None
     assert plan.effect("lumped_contact").on
     lines = str(plan).splitlines()
     head = next(line for line in lines if line.startswith("effect"))
     assert "K_Hbeta" in head
-    friction = next(line for line in lines if line.startswith("friction"))
-    assert friction.endswith("not with this scene")
+    nodal = next(line for line in lines if line.startswith("near field"))
+    assert nodal.endswith("not with this scene")
     lumped = next(line for line in lines if line.startswith("lumped"))
     assert " yes " in lumped
 

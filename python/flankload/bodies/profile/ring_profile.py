@@ -48,6 +48,10 @@ class RingGeometry(FlankGeometry, Protocol):
     def root_diameter_mm(self) -> float: ...
     @property
     def root_fillet_radius_mm(self) -> float | None: ...
+    @property
+    def helix_rad(self) -> float: ...
+    @property
+    def transverse_angle_rad(self) -> float: ...
 
 
 class RootArc(NamedTuple):
@@ -134,10 +138,11 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
     SceneError
         If the ring is impossible; names the key.
     """
-    z, pressure_angle = spec.teeth, radians(spec.pressure_angle_deg)
-    reference_radius = 0.5 * z * spec.module_mm
-    shift = generating_shift(spec, z, key, outward=-1)
-    base_half_angle = (0.5 * pi + 2 * shift * tan(pressure_angle)) / z
+    z, normal_angle = spec.teeth, radians(spec.pressure_angle_deg)
+    pressure_angle = spec.transverse_angle_rad
+    reference_radius = 0.5 * z * spec.module_mm / cos(spec.helix_rad)
+    shift = generating_shift(spec, z, key, helix_rad=spec.helix_rad, outward=-1)
+    base_half_angle = (0.5 * pi + 2 * shift * tan(normal_angle)) / z
     involute = Involute(
         base_radius_mm=reference_radius * cos(pressure_angle),
         reference_radius_mm=reference_radius,

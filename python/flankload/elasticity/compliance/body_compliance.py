@@ -259,8 +259,7 @@ class BodyCompliance:
             return self
         kept = np.flatnonzero(np.arange(self.smooth.shape[1]) % axial.count < axial.count - fewer)
         return replace(
-            self,
-            smooth=self.smooth[:, kept[:, None], kept],
+            self.with_blocks(lambda blocks: blocks[:, kept[:, None], kept]),
             modes=replace(self.modes, axial=replace(axial, degree=axial.degree - fewer)),
             missed=None,
         )
@@ -293,11 +292,14 @@ class BodyCompliance:
     def grown(self) -> BodyCompliance:
         """The same body after its uniform expansion: its modes end on the larger curve."""
         low, high = self.modes.range_mm
-        larger, tip = 1.0 + self.expansion.strain, self.modes.tip
+        larger, tip, axial = 1.0 + self.expansion.strain, self.modes.tip, self.modes.axial
+        if axial is not None:
+            axial = replace(axial, twist=axial.twist / larger)
         modes = replace(
             self.modes,
             range_mm=(larger * low, larger * high),
             tip=None if tip is None else tip.larger(larger),
+            axial=axial,
         )
         return replace(self, modes=modes)
 

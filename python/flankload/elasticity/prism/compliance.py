@@ -4,23 +4,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from flankload.base.blas_threads import one_blas_thread
 from flankload.bodies.body import SectorMesh
-from flankload.bodies.free_corner import image_strengths
+from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import Account
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
 from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearField
 from flankload.elasticity.job_log import JobLog
-from flankload.elasticity.near_field import logarithm_strength, mode_loads
+from flankload.elasticity.near_field import jump_strength, logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.end_faces import edge_angles, end_strength
-from flankload.elasticity.prism.flank_potential import FlankSurface, projected_potential
+from flankload.elasticity.prism.flank_potential import (
+    FlankSurface,
+    projected_potential,
+    projected_tangential,
+)
 from flankload.elasticity.prism.regions import functions_of
 from flankload.elasticity.prism.section_error import missed_over_width
 from flankload.elasticity.prism.section_stiffness import section_stiffness
@@ -100,6 +104,7 @@ def prism_compliance(
     prism: Prism,
     *,
     n_modes: int,
+    friction: bool = False,
     estimate: bool = False,
     account: Account | None = None,
 ) -> BodyCompliance:
@@ -122,6 +127,9 @@ def prism_compliance(
     ds dz hold already. With a tip rounding or chamfer behind the flank D = <P, P> over both, the
     modes of the tip (`bodies.tip_modes`) times the same polynomials of z among them.
 
+    With friction loads along the profile, t/cos(beta_b) per ds dz, follow as further columns of the
+    same elimination; `tangential` is their g, without the near field with `jump` and `wedge_along`.
+
     Parameters
     ----------
     body : Body
@@ -130,6 +138,8 @@ def prism_compliance(
     n_modes : int
         Pressure modes along s; their degree should be at most half the number of flank elements.
         A tip rounding or chamfer has half as many more.
+    friction : bool
+        Loads along the profile are solved, as many as along the normal.
     estimate : bool
         Whether the discretization error of the plane elements is estimated.
     account : Account, optional
@@ -138,7 +148,8 @@ def prism_compliance(
     Returns
     -------
     BodyCompliance
-        With `axial`; smooth is (z, p, p), p = n_modes (q_z + 1), in mm/N of the whole width.
+        With `axial`; smooth and tangential are (z, p, p), p = n_modes (q_z + 1), in mm/N of the
+        whole width.
 
     Raises
     ------
@@ -152,36 +163,30 @@ def prism_compliance(
     mesh, log, modes_s = _sector_of(body), JobLog(account), n_modes
     if body.tip is not None:
         n_modes = with_tip(n_modes)
-    response = _ring_response(body, mesh, prism, n_modes, log)
+    response = _ring_response(body, mesh, prism, n_modes, log, friction=friction)
     surface = flank_surface(body, prism)
-    kernel = logarithm_strength(body.material, "strain")
-    near = projected_potential(surface, n_modes, prism.load_degree)
-    response[0] -= 0.5 * kernel * near
-    low, high = prism.range_mm
-    along = mode_norms_z(high - low, prism.load_degree)
-    inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along))
-    response = inverse @ response @ inverse
+    near = _near_field(body, surface, friction=friction)
+    response, asymmetry = _settled(response, surface, near, n_modes, prism.load_degree)
+    p = n_modes * (prism.load_degree + 1)
     unknowns = prism_unknowns(body, prism.degree)
-    log.account.count(
-        fe_unknowns=unknowns, fe_solutions=len(inverse), unit_loads_normal=len(inverse)
-    )
-    mirrored = response[-np.arange(mesh.teeth) % mesh.teeth].transpose(0, 2, 1)
-    asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
+    log.account.count(fe_unknowns=unknowns, fe_solutions=response.shape[1])
+    log.count_loads(response.shape[1], friction=friction)
     log.end_step("near field")
     missed = None
     if estimate:
         missed = missed_over_width(
             body,
             modes_s,
-            width_mm=high - low,
+            width_mm=surface.width_mm,
             load_degree=prism.load_degree,
+            friction=friction,
             cosine=surface.cos_base_helix,
             account=log.account,
         )
         log.end_step("estimate")
     return BodyCompliance(
-        smooth=0.5 * (response + mirrored),
-        near=NearField(kernel, wedge=surface.wedge),
+        smooth=np.ascontiguousarray(response[:, :p, :p]),
+        near=near,
         modes=FlankModes(
             body.mode_range_mm,
             tip=body.tip,
@@ -193,17 +198,61 @@ def prism_compliance(
                 end=surface.end,
             ),
         ),
+        tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
         missed=missed,
         job=log.cost(asymmetry, unknowns),
     )
 
 
-def _ring_response(body: Body, mesh: SectorMesh, prism: Prism, n_modes: int, log: JobLog) -> Floats:
+def _near_field(body: Body, surface: FlankSurface, *, friction: bool) -> NearField:
+    """Strengths of the near field that the modes leave out."""
+    return NearField(
+        logarithm_strength(body.material, "strain"),
+        jump=jump_strength(body.material, "strain") if friction else 0.0,
+        wedge=surface.wedge,
+        wedge_along=surface.wedge_along if friction else (0.0, 0.0),
+    )
+
+
+def _settled(
+    response: Floats, surface: FlankSurface, near: NearField, n_modes: int, degree_z: int
+) -> tuple[Floats, float]:
+    """Readings (z, r, r) as mode coefficients without the near field, and their asymmetry.
+
+    Behind the p columns of loads along the normal are, with friction, as many along the profile.
+    Responses with load and reading exchanged are transposed (Betti): their mean is returned.
+    """
+    p, count = n_modes * (degree_z + 1), response.shape[1]
+    potential = projected_potential(surface, n_modes, degree_z)
+    response[0, :p, :p] -= 0.5 * near.kernel * potential
+    along_axis = mode_norms_z(surface.width_mm, degree_z)
+    inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along_axis))
+    if count > p:
+        tangential = projected_tangential(
+            surface, n_modes, degree_z, kernel=near.kernel, jump=near.jump
+        )
+        response[0, :p, p:] -= tangential
+        response[0, p:, :p] -= tangential.T
+        inverse = np.kron(np.eye(2), inverse)
+    response = inverse @ response @ inverse
+    teeth = len(response)
+    mirrored = response[-np.arange(teeth) % teeth].transpose(0, 2, 1)
+    asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
+    return 0.5 * (response + mirrored), asymmetry
+
+
+def _ring_response(
+    body: Body, mesh: SectorMesh, prism: Prism, n_modes: int, log: JobLog, *, friction: bool
+) -> Floats:
     """Readings B'C_t B (z, p, p) of the loads on the teeth of the closed ring."""
     axial = AxialBasis(prism.range_mm, prism.degree)
     numbers, functions = functions_of(mesh, axial, dict(prism.regions))
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
-    in_plane = mode_loads(mesh, body.mode_range_mm, n_modes, tip=body.tip, twist=prism.twist)
+    directions: tuple[Literal["normal", "tangent"], ...] = ("normal", "tangent")
+    in_plane = [
+        mode_loads(mesh, body.mode_range_mm, n_modes, along=each, tip=body.tip, twist=prism.twist)
+        for each in directions[: 1 + friction]
+    ]
     log.end_step("assembly")
     # most fronts are too small to share: two threads take longer, and more CPU seconds
     with one_blas_thread():
@@ -211,7 +260,7 @@ def _ring_response(body: Body, mesh: SectorMesh, prism: Prism, n_modes: int, log
             section,
             functions,
             mesh,
-            _prism_loads(in_plane, axial.load_vectors(prism.load_degree)),
+            _prism_loads(np.hstack(in_plane), axial.load_vectors(prism.load_degree)),
             cut_degree=min(prism.cut_degree, prism.degree),
             twisted=prism.twist != 0.0,
             account=log.account,
@@ -275,6 +324,7 @@ def flank_surface(body: Body, prism: Prism) -> FlankSurface:
         slope=slope,
         end=(low, high),
         wedge=image_strengths(body),
+        wedge_along=along_strengths(body),
         tip=body.tip,
         tip_secant=tip_secant,
     )

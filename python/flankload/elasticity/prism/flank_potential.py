@@ -14,6 +14,12 @@ force moves the flank out of the material by
 In contact lines x = 0. Uniform loads on rectangles have Love's closed form, on segments of a line
 its limit.
 
+A unit force along the profile, towards growing arc length, moves the flank out of the material by
+
+    -j/pi x/R² + k sum_w psi_nt/R_w,  j = (1 - 2 nu)(1 + nu)/(2 E)
+
+(Cerruti; K. L. Johnson, Contact Mechanics, (3.75)): inwards in front of the force.
+
 On a tip rounding or chamfer behind the flank the normal turns towards the axis of the tooth, and
 beta_b is that of the place: the mean of both places stands in R.
 """
@@ -103,6 +109,8 @@ class FlankSurface:
         Strengths psi of the images behind the end faces at low and high z.
     wedge : (float, float)
         The same behind free corners at low and high s.
+    wedge_along : (float, float)
+        Strengths psi_nt behind free corners of a force along the profile.
     tip : Tip or None
         Rounding or chamfer behind the flank; the last two modes are its own.
     tip_secant : callable or None
@@ -115,6 +123,7 @@ class FlankSurface:
     slope: Callable[[Floats], Floats]
     end: tuple[float, float]
     wedge: tuple[float, float]
+    wedge_along: tuple[float, float] = (0.0, 0.0)
     tip: Tip | None = None
     tip_secant: Callable[[Floats], Floats] | None = None
 
@@ -208,9 +217,46 @@ def projected_potential(
     for psi, corner in zip(surface.wedge, (0, 1), strict=True):
         if psi:
             total += psi * rule.behind_corner(corner)
-    size = n_modes * (degree_z + 1)
-    result = total.transpose(0, 2, 1, 3).reshape(size, size)
+    result = _by_mode(total)
     return np.asarray(0.5 * (result + result.T))
+
+
+def projected_tangential(
+    surface: FlankSurface,
+    n_modes: int,
+    degree_z: int,
+    *,
+    kernel: float,
+    jump: float,
+    finer: int = 1,
+) -> Floats:
+    """<P, near field P> for displacements along the normal under loads along the profile.
+
+    Parameters
+    ----------
+    surface, n_modes, degree_z, finer
+        As in `projected_potential`.
+    kernel, jump : float
+        c0 = 2 k and j, mm²/N.
+
+    Returns
+    -------
+    (p, p) array
+        Rows: displacement; with area elements ds dz/cos(beta), mm⁵/N.
+    """
+    rule = _Rule(surface, n_modes, degree_z, finer)
+    direct, images = rule.direct(turned=True), np.zeros([n_modes] * 2 + [degree_z + 1] * 2)
+    for psi, corner in zip(surface.wedge_along, (0, 1), strict=True):
+        if psi:
+            images += 0.5 * kernel * psi * rule.behind_corner(corner)
+    behind = _by_mode(images)
+    return np.asarray(-jump / np.pi * _by_mode(direct) + 0.5 * (behind + behind.T))
+
+
+def _by_mode(total: Floats) -> Floats:
+    """Integrals [a, c, b, d] of P_a P_b times P_c P_d as a matrix."""
+    n_modes, _, count, _ = total.shape
+    return total.transpose(0, 2, 1, 3).reshape(n_modes * count, n_modes * count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,14 +302,17 @@ class _Rule:
         self._apart = _panels(surface.width_mm, shortest, np.full(lengths.size - 1, shortest))
         self._known: dict[bytes, list[_Lines]] = {}
 
-    def direct(self) -> Floats:
-        """Without an image: over s - s' > 0, and its transpose."""
+    def direct(self, *, turned: bool = False) -> Floats:
+        """Without an image: over s - s' > 0, and its transpose; if turned, of x/R² in place of 1/R,
+        which is antisymmetric.
+        """
         total = np.zeros((self._n, self._n, self._m, self._m))
         for (ahead, apart), weight in self._points(self._ahead, self._apart):
             for z_change in (apart, -apart):
-                part = self._profile(ahead, z_change, z_change, weight)
+                part = self._profile(ahead, z_change, z_change, weight, turned=turned)
                 total += np.tensordot(part, self._overlap(z_change), axes=(0, 0))
-        return total + total.transpose(1, 0, 3, 2)
+        exchanged = total.transpose(1, 0, 3, 2)
+        return np.asarray(total - exchanged if turned else total + exchanged)
 
     def behind_end(self, face: int) -> Floats:
         """Behind the low end face (0) or the high one (1)."""
@@ -310,8 +359,19 @@ class _Rule:
             ]
             yield places, weight * np.prod(sizes)
 
-    def _profile(self, ahead: Floats, z_change: Floats, y_change: Floats, weight: Floats) -> Floats:
-        """Integrals (k, a, c) of P_a(s) P_c(s')/R over all places with s - s' = ahead (k,)."""
+    def _profile(
+        self,
+        ahead: Floats,
+        z_change: Floats,
+        y_change: Floats,
+        weight: Floats,
+        *,
+        turned: bool = False,
+    ) -> Floats:
+        """Integrals (k, a, c) of P_a(s) P_c(s')/R over all places with s - s' = ahead (k,).
+
+        If turned, of P_a(s) P_c(s') x/R².
+        """
         gauss = self._along[1]
         total = np.zeros((ahead.size, self._n, self._n))
         distinct, number = np.unique(ahead, return_inverse=True)
@@ -321,7 +381,10 @@ class _Rule:
             x = ahead[some, None] - lines.slope[at] * z_change[some, None]
             factor = (weight[some] * lines.spare[at])[:, None] * gauss
             factor = factor * lines.secants[0][at] * lines.secants[1][at]
-            factor = factor / np.hypot(x, lines.secant[at] * y_change[some, None])
+            distance = np.hypot(x, lines.secant[at] * y_change[some, None])
+            factor = factor / distance
+            if turned:
+                factor = factor * (x / distance)
             one, two = (values[at] for values in lines.modes)
             total[some] += (factor[..., None] * one).transpose(0, 2, 1) @ two
         return total

@@ -25,7 +25,14 @@ if TYPE_CHECKING:
 
 
 def missed_over_width(
-    body: Body, n_modes: int, *, width_mm: float, load_degree: int, cosine: float, account: Account
+    body: Body,
+    n_modes: int,
+    *,
+    width_mm: float,
+    load_degree: int,
+    friction: bool,
+    cosine: float,
+    account: Account,
 ) -> Floats:
     """Estimated error of the compliance of a flank under loads on itself.
 
@@ -38,6 +45,8 @@ def missed_over_width(
     width_mm : float
     load_degree : int
         Of the pressure modes along the axis.
+    friction : bool
+        Loads along the profile follow.
     cosine : float
         Of the helix angle of the contact line: part of a normal force in the section, and of its
         displacement.
@@ -46,13 +55,15 @@ def missed_over_width(
 
     Returns
     -------
-    (1, p, p) array
+    (1, p, p) array, (1, p, 2 p) with friction
         As `BodyCompliance.missed`, mm/N.
     """
-    options = JobOptions(n_modes=n_modes, plane="strain", estimate=True)
+    options = JobOptions(n_modes=n_modes, plane="strain", friction=friction, estimate=True)
     section = flank_compliance(body, options, sectors=1)
     assert section.missed is not None
     counted = ("fe_factorisations", "fe_solutions")
     account.count(**{name: section.job.counters[name] for name in counted})
     along = np.diag(1.0 / mode_norms_z(width_mm, load_degree))
-    return np.asarray(cosine**2 * np.kron(section.missed[0], along)[None])
+    missed = cosine**2 * np.kron(section.missed[0], along)
+    missed[:, len(missed) :] /= cosine  # loads along the profile lie in the section
+    return np.asarray(missed[None])

@@ -65,7 +65,7 @@ TABLE = (
     ),
     Entry(
         GEARS, "face_width", "mm", "pair.face_width_mm, body.face_width_mm",
-        "common width; own width of an external gear if it is another", "mm",
+        "common width; own width of a gear if it is another", "mm",
     ),
     Entry(
         GEARS, "support_vector", "mm", "body_2.axial_offset_mm",

@@ -148,8 +148,6 @@ def _helix(stock: Stock, body: Gear) -> None:
         stock.missing(body.source, name, f"{body.name}.helix_angle_deg")
     if not angle:
         return
-    if body.is_ring:
-        body.source.refuse(name, "0, since a ring of a scene has spur teeth", angle)
     body.keys["helix_angle_deg"] = abs(angle)
     body.keys["hand"] = "right" if angle > 0 else "left"
     stock.assume(

@@ -151,8 +151,6 @@ def _profile_crowning(body: Gear, source: Source) -> str | None:
 
 
 def _helix_crowning(body: Gear, source: Source, width_mm: float) -> str | None:
-    if body.is_ring:
-        return "a ring of a scene has no modifications along the axis"
     ends = ("datum_face", "non_datum_face")
     amount = _equal([source.number(f"helix_crowning_amount_{end}", "um") for end in ends])
     if amount is None:
@@ -181,9 +179,9 @@ def _end_reliefs(
 ) -> None:
     """End reliefs at both faces; an end without one has no relief."""
     amounts, lengths, shapes = [0.0, 0.0], [0.0, 0.0], set()
-    why = "a ring of a scene has no modifications along the axis" if body.is_ring else None
+    why = None
     if datum_low is None and parts:
-        why = why or "the gear has no datum_face_orientation and u_axis_vector"
+        why = "the gear has no datum_face_orientation and u_axis_vector"
     if len({part.type for part in parts}) < len(parts):
         why = why or "a face of a scene has one end relief"
     for part in parts:

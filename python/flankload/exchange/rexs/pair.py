@@ -68,14 +68,11 @@ def pair_of(stock: Stock, stage: Stage, bodies: Sequence[Gear]) -> dict[str, flo
                 f"{widths[0]:g} and {widths[1]:g} mm, {offset:g} mm apart",
             )
     pair["face_width_mm"] = common
-    if stage.is_internal:
-        _leave_axial(stock, bodies, common, offset)
-    else:
-        for body, width in zip(bodies, widths, strict=True):
-            if width != common:
-                body.keys["face_width_mm"] = width
-        if abs(offset) > LEAST_OFFSET:
-            bodies[1].keys["axial_offset_mm"] = offset
+    for body, width in zip(bodies, widths, strict=True):
+        if width != common:
+            body.keys["face_width_mm"] = width
+    if abs(offset) > LEAST_OFFSET:
+        bodies[1].keys["axial_offset_mm"] = offset
     for body, width, direction in zip(bodies, widths, directions, strict=True):
         add_modifications(stock, body, width, _datum_is_low(body.source, direction))
     return pair
@@ -98,17 +95,6 @@ def _width_from(stock: Stock, body: Gear, common: float | None) -> float:
         what = f"{body.component.label}: face_width"
         stock.model.refuse(what, f"a value, or --set {pair}=…", "nothing")
     return _given(stock, own if own in stock.settings else pair)
-
-
-def _leave_axial(stock: Stock, bodies: Sequence[Gear], common: float, offset: float) -> None:
-    """Report widths and positions that a scene with a ring does not have."""
-    why = "a scene with a ring is plane"
-    for body in bodies:
-        width = body.source.number("face_width", "mm")
-        if width is not None and width != common:
-            stock.leave(body.component, "face_width", f"{why}; the common width is taken")
-    if abs(offset) > LEAST_OFFSET:
-        stock.leave(bodies[1].component, "support_vector", why)
 
 
 def _offset(stock: Stock, stage: Stage, distance: float) -> tuple[float, tuple[int, int]]:
@@ -172,19 +158,20 @@ def _sign_shift(stock: Stock, bodies: Sequence[Gear], distance: float) -> None:
     """Give the profile shift of a ring the sign of a scene, in which it counts outwards.
 
     Programs write it with either sign. At the centre distance only one of them leaves about no
-    backlash: inv a_w = inv a_t + 2 tan a_n (x_2 - x_1) / (z_2 - z_1) (ISO 21771, internal pair).
+    backlash: inv a_wt = inv a_t + 2 tan a_n (x_2 - x_1) / (z_2 - z_1) (ISO 21771, internal pair).
     """
     pinion, ring = (body.keys for body in bodies)
     if not pinion.keys() >= {"teeth", "module_mm", "pressure_angle_deg", "profile_shift"}:
         return
     shift, number = abs(ring["profile_shift"]), ring["teeth"] - pinion["teeth"]
-    pressure = radians(pinion["pressure_angle_deg"])
-    working = 0.5 * number * pinion["module_mm"] * cos(pressure) / distance
+    pressure, normal = bodies[0].transverse_rad, radians(pinion["pressure_angle_deg"])
+    module = pinion["module_mm"] / cos(bodies[0].helix_rad)
+    working = 0.5 * number * module * cos(pressure) / distance
     what = f"{bodies[1].component.label}: addendum_modification_coefficient"
     if not 0 < working < 1:
         stock.model.refuse(what, "a centre distance at which the flanks can touch", f"{distance:g}")
     angle = acos(working)
-    wanted = (tan(angle) - angle - tan(pressure) + pressure) * number / (2 * tan(pressure))
+    wanted = (tan(angle) - angle - tan(pressure) + pressure) * number / (2 * tan(normal))
     errors = {sign: abs(sign * shift - pinion["profile_shift"] - wanted) for sign in (1.0, -1.0)}
     sign = min(errors, key=lambda key: errors[key])
     if errors[sign] > 0.5 * errors[-sign]:

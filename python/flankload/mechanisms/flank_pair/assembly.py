@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from math import radians
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from flankload.mechanisms.parts import made_once
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.toggles import without_modifications
 from flankload.pairing.body_pair import BodyPair
+from flankload.pairing.common_height import common_height, tilt_notes
 from flankload.pairing.expansion import growth_notes, growth_of
 from flankload.pairing.friction import (
     coefficients_by_tooth,
@@ -29,6 +31,7 @@ from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
 from flankload.pairing.period import Period, period_of
 from flankload.pairing.slices import Slices, gap_by_misalignment, reached_positions, slices_of
+from flankload.scene.axial import check_hands
 from flankload.scene.discretization import (
     DEFAULT,
     Discretization,
@@ -48,6 +51,7 @@ LEAST_DEVIATION_UM = 1e-3
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.bodies.axial_shape import AxialShape
     from flankload.mechanisms.parts import Parts
     from flankload.scene import BodySpec, Scene
     from flankload.scene.pair import Positions
@@ -239,6 +243,13 @@ def _notes(
         *(f"body_2: {note}" for note in pair.body_2.notes),
         *spacing_notes(bodies, scene.torques_Nm, scene.pair.face_width_mm),
         *pair.pairing.warnings,
+        *(
+            []
+            if pair.slices is None
+            else tilt_notes(
+                pair.pairing.fit, pair.slices.conforming, float(pair.slices.width_mm.sum())
+            )
+        ),
         *window.notes,
         *_beyond_window(pitches, window.geometric),
         *_beyond_teeth(pitches, window.whole, groups, bodies),
@@ -257,6 +268,9 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
     one, two = (body.axial for body in bodies)
     if one is None or two is None:
         return None
+    check_hands(one.hand_sign, two.hand_sign, inward=bodies[1].outward < 0)
+    if pairing.fit is not None:
+        return _coupling_slices(scene, bodies, (one, two))
     angles = scene.pair.inclination_um_per_mm, scene.pair.deviation_um_per_mm
     misalignment = 0.0
     if any(angles):
@@ -269,6 +283,21 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
         misalignment = gap_by_misalignment(*angles, pairing.mesh.pressure_angle_rad)
     graded = scene.effects.contact == "pairs"
     return slices_of((one, two), scene.accuracy.slices, misalignment, graded=graded)
+
+
+def _coupling_slices(
+    scene: Scene, bodies: tuple[Body, Body], shapes: tuple[AxialShape, AxialShape]
+) -> Slices:
+    """Slices of a spline, with the tilt of its hub about the middle of the common width."""
+    slices = slices_of(shapes, scene.accuracy.slices, 0.0)
+    height = common_height(
+        *bodies,
+        offset_mm=scene.pair.axes_apart_mm,
+        misalignment_rad=scene.pair.misalignment_mrad / 1000.0,
+        direction_rad=radians(scene.pair.misalignment_direction_deg),
+        middle_z_mm=0.5 * float(slices.edges_mm[0] + slices.edges_mm[-1]),
+    )
+    return replace(slices, conforming=height)
 
 
 def _with_file(error: SceneError, scene: Scene) -> SceneError:

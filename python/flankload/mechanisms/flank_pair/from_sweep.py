@@ -13,6 +13,7 @@ from flankload.bodies.profile_deviation import profile_deviation
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
 from flankload.mechanisms.flank_pair.shaft_loads import shaft_loads
+from flankload.pairing.common_height import turned
 from flankload.result.coast_contact import CoastContact
 from flankload.result.contact_quantities import frozen
 from flankload.result.friction import FrictionResult, friction_result
@@ -162,6 +163,12 @@ def _slice_loads(pair: BodyPair, slices: Slices, found: Sweep) -> SliceLoads:
         peak_pressure_MPa=found.slice_peak_MPa,
         tangent_helix_base=tangent,
         cosine_helix_base=1.0 / sqrt(1.0 + tangent**2),
+        directions=None
+        if slices.conforming is None
+        else turned(
+            slices.conforming.middle_normal,
+            pair.pairing.turns(pair.position_rad)[0][:, None] + pair.pairing.site_angles_rad[0],
+        ),
     )
 
 
@@ -233,7 +240,7 @@ def _pair_table(
         cell_mm=column["cell"],
         sliding_mm_per_rad=column.get("sliding"),
         friction_force_N=column["friction"] * column["force"] if "friction" in column else None,
-        half_width_mm=column["cell"] * (2.0 / pi) if lumped else None,
+        half_width_mm=column["cell"] * (2.0 / pi) if lumped and not pairing.whole_circle else None,
         z_mm=z_mm,
     )
 
@@ -259,6 +266,8 @@ def _friction(
             **{name: np.concatenate([pairs.column(name) for pairs, _ in parts]) for name in names},
             "position": np.concatenate([pairs.position for pairs, _ in parts]),
             "site": np.concatenate([pairs.sites + first for pairs, first in parts]),
+            "in_section": np.concatenate([_in_section(pair, pairs) for pairs, _ in parts]),
+            **({} if pair.slices is None else {"z": _from_middle(pair.slices, found.pairs)}),
         },
         n_sites=n_sites,
         n_working=pair.pairing.sites.size,
@@ -269,6 +278,22 @@ def _friction(
         over_period=over_period,
     )
     return replace(summed, site_friction_N=summed.site_friction_N[:, carries])
+
+
+def _in_section(pair: BodyPair, pairs: PackedPairs) -> NDArray[np.float64]:
+    """Part of each normal force that lies in the transverse section: cos(beta)."""
+    x, y, across, up = (pairs.column(name) for name in ("x", "y", "normal_x", "normal_y"))
+    if pair.body_1.axial is None:
+        return np.ones_like(x)
+    return np.asarray(
+        1.0 / np.hypot(1.0, pair.body_1.axial.twist_rad_per_mm * (x * up - y * across))
+    )
+
+
+def _from_middle(slices: Slices, pairs: PackedPairs) -> NDArray[np.float64]:
+    """Axial distance of each pair from the middle of the face width."""
+    z_mm = slices.z_mm - 0.5 * (slices.edges_mm[0] + slices.edges_mm[-1])
+    return np.asarray(z_mm[pairs.slices])
 
 
 def _drawing(pair: BodyPair) -> PairDrawing:
@@ -288,6 +313,9 @@ def _drawing(pair: BodyPair) -> PairDrawing:
         cam_turns_clockwise=pair.body_2.turns_clockwise if pair.pairing.motion else None,
         active_roll_mm=_active_roll_mm(pair.pairing.mesh, pair.pairing.ratio, profiles),
         axial=(pair.body_1.axial, pair.body_2.axial),
+        tilted=pair.slices is not None
+        and pair.slices.conforming is not None
+        and bool(pair.slices.conforming.tilt.any()),
     )
 
 

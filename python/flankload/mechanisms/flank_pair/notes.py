@@ -64,6 +64,11 @@ def notes_of_sweep(
         face_width_mm,
     )
     yield from corner_notes(pair, found)
+    if found.conforming:
+        yield (
+            "splines in three dimensions: pressures are means over the common height of the "
+            "flanks, without the peaks at its ends (a plane scene has them)"
+        )
     shaped = np.count_nonzero((found.site_corner == OTHER_SHAPE).any(axis=1))
     if shaped:
         yield (

@@ -141,12 +141,13 @@ class PairModels:
         if not self._pair.effects.three_dimensions:
             self._solve_plane_elements(z, [scene for scene in asked if scene not in spatial])
         if spatial:
-            self._solve_prism(z, spatial[0])
+            rubs = any(scene.has_friction for scene in spatial)
+            self._solve_prism(z, spatial[0], friction=rubs)
 
-    def _solve_prism(self, z: int, scene: Scene) -> None:
+    def _solve_prism(self, z: int, scene: Scene, *, friction: bool) -> None:
         """A three-dimensional body on coarse elements, and the plane body on the same elements."""
         load_packages()
-        body, found = coarse_compliance(scene, z)
+        body, found = coarse_compliance(scene, z, friction=friction)
         self._jobs[z][self._variant(scene, z)] = found
         self.prism_rates[z] = PrismRates(body, found.job)
         assert body.mesh is not None
@@ -155,7 +156,7 @@ class PairModels:
         seconds = process_time() - start
         modes = modes_of(body, self.screened, COARSE)
         self._sections[z] = flank_compliance(
-            body, JobOptions(n_modes=modes, plane=plane), matrix=matrix
+            body, JobOptions(n_modes=modes, plane=plane, friction=friction), matrix=matrix
         )
         if self._pair.effects.three_dimensions:
             self._jobs[z][False, None, None] = self._sections[z]

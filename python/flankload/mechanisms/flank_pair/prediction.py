@@ -64,7 +64,7 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
                 modes = with_tip(modes)
             if pair.effects.three_dimensions:
                 estimated = scene.accuracy.estimate and z in elements_estimated(pair)
-                stages[stage] = _prism(body, modes, *degrees_of(scene.accuracy), estimated)
+                stages[stage] = _prism(body, work, modes, degrees_of(scene.accuracy), estimated)
                 continue
             places = _places(pair.fillets[z])
             stages[stage] = (
@@ -131,17 +131,20 @@ def _sector(
 
 
 def _prism(
-    body: Body, modes: int, degree: int, load_degree: int, estimated: bool
+    body: Body, work: Work, modes: int, degrees: tuple[int, int], estimated: bool
 ) -> dict[str, int]:
     """Work of a three-dimensional sector; with a plane of symmetry two parts of half the size.
 
     An estimate of the error of its elements is one of the plane section.
     """
     assert body.axial is not None
-    normal = modes * (load_degree + 1)
-    work = _solved((2 if body.axial.symmetric else 1) + estimated, normal, 0, growth=0)
-    work["fe_solutions"] += modes * estimated
-    return work | {"fe_unknowns": prism_unknowns(body, degree)}
+    degree, load_degree = degrees
+    of_profile = [round(part) * modes for part in _loads(work)]
+    normal, tangential = (part * (load_degree + 1) for part in of_profile)
+    factorisations = (2 if body.axial.symmetric else 1) + estimated
+    found = _solved(factorisations, normal, tangential, growth=0)
+    found["fe_solutions"] += sum(of_profile) * estimated
+    return found | {"fe_unknowns": prism_unknowns(body, degree)}
 
 
 def _loads(work: Work) -> tuple[float, float]:

@@ -36,7 +36,9 @@ COARSE = Discretization(flank_element_parts=0.5, modes=3, grid=Grid())
 DEGREE, LOAD_DEGREE, CUT_DEGREE = 4, 2, 3
 
 
-def coarse_compliance(scene: Scene, z: int) -> tuple[Body, BodyCompliance]:
+def coarse_compliance(
+    scene: Scene, z: int, *, friction: bool = False
+) -> tuple[Body, BodyCompliance]:
     """A body on coarse elements, and its compliance.
 
     Parameters
@@ -45,6 +47,8 @@ def coarse_compliance(scene: Scene, z: int) -> tuple[Body, BodyCompliance]:
         Three-dimensional.
     z : int
         0 is body 1, 1 is body 2.
+    friction : bool
+        Loads along the flank are solved.
 
     Returns
     -------
@@ -68,7 +72,8 @@ def coarse_compliance(scene: Scene, z: int) -> tuple[Body, BodyCompliance]:
         screening=True,
         regions=body.axial.regions,
     )
-    return body, prism_compliance(body, prism, n_modes=modes_of(body, scene, COARSE))
+    modes = modes_of(body, scene, COARSE)
+    return body, prism_compliance(body, prism, n_modes=modes, friction=friction)
 
 
 @dataclass(frozen=True)
@@ -104,7 +109,8 @@ class PrismRates:
         coarse, mesh = self.body.mesh, body.mesh
         assert isinstance(coarse, SectorMesh)
         assert isinstance(mesh, SectorMesh)
-        steps, modes = self.job.seconds, counters["unit_loads_normal"]
+        steps = self.job.seconds
+        modes, rubbing = (counters[f"unit_loads_{each}"] for each in ("normal", "tangential"))
         nodes, own = (
             unknowns / (p + 1)
             for unknowns, p in (
@@ -119,10 +125,10 @@ class PrismRates:
             steps["assembly"] * nodes / own
             + steps["factorisation"] * pairs
             + steps["ring"] * cuts**3
-            + steps["near field"] * modes / self.job.counters["unit_loads_normal"]
+            + steps["near field"] * (modes + rubbing) / self.job.counters["fe_solutions"]
         )
         return Account(
             cpu_s=seconds,
-            bytes=8 * mesh.teeth * modes**2,
+            bytes=8 * mesh.teeth * modes * (modes + rubbing),
             workspace_bytes=round(self.job.workspace_bytes * pairs),
         )

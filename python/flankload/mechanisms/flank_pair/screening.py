@@ -390,7 +390,8 @@ def _face_load_factor(found: Sweep) -> float | None:
     """K_Hbeta of all positions; None in the plane."""
     if found.slice_force_N is None or found.slice_edges_mm is None:
         return None
-    return float(face_load_factors(found.slice_force_N, np.diff(found.slice_edges_mm)).max())
+    widths = np.diff(found.slice_edges_mm)
+    return float(face_load_factors(found.slice_force_N, widths, each=found.conforming).max())
 
 
 def _every(positions: Floats, most: int) -> slice:

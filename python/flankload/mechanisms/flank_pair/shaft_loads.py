@@ -48,13 +48,13 @@ def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoad
         axis = np.array([z * pair.pairing.center_distance_mm, 0.0, shaft.z_mm])
         bearings[z] = np.zeros((count, len(shaft.bearing_loads), 3))
         for p in range(count):
-            points, normals, forces = _contacts(pairs, slices, axials[0].twist_rad_per_mm, p)
-            if not forces.any():
+            points, normal, rubbing = _contacts(pairs, slices, axials[0].twist_rad_per_mm, p)
+            if not normal.any():
                 continue
-            force = sign * forces[:, np.newaxis] * normals
+            force = sign * (normal + rubbing)
             wrench = np.concatenate([force.sum(axis=0), np.cross(points - axis, force).sum(axis=0)])
             turned = (shaft.compliance @ wrench)[3:]
-            across = forces @ normals[:, :2]
+            across = normal[:, :2].sum(axis=0)
             across /= np.linalg.norm(across)
             tilt[p] += sign * (across[0] * turned[1] - across[1] * turned[0])
             bearings[z][p] = shaft.bearing_loads @ wrench
@@ -64,7 +64,7 @@ def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoad
 def _contacts(
     pairs: PackedPairs, slices: Slices, twist_rad_per_mm: float, p: int
 ) -> tuple[Floats, Floats, Floats]:
-    """Points (n, 3), normals (n, 3) out of body 1 and forces (n,) of the contacts of a position."""
+    """Points (n, 3) of the contacts of a position, normal forces on body 2 and friction there."""
     _, table = pairs.at(p)
     number = pairs.slices_at(p)
     column = dict(zip(pairs.names, table.T, strict=True))
@@ -72,4 +72,9 @@ def _contacts(
     # n = (cos b n_t, -twist l cos b) with the lever l of the transverse normal
     slope = -twist_rad_per_mm * (x * up - y * across)
     normals = np.column_stack([across, up, slope]) / np.hypot(1.0, slope)[:, np.newaxis]
-    return np.column_stack([x, y, slices.z_mm[number]]), normals, column["force"]
+    force = column["force"][:, np.newaxis]
+    rubbing = np.zeros_like(normals)
+    if "friction" in column:  # against the tangent: the normal turned backward
+        along = np.column_stack([-up, across, np.zeros_like(up)])
+        rubbing = column["friction"][:, np.newaxis] * force * along
+    return np.column_stack([x, y, slices.z_mm[number]]), force * normals, rubbing

@@ -21,7 +21,7 @@ from flankload.elasticity.nodal_loads import nodes_of
 from flankload.elasticity.prism import Prism, prism_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.expansion import grown
+from flankload.pairing.expansion import grown, grown_slices
 from flankload.scene.axial import degrees_of
 from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import effects_of
@@ -255,10 +255,15 @@ def grown_pair(
     if not any(compliance.expansion.strain for compliance in compliances):
         return pair, compliances
     one, two = compliances
+    strains, slices = (one.expansion.strain, two.expansion.strain), pair.slices
+    shapes = pair.body_1.axial, pair.body_2.axial
+    if slices is not None and shapes[0] is not None and shapes[1] is not None:
+        slices = grown_slices(slices, (shapes[0], shapes[1]), strains)
     pair = replace(
         pair,
-        body_1=grown(pair.body_1, one.expansion.strain),
-        body_2=grown(pair.body_2, two.expansion.strain),
+        body_1=grown(pair.body_1, strains[0]),
+        body_2=grown(pair.body_2, strains[1]),
+        slices=slices,
     )
     return pair, (one.grown(), two.grown())
 
@@ -303,8 +308,14 @@ def _prism_call(
         load_degree=load_degree,
         regions=axial.regions,
     )
-    modes = modes_of(body, scene, discretization)
-    return partial(prism_compliance, body, prism, n_modes=modes, estimate=estimate)
+    return partial(
+        prism_compliance,
+        body,
+        prism,
+        n_modes=modes_of(body, scene, discretization),
+        friction=effects_of(scene).friction,
+        estimate=estimate,
+    )
 
 
 def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from flankload.scene.axial import three_dimensional_key
 from flankload.scene.belt import Belt
 from flankload.scene.drive import DriveTable
 from flankload.scene.effects.keys import LARGEST_COEFFICIENT
@@ -41,8 +42,12 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
     _check_extent(asked)
     _check_teeth(asked, given.get("effects", {}))
     _check_growth(asked)
+    spatial = three_dimensional_key(
+        (asked.body_1, asked.body_2), asked.pair, asked.effects.dimension
+    )
     for effect in wanted:
-        _check_kinds(effect, asked.body_1.kind, asked.body_2.kind, found=_value(effect, asked))
+        if spatial is None or effect.name != "lumped_contact":  # one of slices suits all kinds
+            _check_kinds(effect, asked.body_1.kind, asked.body_2.kind, found=_value(effect, asked))
     _check_levels(asked)
     _check_forces(asked)
     for effect in wanted:

@@ -15,6 +15,7 @@ from flankload.elasticity.prism.flank_potential import (
     line_segment,
     love_rectangle,
     projected_potential,
+    projected_tangential,
 )
 from tests.support.tolerances import ROUND_OFF
 
@@ -118,6 +119,48 @@ def test_projection_is_the_limit_of_sums_over_cells(surface: FlankSurface) -> No
     found = projected_potential(surface, 2, 1)
     scale = np.sqrt(np.outer(np.diag(found), np.diag(found)))
     assert np.abs((found - limit) / scale).max() < 3e-3
+
+
+def _tangential_by_cells(surface: FlankSurface, cells: int, image: float) -> np.ndarray:
+    """The same under loads along the profile; the cell itself has no field of a half-space."""
+    at = (np.arange(cells) + 0.5) / cells
+    x, y = (part.ravel() for part in np.meshgrid(at, at, indexing="ij"))
+    s, z = surface.s_mm[0] + surface.length_mm * x, surface.z_mm[0] + surface.width_mm * y
+    modes = np.einsum("ka,kb->kab", legvander(2 * x - 1, 1), legvander(2 * y - 1, 1))
+    modes = modes.reshape(-1, 4) * (
+        surface.length_mm * surface.width_mm / cells**2 / surface.cos_base_helix
+    )
+    apart = z[:, None] - z
+    slope = 0.5 * (surface.slope(s)[:, None] + surface.slope(s))
+    ahead = s[:, None] - s - slope * apart
+    along = apart / surface.cos_base_helix
+    np.fill_diagonal(along, 1.0)
+    table = -ahead / (ahead**2 + along**2) / np.pi
+    np.fill_diagonal(along, 0.0)
+    for psi, corner in zip(surface.wedge_along, surface.s_mm, strict=True):
+        table += image * psi / np.hypot(np.abs(s[:, None] - corner) + np.abs(s - corner), along)
+    return modes.T @ table @ modes
+
+
+@pytest.mark.parametrize("wedge", [NONE, (0.0, -0.5)], ids=["bare", "corner"])
+@pytest.mark.parametrize(
+    "surface", [_surface(), _surface(_leaning, 0.95)], ids=["straight", "helix"]
+)
+def test_loads_along_the_profile_are_the_limit_of_sums(
+    surface: FlankSurface, wedge: tuple[float, float]
+) -> None:
+    surface = replace(surface, wedge_along=wedge)
+    sums = [_tangential_by_cells(surface, cells, 0.3) for cells in (10, 20, 40)]
+    first = [2 * fine - coarse for coarse, fine in pairwise(sums)]
+    limit = (4 * first[1] - first[0]) / 3
+    found, finer = (
+        projected_tangential(surface, 2, 1, kernel=0.6, jump=1.0, finer=n) for n in (1, 2)
+    )
+    scale = np.abs(found).max()
+    assert np.abs(found - limit).max() < 3e-3 * scale
+    assert np.abs(found - finer).max() < 1e-5 * scale
+    if not any(wedge):
+        np.testing.assert_allclose(found, -found.T, rtol=0.0, atol=ROUND_OFF * scale)
 
 
 def test_projection_on_the_constant_mode_has_a_closed_form() -> None:

@@ -1,0 +1,268 @@
+"""Slices of splines in three dimensions: flanks that lie on each other over a common height.
+
+A slice has one unknown, the force F on it. Along the height it is spread over strips, in parts q_i
+of the force, q that of a coupling that is loaded evenly over the width and on all teeth:
+
+    sum_k (sum over teeth and slices of C)_ik q_k = const,  sum q = 1                          (U1)
+    K = q' C q,  g0 = sum_i q_i g_i,  K F + g0 - r_b phi >= 0,  r_b sum F = T                  (U2)
+
+C is the compliance of both bodies between strips of slices. All normals of an involute have the
+lever r_b. An even load thus has the rotation of C itself; where gaps differ over the height, the
+error of K is of second order in the change of q.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from flankload.contact import solve_contact_general
+from flankload.contact.core_call import CORE_COUNTERS
+from flankload.contact.pair_table import COLUMNS, PackedPairs
+from flankload.contact.sweep import Sweep
+from flankload.elasticity.prism.strip_field import StripField
+from flankload.pairing.common_height import turned
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.pairing.common_height import CommonHeight
+    from flankload.pairing.pairing import Pairing
+    from flankload.pairing.slices import Slices
+
+    Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ConformingSlices:
+    """Compliance and gaps of S sites and J slices.
+
+    Attributes
+    ----------
+    spread : (N,) array
+        Part of the force on each strip of the height, q.
+    compliance : (S J, S J) array
+        K, mm/N.
+    gap_mm : (S, J) array
+        Gaps by deviations of the teeth and along the width.
+    """
+
+    spread: Floats
+    compliance: Floats
+    gap_mm: Floats
+
+
+def conforming_slices(
+    bodies: tuple[Body, Body],
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    pairing: Pairing,
+    slices: Slices,
+) -> ConformingSlices:
+    """Reduce both bodies to one unknown per slice.
+
+    Parameters
+    ----------
+    bodies, compliances, pairing
+        From the previous stages; the compliances are those of the whole width.
+    slices : Slices
+        With a common height.
+
+    Returns
+    -------
+    ConformingSlices
+    """
+    height = slices.conforming
+    assert height is not None
+    fields = [
+        StripField.of(compliance, body.teeth, s, height.strip_mm, slices.edges_mm)
+        for body, compliance, s in zip(bodies, compliances, height.s_mm, strict=True)
+    ]
+    even = fields[0].of_even_load() + fields[1].of_even_load()
+    together = np.linalg.solve(even, np.ones(len(even)))
+    spread: Floats = np.asarray(together / together.sum(), dtype=float)
+    one, two = (
+        field.between_sites(spread, teeth)
+        for field, teeth in zip(fields, pairing.site_teeth, strict=True)
+    )
+    compliance = (one + two).reshape(pairing.sites.size * slices.count, -1)
+    return ConformingSlices(
+        spread=spread,
+        compliance=0.5 * (compliance + compliance.T),
+        gap_mm=_gaps(bodies, pairing, slices),
+    )
+
+
+def _gaps(bodies: tuple[Body, Body], pairing: Pairing, slices: Slices) -> Floats:
+    """Gaps (S, J) of teeth on a common axis: pitch errors, lead modifications, slopes of teeth."""
+    base_mm = bodies[0].base_radius_mm
+    assert base_mm is not None
+    one, two = pairing.site_angles_rad
+    gaps = base_mm * (two - one)[:, None] + slices.removed_mm[0] + slices.removed_mm[1]
+    for of_teeth, teeth in zip(slices.of_teeth_mm, pairing.site_teeth, strict=True):
+        if of_teeth is not None:
+            gaps = gaps + of_teeth[teeth]
+    return np.asarray(gaps)
+
+
+def conforming_sweep(
+    reduced: ConformingSlices,
+    bodies: tuple[Body, Body],
+    pairing: Pairing,
+    slices: Slices,
+    position_rad: Floats,
+    torques_Nmm: Sequence[float],
+    *,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Sweep, ...]:
+    """Solve all positions for all torques.
+
+    Parameters
+    ----------
+    reduced : ConformingSlices
+    bodies, pairing, slices
+        As for `conforming_slices`.
+    position_rad : (P,) array
+    torques_Nmm : sequence of float
+        >= 0.
+    progress : callable, optional
+        Called as progress(done, P) after each position.
+
+    Returns
+    -------
+    tuple of Sweep, one per torque
+
+    Raises
+    ------
+    ContactError
+        If a position has no state.
+    """
+    height, base_mm = slices.conforming, bodies[0].base_radius_mm
+    assert height is not None
+    assert base_mm is not None
+    states: list[list[_State]] = [[] for _ in torques_Nmm]
+    for p, turn in enumerate(pairing.turns(position_rad)[0]):
+        angles = turn + pairing.site_angles_rad[0]
+        gaps = reduced.gap_mm + height.gap_mm(angles, slices.z_mm, reduced.spread)
+        for t, torque in enumerate(torques_Nmm):
+            warm = states[t][-1].active if p else None
+            states[t].append(_solved(reduced.compliance, gaps, base_mm, torque, warm))
+        if progress is not None:
+            progress(p + 1, len(position_rad))
+    turns = pairing.turns(position_rad)[0][:, None] + pairing.site_angles_rad[0]
+    return tuple(
+        _as_sweep(torque, own, turns, height, slices, base_mm)
+        for torque, own in zip(torques_Nmm, states, strict=True)
+    )
+
+
+class _State(NamedTuple):
+    """State of a position under a torque; forces and gaps (S, J)."""
+
+    rotation_rad: float
+    tangent_rad_per_Nmm: float
+    force_N: Floats
+    gap_mm: Floats
+    active: NDArray[np.intp] | None
+    status: int
+    certificate: tuple[float, float, float]
+    work: tuple[int, int]
+
+
+def _solved(
+    compliance: Floats, gaps: Floats, base_mm: float, torque: float, warm: NDArray[np.intp] | None
+) -> _State:
+    """State under a torque; without torque the least gap is closed."""
+    if not torque:
+        rotation = float(gaps.min()) / base_mm
+        left = gaps - rotation * base_mm
+        return _State(rotation, 0.0, np.zeros_like(gaps), left, None, 0, (0.0, 1.0, 0.0), (0, 0))
+    levers = np.full(gaps.size, base_mm)
+    state = solve_contact_general(compliance, gaps.ravel(), levers, torque, warm_pairs=warm)
+    return _State(
+        state.rotation,
+        float(state.tangent[0, 0]),
+        state.normal_forces.reshape(gaps.shape),
+        state.final_gap_angles.reshape(gaps.shape),
+        state.active_pairs,
+        state.status,
+        (state.info.backward_error, state.info.condition, state.info.margin),
+        (state.info.pivots, state.info.refactorisations),
+    )
+
+
+def _as_sweep(
+    torque: float,
+    states: Sequence[_State],
+    turns_rad: Floats,
+    height: CommonHeight,
+    slices: Slices,
+    base_mm: float,
+) -> Sweep:
+    """States of all positions under a torque; the pressure is the mean over the height."""
+    forces = np.array([state.force_N for state in states])
+    pressures = forces / (slices.width_mm * height.height_mm)
+    counters = np.zeros((len(states), len(CORE_COUNTERS)), dtype=np.int64)
+    for column, name in enumerate(("pivots", "refactorisations")):
+        counters[:, CORE_COUNTERS.index(name)] = [state.work[column] for state in states]
+    site_forces = forces.sum(axis=2)
+    corner = np.zeros(forces.shape, dtype=np.int64)
+    return Sweep(
+        torque_Nmm=torque,
+        status=np.array([state.status for state in states], dtype=np.int64),
+        rotation_rad=np.array([state.rotation_rad for state in states]),
+        tangent_rad_per_Nmm=np.array([state.tangent_rad_per_Nmm for state in states]),
+        certificate=np.array([state.certificate for state in states]),
+        counters=counters,
+        site_force_N=site_forces,
+        site_peak_N_per_mm=pressures.max(axis=2),
+        site_corner=corner[..., 0],
+        site_force_per_torque=site_forces / (torque or 1.0),
+        n_pairs=np.full(len(states), forces[0].size, dtype=np.int64),
+        pairs=_pairs(
+            forces, np.array([state.gap_mm for state in states]), turns_rad, height, base_mm
+        ),
+        slice_force_N=forces,
+        slice_peak_MPa=pressures,
+        slice_corner=corner,
+        slice_edges_mm=slices.edges_mm,
+        conforming=True,
+    )
+
+
+def _pairs(
+    forces: Floats, gaps: Floats, turns_rad: Floats, height: CommonHeight, base_mm: float
+) -> PackedPairs:
+    """One pair for each slice (P, S, J), in the middle of the height."""
+    (x, y), (normal_x, normal_y) = (
+        np.moveaxis(turned(vector, turns_rad), -1, 0)[..., None]
+        for vector in (height.middle_mm, height.middle_normal)
+    )
+    column = {
+        "s_1": height.middle_s_mm[0],
+        "s_2": height.middle_s_mm[1],
+        "radius": float(np.hypot(*height.middle_mm)),
+        "x": x,
+        "y": y,
+        "normal_x": normal_x,
+        "normal_y": normal_y,
+        "force": forces,
+        "cell": height.height_mm,
+        "gap": gaps,
+        "lever": base_mm,
+    }
+    table = [np.broadcast_to(column[name], forces.shape).ravel() for name in COLUMNS]
+    count, n_slices = forces[0].size, forces.shape[2]
+    number = np.tile(np.arange(count, dtype=np.intc), len(forces))
+    return PackedPairs(
+        site=number // n_slices,
+        table=np.column_stack(table),
+        first=count * np.arange(len(forces)),
+        count=np.full(len(forces), count),
+        slice_number=number % n_slices,
+    )

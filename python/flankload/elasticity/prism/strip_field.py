@@ -1,0 +1,183 @@
+"""Displacement of a body under forces on strips of its flanks, in slices: for flanks that conform.
+
+A strip of a slice moves a strip of another one by (S1) of `docs/theory/slices.md` with the mean
+(S3) of 1/R; x is the distance of both strips whose logarithm is the mean logarithm of the distances
+of their points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.polynomial.legendre import legint, legval
+
+from flankload.elasticity.near_field import mode_values
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.elasticity.compliance import BodyCompliance
+
+    Floats = NDArray[np.float64]
+
+#: From so many lengths of segments on their second moments are enough, to 1e-5 of the mean.
+FAR = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class StripField:
+    """Displacement of a body under forces on N strips of J slices.
+
+    Attributes
+    ----------
+    compliance : BodyCompliance
+    teeth : int
+    along : (N, n_s) array
+        Modes along the profile at the strips.
+    over : (J, n_z) array
+        Means of the modes along the axis over the slices.
+    near : (N, J, J) array
+        Near field of strips n apart, with the images behind end faces, mm/N.
+    corners : (2, N, N, J, J) or empty array
+        Images behind free corners.
+    weight : (J,) array
+        Part of the common width.
+    """
+
+    compliance: BodyCompliance
+    teeth: int
+    along: Floats
+    over: Floats
+    near: Floats
+    corners: Floats
+    weight: Floats
+
+    @classmethod
+    def of(
+        cls,
+        compliance: BodyCompliance,
+        teeth: int,
+        s_mm: Floats,
+        strip_mm: float,
+        edges_mm: Floats,
+    ) -> StripField:
+        """Field of a body.
+
+        Parameters
+        ----------
+        compliance : BodyCompliance
+            In three dimensions.
+        teeth : int
+        s_mm : (N,) array
+            Arc lengths of the middles of the strips.
+        strip_mm : float
+            Their width.
+        edges_mm : (J + 1,) array
+            Ends of the slices.
+
+        Returns
+        -------
+        StripField
+        """
+        modes, s = compliance.modes, s_mm
+        width, z = np.diff(edges_mm), 0.5 * (edges_mm[1:] + edges_mm[:-1])
+        axial = modes.axial
+        assert axial is not None
+        n_s = compliance.smooth.shape[1] // axial.count
+        k = 0.5 * compliance.near.kernel
+        apart = strip_distances(s.size, strip_mm)[:, None, None]
+        lengths = width[:, None], width[None, :]
+        near = mean_potential(z[:, None] - z, *lengths, apart)
+        for end, strength in zip(axial.range_mm, axial.end, strict=True):
+            if strength:
+                image = z[:, None] + z - 2.0 * end
+                near = near + strength * mean_potential(image, *lengths, apart)
+        corners = np.zeros((0, s.size, s.size, *near.shape[1:]))
+        for place, strength in zip(modes.range_mm, compliance.near.wedge, strict=True):
+            if strength:
+                from_corner = np.abs(s - place)
+                apart = (from_corner[:, None] + from_corner)[..., None, None]
+                image = strength * k * mean_potential(z[:, None] - z, *lengths, apart)
+                corners = np.concatenate([corners, image[None]])
+        return cls(
+            compliance=compliance,
+            teeth=teeth,
+            along=mode_values(s, modes.range_mm, n_s, tip=modes.tip),
+            over=_axial_means(axial.range_mm, axial.count, edges_mm),
+            near=k * near,
+            corners=corners,
+            weight=width / width.sum(),
+        )
+
+    def of_even_load(self) -> Floats:
+        """Mean displacement of strips (N, N) of all slices under even loads on all teeth."""
+        modes = np.einsum("ia,b->iab", self.along, self.weight @ self.over)
+        modes = modes.reshape(len(self.along), -1)
+        found = modes @ self.compliance.smooth.sum(axis=0) @ modes.T
+        number = np.arange(len(self.along))
+        near = np.einsum("njk,j,k->n", self.near, self.weight, self.weight)
+        found += near[np.abs(number[:, None] - number)]
+        found += np.einsum("cihjk,j,k->ih", self.corners, self.weight, self.weight)
+        return np.asarray(found)
+
+    def between_sites(self, spread: Floats, teeth: NDArray[np.int64]) -> Floats:
+        """Compliance (S, J, S, J) between slices whose forces are spread over the strips."""
+        modes = np.einsum("a,jb->jab", spread @ self.along, self.over)
+        modes = modes.reshape(len(self.over), -1)
+        blocks = modes @ self.compliance.smooth @ modes.T
+        number = self.compliance.block_of(teeth[:, None], teeth, self.teeth)
+        found = blocks[number].transpose(0, 2, 1, 3).copy()
+        apart = np.abs(np.arange(spread.size)[:, None] - np.arange(spread.size))
+        products = np.bincount(apart.ravel(), weights=np.outer(spread, spread).ravel())
+        own = np.einsum("n,njk->jk", products, self.near)
+        own += np.einsum("cihjk,i,h->jk", self.corners, spread, spread)
+        sites = np.arange(teeth.size)
+        found[sites, :, sites, :] += own
+        return np.asarray(found)
+
+
+def _axial_means(ends_mm: tuple[float, float], count: int, edges_mm: Floats) -> Floats:
+    """Means (J, count) of Legendre polynomials over slices."""
+    low, high = ends_mm
+    places = (2.0 * edges_mm - low - high) / (high - low)
+    integrals = np.stack([legval(places, legint(row)) for row in np.eye(count)], axis=1)
+    return np.asarray(np.diff(integrals, axis=0) / np.diff(places)[:, None])
+
+
+def strip_distances(count: int, width_mm: float) -> Floats:
+    """Distances (n,) of strips 0, 1, ... apart by the mean logarithm between their points, mm.
+
+    The second integral of ln x is x²/2 ln x - 3 x²/4: strips as far as n widths have the mean
+
+        ln w - 3/2 + [(n + 1)² ln(n + 1) - 2 n² ln n + (n - 1)² ln|n - 1|]/2
+    """
+    n = np.arange(count, dtype=float)
+
+    def square_log(x: Floats) -> Floats:
+        return np.where(x > 0, x**2 * np.log(np.where(x > 0, x, 1.0)), 0.0)
+
+    terms = square_log(n + 1.0) - 2.0 * square_log(n) + square_log(np.abs(n - 1.0))
+    return np.asarray(width_mm * np.exp(0.5 * terms - 1.5))
+
+
+def mean_potential(distance: Floats, length: Floats, other: Floats, across: Floats) -> Floats:
+    """Mean of 1/R over two parallel segments, 1/mm, Eq. (S3); arguments broadcast, in mm."""
+    square = distance**2 + across**2
+    far = square > (FAR * np.maximum(length, other)) ** 2
+    moments = (length**2 + other**2) * (2.0 * distance**2 - across**2) / (24.0 * square**2)
+    half_sum, half_difference = 0.5 * (length + other), 0.5 * (length - other)
+    near = (
+        _twice_integrated(distance + half_sum, across)
+        - _twice_integrated(distance + half_difference, across)
+        - _twice_integrated(distance - half_difference, across)
+        + _twice_integrated(distance - half_sum, across)
+    ) / (length * other)
+    return np.asarray(np.where(far, (1.0 + moments) / np.sqrt(square), near))
+
+
+def _twice_integrated(along: Floats, across: Floats) -> Floats:
+    """Second integral of 1/sqrt(y² + x²) over y."""
+    radius = np.hypot(along, across)
+    return np.asarray(np.abs(along) * np.log((np.abs(along) + radius) / across) - radius)
