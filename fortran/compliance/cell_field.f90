@@ -58,7 +58,8 @@ contains
         call set_smooth(body_1, body_2, slices, pairs, rigid, moved, matrix)
         runs = runs_of(pairs)
         ends = end_mirrors(body_1, body_2)
-        corners = [corner_mirrors(body_1, 1), corner_mirrors(body_2, 2)]
+        corners = [corner_mirrors(body_1, 1, body_1%wedge), &
+            & corner_mirrors(body_2, 2, body_2%wedge)]
         do b = 1, size(runs)
             do a = b, size(runs)
                 associate (one => segments(runs(a)%zone), other => segments(runs(b)%zone))
