@@ -387,7 +387,9 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
             refuse(f"effects.{key}", f"{default}, {since}: this version has {what}", shown(value))
     if given.get("contact") == "pairs":
         if asked.body_1.conforms:
-            refuse("effects.contact", f"'lumped' or nothing, {since}: no cells of splines", "'pairs'")
+            refuse(
+                "effects.contact", f"'lumped' or nothing, {since}: no cells of splines", "'pairs'"
+            )
         if friction := asked.effects.friction_coefficient:
             expected = f"nothing, {since}: this version has friction of lumped contact there"
             refuse("effects.friction_coefficient", expected + ", not of cells", friction)
