@@ -293,6 +293,6 @@ def test_cells_of_splines_are_refused() -> None:
     with pytest.raises(fl.SceneError) as raised:
         fl.Scene.from_dict(tree_of("spline", keys))
     assert str(raised.value) == (
-        "effects.contact: expected 'lumped' or nothing, since effects.dimension = 3 requires three "
-        "dimensions: no cells of splines, found 'pairs'"
+        "effects.contact: expected nothing, since effects.dimension = 3 requires three dimensions: "
+        "slices of splines have one unknown each, found 'pairs'"
     )

@@ -38,7 +38,6 @@ PLANE_EFFECTS = {
     "choose": "no choice of effects for three-dimensional bodies",
     "near_field": "no nodal forces on three-dimensional bodies",
     "influence": "influence coefficients of small forces for slices",
-    "root_stress": "root stress of plane bodies only",
     "body": "three-dimensional bodies with all their teeth",
     "support_expansion_per_K": "bodies that expand as their supports do",
     "speed_rpm": "centrifugal expansion of plane bodies only",
@@ -221,6 +220,10 @@ class AxialKeys:
     def check_extents(self, range_mm: tuple[float, float], key: str) -> None:
         """Check the regions against the ends of the teeth."""
 
+    def bore_of(self, range_mm: tuple[float, float]) -> tuple[tuple[float, float], float] | None:
+        """Ends along the axis and diameter of the bore; None if the diameter is unknown."""
+        return None
+
     def check_solid(self, key: str, why: str) -> None:
         """Refuse what this version has in plane scenes only."""
 
@@ -277,7 +280,18 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
             )
     ends = body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
     body.check_extents(ends, key)
+    if body.shaft is not None and body.shaft.is_flexible:
+        _check_flexible(body, body.shaft, ends, key)
     return ends
+
+
+def _check_flexible(body: AxialKeys, shaft: Shaft, ends: tuple[float, float], key: str) -> None:
+    """Check that a shaft that bends under the teeth fills the bore."""
+    bore = body.bore_of(ends)
+    if bore is None:
+        expected = f"'rigid', since there is no {key}.bore_diameter_mm"
+        refuse(f"{key}.shaft.under_teeth", expected, shown(shaft.under_teeth))
+    shaft.check_bore(*bore, 0.5 * (ends[0] + ends[1]), key)
 
 
 def degrees_of(accuracy: "Accuracy") -> tuple[int, int]:
@@ -377,22 +391,20 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
     """Refuse effects and keys that this version has in plane scenes only."""
     since = f"since {why} requires three dimensions"
     plain = type(asked.effects)()
-    if asked.body_1.conforms and asked.effects.friction_coefficient:
-        expected = f"nothing, {since}: this version has no friction of splines there"
+    cells = given.get("contact") == "pairs"
+    if cells and asked.body_1.conforms:
+        expected = f"nothing, {since}: slices of splines have one unknown each"
+        refuse("effects.contact", expected, "'pairs'")
+    if asked.effects.friction_coefficient and (asked.body_1.conforms or cells):
+        without = "of splines" if asked.body_1.conforms else "with effects.contact = 'pairs'"
+        expected = f"nothing, {since}: this version has no friction {without} there"
         refuse("effects.friction_coefficient", expected, asked.effects.friction_coefficient)
     for key, what in PLANE_EFFECTS.items():
         value = getattr(asked.effects, key)
         if value != getattr(plain, key):
             default = shown(getattr(plain, key)) if getattr(plain, key) else "nothing"
             refuse(f"effects.{key}", f"{default}, {since}: this version has {what}", shown(value))
-    if given.get("contact") == "pairs":
-        if asked.body_1.conforms:
-            refuse(
-                "effects.contact", f"'lumped' or nothing, {since}: no cells of splines", "'pairs'"
-            )
-        if friction := asked.effects.friction_coefficient:
-            expected = f"nothing, {since}: this version has friction of lumped contact there"
-            refuse("effects.friction_coefficient", expected + ", not of cells", friction)
+    if cells:
         return
     for key in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
         if getattr(asked.accuracy, key) is not None:

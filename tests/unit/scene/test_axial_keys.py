@@ -198,9 +198,9 @@ GIVEN = {"kind": "compliance", "file": "wheel.npz"}
             "5",
         ),
         (
-            {**CROWNED, "effects__friction_coefficient": 0.1, "effects__contact": "pairs"},
+            {**CROWNED, "effects__contact": "pairs", "effects__friction_coefficient": 0.1},
             "effects.friction_coefficient",
-            f"nothing, {SINCE}: this version has friction of lumped contact there, not of cells",
+            f"nothing, {SINCE}: this version has no friction with effects.contact = 'pairs' there",
             "0.1",
         ),
         (
