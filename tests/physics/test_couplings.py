@@ -351,6 +351,13 @@ def test_gears_have_no_misalignment_of_splines() -> None:
     )
 
 
-def test_friction_is_refused_in_one_line() -> None:
-    with pytest.raises(fl.SceneError, match=r"effects\.friction_coefficient.*friction of splines"):
-        scene(effects__friction_coefficient=0.1)
+@pytest.mark.parametrize(
+    ("key", "value", "why"),
+    [
+        ("friction_coefficient", 0.1, "no friction of splines"),
+        ("contact", "pairs", "one unknown each"),
+    ],
+)
+def test_effects_of_other_flanks_are_refused(key: str, value: Any, why: str) -> None:
+    with pytest.raises(fl.SceneError, match=rf"effects\.{key}.*{why}"):
+        scene(**{f"effects__{key}": value})
