@@ -180,7 +180,7 @@ def test_a_plan_screens_the_pair_without_the_shaft_on_elements_of_their_own() ->
 
 
 def test_roots_are_stressed_as_the_line_load_says() -> None:
-    """Readings inside the sector see a bore that follows; it does not stress the roots by itself."""
+    """Readings in a sector see the bore follow; that alone does not stress the roots."""
     largest, factors = [], []
     for shaft in (None, SHAFT):
         tree = tables(shaft)
