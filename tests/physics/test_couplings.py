@@ -332,11 +332,11 @@ def test_misaligned_couplings_have_positions() -> None:
             "nothing, unless pair.misalignment_mrad is > 0",
         ),
         (
-            {"effects__friction_coefficient": 0.1},
-            "effects.friction_coefficient",
+            {"effects__root_stress": True},
+            "effects.root_stress",
             (
-                "nothing, since body_1.lead_crowning_um requires three dimensions: this version "
-                "has no friction of splines in slices"
+                "nothing, since body_1.lead_crowning_um requires three dimensions: this version has "
+                "no root stress of splines over their width"
             ),
         ),
         (
@@ -367,3 +367,15 @@ def test_gears_have_no_misalignment_of_splines() -> None:
     assert caught.value.expected == (
         "nothing: a gear and a gear have pair.inclination_um_per_mm and deviation_um_per_mm"
     )
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "why"),
+    [
+        ("friction_coefficient", 0.1, "no friction of splines"),
+        ("contact", "pairs", "one unknown each"),
+    ],
+)
+def test_effects_of_other_flanks_are_refused(key: str, value: Any, why: str) -> None:
+    with pytest.raises(fl.SceneError, match=rf"effects\.{key}.*{why}"):
+        scene(**{f"effects__{key}": value})
