@@ -310,6 +310,9 @@ def test_misaligned_couplings_have_positions() -> None:
     assert deviation(loads[1], np.roll(loads[0], -1, axis=0)) < 1e-8
 
 
+WHY = "body_1.lead_crowning_um requires three dimensions"
+
+
 @pytest.mark.parametrize(
     ("changes", "key", "expected"),
     [
@@ -335,8 +338,8 @@ def test_misaligned_couplings_have_positions() -> None:
             {"effects__root_stress": True},
             "effects.root_stress",
             (
-                "nothing, since body_1.lead_crowning_um requires three dimensions: this version has "
-                "no root stress of splines over their width"
+                "nothing, since body_1.lead_crowning_um requires three dimensions: this version "
+                "has no root stress of splines over their width"
             ),
         ),
         (
@@ -351,6 +354,11 @@ def test_misaligned_couplings_have_positions() -> None:
             {"body_2__tooth_helix_slope_um": [1.0, 2.0]},
             "body_2.tooth_helix_slope_um",
             "one entry per tooth: 24, as in body_2.teeth",
+        ),
+        (
+            {"effects__friction_coefficient": 0.1},
+            "effects.friction_coefficient",
+            f"nothing, since {WHY}: this version has no friction of splines",
         ),
     ],
 )
@@ -369,13 +377,6 @@ def test_gears_have_no_misalignment_of_splines() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "why"),
-    [
-        ("friction_coefficient", 0.1, "no friction of splines"),
-        ("contact", "pairs", "one unknown each"),
-    ],
-)
-def test_effects_of_other_flanks_are_refused(key: str, value: Any, why: str) -> None:
-    with pytest.raises(fl.SceneError, match=rf"effects\.{key}.*{why}"):
-        scene(**{f"effects__{key}": value})
+def test_cells_are_refused_in_one_line() -> None:
+    with pytest.raises(fl.SceneError, match=r"effects\.contact.*one unknown each"):
+        scene(effects__contact="pairs")
