@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
 from flankload.base.read_only import KeepsReadOnly
@@ -39,6 +40,8 @@ Floats = NDArray[np.float64]
 
 #: Stresses that differ by less, relative to the largest, are equal.
 SAME = 1e-12
+#: Gauss points along the profile of the cell of a slice, which is the height of a spline's flank.
+CELL_POINTS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,29 +251,27 @@ def root_stress(
 
 
 def _mode_loads(reading: RootReading, table: PairTable, sites: NDArray[np.int64], z: int) -> Floats:
-    """Loads c (S, p) of the modes at one position, MPa: out of the material, then along it."""
+    """Loads c (S, p) of the modes at one position, MPa: out of the material, then along it.
+
+    In three dimensions the forces times the values of the modes, N.
+    """
     span, tip = reading.mode_range_mm, reading.tip
     places = (table.arc_length_1_mm, table.arc_length_2_mm)[z]
-    if reading.nodes is not None:
-        values = hat_values(places, reading.nodes)
+    if reading.over_width is not None:
+        values = _on_slices(reading, reading.over_width, table, places)
+    elif reading.nodes is not None:
+        values = hat_values(places, reading.nodes) / reading.face_width_mm
     else:
         # beyond their range modes keep their end values
         within = np.clip(places, span[0], span[1] if tip is None else tip.end_mm)
         values = mode_values(within, span, reading.n_modes, tip=tip)
-        if reading.over_width is None:
-            values = to_coefficients(values.T, span, tip=tip).T
-    width = reading.face_width_mm
-    if reading.over_width is not None:
-        assert table.z_mm is not None
-        along = reading.over_width.modes_at(table.z_mm)
-        values, width = np.einsum("na,nb->nab", values, along).reshape(len(values), -1), 1.0
+        values = to_coefficients(values.T, span, tip=tip).T / reading.face_width_mm
     # contact pushes into the material; where flanks touch, arc length grows to opposite sides, and
     # so do the forces along them
     forces = [-table.force_N]
     if reading.response.shape[-1] > values.shape[1]:
         assert table.friction_force_N is not None
         forces.append(table.friction_force_N)
-    values = values / width
     weighted = np.hstack([values * force[:, None] for force in forces])
     loads = np.zeros((sites.size, reading.response.shape[-1]))
     loaded = table.force_N > 0
@@ -278,6 +279,22 @@ def _mode_loads(reading: RootReading, table: PairTable, sites: NDArray[np.int64]
         own = loaded & (table.site == site)
         loads[sites == site] = weighted[own].sum(axis=0)
     return loads
+
+
+def _on_slices(
+    reading: RootReading, over_width: OverWidth, table: PairTable, places: Floats
+) -> Floats:
+    """Means (n, p) of the modes over the cells of slices, along the profile and the axis."""
+    assert table.z_mm is not None
+    points, weights = leggauss(CELL_POINTS)
+    low, high = reading.mode_range_mm
+    tip = reading.tip
+    s = places[:, None] + 0.5 * table.cell_mm[:, None] * points
+    within = np.clip(s, low, high if tip is None else tip.end_mm)
+    values = mode_values(within.ravel(), (low, high), reading.n_modes, tip=tip)
+    values = np.einsum("g,nga->na", 0.5 * weights, values.reshape(*s.shape, -1))
+    along = over_width.modes_at(table.z_mm)
+    return np.asarray(np.einsum("na,nb->nab", values, along).reshape(len(values), -1))
 
 
 def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
