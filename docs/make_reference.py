@@ -163,20 +163,22 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
         for name, unit in friction.ALONG_POSITIONS.items()
     ]
     # the names do not depend on the stresses
+    # the value of each array is the name of the attribute that documents it
+    of_extremes = SimpleNamespace(
+        **{name: name for name in ("stress_MPa", "arc_length_mm", "z_mm")}
+    )
+    names = ("slice_tension_MPa", "slice_compression_MPa")
     stress: Any = SimpleNamespace(
-        tension=SimpleNamespace(stress_MPa=None, arc_length_mm=None),
-        compression=SimpleNamespace(stress_MPa=None, arc_length_mm=None),
+        tension=of_extremes, compression=of_extremes, **{name: name for name in names}
     )
     roots = [
-        Quantity(
-            name,
-            unit,
-            "(P, S)",
-            root_stress.Extremes,
-            "arc_length_mm" if name.endswith("_mm") else "stress_MPa",
-        )
+        Quantity(name, unit, axes, owner, attribute)
         for z in (0, 1)
-        for name, (_, unit) in root_stress.root_arrays(stress, z).items()
+        for axes, owner, arrays in (
+            ("(P, S)", root_stress.Extremes, root_stress.root_arrays(stress, z)),
+            ("(P, S, J)", root_stress.RootStress, root_stress.slice_root_arrays(stress, z)),
+        )
+        for name, (attribute, unit) in arrays.items()
     ]
     chains = group(chain.ALONG_POSITIONS, "(P,)", chain.ChainDrive)
     chains += group(chain.OVER_SITES, "(P, S)", chain.ChainDrive)
@@ -202,7 +204,12 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
             "With `effects.coast_flank = true`.",
             group(coast_contact.OVER_SITES, "(P, S)"),
         ),
-        ("Tooth root stress", "With `effects.root_stress = true`; `result.root_stress`.", roots),
+        (
+            "Tooth root stress",
+            "With `effects.root_stress = true`; `result.root_stress`. Arrays with `_z_mm` and over "
+            "slices in three dimensions only.",
+            roots,
+        ),
         ("Chain drives", "`result.drive` of a chain on its sprocket.", chains),
         ("Belt drives", "`result.drive` of a belt on its pulley.", belts),
     ]

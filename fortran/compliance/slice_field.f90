@@ -17,9 +17,10 @@ module flankload_slice_field
     implicit none
     private
 
-    public :: segment_type, shaft_type, slices_type
-    public :: add_segment_field, axial_means, flank_of, holds_slices, mean_width, middle_of, &
-        & slice_of, sliced_compliance, sliced_tangential, tangential_field, width_of
+    public :: mirror_type, segment_type, shaft_type, slices_type
+    public :: add_segment_field, axial_means, corner_mirrors, end_mirrors, flank_of, &
+        & holds_slices, mean_width, middle_of, modes_of, slice_of, sliced_compliance, &
+        & sliced_tangential, tangential_field, width_of
 
     !> How flanks are cut: site (pair - 1)*n + j is slice j of flank pair `pair`.
     type :: slices_type
@@ -273,7 +274,7 @@ contains
     end subroutine set_block
 
     !> Modes of the profile times Legendre polynomials over the width.
-    pure function modes_of(body, slices, site, s) result(values)
+    pure function modes_of(body, slices, site, s, turn) result(values)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> The slices
@@ -281,6 +282,8 @@ contains
         !> Site of each place, and its arc length [mm], shape (n)
         integer, intent(in) :: site(:)
         real(wp), intent(in) :: s(:)
+        !> Rotation of the forces from the profile's normal [rad], shape (n); 0 by default
+        real(wp), intent(in), optional :: turn(:)
         !> Values, shape (n_modes, n)
         real(wp) :: values(size(body%smooth, 1), size(s))
 
@@ -288,7 +291,7 @@ contains
         real(wp) :: along(size(s), size(body%smooth, 1)/body%n_axial)
         real(wp) :: over(body%n_axial, size(slices%edges) - 1)
 
-        along = mode_values(body, s)
+        along = mode_values(body, s, turn)
         over = axial_means(body, slices%edges)
         do i = 1, size(s)
             do a = 1, size(along, 2)

@@ -8,7 +8,8 @@ module flankload_known_contact
     use flankload_kinds, only: wp
     use flankload_lapack, only: getrf, permute_rows, solve_triangle
     use flankload_contact_pairs, only: chosen_pairs, pairs_type
-    use flankload_influence_number, only: influence_matrix
+    use flankload_contact_zones, only: zone_type
+    use flankload_pair_influence, only: pair_influences
     use flankload_position_zones, only: body_type
     use flankload_position_state, only: position_state
     implicit none
@@ -53,10 +54,12 @@ contains
     !>
     !> Neither signs of forces nor gaps of the other pairs are checked: for small differences to the
     !> state whose contact is given, this is that state continued by its derivative.
-    pure subroutine solve_known(body_1, body_2, touches, torque, state, solved)
+    pure subroutine solve_known(body_1, body_2, zones, touches, torque, state, solved)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
+        !> The zones of the position
+        type(zone_type), intent(in) :: zones(:)
         !> Which pairs are in contact, shape (pairs)
         logical, intent(in) :: touches(:)
         !> Torque on body 1 [N mm]
@@ -78,7 +81,7 @@ contains
         if (n == 0) return
         pairs = chosen_pairs(state%pairs, which)
         allocate (matrix(n, n), columns(n, 2), row_swaps(n))
-        call influence_matrix(body_1%compliance, body_2%compliance, pairs, matrix)
+        call pair_influences(body_1, body_2, zones, pairs, matrix)
         nearest = minval(pairs%gap_angle)   ! small differences of angles have small rounding errors
         columns(:, 1) = pairs%lever
         columns(:, 2) = pairs%lever*(pairs%gap_angle - nearest)

@@ -7,11 +7,12 @@ module flankload_pair_forces
     use flankload_flank_curve, only: placed_point
     use flankload_contact_pairs, only: pairs_type
     use flankload_compliance_field, only: compliance_type
-    use flankload_influence_number, only: influence_matrix, normal_influences
+    use flankload_influence_number, only: normal_influences
     use flankload_tangential_influence, only: add_tangential
     use flankload_finite_influence, only: departures
     use flankload_contact_loop, only: contact_result, method_auto, method_single, &
         & definite_matrix, general_matrix, symmetric_matrix, solve_contact_problem
+    use flankload_pair_influence, only: pair_influences
     use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: position_state
     implicit none
@@ -37,7 +38,7 @@ contains
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position; used for finite forces only
+        !> The position
         type(position_type), intent(in) :: position
         !> Pairs of the start
         integer, intent(in) :: warm_pairs(:)
@@ -55,7 +56,7 @@ contains
 
         n = state%pairs%n
         allocate (matrix(n, n))
-        call influence_matrix(body_1%compliance, body_2%compliance, state%pairs, matrix)
+        call pair_influences(body_1, body_2, position%zones, state%pairs, matrix)
         state%columns = state%columns + n
         if (allocated(state%pairs%friction)) then
             state%tangential_columns = state%tangential_columns + n

@@ -4,8 +4,8 @@ module flankload_position_cells
     use flankload_kinds, only: wp
     use flankload_status, only: code_circle_misses
     use flankload_error, only: error_type, fatal_error
+    use flankload_ordering, only: ascending_order
     use flankload_rounding, only: tie
-    use flankload_flank_curve, only: flank_curve_type
     use flankload_contact_zones, only: zone_type
     use flankload_contact_normal, only: contact_normal, normal_type
     use flankload_contact_reach, only: edges_within, zone_reach
@@ -15,7 +15,8 @@ module flankload_position_cells
     use flankload_gap_shift, only: has_shift, shift_pairs
     use flankload_lumped_hertz, only: least_half_width
     use flankload_node_cells, only: circles_through, lay_on_nodes
-    use flankload_position_zones, only: body_type, position_type
+    use flankload_position_zones, only: body_type, position_type, section_at
+    use flankload_slice_field, only: flank_of, slices_type
     implicit none
     private
 
@@ -56,12 +57,17 @@ module flankload_position_cells
         real(wp), allocatable :: reach(:, :)
         !> Grids of the zones, shape (zones)
         type(grid_type), allocatable :: grids(:)
+        !> Zones are slices of flanks
+        logical :: in_slices = .false.
     end type cells_type
 
     !> Grids are widened by this factor when a force stands at their end.
     real(wp), parameter :: widening = 1.6_wp
     !> A zone that carries little gets cells as if it carried this part of the whole load.
     real(wp), parameter :: least_part = 0.02_wp
+    !> The same for a slice and its part of the load: at the ends of a contact line forces are small
+    !> and known to their size only.
+    real(wp), parameter :: slice_part = 0.1_wp
 
 contains
 
@@ -85,6 +91,8 @@ contains
         cells%joins = joins
         cells%estimate = estimate
         cells%least = least_part*torque/position%zones%lever
+        cells%in_slices = allocated(position%part)
+        if (cells%in_slices) cells%least = slice_part/least_part*position%part*cells%least
         if (any(position%zones%side < 0.0_wp)) then
             ! flanks that press on each other across a tooth carry more than the torque
             cells%least = max(cells%least, least_part*maxval(estimate))
@@ -112,9 +120,9 @@ contains
             if (.not. cells%joins(z)) cycle
             site = position%zones(z)%site
             cells%reach(:, z) = max(least_half_width(position%flank_length), &
-                & zone_reach(body_1%flanks(1)%curve, position%frames_1(site), &
-                & body_2%flanks(1)%curve, position%frames_2(site), position%zones(z), &
-                & position%kernel(z)*cells%part(z)))
+                & zone_reach(body_1%flanks(section_at(body_1, site))%curve, &
+                & position%frames_1(site), body_2%flanks(section_at(body_2, site))%curve, &
+                & position%frames_2(site), position%zones(z), position%kernel(z)*cells%part(z)))
         end do
     end subroutine measure_reach
 
@@ -148,48 +156,29 @@ contains
         !> Set if a circle misses flank 2
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: z, site, first
-        type(normal_type) :: normal
-        logical :: found
+        integer :: z, site
 
         associate (zones => position%zones, grids => cells%grids, frames_1 => position%frames_1, &
-            & frames_2 => position%frames_2, flank_1 => body_1%flanks(1), &
-            & flank_2 => body_2%flanks(1))
+            & frames_2 => position%frames_2)
             do z = 1, size(zones)
                 if (.not. cells%joins(z)) cycle
                 site = zones(z)%site
                 grids(z) = wanted_grid(zones(z), cells%reach(:, z), &
-                    & edges_within(flank_1, frames_1(site), flank_2, frames_2(site), &
-                    & zones(z), cells%reach(:, z)), cells%widths(:, z), &
+                    & edges_within(body_1%flanks(section_at(body_1, site)), frames_1(site), &
+                    & body_2%flanks(section_at(body_2, site)), frames_2(site), zones(z), &
+                    & cells%reach(:, z)), cells%widths(:, z)*one_sided(cells, z), &
                     & settings%strips_per_half_width, settings%corner_strips_per_half_width)
             end do
-            call part_grids(flank_1%curve, flank_2%curve, position, cells%joins, grids)
+            call part_grids(body_1, body_2, position, cells%joins, grids)
+            if (cells%in_slices) call take_one_width(body_1%slices, zones, cells)
             do z = 1, size(zones)
                 if (cells%joins(z)) call lay_cells_of(zones(z), grids(z))
             end do
             call reserve_pairs(pairs, sum(grids%n, mask=cells%joins))
             do z = 1, size(zones)
                 if (.not. cells%joins(z)) cycle
-                site = zones(z)%site
-                first = pairs%n + 1
-                normal = contact_normal(flank_1%curve, frames_1(site), flank_2%curve, &
-                    & frames_2(site), zones(z), cells%reach(:, z))
-                call append_pairs(flank_1%curve, frames_1(site), flank_2%curve, frames_2(site), &
-                    & zones(z), z, grids(z), normal, body_1%deviations(site) &
-                    & + body_2%deviations(site), pairs, found)
-                if (.not. found) then
-                    call fatal_error(error, code_circle_misses, &
-                        & 'a circle about O1 misses the flank of body 2 inside a zone')
-                    return
-                end if
-                if (has_shift(body_1%compliance, body_2%compliance)) then
-                    call shift_pairs(body_1%compliance, body_2%compliance, first, pairs)
-                end if
-                if (allocated(body_1%friction)) then
-                    call rub_pairs(body_1%friction, zones(z)%side*position%speeds, flank_1%curve, &
-                        & frames_1(site), flank_2%curve, frames_2(site), zones(z), first, pairs)
-                end if
-                if (zones(z)%side < 0.0_wp) call take_out_of_mirror(first, pairs)
+                call append_cells(body_1, body_2, position, z, cells, pairs, error)
+                if (allocated(error)) return
             end do
         end associate
 
@@ -216,11 +205,98 @@ contains
 
     end subroutine lay_pairs
 
+    !> Cells of one width on all slices of a flank, the mean of the wanted ones by the forces:
+    !> influences between slices are then a table. Cells that are finer around an edge stay.
+    pure subroutine take_one_width(slices, zones, cells)
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> The zones
+        type(zone_type), intent(in) :: zones(:)
+        !> The cells, their grids known but for the places of the cells
+        type(cells_type), intent(inout) :: cells
+
+        integer :: z
+        integer :: flanks(size(zones))
+        logical :: even(size(zones))
+        real(wp) :: wanted(size(zones))
+
+        even = cells%joins
+        do z = 1, size(zones)
+            if (allocated(cells%grids(z)%edges)) even(z) = .false.
+        end do
+        flanks = flank_of(slices, zones%site)
+        wanted = cells%grids%cell
+        do z = 1, size(zones)
+            if (even(z)) cells%grids(z)%cell = sum(cells%part*wanted, mask=even .and. flanks &
+                & == flanks(z))/sum(cells%part, mask=even .and. flanks == flanks(z))
+        end do
+    end subroutine take_one_width
+
+    !> Append the pairs on the cells of a zone.
+    pure subroutine append_cells(body_1, body_2, position, z, cells, pairs, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position, and the number of its zone
+        type(position_type), intent(in) :: position
+        integer, intent(in) :: z
+        !> The cells
+        type(cells_type), intent(in) :: cells
+        !> The pairs
+        type(pairs_type), intent(inout) :: pairs
+        !> Set if a circle misses flank 2
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: site, first
+        type(normal_type) :: normal
+        logical :: found
+
+        site = position%zones(z)%site
+        first = pairs%n + 1
+        associate (zone => position%zones(z), frame_1 => position%frames_1(site), &
+            & frame_2 => position%frames_2(site), &
+            & curve_1 => body_1%flanks(section_at(body_1, site))%curve, &
+            & curve_2 => body_2%flanks(section_at(body_2, site))%curve)
+            normal = contact_normal(curve_1, frame_1, curve_2, frame_2, zone, cells%reach(:, z))
+            call append_pairs(curve_1, frame_1, curve_2, frame_2, zone, z, cells%grids(z), normal, &
+                & body_1%deviations(site) + body_2%deviations(site), pairs, found)
+            if (.not. found) then
+                call fatal_error(error, code_circle_misses, &
+                    & 'a circle about O1 misses the flank of body 2 inside a zone')
+                return
+            end if
+            if (has_shift(body_1%compliance, body_2%compliance)) then
+                call shift_pairs(body_1%compliance, body_2%compliance, first, pairs)
+            end if
+            if (allocated(body_1%friction)) then
+                call rub_pairs(body_1%friction, zone%side*position%speeds, curve_1, frame_1, &
+                    & curve_2, frame_2, zone, first, pairs)
+            end if
+            if (zone%side < 0.0_wp) call take_out_of_mirror(first, pairs)
+        end associate
+    end subroutine append_cells
+
+    !> How far a contact extends relative to its reach: on one side alone, as at a corner, twice as
+    !> far; in the plane cells are laid anew for that.
+    pure function one_sided(cells, z) result(times)
+        !> The cells, their reach measured
+        type(cells_type), intent(in) :: cells
+        !> Number of the zone
+        integer, intent(in) :: z
+        real(wp) :: times(2)
+
+        times = 1.0_wp
+        if (.not. cells%in_slices) return
+        associate (reach => cells%reach(:, z))
+            times = 1.0_wp + max(0.0_wp, reach - reach(2:1:-1))/reach
+        end associate
+    end function one_sided
+
     !> Part the grids of neighbouring zones of a site.
-    pure subroutine part_grids(flank_1, flank_2, position, joins, grids)
-        !> The flanks
-        type(flank_curve_type), intent(in) :: flank_1
-        type(flank_curve_type), intent(in) :: flank_2
+    pure subroutine part_grids(body_1, body_2, position, joins, grids)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
         !> The position; its zones of a site stand by ascending arc length
         type(position_type), intent(in) :: position
         !> Which of the zones join
@@ -235,8 +311,9 @@ contains
             if (.not. joins(z)) cycle
             site = position%zones(z)%site
             if (last > 0) then
-                if (position%zones(last)%site == site) call part_neighbours(flank_1, &
-                    & position%frames_1(site), flank_2, position%frames_2(site), &
+                if (position%zones(last)%site == site) call part_neighbours( &
+                    & body_1%flanks(section_at(body_1, site))%curve, position%frames_1(site), &
+                    & body_2%flanks(section_at(body_2, site))%curve, position%frames_2(site), &
                     & position%zones(last), position%zones(z), grids(last), grids(z))
             end if
             last = z
@@ -252,18 +329,21 @@ contains
         integer, allocatable :: warm(:)
 
         integer :: i, z
-        real(wp) :: beyond, within(2)
+        real(wp) :: beyond, within(2), depth(pairs%n)
         logical :: expected(pairs%n)
 
         do i = 1, pairs%n
             z = pairs%zone(i)
             beyond = pairs%s_1(i) - zones(z)%nearest%s_1
             ! the centre of a cell on the edge of a contact is not inside
-            within = (1.0_wp - tie)*cells%reach(:, z)
+            within = (1.0_wp - tie)*cells%reach(:, z)*one_sided(cells, z)
             expected(i) = cells%estimate(z) > 0.0_wp .and. beyond > -within(1) &
                 & .and. beyond < within(2)
+            depth(i) = max(-beyond/within(1), beyond/within(2))
         end do
         warm = pack([(i, i=1, pairs%n)], expected)
+        ! pairs that leave are those at the edges: last in the factor, they take little of it along
+        if (cells%in_slices) warm = warm(ascending_order(depth(warm)))
     end function expected_pairs
 
     !> Widen grids at whose ends a force stands; learn the forces of the zones.
@@ -296,7 +376,9 @@ contains
                 cells%widths(2, z) = widening*cells%widths(2, z)
                 settled = .false.
             end if
-            wanted = max(cells%estimate(z), cells%least(z))
+            ! slices have cells of one width, and enough of them as far as no force is at an end
+            if (.not. cells%in_slices) wanted = max(cells%estimate(z), cells%least(z))
+            if (cells%in_slices) wanted = cells%part(z)
             if (wanted > too_far*cells%part(z) .or. cells%part(z) > too_far*wanted) then
                 settled = .false.
             end if

@@ -3,13 +3,14 @@
 !> left out could touch.
 module flankload_position_load
     use flankload_kinds, only: wp
-    use flankload_status, only: code_unsettled_cells
+    use flankload_status, only: code_conforms, code_unsettled_cells
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_zones, only: zone_type
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_lumped_position, only: solve_lumped
     use flankload_lumped_slices, only: solve_slices
     use flankload_slice_coupling, only: check_slices, look_at_slices
+    use flankload_slice_field, only: flank_of
     use flankload_position_zones, only: body_type, look_at_position, position_type
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
         & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
@@ -91,7 +92,8 @@ contains
             type(position_type), intent(out) :: at
 
             if (allocated(body_1%slices)) then
-                call check_slices(body_1, body_2, settings%level == level_lumped, error)
+                call check_slices(body_1, body_2, settings%level == level_lumped, &
+                    & settings%finite_steps, error)
                 if (allocated(error)) return
             end if
             call look_at_position(body_1, body_2, angle_1, angle_2, torque, everywhere, at, error)
@@ -125,7 +127,7 @@ contains
         call blank_state(size(body_1%site_angles), state)
         if (torque <= 0.0_wp .and. .not. presses_across(position)) then
             call unloaded_state(position, state)
-        else if (allocated(body_1%slices)) then
+        else if (allocated(body_1%slices) .and. settings%level == level_lumped) then
             call solve_slices(body_1, body_2, torque, position, state, error)
         else if (settings%level == level_lumped) then
             call solve_lumped(body_1, body_2, position, torque, state, error)
@@ -162,8 +164,8 @@ contains
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position
-        type(position_type), intent(in) :: position
+        !> The position; near fields of slices follow the torque
+        type(position_type), intent(inout) :: position
         !> Torque on body 1 [N mm], above 0 unless flanks press on each other across the teeth
         real(wp), intent(in) :: torque
         !> How fine the cells are
@@ -180,7 +182,11 @@ contains
         logical, allocatable :: touches(:)
         logical :: settled
 
-        call expect_cells(body_1, body_2, position, torque, settings, cells, state, error)
+        if (allocated(body_1%slices)) then
+            call expect_in_slices(body_1, body_2, position, torque, settings, cells, state, error)
+        else
+            call expect_cells(body_1, body_2, position, torque, settings, cells, state, error)
+        end if
         if (allocated(error)) return
         associate (zones => position%zones)
             do pass = 1, max_passes
@@ -217,7 +223,7 @@ contains
             solved = .false.
             if (.not. allocated(contact%touches) .or. settings%finite_steps > 0) return
             if (size(contact%touches) /= state%pairs%n) return
-            call solve_known(body_1, body_2, contact%touches, torque, state, solved)
+            call solve_known(body_1, body_2, position%zones, contact%touches, torque, state, solved)
         end subroutine continue_contact
 
     end subroutine solve_load
@@ -270,6 +276,55 @@ contains
         end associate
     end subroutine expect_cells
 
+    !> Cells for the forces of the slices.
+    subroutine expect_in_slices(body_1, body_2, position, torque, settings, cells, state, error)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position; its near fields follow the torque
+        type(position_type), intent(inout) :: position
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> How fine the cells are
+        type(grid_settings), intent(in) :: settings
+        !> For what the cells shall be laid, their reach measured
+        type(cells_type), intent(out) :: cells
+        !> The state that counts the work
+        type(position_state), intent(inout) :: state
+        !> Set if there is no lumped contact
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: k
+        real(wp) :: estimate(size(position%zones))
+        type(position_state) :: lumped
+
+        call blank_state(size(body_1%site_angles), lumped)
+        call solve_slices(body_1, body_2, torque, position, lumped, error)
+        state%pivots = state%pivots + lumped%pivots
+        state%lumped_solutions = state%lumped_solutions + lumped%lumped_solutions
+        state%largest_part = lumped%largest_part
+        state%none_proven = lumped%none_proven
+        estimate = 0.0_wp
+        if (.not. allocated(error)) then
+            do k = 1, lumped%pairs%n
+                estimate(lumped%pairs%zone(k)) = lumped%forces(k)
+            end do
+        else if (error%code == code_conforms) then
+            return
+        else
+            ! contacts hardly longer than wide are no lines: the flank that touches first, evenly
+            deallocate (error)
+            associate (flanks => flank_of(body_1%slices, position%zones%site))
+                where (flanks == flanks(minloc(position%gap, dim=1))) estimate &
+                    & = position%part*torque/position%zones%lever
+            end associate
+            lumped%rotation = minval(position%gap)
+        end if
+        cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. position%gap &
+            & < lumped%rotation + joining*(lumped%rotation - minval(position%gap)), settings)
+        call measure_reach(body_1, body_2, position, cells)
+    end subroutine expect_in_slices
+
     !> Forces, peaks and corners of the sites.
     pure subroutine sum_over_sites(state, zones)
         !> What was found
@@ -283,7 +338,8 @@ contains
         do i = 1, state%pairs%n
             site = state%pairs%site(i)
             z = state%pairs%zone(i)
-            peak = 2.0_wp*state%forces(i)/(state%pairs%cell_1(i) + state%pairs%cell_2(i))
+            peak = 2.0_wp*state%forces(i)/(state%pairs%cell_1(i) + state%pairs%cell_2(i)) &
+                & /zones(z)%length
             state%site_force(site) = state%site_force(site) + state%forces(i)
             state%site_peak(site) = max(state%site_peak(site), peak)
             if (state%forces(i) <= 0.0_wp) cycle

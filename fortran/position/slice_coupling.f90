@@ -15,7 +15,7 @@ module flankload_slice_coupling
     implicit none
     private
 
-    public :: check_slices, look_at_slices, load_slices, widen_slices
+    public :: check_slices, look_at_slices, load_slices, segments_of, widen_slices
 
     !> Half-width of a contact, about, as a part of the flank's length: loads along the flank are
     !> spread so far in their near field.
@@ -23,22 +23,26 @@ module flankload_slice_coupling
 
 contains
 
-    !> Refuse what slices do not follow: cells, nodes, known displacements.
-    pure subroutine check_slices(body_1, body_2, is_lumped, error)
+    !> Refuse what slices do not follow: nodes, known displacements; cells also friction and finite
+    !> forces.
+    pure subroutine check_slices(body_1, body_2, is_lumped, finite_steps, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Whether contact is lumped
         logical, intent(in) :: is_lumped
+        !> Steps of influence coefficients of finite forces; 0: of small ones
+        integer, intent(in) :: finite_steps
         !> Set if something is refused
         type(error_type), allocatable, intent(out) :: error
 
         logical :: refused
 
-        refused = .not. is_lumped .or. is_plane_only(body_1%compliance) &
+        refused = .not. is_lumped .and. (finite_steps > 0 .or. allocated(body_1%friction))
+        refused = refused .or. is_plane_only(body_1%compliance) &
             & .or. is_plane_only(body_2%compliance)
         if (refused) call fatal_error(error, code_not_in_slices, &
-            & 'slices: lumped contact on flanks with two ends only')
+            & 'slices: flanks with two ends only, cells without friction')
     end subroutine check_slices
 
     !> Whether a compliance has parts that only plane sections have.

@@ -47,7 +47,6 @@ LARGER: dict[str, tuple[int, int]] = {
     "position/lumped_place.f90: rub_place": (40, 9),
     "position/lumped_position.f90: solve_lumped": (67, 6),
     "position/lumped_position.f90: look_at_places": (55, 9),
-    "position/position_cells.f90: lay_pairs": (66, 7),
 }
 
 

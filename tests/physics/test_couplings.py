@@ -308,9 +308,6 @@ def test_misaligned_couplings_have_positions() -> None:
     assert deviation(loads[1], np.roll(loads[0], -1, axis=0)) < 1e-8
 
 
-WHY = "body_1.lead_crowning_um requires three dimensions"
-
-
 @pytest.mark.parametrize(
     ("changes", "key", "expected"),
     [
@@ -337,16 +334,6 @@ WHY = "body_1.lead_crowning_um requires three dimensions"
             "body_2.tooth_helix_slope_um",
             "one entry per tooth: 24, as in body_2.teeth",
         ),
-        (
-            {"effects__friction_coefficient": 0.1},
-            "effects.friction_coefficient",
-            f"nothing, since {WHY}: this version has no friction of splines there",
-        ),
-        (
-            {"effects__temperature_rise_K": 50.0},
-            "effects.temperature_rise_K",
-            f"nothing, since {WHY}: this version has no expansion of splines there",
-        ),
     ],
 )
 def test_refusals(changes: dict[str, Any], key: str, expected: str) -> None:
@@ -362,3 +349,16 @@ def test_gears_have_no_misalignment_of_splines() -> None:
     assert caught.value.expected == (
         "nothing: a gear and a gear have pair.inclination_um_per_mm and deviation_um_per_mm"
     )
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "why"),
+    [
+        ("friction_coefficient", 0.1, "no friction of splines"),
+        ("temperature_rise_K", 50.0, "no expansion of splines"),
+        ("contact", "pairs", "one unknown each"),
+    ],
+)
+def test_effects_of_other_flanks_are_refused(key: str, value: Any, why: str) -> None:
+    with pytest.raises(fl.SceneError, match=rf"effects\.{key}.*{why}"):
+        scene(**{f"effects__{key}": value})

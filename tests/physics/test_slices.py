@@ -283,14 +283,19 @@ def test_tangent_is_the_derivative(twist: float, mu: float | None) -> None:
     np.testing.assert_allclose(found.tangent_rad_per_Nmm, slope, rtol=DIFFERENCES)
 
 
-def test_cells_are_refused() -> None:
+def test_finite_forces_in_slices_are_refused() -> None:
+    """Influence coefficients of finite forces on cells: their points move in one section alone."""
     _, compliances = plane()
-    one, two = (with_axial(part, axial(-1.0, 1.0)) for part in compliances)
+    one, two = (
+        with_axial(replace(part, tangential=np.zeros_like(part.smooth)), axial(-1.0, 1.0))
+        for part in compliances
+    )
     with pytest.raises(InputError, match="slices"):
         run(
             cut(np.array([-1.0, 1.0]), (one.modes.axial, two.modes.axial)),
             (one, two),
             level="pairs",
+            finite_steps=2,
         )
 
 

@@ -107,6 +107,7 @@ def test_tangents_of_parabolas_are_exact() -> None:
             "rotation_rad": np.array([torque + 0.1 * torque**2]),
             "tangent_rad_per_Nmm": np.array([2.0]),
             "site_force_N": np.array([[3.0 * torque + torque**2, -torque]]),
+            "counters": np.zeros((1, 7)),  # lumped: no passes over cells
         }
         return Sweep(**(numbers | known))  # type: ignore[arg-type]
 
@@ -128,7 +129,8 @@ def test_a_torque_that_just_holds_keeps_the_tangent_of_its_state() -> None:
     from flankload.errors import NoContactState
 
     numbers = {name: np.ones(1) for name in Sweep.__dataclass_fields__}
-    state = Sweep(**(numbers | {"torque_Nmm": 5.0}))  # type: ignore[arg-type]
+    numbers |= {"torque_Nmm": 5.0, "counters": np.zeros((1, 7))}  # lumped: no passes over cells
+    state = Sweep(**numbers)  # type: ignore[arg-type]
 
     def fails(**_: object) -> tuple[Sweep, ...]:
         raise NoContactState("none")

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
+from flankload.contact.core_call import Level
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import AxialModes, BodyCompliance, FlankModes, NearField
 from flankload.pairing.pairing import Pairing
@@ -22,6 +23,7 @@ E, NU = 206000.0, 0.3
 KERNEL = 2.0 * (1.0 - NU**2) / (np.pi * E)
 #: A turn of body 1 is a shift: circles about its axis are straight over the contact.
 LEVER, DISTANCE = 1000.0, 2000.0
+CELLS = Grid(10.0, 30.0)
 
 
 def axial(
@@ -70,7 +72,15 @@ def hertz_ellipse(force: float, radius: float, crown_radius: float) -> Ellipse:
     return Ellipse(pressure, pressure / stiff * small * first, small, large)
 
 
-def press(force: float, radius: float, edges: np.ndarray, gap: np.ndarray) -> Sweep:
+def press(
+    force: float,
+    radius: float,
+    edges: np.ndarray,
+    gap: np.ndarray,
+    *,
+    level: Level = "lumped",
+    grid: Grid = CELLS,
+) -> Sweep:
     """A cylinder pressed on a flat by a force, with a gap over the slices."""
     one = arc((LEVER, -1e5), 1e5, np.pi / 2 + 4e-5, np.pi / 2 - 4e-5)
     two = arc((LEVER - DISTANCE, radius), radius, -np.pi / 2 + 0.4, -np.pi / 2 - 0.4)
@@ -100,8 +110,8 @@ def press(force: float, radius: float, edges: np.ndarray, gap: np.ndarray) -> Sw
         position_rad=np.zeros(1),
         torques_Nmm=[force * LEVER],
         face_width_mm=1.0,
-        grid=Grid(10.0, 30.0),
-        level="lumped",
+        grid=grid,
+        level=level,
         slices=cut(edges, (ends, ends), gap),
     )
     return found

@@ -67,6 +67,26 @@ class RootPoints:
 
 
 @dataclass(frozen=True, eq=False)
+class FilletNodes:
+    """Nodes of both fillets of a tooth, and their shape functions at its points.
+
+    Attributes
+    ----------
+    nodes : (m,) array
+    shapes, slopes : (m, q) arrays
+        Value of the shape function of each node at each point, and its change per length, 1/mm.
+    places, tangents : (q, 2) arrays
+        The points in the frame of the mesh, mm, and the unit tangents there.
+    """
+
+    nodes: NDArray[np.int64]
+    shapes: Floats
+    slopes: Floats
+    places: Floats
+    tangents: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class RootFillets:
     """Linear map from nodal displacements to the strains of a body's fillets.
 
@@ -77,11 +97,14 @@ class RootFillets:
     degrees, strains : tuples of (m,) and (m, q) arrays
         By flank of the mesh (one for a sector): degrees of freedom of the fillets' nodes, and the
         matrix from their displacements to tangential strains.
+    on_elements : FilletNodes
+        Of the first flank.
     """
 
     points: RootPoints
     degrees: tuple[NDArray[np.int64], ...]
     strains: tuple[Floats, ...]
+    on_elements: FilletNodes
 
     def columns(self, flank: int, size: int) -> Floats:
         """Strain columns (size, q) of a flank of the mesh over all degrees of freedom."""
@@ -127,17 +150,17 @@ def root_fillets(body: Body, key: str) -> RootFillets:
     center = body.involute.turn_rad + body.involute.tooth_center_rad
     teeth = [_both_sides(mesh, body.curve, turn, center, key) for turn in turns]
     points, degrees, strains = teeth[0][0], [], []
-    for places, columns in teeth:
+    for places, columns, _ in teeth:
         used = np.flatnonzero(columns.any(axis=1))
         degrees.append(used)
         strains.append(_at_places(points, places, columns[used]))
-    return RootFillets(points, tuple(degrees), tuple(strains))
+    return RootFillets(points, tuple(degrees), tuple(strains), _on_elements(mesh, teeth[0][2]))
 
 
 def _both_sides(
     mesh: SectorMesh | WholeMesh, curve: FlankCurve, turn: float, center: float, key: str
-) -> tuple[RootPoints, Floats]:
-    """Gauss points of both fillets of the tooth rotated by `turn`, and their strains."""
+) -> tuple[RootPoints, Floats, NDArray[np.int64]]:
+    """Gauss points of both fillets of the tooth rotated by `turn`, their strains and edges."""
     edges = boundary_edges(mesh.cells)
     form = curve.range_of("fillet")[1]
     own = _turned(mesh.nodes, -turn)
@@ -149,7 +172,9 @@ def _both_sides(
         places, strains = edge_strains(mesh.nodes, image, edges[on])
         s = curve.arc_length_of(places)[0]
         order = np.argsort(s)
-        parts.append((s[order], strains[:, order]))
+        # the edge of each point, and which of its two points it is
+        number = np.column_stack([np.repeat(edges[on], 2, axis=0), np.tile([0, 1], on.size)])
+        parts.append((s[order], strains[:, order], number[order]))
     s = np.concatenate([part[0] for part in parts])
     working = np.arange(s.size) < parts[0][0].size
     place = _turned(curve.point(s), -center)
@@ -162,7 +187,29 @@ def _both_sides(
         slant_rad=np.arctan2(np.abs(along[:, 1]), np.abs(along[:, 0])),
         working=working,
     )
-    return points, np.concatenate([part[1] for part in parts], axis=1)
+    strains, numbers = (np.concatenate([part[k] for part in parts], axis=k % 2) for k in (1, 2))
+    return points, strains, numbers
+
+
+def _on_elements(mesh: SectorMesh | WholeMesh, numbers: NDArray[np.int64]) -> FilletNodes:
+    """Shape functions of the edges (q, 3) of points, of which a fourth column has the number."""
+    edges, which = numbers[:, :3], numbers[:, 3]
+    shape, slope = (part[which] for part in _line_shapes(np.array(GAUSS)))
+    nodes, column = np.unique(edges, return_inverse=True)
+    column = column.reshape(edges.shape)
+    along = np.einsum("qk,qkd->qd", slope, mesh.nodes[edges])
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    shapes, slopes = np.zeros((2, nodes.size, len(edges)))
+    point = np.arange(len(edges))[:, None]
+    shapes[column, point], slopes[column, point] = shape, slope / length
+    places = np.einsum("qk,qkd->qd", shape, mesh.nodes[edges])
+    return FilletNodes(nodes, shapes, slopes, places, along / length)
+
+
+def _line_shapes(x: Floats) -> tuple[Floats, Floats]:
+    """Shape functions (n, 3) of an edge's first, last and middle node on [-1, 1]; their slopes."""
+    values = np.stack([0.5 * x * (x - 1), 0.5 * x * (x + 1), 1 - x**2], axis=-1)
+    return values, np.stack([x - 0.5, x + 0.5, -2 * x], axis=-1)
 
 
 def _edges_on_fillet(
@@ -208,8 +255,7 @@ def edge_strains(nodes: Floats, image: Floats, edges: NDArray[np.int64]) -> tupl
     """
     places, strains = [], np.zeros((len(nodes), 2, 2 * len(edges)))
     for g, x in enumerate(GAUSS):
-        shape = np.array([0.5 * x * (x - 1), 0.5 * x * (x + 1), 1 - x**2])
-        slope = np.array([x - 0.5, x + 0.5, -2 * x])
+        shape, slope = (part[0] for part in _line_shapes(np.array([x])))
         tangent = np.einsum("k,mkd->md", slope, nodes[edges])
         squared = (tangent**2).sum(axis=1)
         columns = g + 2 * np.arange(len(edges))

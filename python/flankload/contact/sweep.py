@@ -33,6 +33,8 @@ FIRST_ROOM = 256
 #: The same for contact on all teeth, per site and cell between its middle and the edge of its zone:
 #: two sides, finer cells at the ends of conforming flanks (2.8 in all), and a reserve.
 ROOM_OF_CELL = 3.2
+#: Cells in slices: of a slice beside those in its zone, and flanks with as many cells as slices.
+LEAST_CELLS, MESHING_FLANKS = 8, 4
 
 
 @dataclass(frozen=True)
@@ -165,7 +167,7 @@ def sweep(
         Finite steps require compliances with tangential parts, with friction also those along the
         flanks.
     slices : Slices, optional
-        Flanks cut along the face width: contact in three dimensions, lumped and without friction.
+        Flanks cut along the face width: contact in three dimensions, without friction.
         Compliances are those of the whole width in mm/N, their modes products with Legendre
         polynomials over it.
     known : KnownContacts, optional
@@ -239,7 +241,8 @@ def sweep(
         ).all_positions(0)
         return np.asarray(alone.status[0] >= 0)
 
-    found = core.all_positions(_first_room(pairing, grid, slices) if keep_pairs else 0)
+    room = _first_room(pairing, grid, slices, level) if keep_pairs else 0
+    found = core.all_positions(room)
     spent.workspace_bytes = max(spent.workspace_bytes, found.nbytes)
     raise_first_failure(
         found.status, positions, torques, found.certificate, rubs=friction is not None, holds=holds
@@ -261,12 +264,12 @@ def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
     Returns
     -------
     KnownContacts or None
-        None for slices, whose contacts have no cells. States whose cells were laid more than once
-        are left out: their cells depend on the forces found before.
+        None for lumped contacts in slices, which have no cells. States whose cells were laid more
+        than once are left out: their cells depend on the forces found before.
     """
-    if any(part.slice_force_N is not None for part in found):
-        return None
     passes = CORE_COUNTERS.index("contact_passes")
+    if any(part.slice_force_N is not None and not part.counters[:, passes].any() for part in found):
+        return None
     touches, count = [], []
     for part in found:
         # at each position, pairs of coast flanks follow those of working flanks
@@ -350,11 +353,13 @@ def _sweep_of(found: Found, pairing: Pairing, t: int, torque_Nmm: float) -> Swee
     )
 
 
-def _first_room(pairing: Pairing, grid: Grid, slices: Slices | None) -> int:
+def _first_room(pairing: Pairing, grid: Grid, slices: Slices | None, level: Level) -> int:
     """Allocated pairs of a state, sufficient for nearly all states."""
     sides = 1 if pairing.coast is None else 2
     if slices is not None:
-        return 2 * pairing.sites.size * slices.count
+        cells = 2.0 * grid.zone_half_widths * grid.strips_per_half_width + LEAST_CELLS
+        flanks = min(pairing.sites.size, MESHING_FLANKS)
+        return slices.count * (2 * pairing.sites.size if level == "lumped" else int(flanks * cells))
     if not pairing.whole_circle:
         return sides * FIRST_ROOM
     cells = grid.zone_half_widths * grid.strips_per_half_width

@@ -88,7 +88,7 @@ class LoadedBody:
         for each in np.unique(tooth):
             own = tooth == each
             edges, s = self._edges(int(each), coast=coast)
-            at, shapes = _on_edges(s, s_mm[own])
+            at, shapes = on_edges(s, s_mm[own])
             np.add.at(total, edges[at], shapes[:, :, None] * force[own][:, None, :])
         return total.ravel()
 
@@ -166,7 +166,7 @@ def loaded_body(body: Body, plane: str) -> LoadedBody:
     mesh = body.mesh
     assert mesh is not None
     if isinstance(mesh, SectorMesh):
-        nodes, numbers = _ring_of(mesh)
+        nodes, numbers = ring_of(mesh)
         cells = tuple(
             (kind, numbers[:, connectivity].reshape(-1, connectivity.shape[1]))
             for kind, connectivity in mesh.cells
@@ -183,7 +183,7 @@ def turned(vectors: Floats, angle_rad: float) -> Floats:
     return np.asarray(vectors @ np.array([[cosine, sine], [-sine, cosine]]))
 
 
-def _on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
+def on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
     """Edges of places on a flank, and the values (n, 3) of the edges' shape functions there.
 
     s (m, 3) are the arc lengths of the first, last and middle nodes; s is quadratic on an edge.
@@ -200,7 +200,7 @@ def _on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
     return at, np.stack([0.5 * x * (x - 1), 0.5 * x * (x + 1), 1 - x**2], axis=1)
 
 
-def _ring_of(mesh: SectorMesh) -> tuple[Floats, Numbers]:
+def ring_of(mesh: SectorMesh) -> tuple[Floats, Numbers]:
     """Nodes (M, 2) of all sectors of a ring and their numbers (z, N) by sector."""
     z, n = mesh.teeth, len(mesh.nodes)
     pitch = 2 * np.pi / z

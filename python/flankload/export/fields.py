@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.mechanisms.flank_pair.loaded_bodies import FieldBody
+    from flankload.mechanisms.flank_pair.loaded_solids import SolidBody
     from flankload.result import PairTable
     from flankload.scene import Scene, SceneLike
 
@@ -124,7 +125,10 @@ def _as_solved(scene: Scene) -> Scene:
 
 
 def _write_torque(
-    folder: Path, result: Result, bodies: dict[str, FieldBody | str], positions: Sequence[int]
+    folder: Path,
+    result: Result,
+    bodies: dict[str, FieldBody | SolidBody | str],
+    positions: Sequence[int],
 ) -> None:
     """Write the files of one torque; the collection is the last one."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -156,21 +160,20 @@ def _write_torque(
     )
 
 
-def _fields_of(body: FieldBody, result: Result, p: int) -> bytes:
+def _fields_of(body: FieldBody | SolidBody, result: Result, p: int) -> bytes:
     """Content of the file of a body at a position."""
     fields = body.at(result, p)
-    xx, yy, zz, xy = fields.stress_MPa.T
-    none = np.zeros_like(xx)
+    none = np.zeros((len(fields.stress_MPa), 6 - fields.stress_MPa.shape[1]))
     values = {
         "displacement_mm": _in_space(fields.displacement_mm),
-        "stress_MPa": np.stack([xx, yy, zz, xy, none, none], axis=1),
+        "stress_MPa": np.hstack([fields.stress_MPa, none]),
         "von_mises_MPa": fields.von_mises_MPa,
         "contact_pressure_MPa": fields.contact_pressure_MPa,
         "contact_force_N": _in_space(fields.force_N),
     }
     return vtu_of(
         _in_space(fields.points_mm),
-        body.loaded.cells,
+        body.cells,
         {name: field.astype(np.float32) for name, field in values.items()},
     )
 
@@ -199,4 +202,6 @@ def _heights(table: PairTable) -> Floats:
 
 
 def _in_space(plane: Floats) -> Floats:
+    if plane.shape[1] == 3:
+        return plane
     return np.column_stack([plane, np.zeros(len(plane))])

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 SLICES = 28
 #: Gauss points of the mean gap of a slice: parabolas are exact.
 GAP_POINTS = 3
+#: Slices of cells: those at the ends, relative to those of the middle, and their growth.
+END_SLICE, SLICE_GROWTH = 0.3, 1.5
 
 
 @dataclass(frozen=True)
@@ -121,8 +123,10 @@ def slices_of(
     shapes: tuple[AxialShape, AxialShape],
     count: int | None,
     misalignment_per_mm: float,
+    *,
+    graded: bool = False,
 ) -> Slices:
-    """Equal slices of the common face width.
+    """Slices of the common face width.
 
     Parameters
     ----------
@@ -131,6 +135,8 @@ def slices_of(
         Number of slices, `SLICES` by default.
     misalignment_per_mm : float
         Gap per length along z by the misalignment of the axes.
+    graded : bool
+        Narrower slices at both ends, which resolve the pressure there; else equal ones.
 
     Returns
     -------
@@ -139,7 +145,7 @@ def slices_of(
     one, two = shapes
     low = max(one.range_mm[0], two.range_mm[0])
     high = min(one.range_mm[1], two.range_mm[1])
-    ends = np.linspace(low, high, (count or SLICES) + 1)
+    ends = _ends_of_slices(low, high, count or SLICES, graded=graded)
     z, half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
     places, weights = leggauss(GAP_POINTS)
     inside = z[:, np.newaxis] + np.outer(half, places)
@@ -163,6 +169,18 @@ def slices_of(
         of_teeth_mm=(of_teeth(one), of_teeth(two)),
         surfaces_mm=(surface(one), surface(two)),
     )
+
+
+def _ends_of_slices(low: float, high: float, count: int, *, graded: bool) -> Floats:
+    """Ends (count + 1,) of slices, symmetric in the middle of the width."""
+    if not graded:
+        return np.linspace(low, high, count + 1)
+    from_end = np.minimum(np.arange(count), np.arange(count)[::-1])
+    widths = np.minimum(1.0, END_SLICE * SLICE_GROWTH**from_end)
+    before = np.cumsum(np.append(0.0, widths))
+    # exact at both ends and under mirroring
+    part = (before - before[::-1] + before[-1]) / (2.0 * before[-1])
+    return np.asarray((1.0 - part) * low + part * high)
 
 
 def gap_by_misalignment(

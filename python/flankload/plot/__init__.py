@@ -50,7 +50,12 @@ from flankload.plot.flank_forces import draw_flank_forces, plot_flank_forces
 from flankload.plot.load_map import draw_load_map, plot_load_map
 from flankload.plot.loaded_pair import draw_loaded_pair, plot_loaded_pair
 from flankload.plot.profile_deviation import draw_profile_deviation, plot_profile_deviation
-from flankload.plot.root_stress import draw_root_stress, plot_root_stress
+from flankload.plot.root_stress import (
+    draw_root_stress,
+    draw_root_stress_over_width,
+    plot_root_stress,
+    plot_root_stress_over_width,
+)
 from flankload.plot.slices import (
     draw_contact_pattern,
     draw_line_load,
@@ -119,6 +124,7 @@ __all__ = [
     "draw_pressure_over_diameter",
     "draw_profile_deviation",
     "draw_root_stress",
+    "draw_root_stress_over_width",
     "draw_stiffness",
     "draw_tension_around_wrap",
     "draw_tensions",
@@ -146,6 +152,7 @@ __all__ = [
     "plot_pressure_over_diameter",
     "plot_profile_deviation",
     "plot_root_stress",
+    "plot_root_stress_over_width",
     "plot_stiffness",
     "plot_tensions",
     "plot_torque_sweep",
@@ -176,6 +183,7 @@ PICTURES: dict[str, Callable[..., Figure]] = {
     "load_per_tooth": plot_load_per_tooth,
     "flank_pressure": plot_flank_pressure,
     "root_stress": plot_root_stress,
+    "root_stress_over_width": plot_root_stress_over_width,
     "line_load": plot_line_load,
     "line_load_map": plot_line_load_map,
     "contact_pattern": plot_contact_pattern,
@@ -202,6 +210,7 @@ DRAWINGS: dict[str, Callable[..., None]] = {
     "load_per_tooth": draw_load_per_tooth,
     "flank_pressure": draw_flank_pressure,
     "root_stress": draw_root_stress,
+    "root_stress_over_width": draw_root_stress_over_width,
     "line_load": draw_line_load,
     "line_load_map": draw_line_load_map,
     "contact_pattern": draw_contact_pattern,
@@ -326,7 +335,8 @@ def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
         transmission_error. Chains: transmission_error, chain_on_sprocket, tensions and stiffness.
         Belts: belt_on_pulley, load_around_wrap, and for several positions transmission_error and
         force_through_wrap. All: load_map for several positions, transmission_error_spectrum if
-        these cover the period, root_stress if requested, torque_sweep for several torques.
+        these cover the period, root_stress if requested (in three dimensions also
+        root_stress_over_width), torque_sweep for several torques.
     """
     shown = as_results(results)
     found = {name: None for result in shown for name in _names(result)}
@@ -342,12 +352,14 @@ def _names(result: Result) -> tuple[str, ...]:
     """Plots of one result, without those of several torques."""
     own = result.drive.pictures(result) if result.drive is not None else _of_flanks(result)
     several = result.position_rad.size > 1
+    stressed = any(stress is not None for stress in result.root_stress)
     turns = "transmission_error" in own and not (result.whole_circle or result.has_cam)
     return (
         *own,
         *["transmission_error_spectrum"] * (turns and spectrum(result)[0].size > 0),
         *["load_map"] * (several and not result.has_cam),
-        *["root_stress"] * any(stress is not None for stress in result.root_stress),
+        *["root_stress"] * stressed,
+        *["root_stress_over_width"] * (stressed and result.slices is not None),
     )
 
 

@@ -212,6 +212,28 @@ def _loaded_places(result: Result, p: int, body: int) -> Floats:
     return places if body == 1 else _other_axis(result, places)
 
 
+def _contacts(result: Result, p: int) -> tuple[Floats, Floats, Floats]:
+    """Places (n, 3), normals (n, 2) and forces (n,) of the contacts at position p.
+
+    The cells of a flank in a slice are one contact.
+    """
+    table = result.pairs(p)
+    carries = table.force_N > 0
+    force = table.force_N[carries]
+    rows = np.column_stack([_loaded_places(result, p, 1), table.normal_x[carries],
+                            table.normal_y[carries]])  # fmt: skip
+    if table.half_width_mm is None:
+        keys = np.column_stack([table.site[carries], rows[:, 2]])
+        of_slice, of = np.unique(keys, axis=0, return_inverse=True)
+        total = np.zeros(len(of_slice))
+        means = np.zeros((len(of_slice), rows.shape[1]))
+        np.add.at(total, of.ravel(), force)
+        np.add.at(means, of.ravel(), force[:, None] * rows)
+        rows, force = means / total[:, None], total
+        rows[:, 2] = of_slice[:, 1]  # slices are found again by their exact places
+    return rows[:, :3], rows[:, 3:], force
+
+
 def _other_axis(result: Result, points: Floats) -> Floats:
     """Points (..., 3) of one body's frame in that of its mate: turned by 180° about z."""
     return np.asarray(
@@ -278,14 +300,12 @@ def _draw_mate(axes: Axes, result: Result, mate: Teeth, colour: str) -> None:
 
 def _draw_load(axes: Axes, result: Result, p: int, body: int) -> PolyCollection:
     """The line load of each contact, as a band along its contact line, never hidden by a tooth."""
-    table, slices, shape = result.pairs(p), result.slices, result.drawing.axial[0]
+    slices, shape = result.slices, result.drawing.axial[0]
     assert slices is not None
     assert shape is not None
-    carries = table.force_N > 0
-    place = _loaded_places(result, p, 1)
-    normal = np.column_stack([table.normal_x, table.normal_y])[carries]
+    place, normal, force = _contacts(result, p)
     width = slices.width_mm[np.searchsorted(slices.z_mm, place[:, 2])]
-    load = table.force_N[carries] / width
+    load = force / width
     # the contact line of an involute lies in the plane of action
     lever = place[:, 0] * normal[:, 1] - place[:, 1] * normal[:, 0]
     along = np.column_stack([shape.twist_rad_per_mm * lever[:, None] * normal, np.ones(len(place))])

@@ -1,4 +1,4 @@
-"""Stress in the tooth roots on a tooth's way through the mesh."""
+"""Stress in the tooth roots: on a tooth's way through the mesh, and over the face width."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.plot.figures import heaviest, legend_below, one_panel
-from flankload.plot.style import BODIES, GREY
+from flankload.plot.style import BODIES, GREY, pair_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,6 +61,41 @@ def draw_root_stress(axes: Axes, results: Sequence[Result]) -> None:
     )
     axes.set_ylabel("tension (solid), compression (dashed) in MPa")
     legend_below(axes, ncols=2)
+
+
+def plot_root_stress_over_width(results: Result | Sequence[Result]) -> Figure:
+    """Largest tension and compression in the roots of the most stressed teeth over the width."""
+    title = "Stress in the tooth roots over the face width"
+    return one_panel(draw_root_stress_over_width, heaviest(results), title)
+
+
+def draw_root_stress_over_width(axes: Axes, results: Sequence[Result]) -> None:
+    """Draw tension and compression over the face width, of each body where they are largest.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    results : sequence of Result
+        The one of the largest torque is drawn; it is three-dimensional and has root stress.
+    """
+    result = heaviest(results)
+    for z, stress in enumerate(result.root_stress):
+        if stress is None:
+            continue
+        for values, style in (
+            (stress.slice_tension_MPa, "solid"),
+            (stress.slice_compression_MPa, (0, (4, 2))),
+        ):
+            p, s, j = np.unravel_index(np.abs(values).argmax(), values.shape)
+            label = f"body {z + 1}, {pair_name(result.sites[s])}, "
+            label += f"{np.degrees(result.position_rad[p]):.2f}°: {values[p, s, j]:.0f} MPa "
+            label += f"at {result.slice_z_mm[j]:.1f} mm"
+            look: dict[str, Any] = {"color": BODIES[z], "linestyle": style}
+            axes.plot(result.slice_z_mm, values[p, s], label=label, **look)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    axes.set_xlabel("axial position z in mm")
+    axes.set_ylabel("stress in MPa")
+    legend_below(axes, ncols=1)
 
 
 def _draw(

@@ -243,7 +243,7 @@ def contact_pattern(result: Result, body: int) -> tuple[Floats, Floats]:
     diameter_mm : (n,) array
         By ascending arc length of the flank.
     pressure_MPa : (n, J) array
-        Hertz pressure of the lumped contacts; 0 where there was no contact.
+        Hertz pressure of the lumped contacts, or that of the cells; 0 where there was no contact.
     """
     assert result.slices is not None
     tables = [table for table in result.pair_tables if len(table)]
@@ -271,23 +271,51 @@ def contact_pattern(result: Result, body: int) -> tuple[Floats, Floats]:
             inside = (grid >= place[one]) & (grid <= place[two])
             passed = np.interp(grid[inside], place[[one, two]], pressure[[one, two]])
             pattern[inside, j] = np.maximum(pattern[inside, j], passed)
+    for table in tables if tables[0].half_width_mm is None else ():
+        _add_cells(result, table, body, grid, pattern)
     order = np.argsort(place)
     return 2.0 * np.interp(grid, place[order], radius[order]), pattern
 
 
 def _rows(result: Result, table: PairTable, body: int) -> tuple[Floats, ...]:
-    """Arc length, half-width, pressure, axial position and radius of the places of a position."""
-    assert table.half_width_mm is not None
+    """Arc length, half-width, pressure, axial position and radius of the places of a position.
+
+    Of cells, those of the largest pressure in each slice of a flank, with half of the loaded width.
+    """
     assert table.z_mm is not None
     x = table.x_mm - (result.drawing.center_distance_mm if body == 2 else 0.0)
     arc_length = table.arc_length_1_mm if body == 1 else table.arc_length_2_mm
+    radius = np.hypot(x, table.y_mm)
+    if table.half_width_mm is not None:
+        return arc_length, table.half_width_mm, table.pressure_MPa, table.z_mm, radius
+    runs = _contacts(table)
+    peaks = np.array([run[table.pressure_MPa[run].argmax()] for run in runs], dtype=int)
+    width = np.array([table.cell_mm[run][table.force_N[run] > 0].sum() for run in runs])
     return (
-        arc_length,
-        table.half_width_mm,
-        table.pressure_MPa,
-        table.z_mm,
-        np.hypot(x, table.y_mm),
+        arc_length[peaks],
+        np.maximum(0.5 * width, table.cell_mm[peaks]),
+        table.pressure_MPa[peaks],
+        table.z_mm[peaks],
+        radius[peaks],
     )
+
+
+def _contacts(table: PairTable) -> list[NDArray[np.int64]]:
+    """Rows of the cells of each slice of a flank."""
+    assert table.z_mm is not None
+    begins = (np.diff(table.site) != 0) | (np.diff(table.z_mm) != 0)
+    return np.split(np.arange(len(table)), np.flatnonzero(begins) + 1)
+
+
+def _add_cells(result: Result, table: PairTable, body: int, grid: Floats, pattern: Floats) -> None:
+    """Add the pressures of the cells of a position to a contact pattern."""
+    assert table.z_mm is not None
+    arc_length = table.arc_length_1_mm if body == 1 else table.arc_length_2_mm
+    for run in _contacts(table):
+        j = int(np.searchsorted(result.slice_z_mm, table.z_mm[run[0]]))
+        order = run[np.argsort(arc_length[run])]
+        passed = np.interp(grid, arc_length[order], table.pressure_MPa[order], left=0.0, right=0.0)
+        pattern[:, j] = np.maximum(pattern[:, j], passed)
 
 
 def _edges(z_mm: Floats, width_mm: Floats) -> Floats:

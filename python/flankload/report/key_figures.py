@@ -236,6 +236,8 @@ def _root(result: Result, z: int, side: str) -> Cell | None:
         return None
     extreme = found[side]
     note = f"pair {extreme['pair']} at {degrees(extreme['position_rad']):.2f}°"
+    if "z_mm" in extreme:
+        note += f", z {extreme['z_mm']:.2f} mm"
     return Cell(extreme["stress_MPa"], f"{extreme['stress_MPa']:.0f}", None, note)
 
 

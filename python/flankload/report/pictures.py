@@ -33,7 +33,7 @@ SECTIONS = {
     "Pressure": ("peak_pressure", "flank_pressure", "pressure_over_diameter"),
     "Load over the face width": ("line_load", "line_load_map", "contact_pattern"),
     "Stiffness and torque": ("stiffness", "torque_sweep"),
-    "Root stress": ("root_stress",),
+    "Root stress": ("root_stress", "root_stress_over_width"),
     "Loaded bodies": ("loaded_pair", "belt_on_pulley", "chain_on_sprocket"),
     "Profiles": ("profile_deviation",),
 }
@@ -45,6 +45,7 @@ TITLES = {
     "load_map": "Force of each pair over the positions",
     "peak_pressure": "Peak pressure",
     "line_load": "Line load over the face width",
+    "root_stress_over_width": "Stress in the tooth roots over the face width",
     "line_load_map": "Line load of a tooth on its way through the mesh",
     "load_around_wrap": "Forces around the wrap",
     "tension_around_wrap": "Tension and lands around the wrap",
@@ -56,9 +57,10 @@ TITLES = {
 SIZE, DRAWING = (5.8, 3.9), (5.8, 5.4)
 #: Pictures that show the largest torque alone.
 ONE_TORQUE = (
-    "load_map", "loaded_pair", "flank_forces", "follower_motion", "root_stress", "line_load",
-    "line_load_map", "contact_pattern", "load_per_tooth", "flank_pressure", "belt_on_pulley",
-    "load_around_wrap", "force_through_wrap", "chain_on_sprocket", "tensions",
+    "load_map", "loaded_pair", "flank_forces", "follower_motion", "root_stress",
+    "root_stress_over_width", "line_load", "line_load_map", "contact_pattern", "load_per_tooth",
+    "flank_pressure", "belt_on_pulley", "load_around_wrap", "force_through_wrap",
+    "chain_on_sprocket", "tensions",
 )  # fmt: skip
 #: Pictures with a panel for each body.
 OF_BODIES = ("pressure_over_diameter", "profile_deviation", "contact_pattern")

@@ -85,7 +85,8 @@ class ContactQuantities(KeepsReadOnly):
         """(P, S) Half the length of flank in contact, more accurate than one cell; NaN if open.
 
         A Hertz contact has b = sqrt(2 rho F c) with the line load F, the reduced radius rho and the
-        sum c of 2 (1 - nu²)/(pi E) of both bodies (plane strain).
+        sum c of 2 (1 - nu²)/(pi E) of both bodies (plane strain). In three dimensions the largest
+        of all slices.
         """
         return self.flank_contacts.half_width_mm
 

@@ -16,7 +16,7 @@ from flankload.result.coast_contact import OVER_SITES as COAST
 from flankload.result.coast_contact import coast_arrays
 from flankload.result.csv_form import CsvForm
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
-from flankload.result.root_stress import root_arrays
+from flankload.result.root_stress import root_arrays, slice_root_arrays
 from flankload.result.warning_lines import warning_lines
 
 if TYPE_CHECKING:
@@ -128,7 +128,8 @@ def _tree(result: Result) -> dict[str, Any]:
     if result.outside_limits:
         tree["outside_limits"] = result.outside_limits
     if result.slices is not None:
-        tree |= {key: getattr(result, key) for key in ("slice_z_mm", *OVER_SLICES)}
+        tree["slice_z_mm"] = result.slice_z_mm
+        tree |= {key: values for key, (values, _) in slice_arrays(result).items()}
         tree["axial_force_N"] = result.slices.axial_force_N
         tree["tilting_moment_Nm"] = result.slices.tilting_moment_Nm
         if result.slices.tilting_moments_Nm is not None:
@@ -154,6 +155,16 @@ def more_arrays(result: Result) -> dict[str, tuple[Any, str]]:
         found |= {
             key: (getattr(result.drive, key), unit) for key, unit in result.drive.over_sites.items()
         }
+    return found
+
+
+def slice_arrays(result: Result) -> dict[str, tuple[Any, str]]:
+    """Arrays (P, S, J), with their units."""
+    found = {key: (getattr(result, key), unit) for key, unit in OVER_SLICES.items()}
+    if result.slices is not None:
+        for z, stress in enumerate(result.root_stress):
+            if stress is not None:
+                found |= slice_root_arrays(stress, z)
     return found
 
 
@@ -340,8 +351,8 @@ def _dataset(result: Result) -> Any:
         key: variable(dimensions[: getattr(result, key).ndim], key, unit)
         for key, unit in OVER_SITES.items()
     }
-    for key, unit in OVER_SLICES.items():
-        over[key] = variable(dimensions, key, unit)
+    for key, (values, unit) in slice_arrays(result).items():
+        over[key] = dimensions, values, {"units": unit}
     for key, (values, unit) in more_arrays(result).items():
         over[key] = ("position", "site"), values, {"units": unit}
     return xarray.Dataset(

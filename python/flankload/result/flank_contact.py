@@ -26,7 +26,7 @@ class FlankContacts(KeepsReadOnly):
     Attributes
     ----------
     half_width_mm : (P, S) array
-        Half the length of flank in contact.
+        Half the length of flank in contact; in three dimensions the largest of all slices.
     velocity_1, velocity_2 : (P, S) arrays
         Velocities of both bodies along the flank, mm per rad of position: means over the contact,
         weighted by force; also NaN if the motion is unknown.
@@ -64,16 +64,28 @@ def flank_contacts(
                 continue
             laid = table.site == site
             own = laid & loaded
-            if table.half_width_mm is None:
-                found[0, p, s] = 0.5 * loaded_length(
-                    table.arc_length_1_mm[laid], table.cell_mm[laid], table.force_N[laid]
-                )
-            else:
-                found[0, p, s] = table.half_width_mm[own].sum()
+            found[0, p, s] = max(_half_width(table, part) for part in _slices(table, laid))
             weight = table.force_N[own] / table.force_N[own].sum()
             found[1:, p, s] = [weight @ velocity[own] for velocity in motion]
     found.setflags(write=False)
     return FlankContacts(*found)
+
+
+def _slices(table: PairTable, laid: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
+    """Pairs of a site, those of each loaded slice apart."""
+    if table.z_mm is None:
+        return [laid]
+    loaded = np.unique(table.z_mm[laid & (table.force_N > 0)])
+    return [laid & (table.z_mm == z) for z in loaded]
+
+
+def _half_width(table: PairTable, laid: NDArray[np.bool_]) -> float:
+    """Half of the length of flank in contact at pairs beside each other, mm."""
+    if table.half_width_mm is not None:
+        return float(table.half_width_mm[laid & (table.force_N > 0)].sum())
+    return 0.5 * loaded_length(
+        table.arc_length_1_mm[laid], table.cell_mm[laid], table.force_N[laid]
+    )
 
 
 def pair_velocities(

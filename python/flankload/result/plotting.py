@@ -122,6 +122,10 @@ class Plots:
         """Stress in the tooth roots on the way of a tooth."""
         return self._draw("root_stress", ax)
 
+    def root_stress_over_width(self, ax: Any = None) -> Any:
+        """Stress in the most stressed tooth roots over the face width."""
+        return self._draw("root_stress_over_width", ax)
+
     def line_load(self, ax: Any = None) -> Any:
         """Line load over the face width."""
         return self._draw("line_load", ax)

@@ -7,6 +7,10 @@ The pressure on a flank is expanded in the modes of the elastic solution,
 with the forces F_i of its contact pairs (D_a = int P_a² ds). Root stress is linear in c, summed
 over all teeth in mesh. The part of the pressure that few modes omit is local to the contact and
 decays towards the root. Friction along the flanks is expanded in the same way.
+
+In three dimensions the modes are products P_a(s) P_b(z), the force of a slice is even over its
+width, and the stress is that across the root line of the tooth, which a helix turns, in the middle
+of each slice.
 """
 
 from __future__ import annotations
@@ -20,6 +24,7 @@ from numpy.typing import NDArray
 from flankload.base.read_only import KeepsReadOnly
 from flankload.elasticity.near_field import mode_values, to_coefficients
 from flankload.elasticity.nodal_loads import hat_values
+from flankload.elasticity.prism.axial_basis import AxialBasis
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -45,15 +50,19 @@ class RootReading:
     points : RootPoints
         The q evaluation points of a tooth.
     n_modes : int
-    response : (S, S, q, p) array
-        Root stress of the tooth at the first site, under the modes on the second; p is n_modes, or
-        twice as many if friction also loads the flanks tangentially.
+        Along the profile.
+    response : (S, S, q, p) array; (S, S, q, d + 1, p) in three dimensions
+        Root stress of the tooth at the first site, under the modes on the second; p is the number
+        of modes, or twice as many if friction also loads the flanks tangentially. In three
+        dimensions as in `RootResponse`.
     mode_range_mm : (float, float)
     tip : Tip or None
         Where modes of a tip end; n_modes counts them.
     face_width_mm : float
     nodes : (n_modes,) array, optional
         Arc lengths of nodes that carry unit forces instead of modes, mm.
+    over_width : OverWidth or None
+        In three dimensions.
     """
 
     points: RootPoints
@@ -63,6 +72,39 @@ class RootReading:
     tip: Tip | None
     face_width_mm: float
     nodes: Floats | None = None
+    over_width: OverWidth | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class OverWidth:
+    """The slices of a three-dimensional body, and its modes along the axis.
+
+    Attributes
+    ----------
+    range_mm : (float, float)
+        Ends of the teeth.
+    load_degree : int
+        Highest degree of the modes.
+    edges_mm : (J + 1,) array
+        Ends of the slices, ascending.
+    """
+
+    range_mm: tuple[float, float]
+    load_degree: int
+    edges_mm: Floats
+
+    @property
+    def z_mm(self) -> Floats:
+        """(J,) Middle of each slice."""
+        return np.asarray(0.5 * (self.edges_mm[1:] + self.edges_mm[:-1]))
+
+    def modes_at(self, z_mm: Floats) -> Floats:
+        """Means (n, load_degree + 1) of the modes along the axis over the slices of places (n,)."""
+        basis, edges = AxialBasis(self.range_mm, self.load_degree), self.edges_mm
+        at = np.searchsorted(edges, z_mm)
+        means = basis.means(np.column_stack([edges[at - 1], edges[at]]))
+        # of 1 at the end of the teeth, as Legendre polynomials are
+        return np.asarray(means / basis.values(np.array(self.range_mm[1:])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +121,8 @@ class Extremes(KeepsReadOnly):
         Angle of the fillet's tangent to the tooth's centre line there.
     working : (P, S) array of bool
         Whether the place is on the side of the working flank.
+    z_mm : (P, S) array or None
+        Its axial position, in the middle of a slice; None in a plane scene.
     """
 
     stress_MPa: Floats
@@ -86,6 +130,7 @@ class Extremes(KeepsReadOnly):
     radius_mm: Floats
     slant_deg: Floats
     working: NDArray[np.bool_]
+    z_mm: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,16 +141,22 @@ class RootStress(KeepsReadOnly):
     ----------
     points : RootPoints
         The points, those of the working side first.
-    stress_MPa : (P, S, q) array
-        Stress along the fillet, positive in tension.
+    stress_MPa : (P, S, q) array; (P, S, J, q) with J slices
+        Stress along the fillet, positive in tension; in three dimensions across the root line,
+        which is the direction of the fillet in the section normal to the tooth.
     tension, compression : Extremes
-        Largest and least stress between the points, from a parabola through the nearest three.
+        Largest and least stress between the points, from a parabola through the nearest three; in
+        three dimensions also over the slices.
+    slice_tension_MPa, slice_compression_MPa : (P, S, J) arrays
+        The same in each slice; J = 1 in a plane scene.
     """
 
     points: RootPoints
     stress_MPa: Floats
     tension: Extremes
     compression: Extremes
+    slice_tension_MPa: Floats
+    slice_compression_MPa: Floats
 
 
 def root_reading(
@@ -133,19 +184,23 @@ def root_reading(
     RootReading or None
         None if the compliance contains no stress.
     """
-    if compliance.root is None:
+    root = compliance.root
+    if root is None:
         return None
-    body = (pair.body_1, pair.body_2)[z]
+    body, axial, over_width = (pair.body_1, pair.body_2)[z], compliance.modes.axial, None
+    if pair.slices is not None and axial is not None and root.range_mm is not None:
+        over_width = OverWidth(root.range_mm, axial.degree, pair.slices.edges_mm)
     teeth = pair.pairing.site_teeth[z][sites]
     block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
     return RootReading(
-        points=compliance.root.points,
-        n_modes=compliance.smooth.shape[1],
-        response=compliance.root.response[block],
+        points=root.points,
+        n_modes=compliance.smooth.shape[1] // compliance.modes_per_place,
+        response=root.response[block],
         mode_range_mm=compliance.modes.range_mm,
         tip=compliance.modes.tip,
         face_width_mm=face_width_mm,
         nodes=compliance.modes.nodes,
+        over_width=over_width,
     )
 
 
@@ -169,15 +224,26 @@ def root_stress(
     RootStress
     """
     loads = np.array([_mode_loads(reading, table, sites, z) for table in tables])
+    over_width = reading.over_width
     # normalise the sign of zero
-    stress = np.einsum("ijqa,pja->piq", reading.response, loads) + 0.0
+    if over_width is None:
+        stress = np.einsum("ijqa,pja->piq", reading.response, loads) + 0.0
+        by_slice, z_mm = stress[:, :, None], None
+    else:
+        by_function = np.einsum("ijqka,pja->pikq", reading.response, loads)
+        degree, z_mm = by_function.shape[2] - 1, over_width.z_mm
+        values = AxialBasis(over_width.range_mm, degree).values(z_mm)
+        stress = by_slice = np.einsum("jk,pikq->pijq", values, by_function) + 0.0
     stress.setflags(write=False)
     points = reading.points
+    largest, least = (_extremes(points, by_slice, sign) for sign in (1.0, -1.0))
     return RootStress(
         points=points,
         stress_MPa=stress,
-        tension=_extremes(points, stress, 1.0),
-        compression=_extremes(points, stress, -1.0),
+        tension=_over_slices(largest, 1.0, z_mm),
+        compression=_over_slices(least, -1.0, z_mm),
+        slice_tension_MPa=largest.stress_MPa,
+        slice_compression_MPa=least.stress_MPa,
     )
 
 
@@ -191,16 +257,22 @@ def _mode_loads(reading: RootReading, table: PairTable, sites: NDArray[np.int64]
         # beyond their range modes keep their end values
         within = np.clip(places, span[0], span[1] if tip is None else tip.end_mm)
         values = mode_values(within, span, reading.n_modes, tip=tip)
-        values = to_coefficients(values.T, span, tip=tip).T
+        if reading.over_width is None:
+            values = to_coefficients(values.T, span, tip=tip).T
+    width = reading.face_width_mm
+    if reading.over_width is not None:
+        assert table.z_mm is not None
+        along = reading.over_width.modes_at(table.z_mm)
+        values, width = np.einsum("na,nb->nab", values, along).reshape(len(values), -1), 1.0
     # contact pushes into the material; where flanks touch, arc length grows to opposite sides, and
     # so do the forces along them
     forces = [-table.force_N]
-    if reading.response.shape[3] > reading.n_modes:
+    if reading.response.shape[-1] > values.shape[1]:
         assert table.friction_force_N is not None
         forces.append(table.friction_force_N)
-    values = values / reading.face_width_mm
+    values = values / width
     weighted = np.hstack([values * force[:, None] for force in forces])
-    loads = np.zeros((sites.size, reading.response.shape[3]))
+    loads = np.zeros((sites.size, reading.response.shape[-1]))
     loaded = table.force_N > 0
     for site in np.unique(table.site[loaded]).tolist():
         own = loaded & (table.site == site)
@@ -230,6 +302,20 @@ def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
         np.degrees(along["slant_rad"]),
         working,
     )
+    for array in arrays:
+        array.setflags(write=False)
+    return Extremes(*arrays)
+
+
+def _over_slices(found: Extremes, sign: float, z_mm: Floats | None) -> Extremes:
+    """Of extremes (P, S, J) those of the slice with the largest sign * stress."""
+    at = (sign * found.stress_MPa).argmax(axis=2)
+    arrays = [
+        np.take_along_axis(getattr(found, name), at[..., None], axis=2)[..., 0]
+        for name in ("stress_MPa", "arc_length_mm", "radius_mm", "slant_deg", "working")
+    ]
+    if z_mm is not None:
+        arrays.append(z_mm[at])
     for array in arrays:
         array.setflags(write=False)
     return Extremes(*arrays)
@@ -276,8 +362,9 @@ def root_summary(
     -------
     dict
         `tension` and `compression`, each with `stress_MPa`, `position_rad`, `pair`,
-        `arc_length_mm`, `radius_mm`, `slant_deg`, `side` ("working" or "coast"), and `range_MPa`:
-        the largest stress range at one point over all positions and pairs.
+        `arc_length_mm`, `radius_mm`, `slant_deg`, `side` ("working" or "coast"), in three
+        dimensions `z_mm`, and `range_MPa`: the largest stress range at one point over all
+        positions and pairs.
     """
     found: dict[str, Any] = {}
     for name, extremes, sign in (
@@ -296,6 +383,8 @@ def root_summary(
             "slant_deg": float(extremes.slant_deg[p, s]),
             "side": "working" if extremes.working[p, s] else "coast",
         }
+        if extremes.z_mm is not None:
+            found[name]["z_mm"] = float(extremes.z_mm[p, s])
     span = stress.stress_MPa.max(axis=(0, 1)) - stress.stress_MPa.min(axis=(0, 1))
     found["range_MPa"] = float(span.max())
     return found
@@ -308,4 +397,14 @@ def root_arrays(stress: RootStress, z: int) -> dict[str, tuple[Floats, str]]:
         key = f"root_{name}_{z + 1}"
         found[f"{key}_MPa"] = extremes.stress_MPa, "MPa"
         found[f"{key}_arc_length_mm"] = extremes.arc_length_mm, "mm"
+        if extremes.z_mm is not None:
+            found[f"{key}_z_mm"] = extremes.z_mm, "mm"
     return found
+
+
+def slice_root_arrays(stress: RootStress, z: int) -> dict[str, tuple[Floats, str]]:
+    """Arrays (P, S, J) of body z + 1 by their names and with their units in files."""
+    return {
+        f"slice_root_tension_{z + 1}_MPa": (stress.slice_tension_MPa, "MPa"),
+        f"slice_root_compression_{z + 1}_MPa": (stress.slice_compression_MPa, "MPa"),
+    }

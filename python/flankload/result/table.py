@@ -324,7 +324,8 @@ def _root_stress(found: Any) -> str:
         parts.append(
             f"{name} {extreme['stress_MPa']:.0f} MPa on pair {extreme['pair']} at "
             f"{degrees(extreme['position_rad']):.3f} deg (radius {extreme['radius_mm']:.2f} mm, "
-            f"tangent {extreme['slant_deg']:.0f} deg)"
+            f"tangent {extreme['slant_deg']:.0f} deg"
+            + (f", z {extreme['z_mm']:.2f} mm)" if "z_mm" in extreme else ")")
         )
     return "; ".join(parts)
 

@@ -12,12 +12,12 @@ import numpy as np
 from flankload.base.files import write_atomically
 from flankload.base.optional import optional
 from flankload.result.export import (
-    OVER_SLICES,
     SINGLE_NUMBERS,
     SiteValues,
     along_positions,
     at_position,
     over_sites,
+    slice_arrays,
 )
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
 
@@ -158,14 +158,15 @@ def _quantities(results: Sequence[Result]) -> Iterator[tuple[str, list[Row]]]:
         values = [[at(key, p, j) for at in at_sites for j in sites] for p in range(count)]
         yield key, _rows(results, heads, values)
     if all(result.slices is not None for result in results):
-        for key, unit in OVER_SLICES.items():
+        over_slices = [slice_arrays(result) for result in results]
+        for key, (_, unit) in over_slices[0].items():
             heads = [
                 f"pair {j}, z {z:.6g} mm, {_torque(result, unit)}"
                 for result in results
                 for j in result.sites
                 for z in result.slice_z_mm
             ]
-            over = [getattr(result, key).reshape(count, -1) for result in results]
+            over = [arrays[key][0].reshape(count, -1) for arrays in over_slices]
             yield key, _rows(results, heads, np.hstack(over))
 
 

@@ -38,16 +38,10 @@ PLANE_EFFECTS = {
     "choose": "no choice of effects for three-dimensional bodies",
     "near_field": "no nodal forces on three-dimensional bodies",
     "influence": "influence coefficients of small forces for slices",
-    "root_stress": "root stress of plane bodies only",
     "body": "three-dimensional bodies with all their teeth",
     "support_expansion_per_K": "bodies that expand as their supports do",
     "speed_rpm": "centrifugal expansion of plane bodies only",
     "coast_flank": "slices on working flanks only",
-}
-#: The same of splines, whose slices lie on each other over a height.
-PLANE_EFFECTS_OF_SPLINES = {
-    "friction_coefficient": "no friction of splines there",
-    "temperature_rise_K": "no expansion of splines there",
 }
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
 LEAD_KEYS = (
@@ -381,21 +375,29 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
 def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> None:
     """Refuse effects and keys that this version has in plane scenes only."""
     since = f"since {why} requires three dimensions"
-    if given.get("contact") == "pairs":
-        refuse("effects.contact", f"'lumped' or nothing, {since}", "'pairs'")
     plain = type(asked.effects)()
+    cells = given.get("contact") == "pairs"
+    if cells and asked.body_1.conforms:
+        expected = f"nothing, {since}: slices of splines have one unknown each"
+        refuse("effects.contact", expected, "'pairs'")
+    if asked.effects.friction_coefficient and (asked.body_1.conforms or cells):
+        without = "of splines" if asked.body_1.conforms else "with effects.contact = 'pairs'"
+        expected = f"nothing, {since}: this version has no friction {without} there"
+        refuse("effects.friction_coefficient", expected, asked.effects.friction_coefficient)
+    if asked.effects.temperature_rise_K and asked.body_1.conforms:
+        expected = f"nothing, {since}: this version has no expansion of splines there"
+        refuse("effects.temperature_rise_K", expected, shown(asked.effects.temperature_rise_K))
     for key, what in PLANE_EFFECTS.items():
         value = getattr(asked.effects, key)
         if value != getattr(plain, key):
             default = shown(getattr(plain, key)) if getattr(plain, key) else "nothing"
             refuse(f"effects.{key}", f"{default}, {since}: this version has {what}", shown(value))
-    for key, what in PLANE_EFFECTS_OF_SPLINES.items() if asked.body_1.conforms else ():
-        if getattr(asked.effects, key):
-            expected = f"nothing, {since}: this version has {what}"
-            refuse(f"effects.{key}", expected, shown(getattr(asked.effects, key)))
+    if cells:
+        return
     for key in ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths"):
         if getattr(asked.accuracy, key) is not None:
             expected = f"nothing, {since}: their contact has slices instead of cells"
+            expected += " (effects.contact = 'pairs' for cells)"
             refuse(f"accuracy.{key}", expected, getattr(asked.accuracy, key))
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from flankload.scene.axial import three_dimensional_key
+
 if TYPE_CHECKING:
     from flankload.scene import Scene
 
@@ -60,6 +62,11 @@ class Discretization:
 #: positions, load share 0.25 percentage points there, peak pressure 0.10 %.
 DEFAULT = Discretization(1.0 / 4.5, 5, Grid())
 
+#: Cells in slices (three dimensions): lumped contact gives the forces of all slices in advance, so
+#: the zones can be short. Of a spur and a helical pair, ten cells change the rotation by 0.004 %,
+#: twice as many at sharp corners by 0.004 %.
+IN_SLICES = Grid(6.0, 9.0, 2.0)
+
 #: Part of the scene's tolerance for the sampling error of positions: more positions cost little.
 POSITIONS_PART = 0.3
 
@@ -76,7 +83,7 @@ def choose_discretization(scene: Scene) -> Discretization:
     Discretization
         Values set in [accuracy]; the others by default.
     """
-    accuracy, grid = scene.accuracy, DEFAULT.grid
+    accuracy, grid = scene.accuracy, default_grid(scene)
     return Discretization(
         flank_element_parts=DEFAULT.flank_element_parts,
         modes=accuracy.modes or DEFAULT.modes,
@@ -86,6 +93,13 @@ def choose_discretization(scene: Scene) -> Discretization:
             accuracy.zone_half_widths or grid.zone_half_widths,
         ),
     )
+
+
+def default_grid(scene: Scene) -> Grid:
+    """Cells by default: fewer in slices."""
+    bodies = (scene.body_1, scene.body_2)
+    key = three_dimensional_key(bodies, scene.pair, scene.effects.dimension)
+    return DEFAULT.grid if key is None else IN_SLICES
 
 
 def elements_for_modes(modes: int) -> int:

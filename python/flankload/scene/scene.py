@@ -250,7 +250,7 @@ class Scene(Card):
             asked.body_1.check(d["body_1"], "body_1")
             asked.body_2.check(d["body_2"], "body_2")
             asked.check(d)
-            asked = _with_slices(_without_repetition(asked, d))
+            asked = _with_slices(_without_repetition(asked, d), d)
         except SceneError as error:
             raise (error if path is None else error.with_file(path)) from None
         return cls(
@@ -280,8 +280,10 @@ def _without_repetition(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile
     return replace(asked, positions=replace(asked.positions, count=1))
 
 
-def _with_slices(asked: SceneFile) -> SceneFile:
-    """Use lumped contact in slices for three-dimensional bodies."""
+def _with_slices(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:
+    """Use lumped contact in slices for three-dimensional bodies, unless the scene has cells."""
+    if "contact" in given.get("effects", {}):
+        return asked
     bodies = (asked.body_1, asked.body_2)
     if three_dimensional_key(bodies, asked.pair, asked.effects.dimension) is None:
         return asked

@@ -15,7 +15,7 @@ from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import bodies_of
 from flankload.pairing.slices import SLICES as DEFAULT_SLICES
 from flankload.scene.axial import DEGREES_ABOVE_LOAD, degrees_of
-from flankload.scene.discretization import DEFAULT, elements_for_modes
+from flankload.scene.discretization import DEFAULT, default_grid, elements_for_modes
 from flankload.scene.effects import effects_of
 
 if TYPE_CHECKING:
@@ -232,7 +232,7 @@ def _of_flanks(scene: Scene) -> Parameters:
         modes -= 1  # named elements resolve no more
     values: Values = {
         MODES: min(most, modes),
-        STRIPS: accuracy.strips_per_half_width or DEFAULT.grid.strips_per_half_width,
+        STRIPS: accuracy.strips_per_half_width or default_grid(scene).strips_per_half_width,
     }
     steps: dict[str, tuple[float, ...]] = {
         MODES: tuple(range(LEAST_MODES, most + 1)),

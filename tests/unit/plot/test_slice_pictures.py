@@ -19,6 +19,7 @@ from flankload.plot import (
     plot_line_load,
     plot_line_load_map,
     plot_loaded_pair,
+    plot_root_stress_over_width,
 )
 from flankload.plot.loaded_pair_3d import AXIAL_FACETS, CONTOUR_FACETS, VIEW, teeth_in_mesh
 from flankload.plot.slices import contact_pattern
@@ -39,7 +40,7 @@ def solved(name: str = "helical_gear", **tables: dict[str, object]) -> fl.Result
         **{"axial_degree": 5, "load_degree_z": 1, "slices": 10},
     }
     for table, keys in tables.items():
-        tree[table] = {**tree[table], **keys}
+        tree[table] = {**tree.get(table, {}), **keys}
     found = solve(fl.Scene.from_dict(tree))
     assert isinstance(found, fl.Result)
     return found
@@ -282,3 +283,20 @@ def test_loaded_pair_of_crowned_spur_gears_beside_each_other(
         monkeypatch.setitem(plot.PICTURES, name, lambda _: new_figure((1.0, 1.0)))
     assert (tmp_path / "loaded_pair.png") in plot_all(unloaded, tmp_path)
     assert len(bands_of(plot_loaded_pair(unloaded).axes[0]).get_paths()) == 0
+
+
+def test_root_stress_over_the_width_is_that_of_the_most_stressed_teeth() -> None:
+    result = solved(effects={"root_stress": True}, positions={"count": 2})
+    assert plot.pictures_of(result)[-2:] == ("root_stress", "root_stress_over_width")
+    (axes,) = plot_root_stress_over_width(result).axes
+    lines = [line for line in axes.lines if len(np.asarray(line.get_xdata())) == 10]
+    wanted = []
+    for stress in result.root_stress:
+        assert stress is not None
+        for values in (stress.slice_tension_MPa, stress.slice_compression_MPa):
+            p, s, _ = np.unravel_index(np.abs(values).argmax(), values.shape)
+            wanted.append(values[p, s])
+    for line, values in zip(lines, wanted, strict=True):
+        np.testing.assert_array_equal(line.get_xdata(), result.slice_z_mm)
+        np.testing.assert_array_equal(line.get_ydata(), values)
+        assert f"{values[np.abs(values).argmax()]:.0f} MPa" in str(line.get_label())

@@ -198,10 +198,10 @@ GIVEN = {"kind": "compliance", "file": "wheel.npz"}
             "5",
         ),
         (
-            {**CROWNED, "effects__contact": "pairs"},
-            "effects.contact",
-            f"'lumped' or nothing, {SINCE}",
-            "'pairs'",
+            {**CROWNED, "effects__contact": "pairs", "effects__friction_coefficient": 0.1},
+            "effects.friction_coefficient",
+            f"nothing, {SINCE}: this version has no friction with effects.contact = 'pairs' there",
+            "0.1",
         ),
         (
             {**CROWNED, "body_2": GIVEN},

@@ -139,8 +139,13 @@ class RootResponse:
     response : (z, q, p) array, or (f * f, q, p) array as `BodyCompliance.smooth`
         response[t] maps the pressure modes of tooth 0 (MPa, pulling out of the material) to the
         stress in the root of tooth t, MPa; with friction followed by as many modes of load along
-        the flank, towards growing arc length.
+        the flank, towards growing arc length. In three dimensions (z, q, d + 1, p): coefficients of
+        the functions of z (`prism.AxialBasis` of degree d) per N out of the material at a place of
+        tooth 0 times the values of the modes there.
+    range_mm : (float, float) or None
+        Ends of the teeth along the axis; None in a plane.
     """
 
     points: RootPoints
     response: Floats
+    range_mm: tuple[float, float] | None = None

@@ -88,6 +88,14 @@ class AxialBasis:
         """phi_k' at places z (n,), mm: (n, p + 1), 1/mm^(3/2)."""
         return self.values(z) @ self.mixed  # phi_b' is the sum of D1[a, b] phi_a
 
+    def means(self, spans: Floats) -> Floats:
+        """Means of phi_k over spans (n, 2) along z, mm: (n, p + 1), 1/sqrt(mm)."""
+        points, weights = leggauss(self.degree // 2 + 1)
+        middle, half = spans.mean(axis=1), 0.5 * np.diff(spans, axis=1)[:, 0]
+        places = middle[:, None] + half[:, None] * points
+        values = self.values(places.ravel()).reshape(*places.shape, -1)
+        return np.asarray(np.einsum("g,ngk->nk", 0.5 * weights, values))
+
     def products(self, section: SectionStiffness) -> tuple[NDArray[np.int64], Floats]:
         """Axial matrices of each pair of nodes of a section.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
@@ -14,7 +14,7 @@ from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import Account
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
-from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearField
+from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearField, RootResponse
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import jump_strength, logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
@@ -25,7 +25,9 @@ from flankload.elasticity.prism.flank_potential import (
     projected_potential,
     projected_tangential,
 )
+from flankload.elasticity.prism.recovery import Recovery
 from flankload.elasticity.prism.regions import functions_of
+from flankload.elasticity.prism.root_surface import root_surface_stress
 from flankload.elasticity.prism.section_error import missed_over_width
 from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import close_ring
@@ -37,6 +39,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.bodies.root_fillet import RootFillets
+    from flankload.elasticity.sector_closure import CondensedSector
 
     Floats = NDArray[np.float64]
 
@@ -105,6 +109,7 @@ def prism_compliance(
     *,
     n_modes: int,
     friction: bool = False,
+    fillets: RootFillets | None = None,
     estimate: bool = False,
     account: Account | None = None,
 ) -> BodyCompliance:
@@ -140,6 +145,8 @@ def prism_compliance(
         A tip rounding or chamfer has half as many more.
     friction : bool
         Loads along the profile are solved, as many as along the normal.
+    fillets : RootFillets, optional
+        Where stress is read.
     estimate : bool
         Whether the discretization error of the plane elements is estimated.
     account : Account, optional
@@ -163,7 +170,9 @@ def prism_compliance(
     mesh, log, modes_s = _sector_of(body), JobLog(account), n_modes
     if body.tip is not None:
         n_modes = with_tip(n_modes)
-    response = _ring_response(body, mesh, prism, n_modes, log, friction=friction)
+    response, of_roots = _ring_response(
+        body, mesh, prism, n_modes, log, friction=friction, fillets=fillets
+    )
     surface = flank_surface(body, prism)
     near = _near_field(body, surface, friction=friction)
     response, asymmetry = _settled(response, surface, near, n_modes, prism.load_degree)
@@ -199,6 +208,7 @@ def prism_compliance(
             ),
         ),
         tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
+        root=None if fillets is None else _of_roots(fillets, of_roots, surface, n_modes, prism),
         missed=missed,
         job=log.cost(asymmetry, unknowns),
     )
@@ -225,15 +235,13 @@ def _settled(
     p, count = n_modes * (degree_z + 1), response.shape[1]
     potential = projected_potential(surface, n_modes, degree_z)
     response[0, :p, :p] -= 0.5 * near.kernel * potential
-    along_axis = mode_norms_z(surface.width_mm, degree_z)
-    inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along_axis))
     if count > p:
         tangential = projected_tangential(
             surface, n_modes, degree_z, kernel=near.kernel, jump=near.jump
         )
         response[0, :p, p:] -= tangential
         response[0, p:, :p] -= tangential.T
-        inverse = np.kron(np.eye(2), inverse)
+    inverse = _to_coefficients(surface, n_modes, degree_z, friction=count > p)
     response = inverse @ response @ inverse
     teeth = len(response)
     mirrored = response[-np.arange(teeth) % teeth].transpose(0, 2, 1)
@@ -241,10 +249,36 @@ def _settled(
     return 0.5 * (response + mirrored), asymmetry
 
 
-def _ring_response(
-    body: Body, mesh: SectorMesh, prism: Prism, n_modes: int, log: JobLog, *, friction: bool
+def _to_coefficients(
+    surface: FlankSurface, n_modes: int, degree_z: int, *, friction: bool
 ) -> Floats:
-    """Readings B'C_t B (z, p, p) of the loads on the teeth of the closed ring."""
+    """Inverse of the products of the modes <P_ab, P_cd>, of loads along both directions."""
+    along_axis = mode_norms_z(surface.width_mm, degree_z)
+    inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along_axis))
+    return np.asarray(np.kron(np.eye(1 + friction), inverse))
+
+
+def _of_roots(
+    fillets: RootFillets, response: Floats, surface: FlankSurface, n_modes: int, prism: Prism
+) -> RootResponse:
+    """Readings (z, r, p) of the roots by place and function of z."""
+    friction = response.shape[2] > n_modes * (prism.load_degree + 1)
+    inverse = _to_coefficients(surface, n_modes, prism.load_degree, friction=friction)
+    shape = len(response), fillets.points.arc_length_mm.size, prism.degree + 1, len(inverse)
+    return RootResponse(fillets.points, (response @ inverse).reshape(shape), prism.range_mm)
+
+
+def _ring_response(
+    body: Body,
+    mesh: SectorMesh,
+    prism: Prism,
+    n_modes: int,
+    log: JobLog,
+    *,
+    friction: bool,
+    fillets: RootFillets | None,
+) -> tuple[Floats, Floats]:
+    """Readings B'C_t B (z, p, p) of the loads on the closed ring, and of the roots (z, r, p)."""
     axial = AxialBasis(prism.range_mm, prism.degree)
     numbers, functions = functions_of(mesh, axial, dict(prism.regions))
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
@@ -253,6 +287,8 @@ def _ring_response(
         mode_loads(mesh, body.mode_range_mm, n_modes, along=each, tip=body.tip, twist=prism.twist)
         for each in directions[: 1 + friction]
     ]
+    loads = _prism_loads(np.hstack(in_plane), axial.load_vectors(prism.load_degree))
+    recovery = None if fillets is None else Recovery(fillets.on_elements.nodes)
     log.end_step("assembly")
     # most fronts are too small to share: two threads take longer, and more CPU seconds
     with one_blas_thread():
@@ -260,15 +296,35 @@ def _ring_response(
             section,
             functions,
             mesh,
-            _prism_loads(np.hstack(in_plane), axial.load_vectors(prism.load_degree)),
+            loads,
             cut_degree=min(prism.cut_degree, prism.degree),
             twisted=prism.twist != 0.0,
             account=log.account,
+            recovery=recovery,
         )
         log.end_step("factorisation")
+        if fillets is not None and recovery is not None:
+            nodes = fillets.on_elements
+            stress = root_surface_stress(nodes, functions, axial, body.material, prism.twist)
+            by_loads, by_cuts = recovery.unit_displacements(nodes.nodes, loads.shape[2])
+            sector = _with_reading(sector, stress, by_loads, by_cuts)
+            log.account.count(stress_recoveries=fillets.points.arc_length_mm.size)
+            log.end_step("solution")
         response = close_ring(sector, mesh.teeth)
     log.end_step("ring")
-    return response
+    return response[:, : loads.shape[2]], response[:, loads.shape[2] :]
+
+
+def _with_reading(
+    sector: CondensedSector, columns: Floats, by_loads: Floats, by_cuts: Floats
+) -> CondensedSector:
+    """The sector with columns (r, n) that read displacements (k, …) of nodes, n of them in all."""
+    local, carried = (
+        columns @ moved.reshape(columns.shape[1], -1) for moved in (by_loads, by_cuts)
+    )
+    return replace(
+        sector, local=(*sector.local, local), carried=(*sector.carried, np.asarray(carried.T))
+    )
 
 
 def prism_unknowns(body: Body, degree: int) -> int:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import SectorMesh
     from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions
+    from flankload.elasticity.prism.recovery import Independent, Recovery
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
 
     Floats = NDArray[np.float64]
@@ -51,6 +52,7 @@ def condense_prism(
     cut_degree: int,
     twisted: bool,
     account: Account | None = None,
+    recovery: Recovery | None = None,
 ) -> CondensedSector:
     """Condense a sector to its loads and cuts; the fixed nodes are held over their whole width.
 
@@ -67,6 +69,8 @@ def condense_prism(
     twisted : bool
         False allows the two problems of half the size if the functions of z are even or odd.
     account : Account, optional
+    recovery : Recovery, optional
+        Keeps the fronts for displacements inside the sector.
 
     Returns
     -------
@@ -89,6 +93,8 @@ def condense_prism(
     size = cut.size * per_cut
     whole = np.zeros((size + count, size + count))
     products = axial.products(section)
+    if recovery is not None:
+        recovery.begin(cut, COMPONENTS * axial.count, per_cut)
     for unknowns in _independent(axial.count, coupled=twisted or not axial.symmetric):
         of_cut = unknowns[unknowns < per_cut]
         columns = np.flatnonzero(loads[:, unknowns].any(axis=(0, 1)))
@@ -96,7 +102,10 @@ def condense_prism(
         at = (np.arange(cut.size)[:, None] * per_cut + of_cut).ravel()
         at = np.append(at, size + columns)
         own = loads[:, unknowns][:, :, columns]
-        whole[np.ix_(at, at)] += _eliminated(fronts, pencil, own, cut.size, account)
+        kept = None if recovery is None else recovery.part(fronts, unknowns, of_cut, columns)
+        whole[np.ix_(at, at)] += _eliminated(fronts, pencil, own, cut.size, account, kept)
+    if recovery is not None:
+        account.workspace_bytes += recovery.bytes
     on_cut = loads[cut][:, :per_cut].reshape(size, count)
     return CondensedSector(
         local=(-whole[size:, size:],),
@@ -171,7 +180,12 @@ class _Remainder:
 
 
 def _eliminated(
-    fronts: list[Front], pencil: _Pencil, loads: Floats, cuts: int, account: Account
+    fronts: list[Front],
+    pencil: _Pencil,
+    loads: Floats,
+    cuts: int,
+    account: Account,
+    kept: Independent | None = None,
 ) -> Floats:
     """So many kept nodes, in their order, and the loads after the elimination of all inner nodes.
 
@@ -184,7 +198,9 @@ def _eliminated(
     bytes_held = most = 0
     for number, front in enumerate(fronts):
         parts = [left.pop(part) for part in front.parts]
-        left[number] = _front_remainder(front, parts, pencil, loads)
+        left[number], factor, below = _front_remainder(front, parts, pencil, loads)
+        if kept is not None:
+            kept.keep(number, front, factor, below)
         bytes_held += left[number].matrix.nbytes
         most = max(most, bytes_held)
         bytes_held -= sum(part.matrix.nbytes for part in parts)
@@ -207,8 +223,8 @@ def _eliminated(
 
 def _front_remainder(
     front: Front, parts: list[_Remainder], pencil: _Pencil, loads: Floats
-) -> _Remainder:
-    """Assemble a front, eliminate its own nodes."""
+) -> tuple[_Remainder, Floats, Floats]:
+    """Assemble a front, eliminate its own nodes: what is left, their factor, the rows below it."""
     n, m = pencil.unknowns.size, pencil.of_cut.size
     width = loads.shape[2] if front.loaded else 0
     own = front.own.size * n
@@ -224,12 +240,13 @@ def _front_remainder(
     for part in parts:
         _extend(front, sizes, n, part, (pivot, below, remainder))
     if front.own.size:
-        factor, failed = dpotrf(pivot, lower=1, clean=0, overwrite_a=1)
+        pivot, failed = dpotrf(pivot, lower=1, clean=0, overwrite_a=1)
         assert not failed, "stiffness of a sector: expected positive definite"
         if rest:
-            below = dtrsm(1.0, factor, below, side=1, lower=1, trans_a=1, overwrite_b=1)
+            below = dtrsm(1.0, pivot, below, side=1, lower=1, trans_a=1, overwrite_b=1)
             remainder = dsyrk(-1.0, below, beta=1.0, c=remainder, lower=1, overwrite_c=1)
-    return _Remainder(front, np.append(sizes, width) if width else sizes, remainder)
+    sizes = np.append(sizes, width) if width else sizes
+    return _Remainder(front, sizes, remainder), pivot, below
 
 
 def _assemble(front: Front, pencil: _Pencil, pivot: Floats, below: Floats) -> None:

@@ -281,7 +281,8 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
                 found=angles[0] or angles[1],
             )
         misalignment = gap_by_misalignment(*angles, pairing.mesh.pressure_angle_rad)
-    return slices_of((one, two), scene.accuracy.slices, misalignment)
+    graded = scene.effects.contact == "pairs"
+    return slices_of((one, two), scene.accuracy.slices, misalignment, graded=graded)
 
 
 def _coupling_slices(

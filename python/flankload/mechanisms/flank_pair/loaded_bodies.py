@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.elasticity.loaded_body import loaded_body, turned
+from flankload.elasticity.prism.loaded_prism import loaded_prism
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.pairing.coast_sites import coast_sites
+from flankload.mechanisms.flank_pair.loaded_solids import SolidBody
+from flankload.mechanisms.flank_pair.nodal_fields import POINTS, BodyOfPair, NodalFields
+from flankload.mechanisms.flank_pair.stages import prism_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.bodies import Body
     from flankload.elasticity.loaded_body import LoadedBody
     from flankload.result import PairTable, Result
     from flankload.scene import Scene
@@ -22,59 +24,24 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
-#: Points of a contact cell at which its force acts on the elements (Gauss).
-POINTS = 4
-
 
 @dataclass(frozen=True, eq=False)
-class NodalFields:
-    """Fields at the M nodes of a body at one position, in the world frame.
+class FieldBody(BodyOfPair):
+    """One body of a plane pair whose elements are loaded with the contact forces of results.
 
     Attributes
     ----------
-    points_mm : (M, 2) array
-        Undeformed places.
-    displacement_mm : (M, 2) array
-        By the contact forces; not by temperature, speed or a press fit.
-    stress_MPa : (M, 4) array
-        xx, yy, zz, xy; averaged over the elements of a node.
-    contact_pressure_MPa : (M,) array
-        Normal force of a flank node over its part of the flank; 0 elsewhere.
-    force_N : (M, 2) array
-        Consistent nodal forces of the contacts, over the face width.
-    """
-
-    points_mm: Floats
-    displacement_mm: Floats
-    stress_MPa: Floats
-    contact_pressure_MPa: Floats
-    force_N: Floats
-
-    @property
-    def von_mises_MPa(self) -> Floats:
-        """(M,) Equivalent stress."""
-        xx, yy, zz, xy = self.stress_MPa.T
-        apart = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-        return np.asarray(np.sqrt(0.5 * apart + 3.0 * xy**2))
-
-
-@dataclass(frozen=True, eq=False)
-class FieldBody:
-    """One body of a pair whose elements are loaded with the contact forces of results.
-
-    Attributes
-    ----------
-    number : int
-        0 or 1.
-    body, other : Body
-        This body of the scene, and the other one.
+    number, body, other
+        Number, this body of the scene, and the other one.
     loaded : LoadedBody
     """
 
-    number: int
-    body: Body
-    other: Body
     loaded: LoadedBody
+
+    @property
+    def cells(self) -> tuple[tuple[str, Numbers], ...]:
+        """Elements, in the points of the fields."""
+        return self.loaded.cells
 
     def at(self, result: Result, p: int) -> NodalFields:
         """Fields of a result at position p.
@@ -123,7 +90,7 @@ class FieldBody:
         x, weights = np.polynomial.legendre.leggauss(POINTS)
         site, cell = table.site[carries], table.cell_mm[carries]
         s = (table.arc_length_1_mm, table.arc_length_2_mm)[self.number][carries]
-        s = self._on_elements((s[:, None] + 0.5 * cell[:, None] * x).ravel())
+        s = self.on_elements((s[:, None] + 0.5 * cell[:, None] * x).ravel(), self.loaded.body)
         normal = np.column_stack([table.normal_x, table.normal_y])[carries]
         on_1 = -table.force_N[carries, None] * normal
         if table.friction_force_N is not None:
@@ -132,28 +99,14 @@ class FieldBody:
         force = turned(on_1 if self.number == 0 else -on_1, -angle)
         share = np.tile(0.5 * weights, site.size)
         return (
-            np.repeat(self._teeth(site, coast), POINTS),
+            np.repeat(self.teeth(site, coast), POINTS),
             s,
             share[:, None] * np.repeat(force, POINTS, axis=0),
             share * np.repeat(table.force_N[carries], POINTS),
         )
 
-    def _teeth(self, sites: Numbers, coast: bool) -> Numbers:
-        """Teeth of the body at pair numbers."""
-        one, two = (self.body, self.other) if self.number == 0 else (self.other, self.body)
-        if coast:
-            return coast_sites(sites, one, two).site_teeth[self.number]
-        sense = 1 if self.number == 0 else -self.body.outward
-        return np.asarray(sense * sites % self.body.teeth)
 
-    def _on_elements(self, s: Floats) -> Floats:
-        """Arc lengths on the flank that the elements follow, of those on the flank of the body."""
-        low, high = self.body.mode_range_mm
-        first, last = self.loaded.body.mode_range_mm
-        return np.asarray(first + (s - low) * ((last - first) / (high - low)))
-
-
-def field_bodies(scene: Scene) -> dict[str, FieldBody | str]:
+def field_bodies(scene: Scene) -> dict[str, FieldBody | SolidBody | str]:
     """Both bodies of a scene, ready for the contact forces of its results.
 
     Parameters
@@ -163,13 +116,13 @@ def field_bodies(scene: Scene) -> dict[str, FieldBody | str]:
 
     Returns
     -------
-    dict of str to FieldBody or str
+    dict of str to FieldBody, SolidBody or str
         By name (body_1, body_2); a text says why a body has no fields.
     """
     pair = build_bodies(scene)
     bodies = (pair.body_1, pair.body_2)
     elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
-    found: dict[str, FieldBody | str] = {}
+    found: dict[str, FieldBody | SolidBody | str] = {}
     for z, body in enumerate(bodies):
         name = f"body_{z + 1}"
         if body.given is not None:
@@ -177,7 +130,8 @@ def field_bodies(scene: Scene) -> dict[str, FieldBody | str]:
         elif body.mesh is None or not elastic[z]:
             found[name] = "rigid, so it has no fields"
         elif pair.effects.three_dimensions:
-            found[name] = "three-dimensional: fields of its elements are not recovered"
+            loaded_solid = loaded_prism(body, prism_of(body, scene))
+            found[name] = SolidBody(z, body, bodies[1 - z], loaded_solid)
         else:
             loaded = loaded_body(body, scene.accuracy.plane)
             found[name] = FieldBody(z, body, bodies[1 - z], loaded)

@@ -64,7 +64,9 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
                 modes = with_tip(modes)
             if pair.effects.three_dimensions:
                 estimated = scene.accuracy.estimate and z in elements_estimated(pair)
-                stages[stage] = _prism(body, work, modes, degrees_of(scene.accuracy), estimated)
+                places = _places(pair.fillets[z]) if work.recoveries else 0
+                found = _prism(body, work, modes, degrees_of(scene.accuracy), estimated)
+                stages[stage] = found | {"stress_recoveries": places}
                 continue
             places = _places(pair.fillets[z])
             stages[stage] = (

@@ -292,8 +292,10 @@ class FlankPairScreening(Screening):
             if name not in counted:
                 continue
             if pair.slices is not None:
-                body = (pair.body_1, pair.body_2)[z]
-                stages[name] = self._models.prism_rates[z].price(scene, body, counted[name])
+                body, counters = (pair.body_1, pair.body_2)[z], counted[name]
+                if pair.effects.root_stress and pair.fillets[z] is None:  # of another scene
+                    counters = counters | {"stress_recoveries": PLACES}
+                stages[name] = self._models.prism_rates[z].price(scene, body, counters)
                 smoothing += stages[name].cpu_s * SECTION_PART * (z in elements_estimated(pair))
                 continue
             if z not in self._models.rates:  # it comes from a file

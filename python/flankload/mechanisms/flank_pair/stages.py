@@ -71,7 +71,15 @@ def elements_call(
     """
     effects, own = effects_of(scene), body.for_elements()
     if effects.three_dimensions:
-        return _prism_call(own, scene, discretization, estimate=estimate)
+        return partial(
+            prism_compliance,
+            own,
+            prism_of(own, scene),
+            n_modes=modes_of(own, scene, discretization),
+            friction=effects.friction,
+            fillets=fillets,
+            estimate=estimate,
+        )
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
     if own.given is not None:
@@ -294,27 +302,17 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
     )
 
 
-def _prism_call(
-    body: Body, scene: Scene, discretization: Discretization, *, estimate: bool
-) -> partial[BodyCompliance]:
-    """Call for the compliance of a three-dimensional body."""
+def prism_of(body: Body, scene: Scene) -> Prism:
+    """How a three-dimensional body extends along its axis, with the degrees of a scene."""
     axial = body.axial
     assert axial is not None
     degree, load_degree = degrees_of(scene.accuracy)
-    prism = Prism(
+    return Prism(
         axial.range_mm,
         axial.twist_rad_per_mm,
         degree=degree,
         load_degree=load_degree,
         regions=axial.regions,
-    )
-    return partial(
-        prism_compliance,
-        body,
-        prism,
-        n_modes=modes_of(body, scene, discretization),
-        friction=effects_of(scene).friction,
-        estimate=estimate,
     )
 
 

@@ -84,7 +84,7 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
             "",
             "'pairs': pressure resolved by contact pairs; 'lumped': one unknown per place "
             "of contact, with the width of a Hertz contact (two to three times as fast, no "
-            "strips; not for conforming flanks)",
+            "strips; not for conforming flanks; the default in three dimensions, in slices)",
         ),
     ] = "pairs"
     body: Annotated[

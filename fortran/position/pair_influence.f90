@@ -1,0 +1,80 @@
+!> Influence coefficients between the pairs of a position: in the plane, or between cells in slices
+!> with shafts and bearings.
+module flankload_pair_influence
+    use flankload_kinds, only: wp
+    use flankload_cell_field, only: cell_influences
+    use flankload_contact_pairs, only: pairs_type
+    use flankload_contact_zones, only: zone_type
+    use flankload_influence_number, only: influence_matrix
+    use flankload_polar_geometry, only: cross
+    use flankload_position_zones, only: body_type
+    use flankload_slice_coupling, only: segments_of
+    use flankload_slice_field, only: middle_of
+    implicit none
+    private
+
+    public :: pair_influences
+
+contains
+
+    !> K of all pairs; symmetric without friction.
+    pure subroutine pair_influences(body_1, body_2, zones, pairs, matrix)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The zones of the position
+        type(zone_type), intent(in) :: zones(:)
+        !> The pairs, those of a zone together
+        type(pairs_type), intent(in) :: pairs
+        !> K [mm/N], shape (n, n)
+        real(wp), contiguous, intent(out) :: matrix(:, :)
+
+        integer :: n_1, n_2
+        real(wp), allocatable :: rigid(:, :), moved(:, :)
+
+        if (.not. allocated(body_1%slices)) then
+            call influence_matrix(body_1%compliance, body_2%compliance, pairs, matrix)
+            return
+        end if
+        n_1 = merge(6, 0, allocated(body_1%shaft))
+        n_2 = merge(6, 0, allocated(body_2%shaft))
+        allocate (rigid(n_1 + n_2, pairs%n), moved(n_1 + n_2, pairs%n))
+        if (n_1 > 0) rigid(:n_1, :) = wrenches_of(body_1, body_1, zones, pairs)
+        if (n_1 > 0) moved(:n_1, :) = matmul(body_1%shaft%compliance, rigid(:n_1, :))
+        if (n_2 > 0) rigid(n_1 + 1:, :) = wrenches_of(body_2, body_1, zones, pairs)
+        if (n_2 > 0) moved(n_1 + 1:, :) = matmul(body_2%shaft%compliance, rigid(n_1 + 1:, :))
+        call cell_influences(body_1%compliance, body_2%compliance, body_1%slices, &
+            & segments_of(body_1%slices, zones), pairs, rigid, moved, matrix)
+    end subroutine pair_influences
+
+    !> Unit forces along the normals of the pairs, and their moments about the section of a shaft.
+    pure function wrenches_of(body, body_1, zones, pairs) result(wrenches)
+        !> The body, with a shaft
+        type(body_type), intent(in) :: body
+        !> Body 1, whose helix and slices are those of the pair
+        type(body_type), intent(in) :: body_1
+        !> The zones
+        type(zone_type), intent(in) :: zones(:)
+        !> The pairs
+        type(pairs_type), intent(in) :: pairs
+        !> Forces and moments [-, mm], shape (6, n)
+        real(wp) :: wrenches(6, pairs%n)
+
+        integer :: i
+        real(wp) :: lever, n(3), r(3)
+
+        do i = 1, pairs%n
+            associate (zone => zones(pairs%zone(i)))
+                lever = cross(pairs%point(:, i), pairs%normal(:, i))
+                ! on all flanks with a positive lever about axis 1
+                n = zone%cosine*[sign(1.0_wp, lever)*pairs%normal(:, i), &
+                    & -body_1%compliance%twist*abs(lever)]
+                r = [pairs%point(:, i) - body%origin, middle_of(body_1%slices, pairs%site(i)) &
+                    & - body%shaft%z]
+            end associate
+            wrenches(:3, i) = n
+            wrenches(4:, i) = [r(2)*n(3) - r(3)*n(2), r(3)*n(1) - r(1)*n(3), r(1)*n(2) - r(2)*n(1)]
+        end do
+    end function wrenches_of
+
+end module flankload_pair_influence

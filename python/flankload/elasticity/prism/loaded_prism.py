@@ -1,0 +1,317 @@
+"""Displacement and stress in a whole prism under forces on its flanks.
+
+One sector is condensed to its cuts and its fronts are kept; the cuts of the ring are solved one
+sector harmonic at a time, and each sector takes one back substitution (`recovery`). The solid that
+is shown is the section at stations along the axis: two for each layer of quadratic elements and
+one, as many layers as keep the degree of the displacements.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.base.blas_threads import one_blas_thread
+from flankload.bodies.body import SectorMesh
+from flankload.elasticity.fe_error import recovered_strains
+from flankload.elasticity.finite_elements import lame_parameters
+from flankload.elasticity.loaded_body import on_edges, ring_of, turned
+from flankload.elasticity.near_field import carrying_edges
+from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions
+from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
+from flankload.elasticity.prism.recovery import Recovery
+from flankload.elasticity.prism.regions import functions_of
+from flankload.elasticity.prism.section_stiffness import section_stiffness
+from flankload.elasticity.sector_closure import CondensedSector, turned_cuts
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Body
+    from flankload.elasticity.prism.compliance import Prism
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+    Cells = tuple[tuple[str, Numbers], ...]
+
+#: Solid elements of three stations of a plane element, in meshio's names.
+SOLIDS = {"quad9": "hexahedron27", "triangle6": "wedge18"}
+#: Plane element nodes of each node of a solid, and its station: corners below and above, edges
+#: below and above, upright edges; then the faces and the middle in VTK's order.
+SOLID_NODES = {
+    "quad9": (
+        (0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, 7, 0, 1, 2, 3, 7, 5, 4, 6, 8, 8, 8),
+        (0, 0, 0, 0, 2, 2, 2, 2, 0, 0, 0, 0, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1, 1, 1, 0, 2, 1),
+    ),
+    "triangle6": (
+        (0, 1, 2, 0, 1, 2, 3, 4, 5, 3, 4, 5, 0, 1, 2, 3, 4, 5),
+        (0, 0, 0, 2, 2, 2, 0, 0, 0, 2, 2, 2, 1, 1, 1, 1, 1, 1),
+    ),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class SolidPart:
+    """Elements of one width: n nodes of the whole section at J stations.
+
+    Attributes
+    ----------
+    nodes : (n,) array
+        Of the section of the whole body.
+    cells : ((kind, (E, k) array), ...)
+        Plane elements, in nodes of the part.
+    z_mm : (J,) array
+        Stations, ascending.
+    values, slopes : (b, J, p + 1) arrays
+        Functions of z of each basis at the stations, and their derivatives.
+    """
+
+    nodes: Numbers
+    cells: Cells
+    z_mm: Floats
+    values: Floats
+    slopes: Floats
+
+    @property
+    def solids(self) -> Cells:
+        """Solid elements, in points numbered by node, then station."""
+        count, found = self.z_mm.size, []
+        for kind, cells in self.cells:
+            node, level = map(np.array, SOLID_NODES[kind])
+            first = 2 * np.arange(count // 2)[:, None, None]
+            points = cells[:, node] * count + level + first
+            found.append((SOLIDS[kind], points.reshape(-1, node.size)))
+        return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedPrism:
+    """The elements of a whole prism, ready for forces on its flanks.
+
+    Attributes
+    ----------
+    body : Body
+        As `Body.for_elements` returns it.
+    prism : Prism
+    nodes : (M, 2) array
+        Of the section of the whole body at z = 0, mm; nodes of the cuts occur once.
+    numbers : (z, N) array
+        Node of the whole body of each node of each sector.
+    basis_of : (M,) array
+        Number of the functions of z of each node.
+    parts : tuple of SolidPart
+        One for each width of regions.
+    sector : CondensedSector
+        With its cuts alone.
+    recovery : Recovery
+        With all fronts.
+    """
+
+    body: Body
+    prism: Prism
+    nodes: Floats
+    numbers: Numbers
+    basis_of: Numbers
+    parts: tuple[SolidPart, ...]
+    sector: CondensedSector
+    recovery: Recovery
+
+    @property
+    def mesh(self) -> SectorMesh:
+        """Of a sector."""
+        assert isinstance(self.body.mesh, SectorMesh)
+        return self.body.mesh
+
+    def on_flank(self, s_mm: Floats) -> tuple[Numbers, Floats]:
+        """Nodes (n, 3) of a sector beside places of its flank, and their shape functions there."""
+        edges, s = carrying_edges(self.mesh)
+        at, shapes = on_edges(s, s_mm)
+        return edges[at], shapes
+
+    def flank_widths(self) -> tuple[Numbers, Floats]:
+        """Nodes (k,) of the flank of a sector, and the area (k,) of each per mm along z, mm."""
+        edges, s = carrying_edges(self.mesh)
+        nodes, place = np.unique(edges, return_inverse=True)
+        lengths = np.abs(s[:, 1] - s[:, 0])[:, None] * np.array([1.0, 1.0, 4.0]) / 6.0
+        lengths *= np.hypot(1.0, self.prism.twist * self.body.normal_lever_mm)
+        widths = np.bincount(place.ravel(), weights=lengths.ravel())
+        return nodes, np.asarray(widths, dtype=float)
+
+    def displacements(
+        self, tooth: Numbers, s_mm: Floats, spans_mm: Floats, force_N: Floats
+    ) -> Floats:
+        """Displacements under forces on flanks, each even over a span along the axis.
+
+        Parameters
+        ----------
+        tooth : (n,) array
+        s_mm : (n,) array
+            Arc lengths on the flank.
+        spans_mm : (n, 2) array
+            Their ends along the axis.
+        force_N : (n, 3) array
+            In the section turned with the helix, in the frame of the body.
+
+        Returns
+        -------
+        (M, p + 1, 3) array
+            By node and function of z; the same frame.
+        """
+        mesh, count = self.mesh, self.prism.degree + 1
+        z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
+        axial = AxialBasis(self.prism.range_mm, self.prism.degree)
+        means = axial.means(spans_mm)
+        nodes, shapes = self.on_flank(s_mm)
+        local = force_N.copy()
+        for each in np.unique(tooth).tolist():
+            own = tooth == each
+            local[own, :2] = turned(force_N[own, :2], -each * pitch)
+        forces = np.zeros((len(mesh.nodes), z, count, COMPONENTS))
+        parts = np.einsum("na,nk,nc->nakc", shapes, means, local)
+        np.add.at(forces, (nodes, tooth[:, None] % z), parts)
+        by_sector = forces.transpose(0, 2, 3, 1).reshape(len(mesh.nodes), -1, z)
+        with one_blas_thread():
+            moved = self.solved(by_sector).reshape(len(mesh.nodes), count, COMPONENTS, z)
+        found = np.empty((len(self.nodes), count, COMPONENTS))
+        for k, row in enumerate(self.numbers):
+            found[row] = moved[..., k]
+            found[row, :, :2] = turned(moved[:, :, :2, k], k * pitch)
+        return found
+
+    def solved(self, forces: Floats) -> Floats:
+        """Displacements of all sectors of the ring under nodal forces.
+
+        Parameters
+        ----------
+        forces : (N, 3 (p + 1), z) array
+            By node, unknown and sector, in the frames of the sectors.
+
+        Returns
+        -------
+        array of that shape
+        """
+        mesh, m = self.mesh, len(self.sector.stiffness) // 2
+        z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
+        kept, carried = self.recovery.reduced(forces)
+        sector = CondensedSector((), (carried,), self.sector.stiffness, COMPONENTS)
+        (left_left, left_right, right_left, right_right), ((one, two),) = turned_cuts(sector, pitch)
+        waves = np.exp(1j * pitch * np.arange(z // 2 + 1))
+        load = np.fft.rfft(one + np.roll(two, 1, axis=1), axis=1).T
+        waved = np.empty_like(load)
+        for k, wave in enumerate(waves):
+            system = left_left + right_right + left_right * wave + right_left / wave
+            waved[k] = np.linalg.solve(system, load[k])
+        on_left = np.fft.irfft(waved, n=z, axis=0)
+        on_right = np.roll(on_left, -1, axis=0).reshape(z, m // COMPONENTS, COMPONENTS).copy()
+        on_right[..., :2] = turned(on_right[..., :2], pitch)
+        on_cuts = np.concatenate([on_left.T, on_right.reshape(z, m).T])
+        return self.recovery.displacements(kept, on_cuts, len(mesh.nodes))
+
+    def fields(self, part: SolidPart, moved: Floats) -> tuple[Floats, Floats]:
+        """Displacement and stress at the points of a part, in the section turned with the helix.
+
+        Parameters
+        ----------
+        part : SolidPart
+        moved : (M, p + 1, 3) array
+            Of `displacements`.
+
+        Returns
+        -------
+        displacement : (n, J, 3) array
+            mm.
+        stress : (n, J, 6) array
+            MPa: xx, yy, zz, xy, yz, xz; recovered and averaged over the elements of a node.
+        """
+        own, basis, twist = moved[part.nodes], self.basis_of[part.nodes], self.prism.twist
+        v, by_z = (
+            np.einsum("njk,nkc->njc", functions[basis], own)
+            for functions in (part.values, part.slopes)
+        )
+        places = self.nodes[part.nodes]
+        columns = np.zeros((len(places), 2, v[0].size))
+        columns[:, 0] = v.reshape(len(places), -1)  # of a scalar: e_xx and 2 e_xy are its slopes
+        strains = recovered_strains(places, part.cells, columns.reshape(2 * len(places), -1))
+        slopes = strains.reshape(len(places), 3, *v.shape[1:])
+        by_x, by_y = slopes[:, 0], slopes[:, 2]
+        x, y = places.T[:, :, None, None]
+        about = np.stack([-v[..., 1], v[..., 0], np.zeros_like(v[..., 0])], axis=-1)
+        along = by_z + twist * (y * by_x - x * by_y + about)
+        normal = np.stack([by_x[..., 0], by_y[..., 1], along[..., 2]])
+        shear = np.stack(
+            [
+                by_y[..., 0] + by_x[..., 1],
+                by_y[..., 2] + along[..., 1],
+                by_x[..., 2] + along[..., 0],
+            ]
+        )
+        first, second = lame_parameters(self.body.material, "strain")
+        stress = [first * normal.sum(axis=0) + 2.0 * second * normal, second * shear]
+        return v, np.concatenate(stress).transpose(1, 2, 0)
+
+
+def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
+    """Factorise the elements of a body for forces on its flanks.
+
+    Parameters
+    ----------
+    body : Body
+        Elastic, with the mesh of a sector.
+    prism : Prism
+
+    Returns
+    -------
+    LoadedPrism
+    """
+    body = body.for_elements()
+    mesh = body.mesh
+    assert isinstance(mesh, SectorMesh)
+    axial, recovery = AxialBasis(prism.range_mm, prism.degree), Recovery()
+    regions, functions = functions_of(mesh, axial, dict(prism.regions))
+    section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, regions)
+    with one_blas_thread():
+        sector = condense_prism(
+            section,
+            functions,
+            mesh,
+            np.zeros((len(mesh.nodes), COMPONENTS * axial.count, 0)),
+            cut_degree=min(prism.cut_degree, prism.degree),
+            twisted=prism.twist != 0.0,
+            recovery=recovery,
+        )
+    nodes, numbers = ring_of(mesh)
+    basis_of = np.zeros(len(nodes), dtype=np.int64)
+    bases: tuple[AxialBasis, ...] = (axial,)
+    if isinstance(functions, AxialRegions):
+        bases = functions.bases
+        basis_of[numbers] = functions.of_node
+    parts = _parts(mesh, regions or (0,) * len(mesh.cells), bases, numbers)
+    return LoadedPrism(body, prism, nodes, numbers, basis_of, parts, sector, recovery)
+
+
+def _parts(
+    mesh: SectorMesh, regions: tuple[int, ...], bases: tuple[AxialBasis, ...], numbers: Numbers
+) -> tuple[SolidPart, ...]:
+    """Parts of equal width of the whole body."""
+    found = []
+    for region in sorted(set(regions)):
+        low, high = bases[region].range_mm
+        z = np.linspace(low, high, 2 * -(-bases[region].degree // 2) + 1)
+        cells = [
+            (kind, numbers[:, data].reshape(-1, data.shape[1]))
+            for own, (kind, data) in zip(regions, mesh.cells, strict=True)
+            if own == region
+        ]
+        nodes = np.unique(np.concatenate([data.ravel() for _, data in cells]))
+        found.append(
+            SolidPart(
+                nodes,
+                tuple((kind, np.searchsorted(nodes, data)) for kind, data in cells),
+                z,
+                np.stack([basis.values(z) for basis in bases]),
+                np.stack([basis.derivatives(z) for basis in bases]),
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,238 @@
+"""Displacements inside a condensed sector of a prism: the fronts are kept and substituted back.
+
+A front with the factor L of its own nodes and the rows B L'⁻¹ below it, B of its boundary x_b and
+of the load columns, leaves
+
+    x = L'⁻¹ (y - (B L'⁻¹)' [x_b, -c]),   y = L⁻¹ f                                        (R5)
+
+for loads with the factors c and forces f on its nodes, reduced by the fronts before it. What is
+wanted of few nodes needs their own fronts and those that are eliminated after them alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.linalg.blas import dtrsm
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from flankload.elasticity.prism.dissection import Front
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class KeptFront:
+    """An eliminated front.
+
+    Attributes
+    ----------
+    front : Front
+    factor : (o, o) array
+        Lower triangle L of the matrix of its own unknowns.
+    below : (r, o) array
+        Rows of its boundary, then of the loads, times L'⁻¹.
+    """
+
+    front: Front
+    factor: Floats
+    below: Floats
+
+
+@dataclass(eq=False)
+class Independent:
+    """Fronts of a set of unknowns of the nodes that meets no other one.
+
+    Attributes
+    ----------
+    unknowns, of_cut : (n,), (m,) arrays
+        Of an inner node and of one of a cut.
+    columns : (k,) array
+        Load columns with a part in this set.
+    needed : (f,) array of bool
+        Fronts that are kept, in the order of their elimination.
+    fronts : list of KeptFront
+    """
+
+    unknowns: Numbers
+    of_cut: Numbers
+    columns: Numbers
+    needed: NDArray[np.bool_]
+    fronts: list[KeptFront] = field(default_factory=list)
+
+    def keep(self, number: int, front: Front, factor: Floats, below: Floats) -> None:
+        """Keep a front, if it is needed."""
+        if self.needed[number] and front.own.size:
+            self.fronts.append(KeptFront(front, factor, below))
+
+
+class Recovery:
+    """Fronts that a condensation keeps, and what follows from them.
+
+    Parameters
+    ----------
+    nodes : (k,) array, optional
+        Nodes whose displacements are wanted; by default all.
+    """
+
+    def __init__(self, nodes: Numbers | None = None) -> None:
+        self._nodes = nodes
+        self._parts: list[Independent] = []
+        self._cut = np.zeros(0, dtype=np.int64)
+        self._unknowns = self._per_cut = 0
+
+    @property
+    def bytes(self) -> int:
+        """Size of the kept fronts."""
+        return sum(
+            kept.factor.nbytes + kept.below.nbytes for part in self._parts for kept in part.fronts
+        )
+
+    def begin(self, cut: Numbers, unknowns: int, per_cut: int) -> None:
+        """Begin a condensation to the nodes of cuts with so many unknowns of a node."""
+        self._cut, self._unknowns, self._per_cut = cut, unknowns, per_cut
+
+    def part(
+        self, fronts: Sequence[Front], unknowns: Numbers, of_cut: Numbers, columns: Numbers
+    ) -> Independent:
+        """A set of unknowns whose fronts are to be kept."""
+        needed = np.ones(len(fronts), dtype=bool)
+        if self._nodes is not None:
+            for number in range(len(fronts) - 1, -1, -1):
+                needed[number] = bool(np.isin(fronts[number].own, self._nodes).any())
+            after = {part: number for number, front in enumerate(fronts) for part in front.parts}
+            for number in range(len(fronts)):
+                if needed[number] and number in after:
+                    needed[after[number]] = True
+        self._parts.append(Independent(unknowns, of_cut, columns, needed))
+        return self._parts[-1]
+
+    def unit_displacements(self, nodes: Numbers, loads: int) -> tuple[Floats, Floats]:
+        """Displacements of wanted nodes under unit loads and under unit displacements of the cuts.
+
+        Parameters
+        ----------
+        nodes : (k,) array
+        loads : int
+            Number of load columns of the condensation.
+
+        Returns
+        -------
+        by_loads : (k, 3 (p + 1), loads) array
+            With both cuts held.
+        by_cuts : (k, 3 (p + 1), 2 m) array
+            Without loads; unknowns of the cuts as in `CondensedSector`.
+        """
+        cuts, per_cut = self._cut.size, self._per_cut
+        by_loads = np.zeros((nodes.size, self._unknowns, loads))
+        by_cuts = np.zeros((nodes.size, self._unknowns, cuts * per_cut))
+        for part in self._parts:
+            m, columns = part.of_cut.size, part.columns.size
+            on_cuts = np.zeros((cuts, m, cuts * m + columns))
+            on_cuts[..., : cuts * m] = np.eye(cuts * m).reshape(cuts, m, -1)
+            factors = np.eye(columns, cuts * m + columns, cuts * m)
+            moved = self._substituted(part, on_cuts, factors)
+            found = np.zeros((nodes.size, part.unknowns.size, cuts * m + columns))
+            for k, node in enumerate(nodes.tolist()):
+                found[k, : len(moved[node])] = moved[node]
+            at = (np.arange(cuts)[:, None] * per_cut + part.of_cut).ravel()
+            by_cuts[:, part.unknowns[:, None], at] = found[..., : cuts * m]
+            by_loads[:, part.unknowns[:, None], part.columns] = found[..., cuts * m :]
+        return by_loads, by_cuts
+
+    def reduced(self, forces: Floats) -> tuple[list[list[Floats]], Floats]:
+        """Forces carried to the cuts, and what the fronts keep of them.
+
+        Parameters
+        ----------
+        forces : (N, 3 (p + 1), r) array
+            On all nodes; those of fixed nodes are ignored.
+
+        Returns
+        -------
+        kept : list of lists of arrays
+            y of (R5), by part and front.
+        carried : (2 m, r) array
+            On the cuts, as in `CondensedSector`.
+        """
+        kept, r = [], forces.shape[2]
+        carried = np.zeros((self._cut.size, self._per_cut, r))
+        for part in self._parts:
+            left = forces[:, part.unknowns].copy()
+            of_front = []
+            for each in part.fronts:
+                own = left[each.front.own].reshape(-1, r)
+                own = dtrsm(1.0, each.factor, own, lower=1)
+                of_front.append(own)
+                change = each.below @ own
+                for node, rows in _rows(each.front, part):
+                    left[node, : rows.stop - rows.start] -= change[rows]
+            kept.append(of_front)
+            carried[:, part.of_cut] = left[self._cut][:, : part.of_cut.size]
+        return kept, carried.reshape(-1, r)
+
+    def displacements(self, kept: list[list[Floats]], on_cuts: Floats, nodes: int) -> Floats:
+        """Displacements of all nodes.
+
+        Parameters
+        ----------
+        kept : list of lists of arrays
+            Of `reduced`.
+        on_cuts : (2 m, r) array
+            Displacements of the cuts.
+        nodes : int
+            N.
+
+        Returns
+        -------
+        (N, 3 (p + 1), r) array
+            0 at fixed nodes.
+        """
+        r = on_cuts.shape[1]
+        found = np.zeros((nodes, self._unknowns, r))
+        of_cuts = on_cuts.reshape(self._cut.size, self._per_cut, r)
+        for part, forces in zip(self._parts, kept, strict=True):
+            moved = self._substituted(part, of_cuts[:, part.of_cut], None, forces)
+            for node, values in moved.items():
+                found[node, part.unknowns[: len(values)]] = values
+        return found
+
+    def _substituted(
+        self,
+        part: Independent,
+        on_cuts: Floats,
+        factors: Floats | None,
+        forces: list[Floats] | None = None,
+    ) -> dict[int, Floats]:
+        """Displacements (n, r) of each kept node and (m, r) of the cuts, last fronts first."""
+        r, n = on_cuts.shape[2], part.unknowns.size
+        moved = dict(zip(self._cut.tolist(), on_cuts, strict=True))
+        for number in range(len(part.fronts) - 1, -1, -1):
+            each = part.fronts[number]
+            known = [moved[node] for node in each.front.rest.tolist()]
+            if factors is not None and each.front.loaded:
+                known.append(-factors)
+            own = np.zeros((each.front.own.size * n, r)) if forces is None else forces[number]
+            if known:  # rows of loads are the last ones
+                beside = np.concatenate(known)
+                own = own - each.below[: len(beside)].T @ beside
+            own = dtrsm(1.0, each.factor, own, lower=1, trans_a=1)
+            moved |= zip(each.front.own.tolist(), own.reshape(-1, n, r), strict=True)
+        return moved
+
+
+def _rows(front: Front, part: Independent) -> list[tuple[int, slice]]:
+    """Nodes of a front's boundary, and the rows of each."""
+    sizes = np.where(np.arange(front.rest.size) < front.inner, part.unknowns.size, part.of_cut.size)
+    ends = np.cumsum(sizes)
+    return [
+        (node, slice(end - size, end))
+        for node, end, size in zip(front.rest.tolist(), ends.tolist(), sizes.tolist(), strict=True)
+    ]

@@ -1,0 +1,89 @@
+"""Stress on the root fillets of a prism: a free surface that turns with the section.
+
+The surface is P(s) turned by kappa z. With the unit tangent t of the section and e = (-kappa y,
+kappa x, 1) along the line of constant s, the displacements v change by dv/ds and
+w = dv/dz + kappa (-v_y, v_x, 0), and the strains of the surface are
+
+    E_ss = t.dv/ds,  E_zz = e.w,  2 E_sz = t.w + e.dv/ds                                   (R6)
+
+in the oblique directions t and e; g = |e|, c = t.e/g. Across and along the tooth's root line e
+
+    e_11 = (E_ss - 2 c E_sz/g + c² E_zz/g²)/(1 - c²),  e_22 = E_zz/g²
+    s_11 = E/(1 - nu²) (e_11 + nu e_22)                                                    (R7)
+
+since no stress acts on the surface. None of the factors depends on z: the stress is a polynomial of
+the degree of the displacements.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions, cross_terms
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.bodies.body import Material
+    from flankload.bodies.root_fillet import FilletNodes
+
+    Floats = NDArray[np.float64]
+
+
+def root_surface_stress(
+    fillet: FilletNodes,
+    functions: AxialBasis | AxialRegions,
+    axial: AxialBasis,
+    material: Material,
+    twist: float,
+) -> Floats:
+    """Stress across the root line at the points of fillets, from displacements of their nodes.
+
+    Parameters
+    ----------
+    fillet : FilletNodes
+    functions : AxialBasis or AxialRegions
+        In which the displacements of the nodes are written.
+    axial : AxialBasis
+        Over the width of the teeth, of the same degree: of the stress.
+    material : Material
+    twist : float
+        kappa, rad/mm.
+
+    Returns
+    -------
+    (q (p + 1), 3 m (p + 1)) array
+        MPa/mm: s_11 by point and function of z, from the unknowns of the nodes by node, function of
+        z and component.
+    """
+    count = axial.count
+    x, y = fillet.places.T
+    t = np.column_stack([fillet.tangents, np.zeros(len(x))])
+    e = np.column_stack([-twist * y, twist * x, np.ones_like(x)])
+    g = np.linalg.norm(e, axis=1)
+    c = np.einsum("qd,qd->q", t, e) / g
+    slope = np.einsum("mq,ab,cd->qmacbd", fillet.slopes, np.eye(count), np.eye(3))
+    turned = twist * np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    per_z = np.einsum("ab,cd->acbd", axial.mixed, np.eye(3))
+    per_z += np.einsum("ab,cd->acbd", np.eye(count), turned)
+    change = np.einsum("mq,acbd->qmacbd", fillet.shapes, per_z)
+    along, across = (np.einsum("qc,qmacbd->qmabd", t, part) for part in (slope, change))
+    e_ss, e_zz = along, np.einsum("qc,qmacbd->qmabd", e, change)
+    e_sz = 0.5 * (across + np.einsum("qc,qmacbd->qmabd", e, slope))
+    g, c = g[:, None, None, None, None], c[:, None, None, None, None]
+    square = 1.0 - c**2
+    e_11 = (e_ss - 2.0 * c * e_sz / g + c**2 * e_zz / g**2) / square
+    e_22 = e_zz / g**2
+    nu = material.poisson_ratio
+    stress = material.young_modulus_MPa / (1.0 - nu**2) * (e_11 + nu * e_22)
+    if isinstance(functions, AxialRegions):
+        stress = np.einsum("qmabd,mbe->qmaed", stress, _in_axial(fillet, functions, axial))
+    return np.ascontiguousarray(stress.transpose(0, 2, 1, 3, 4)).reshape(len(x) * count, -1)
+
+
+def _in_axial(fillet: FilletNodes, functions: AxialRegions, axial: AxialBasis) -> Floats:
+    """Coefficients (m, p + 1, p + 1) over the teeth of each node's own functions."""
+    own = [cross_terms(axial, basis, axial)[0] for basis in functions.bases]
+    return np.stack([own[number] for number in functions.of_node[fillet.nodes]])

@@ -1,0 +1,100 @@
+"""Back substitution into a sector: against all its unknowns at once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flankload.elasticity.near_field import mode_loads
+from flankload.elasticity.prism.axial_basis import AxialBasis
+from flankload.elasticity.prism.condensation import condense_prism
+from flankload.elasticity.prism.recovery import Recovery
+from flankload.elasticity.prism.section_stiffness import section_stiffness
+from tests.support.plain_prism import product_loads, unknowns, whole_stiffness
+from tests.support.plane_sectors import STEEL
+from tests.support.ring_bodies import gear_body
+from tests.support.tolerances import CLOSURE
+
+AXIAL = AxialBasis((-3.0, 4.0), 3)
+CUT_DEGREE = 1
+
+
+class Sector:
+    """A condensed sector with its fronts, and its whole stiffness."""
+
+    def __init__(self, twist: float, nodes: np.ndarray | None = None) -> None:
+        body = gear_body(17, 4.5)
+        mesh, span = body.mesh, body.mode_range_mm
+        section = section_stiffness(mesh.nodes, mesh.cells, STEEL, twist)
+        self.mesh, self.matrix = mesh, whole_stiffness(section, AXIAL)
+        loads = mode_loads(mesh, span, 3, twist=twist)
+        self.loads = product_loads(loads, AXIAL.load_vectors(2))
+        self.recovery = Recovery(nodes)
+        self.condensed = condense_prism(
+            section,
+            AXIAL,
+            mesh,
+            self.by_node(self.loads),
+            cut_degree=CUT_DEGREE,
+            twisted=bool(twist),
+            recovery=self.recovery,
+        )
+        cut = np.concatenate([mesh.left_nodes, mesh.right_nodes])
+        self.kept = unknowns(cut, AXIAL.count, CUT_DEGREE + 1)
+        held = np.concatenate([cut, mesh.fixed_nodes])
+        self.inner = np.setdiff1d(np.arange(len(self.loads)), unknowns(held, AXIAL.count))
+
+    def by_node(self, columns: np.ndarray) -> np.ndarray:
+        return columns.reshape(len(self.mesh.nodes), 3 * AXIAL.count, -1)
+
+
+@pytest.mark.parametrize("twist", [0.0, 0.04])
+def test_displacements_leave_no_residual_on_inner_unknowns(twist: float) -> None:
+    sector = Sector(twist)
+    generator = np.random.default_rng(3)
+    forces = generator.normal(size=(len(sector.loads), 2))
+    on_cuts = 1e-5 * generator.normal(size=(sector.kept.size, 2))
+    kept, carried = sector.recovery.reduced(sector.by_node(forces))
+    count = len(sector.mesh.nodes)
+    moved = sector.recovery.displacements(kept, on_cuts, count).reshape(-1, 2)
+    np.testing.assert_array_equal(moved[sector.kept], on_cuts)
+    residual = sector.matrix @ moved - forces
+    scale = np.abs(sector.matrix) @ np.abs(moved)
+    assert np.abs(residual[sector.inner] / scale[sector.inner]).max() < CLOSURE
+    # what the cuts feel
+    on_them = sector.condensed.stiffness @ on_cuts - carried
+    assert np.abs(residual[sector.kept] - on_them).max() < CLOSURE * np.abs(on_them).max()
+
+
+@pytest.mark.parametrize("twist", [0.0, 0.04])
+def test_loads_move_their_places_as_in_the_compliance(twist: float) -> None:
+    sector = Sector(twist)
+    kept, carried = sector.recovery.reduced(sector.by_node(sector.loads))
+    wanted = sector.condensed.carried[0]
+    assert np.abs(carried - wanted).max() < CLOSURE * np.abs(wanted).max()
+    no_cuts = np.zeros((sector.kept.size, sector.loads.shape[1]))
+    moved = sector.recovery.displacements(kept, no_cuts, len(sector.mesh.nodes))
+    (local,) = sector.condensed.local
+    found = sector.loads.T @ moved.reshape(sector.loads.shape)
+    assert np.abs(found - local).max() < CLOSURE * np.abs(local).max()
+
+
+@pytest.mark.parametrize("twist", [0.0, 0.04])
+def test_few_nodes_need_few_fronts(twist: float) -> None:
+    every = Sector(twist)
+    nodes = every.mesh.flank_edges[:2, 2]
+    cut = every.mesh.left_nodes[-1:]  # a node of a cut is one of them
+    few = Sector(twist, nodes)
+    assert 0 < few.recovery.bytes < 0.7 * every.recovery.bytes
+    count = every.loads.shape[1]
+    by_loads, by_cuts = few.recovery.unit_displacements(np.append(nodes, cut), count)
+    kept, _ = every.recovery.reduced(every.by_node(every.loads))
+    cuts = np.eye(every.kept.size)
+    n = len(every.mesh.nodes)
+    wanted = every.recovery.displacements(kept, np.zeros((len(cuts), count)), n)
+    np.testing.assert_allclose(by_loads[:-1], wanted[nodes], atol=CLOSURE * np.abs(wanted).max())
+    assert not by_loads[-1].any()
+    nothing, _ = every.recovery.reduced(np.zeros((n, 3 * AXIAL.count, len(cuts))))
+    moved = every.recovery.displacements(nothing, cuts, n)
+    np.testing.assert_allclose(by_cuts[:-1], moved[nodes], atol=CLOSURE)
+    np.testing.assert_array_equal(by_cuts[-1], moved[cut[0]])
