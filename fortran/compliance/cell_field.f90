@@ -241,7 +241,7 @@ contains
         table = 0.0_wp
         do k = 1, size(ends)
             if (one_run%first == other_run%first) then
-                ! a slice and itself: distances on one side are those on the other
+                ! a slice and itself: the lower triangle alone
                 call add_potentials(ends(k)%strength, 0.0_wp, one_run%cell, along(k, one, other, &
                     & ends), [one%length, other%length], table(n:))
             else
@@ -249,7 +249,6 @@ contains
                     & ends), [one%length, other%length], table)
             end if
         end do
-        if (one_run%first == other_run%first) table(:n - 1) = table(2*n - 1:n + 1:-1)
         do j = 1, n_other
             associate (column => matrix(one_run%first:one_run%last, other_run%first - 1 + j))
                 column = column + table(n_other - j + 1:n_other - j + n)

@@ -285,3 +285,14 @@ def test_keys_of_cells() -> None:
     fine = solve(HELICAL, accuracy__strips_per_half_width=12.0)
     assert len(fine.pairs(0)) > 1.8 * len(solve(HELICAL).pairs(0))
     assert deviation(fine.rotation_rad, solve(HELICAL).rotation_rad) < 3e-4
+
+
+def test_cells_of_splines_are_refused() -> None:
+    """Their slices have no place of least gap."""
+    keys = {"effects__dimension": 3, "effects__contact": "pairs"}
+    with pytest.raises(fl.SceneError) as raised:
+        fl.Scene.from_dict(tree_of("spline", keys))
+    assert str(raised.value) == (
+        "effects.contact: expected nothing, since effects.dimension = 3 requires three dimensions: "
+        "slices of splines have one unknown each, found 'pairs'"
+    )

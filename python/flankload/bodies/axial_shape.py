@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import tan
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.base.rounding import TIE
+from flankload.bodies.carrying_shaft import carrying_shaft
 from flankload.bodies.shaft import Shaft, build_shaft
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from flankload.bodies.carrying_shaft import CarryingShaft
     from flankload.bodies.flank_surface import FlankSurface
     from flankload.scene.axial import AxialKeys
 
@@ -115,8 +117,14 @@ class AxialShape:
         return int(np.sign(self.twist_rad_per_mm))
 
     def without_lead(self) -> AxialShape:
-        """The section along the axis alone: no modified flanks and no shaft."""
-        return AxialShape(self.range_mm, self.twist_rad_per_mm, regions=self.regions)
+        """The extent along the axis: no modified flanks, no shaft but one that the bore follows."""
+        shaft = None if self.carrying is None else self.shaft
+        return AxialShape(self.range_mm, self.twist_rad_per_mm, shaft=shaft, regions=self.regions)
+
+    @property
+    def carrying(self) -> CarryingShaft | None:
+        """The shaft that the bore follows, if it bends and twists under the teeth."""
+        return None if self.shaft is None else self.shaft.carrying
 
     def zeta(self, z_mm: Floats) -> Floats:
         """Places along the face width of axial positions: 0 at smaller z, 1 at larger z."""
@@ -182,6 +190,19 @@ def axial_shape(
         lead,
         tuple(slope / 1000.0 for slope in keys.tooth_helix_slope_um),
         surface,
-        None if keys.shaft is None else build_shaft(keys.shaft, 0.5 * (range_mm[0] + range_mm[1])),
+        _shaft_of(keys, range_mm),
         keys.regions_of(range_mm),
     )
+
+
+def _shaft_of(keys: AxialKeys, range_mm: tuple[float, float]) -> Shaft | None:
+    """Shaft and bearings from the keys of a body."""
+    if keys.shaft is None:
+        return None
+    middle = 0.5 * (range_mm[0] + range_mm[1])
+    shaft = build_shaft(keys.shaft, middle)
+    if not keys.shaft.is_flexible:
+        return shaft
+    bore = keys.bore_of(range_mm)
+    assert bore is not None  # refused with the keys
+    return replace(shaft, carrying=carrying_shaft(keys.shaft, middle, *bore))

@@ -1,7 +1,8 @@
 """A shaft on bearings as a compliance of the section that carries the gear.
 
 The shaft is a Timoshenko beam with exact elements between the places where a step, a bearing or
-the gear is; it is round, so both planes of bending are alike. The gear adds no stiffness.
+the gear is; it is round, so both planes of bending are alike. The gear adds no stiffness. A shaft
+that bends and twists under the teeth is that of `carrying_shaft`.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from flankload.base.read_only import KeepsReadOnly
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.bodies.carrying_shaft import CarryingShaft
     from flankload.scene import shaft as keys
 
     Floats = NDArray[np.float64]
@@ -41,11 +43,15 @@ class Shaft(KeepsReadOnly):
     bearing_loads : (B, 3, 6) array
         Force on each bearing per force and moment at the section, -, 1/mm; B = 0 if the shaft is
         known by its compliance only.
+    carrying : CarryingShaft or None
+        The shaft as a part of the elastic body, if it bends and twists under the teeth; the section
+        then only serves the tilt and the forces on the bearings.
     """
 
     compliance: Floats
     z_mm: float
     bearing_loads: Floats
+    carrying: CarryingShaft | None = None
 
 
 def build_shaft(table: keys.Shaft, z_mm: float) -> Shaft:
@@ -64,17 +70,7 @@ def build_shaft(table: keys.Shaft, z_mm: float) -> Shaft:
     if table.compliance is not None:
         rows = np.array(table.compliance)
         return Shaft(0.5 * (rows + rows.T), z_mm, np.zeros((0, 3, 6)))
-    assert table.bearing_positions_mm is not None
-    assert table.radial_stiffness_N_per_um is not None
-    none = (0.0,) * len(table.bearing_positions_mm)
-    radial, axial, tilt = (
-        np.array(values) * unit
-        for values, unit in (
-            (table.radial_stiffness_N_per_um, PER_MM),
-            (table.axial_stiffness_N_per_um or none, PER_MM),
-            (table.tilt_stiffness_Nm_per_mrad or none, PER_RAD),
-        )
-    )
+    radial, axial, tilt = bearing_stiffness(table)
     nodes, gear, bearings = _nodes(table)
     bent = _bent(table, nodes, gear, bearings, radial, tilt)
     pushed = _pushed(table, nodes, gear, bearings, axial)
@@ -93,6 +89,22 @@ def build_shaft(table: keys.Shaft, z_mm: float) -> Shaft:
     return Shaft(0.5 * (compliance + compliance.T), z_mm, loads)
 
 
+def bearing_stiffness(table: keys.Shaft) -> tuple[Floats, Floats, Floats]:
+    """Radial, axial (N/mm) and tilting stiffness (N mm/rad) of the bearings."""
+    assert table.bearing_positions_mm is not None
+    assert table.radial_stiffness_N_per_um is not None
+    none = (0.0,) * len(table.bearing_positions_mm)
+    radial, axial, tilt = (
+        np.array(values) * unit
+        for values, unit in (
+            (table.radial_stiffness_N_per_um, PER_MM),
+            (table.axial_stiffness_N_per_um or none, PER_MM),
+            (table.tilt_stiffness_Nm_per_mrad or none, PER_RAD),
+        )
+    )
+    return radial, axial, tilt
+
+
 def _nodes(table: keys.Shaft) -> tuple[Floats, int, NDArray[np.int64]]:
     """Places of the nodes, and which of them carry the gear and the bearings."""
     assert table.lengths_mm is not None
@@ -107,15 +119,22 @@ def _nodes(table: keys.Shaft) -> tuple[Floats, int, NDArray[np.int64]]:
 
 
 def _sections(table: keys.Shaft, nodes: Floats) -> tuple[Floats, Floats, Floats]:
-    """Area, second moment of area and shear area (Cowper 1966) of the element behind each node."""
+    """Area, second moment of area and shear area of the element behind each node."""
     assert table.lengths_mm is not None
     assert table.diameters_mm is not None
     middles = 0.5 * (nodes[1:] + nodes[:-1])
     step = np.searchsorted(np.cumsum(table.lengths_mm)[:-1], middles)
     outer, inner = np.array(table.diameters_mm)[step], table.bore_diameter_mm or 0.0
+    return round_section(outer, inner, table.poisson_ratio)
+
+
+def round_section(
+    outer: Floats, inner: float, poisson_ratio: float
+) -> tuple[Floats, Floats, Floats]:
+    """Area, second moment of area and shear area (Cowper 1966) between two diameters."""
     area = np.pi / 4.0 * (outer**2 - inner**2)
     moment = np.pi / 64.0 * (outer**4 - inner**4)
-    nu, ratio = table.poisson_ratio, (inner / outer) ** 2
+    nu, ratio = poisson_ratio, (inner / outer) ** 2
     whole = (1.0 + ratio) ** 2
     shear = 6.0 * (1.0 + nu) * whole / ((7.0 + 6.0 * nu) * whole + (20.0 + 12.0 * nu) * ratio)
     return area, moment, shear * area
@@ -132,6 +151,19 @@ def _bent(
     """(2 N, 2) Displacement and rotation of all nodes in one plane under a force and a moment at
     the gear.
     """
+    loads = np.zeros((2 * nodes.size, 2))
+    loads[[2 * gear, 2 * gear + 1], [0, 1]] = 1.0
+    return _solved(bending_stiffness(table, nodes, bearings, radial, tilt), loads)
+
+
+def bending_stiffness(
+    table: keys.Shaft,
+    nodes: Floats,
+    bearings: NDArray[np.int64],
+    radial: Floats,
+    tilt: Floats,
+) -> Floats:
+    """(2 N, 2 N) Stiffness in one plane of a shaft with bearings at some of its nodes."""
     modulus = table.young_modulus_MPa
     shear_modulus = modulus / (2.0 * (1.0 + table.poisson_ratio))
     stiffness = np.zeros((2 * nodes.size, 2 * nodes.size))
@@ -150,9 +182,7 @@ def _bent(
         stiffness[own, own] += bending / ((1.0 + phi) * length**3) * np.array(rows)
     np.add.at(stiffness, (2 * bearings, 2 * bearings), radial)
     np.add.at(stiffness, (2 * bearings + 1, 2 * bearings + 1), tilt)
-    loads = np.zeros((2 * nodes.size, 2))
-    loads[[2 * gear, 2 * gear + 1], [0, 1]] = 1.0
-    return _solved(stiffness, loads)
+    return stiffness
 
 
 def _pushed(
@@ -163,6 +193,15 @@ def _pushed(
     """
     if not axial.any():
         return np.zeros(nodes.size)
+    loads = np.zeros((nodes.size, 1))
+    loads[gear] = 1.0
+    return _solved(pushing_stiffness(table, nodes, bearings, axial), loads)[:, 0]
+
+
+def pushing_stiffness(
+    table: keys.Shaft, nodes: Floats, bearings: NDArray[np.int64], axial: Floats
+) -> Floats:
+    """(N, N) Stiffness along the axis of a shaft with bearings at some of its nodes."""
     stiffness = np.zeros((nodes.size, nodes.size))
     areas, _, _ = _sections(table, nodes)
     for e, length in enumerate(np.diff(nodes)):
@@ -170,9 +209,7 @@ def _pushed(
         spring = table.young_modulus_MPa * areas[e] / length
         stiffness[own, own] += spring * np.array([[1.0, -1.0], [-1.0, 1.0]])
     np.add.at(stiffness, (bearings, bearings), axial)
-    loads = np.zeros((nodes.size, 1))
-    loads[gear] = 1.0
-    return _solved(stiffness, loads)[:, 0]
+    return stiffness
 
 
 def _solved(stiffness: Floats, loads: Floats) -> Floats:

@@ -411,8 +411,13 @@ def _add_verify(commands: Any) -> None:
         help="let CalculiX include the deformation of the geometry",
     )
     parser.add_argument(
-        "--elements", metavar="N", type=float, default=6.0,
-        help="elements on the half-width of each contact; default: 6",
+        "--dimension", type=int, choices=(2, 3),
+        help="solve the scene as plane bodies or as solids in both programs; default: as it is",
+    )  # fmt: skip
+    parser.add_argument(
+        "--elements", metavar="N", type=float,
+        help="elements on the half-width of each contact; default: 6, or 1 of solids, whose "
+        "other elements and layers follow in proportion",
     )  # fmt: skip
     parser.add_argument(
         "--time-limit", metavar="S", type=float, help="stop CalculiX after this many seconds"

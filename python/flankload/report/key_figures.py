@@ -195,6 +195,7 @@ def _of_face(results: Sequence[Result]) -> Iterator[Row]:
     yield from _plain(
         results,
         ("face load factor", "K_Hβ", "", "face_load_factor", ".3f"),
+        ("the same by ISO 6336-1, for comparison", "K_Hβ", "", "k_h_beta_iso", ".3f"),
         ("axial position of the largest line load", "", "mm", "peak_line_load_z_mm", ".2f"),
         ("axial force, largest", "F_x", "N", "axial_force_N", ".1f"),
         ("tilting moment, largest", "", "N m", "tilting_moment_Nm", ".3f"),

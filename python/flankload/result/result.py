@@ -420,7 +420,7 @@ class Result(ContactQuantities, ResultForms):
         with largest `tension` and `compression`, and the `coast_summary` of the coast flanks. In
         three dimensions `face_load_factor`, `peak_line_load_z_mm` and the largest magnitudes
         `axial_force_N` and `tilting_moment_Nm`; with shafts `tilt_mean_um_per_mm` and the largest
-        force on each bearing.
+        force on each bearing, and `k_h_beta_iso` for comparison if one bends under the teeth.
         """
         return {
             **self.key_figures,

@@ -29,11 +29,15 @@ class ShaftLoads(KeepsReadOnly):
     bearing_force_1_N, bearing_force_2_N : (P, B, 3) arrays
         Force (x, y, z) of the shaft on each of its B bearings; x from axis 1 to axis 2, z along the
         axes. B = 0 if the shaft is known by its compliance only, and without a shaft.
+    k_h_beta_iso : float or None
+        Face load factor by the formulas of ISO 6336-1, method C, for comparison only; None without
+        a shaft that bends and twists under the teeth of the pinion, and where they do not apply.
     """
 
     tilt_um_per_mm: Floats
     bearing_force_1_N: Floats
     bearing_force_2_N: Floats
+    k_h_beta_iso: float | None = None
 
     @property
     def bearing_forces(self) -> dict[str, Floats]:
@@ -56,7 +60,7 @@ def shaft_summary(
     Returns
     -------
     mapping
-        `tilt_mean_um_per_mm`, and the largest force on each bearing, N.
+        `tilt_mean_um_per_mm`, the largest force on each bearing, N, and `k_h_beta_iso`.
     """
     if shafts is None:
         return {}
@@ -64,4 +68,5 @@ def shaft_summary(
         name.replace("_N", "_max_N"): np.linalg.norm(force, axis=2).max(axis=0).tolist()
         for name, force in shafts.bearing_forces.items()
     }
-    return {"tilt_mean_um_per_mm": mean(shafts.tilt_um_per_mm), **largest}
+    compared = {} if shafts.k_h_beta_iso is None else {"k_h_beta_iso": shafts.k_h_beta_iso}
+    return {"tilt_mean_um_per_mm": mean(shafts.tilt_um_per_mm), **largest, **compared}

@@ -43,6 +43,11 @@ PLANE_EFFECTS = {
     "speed_rpm": "centrifugal expansion of plane bodies only",
     "coast_flank": "slices on working flanks only",
 }
+#: The same of splines, whose slices lie on each other over a height.
+PLANE_EFFECTS_OF_SPLINES = {
+    "friction_coefficient": "no friction of splines",
+    "temperature_rise_K": "expansion of splines in the plane only",
+}
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
 LEAD_KEYS = (
     "lead_crowning_um",
@@ -220,6 +225,10 @@ class AxialKeys:
     def check_extents(self, range_mm: tuple[float, float], key: str) -> None:
         """Check the regions against the ends of the teeth."""
 
+    def bore_of(self, range_mm: tuple[float, float]) -> tuple[tuple[float, float], float] | None:
+        """Ends along the axis and diameter of the bore; None if the diameter is unknown."""
+        return None
+
     def check_solid(self, key: str, why: str) -> None:
         """Refuse what this version has in plane scenes only."""
 
@@ -276,7 +285,18 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
             )
     ends = body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
     body.check_extents(ends, key)
+    if body.shaft is not None and body.shaft.is_flexible:
+        _check_flexible(body, body.shaft, ends, key)
     return ends
+
+
+def _check_flexible(body: AxialKeys, shaft: Shaft, ends: tuple[float, float], key: str) -> None:
+    """Check that a shaft that bends under the teeth fills the bore."""
+    bore = body.bore_of(ends)
+    if bore is None:
+        expected = f"'rigid', since there is no {key}.bore_diameter_mm"
+        refuse(f"{key}.shaft.under_teeth", expected, shown(shaft.under_teeth))
+    shaft.check_bore(*bore, 0.5 * (ends[0] + ends[1]), key)
 
 
 def degrees_of(accuracy: "Accuracy") -> tuple[int, int]:
@@ -380,14 +400,11 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
     if cells and asked.body_1.conforms:
         expected = f"nothing, {since}: slices of splines have one unknown each"
         refuse("effects.contact", expected, "'pairs'")
-    if asked.effects.friction_coefficient and (asked.body_1.conforms or cells):
-        without = "of splines" if asked.body_1.conforms else "with effects.contact = 'pairs'"
-        expected = f"nothing, {since}: this version has no friction {without} there"
+    if cells and asked.effects.friction_coefficient:
+        expected = f"nothing, {since}: this version has no friction with effects.contact = 'pairs'"
         refuse("effects.friction_coefficient", expected, asked.effects.friction_coefficient)
-    if asked.effects.temperature_rise_K and asked.body_1.conforms:
-        expected = f"nothing, {since}: this version has no expansion of splines there"
-        refuse("effects.temperature_rise_K", expected, shown(asked.effects.temperature_rise_K))
-    for key, what in PLANE_EFFECTS.items():
+    missing = PLANE_EFFECTS | (PLANE_EFFECTS_OF_SPLINES if asked.body_1.conforms else {})
+    for key, what in missing.items():
         value = getattr(asked.effects, key)
         if value != getattr(plain, key):
             default = shown(getattr(plain, key)) if getattr(plain, key) else "nothing"

@@ -127,6 +127,11 @@ class RegionKeys:
         for name, width, offset in self._regions():
             yield name, _extent(range_mm, width, offset)
 
+    def bore_of(self, range_mm: "Extent") -> "tuple[Extent, float]":
+        """Ends along the axis and diameter of the bore."""
+        extents = [range_mm, *(own for _, own in self._extents(range_mm))]
+        return extents[-1], self.bore_diameter_mm
+
     def check_extents(self, range_mm: "Extent", key: str) -> None:
         """Check that the web is within the face width, and that the hub's ends fit.
 

@@ -1,7 +1,7 @@
 """The table of a shaft with its bearings (`[body_1.shaft]`), and its rules."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from msgspec import Meta
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: Relative size of what rounding of a file may add to a compliance.
 ROUNDED = 1e-6
+#: Places on a shaft are known to so much, mm.
+SHORTEST = 1e-3
 Entry = Annotated[float, Meta(ge=-1.0, le=1.0)]
 Row = Annotated[tuple[Entry, ...], Meta(min_length=6, max_length=6)]
 Rows = Annotated[tuple[Row, ...], Meta(min_length=6, max_length=6)]
@@ -38,7 +40,7 @@ REQUIRED = (
 DIMENSIONS = (
     *REQUIRED,
     *("bore_diameter_mm", "axial_stiffness_N_per_um", "tilt_stiffness_Nm_per_mrad"),
-    *("young_modulus_MPa", "poisson_ratio"),
+    *("young_modulus_MPa", "poisson_ratio", "under_teeth", "torque_end"),
 )
 #: Keys with one entry per bearing.
 PER_BEARING = (
@@ -98,6 +100,27 @@ class Shaft(Table, frozen=True, kw_only=True):
     ] = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
+    under_teeth: Annotated[
+        Literal["rigid", "flexible"],
+        about(
+            "",
+            "flexible: the shaft bends and twists inside the bore, which follows it; rigid: the "
+            "bore moves as a whole with the section in the middle of the face width",
+        ),
+    ] = "rigid"
+    torque_end: Annotated[
+        Literal["I", "II", "even"] | None,
+        about(
+            "",
+            "end of the bore at which the torque enters (I: smaller z, II: larger z), whose "
+            "rotation is that of the body; even: all over the bore; required with a flexible shaft",
+        ),
+    ] = None
+
+    @property
+    def is_flexible(self) -> bool:
+        """Whether the shaft bends and twists under the teeth."""
+        return self.under_teeth == "flexible"
 
     def check(self, given: Mapping[str, Any], key: str, *, helical: bool) -> None:
         """Check that the shaft is complete and that its bearings hold it.
@@ -127,6 +150,52 @@ class Shaft(Table, frozen=True, kw_only=True):
         self._check_sizes(key)
         self._check_places(key)
         self._check_bearings(key, helical=helical)
+        if self.is_flexible and self.torque_end is None:
+            expected = f"'I', 'II' or 'even', since {key}.under_teeth is 'flexible'"
+            refuse(f"{key}.torque_end", expected, "nothing")
+        if not self.is_flexible and self.torque_end is not None:
+            expected = f"nothing, unless {key}.under_teeth is 'flexible'"
+            refuse(f"{key}.torque_end", expected, shown(self.torque_end))
+
+    def check_bore(
+        self, ends_mm: tuple[float, float], diameter_mm: float, middle_mm: float, body: str
+    ) -> None:
+        """Check that a flexible shaft fills the bore over its width.
+
+        Parameters
+        ----------
+        ends_mm : (float, float)
+            Axial positions of the ends of the bore.
+        diameter_mm : float
+            Of the bore.
+        middle_mm : float
+            Axial position of the middle of the face width.
+        body : str
+            "body_1" or "body_2".
+
+        Raises
+        ------
+        SceneError
+        """
+        assert self.gear_position_mm is not None
+        assert self.lengths_mm is not None
+        assert self.diameters_mm is not None
+        key, bore = f"{body}.shaft", f"{body}.bore_diameter_mm ({diameter_mm:g})"
+        low, high = (end - middle_mm + self.gear_position_mm for end in ends_mm)
+        steps = np.concatenate([[0.0], np.cumsum(self.lengths_mm)])
+        if low < -SHORTEST or high > steps[-1] + SHORTEST:
+            refuse(
+                f"{key}.gear_position_mm",
+                f"a position at which the shaft ({steps[-1]:g} mm long) fills all of the bore",
+                f"{self.gear_position_mm:g}: the bore is from {low:g} to {high:g} mm",
+            )
+        for k, diameter in enumerate(self.diameters_mm):
+            inside = steps[k] < high - SHORTEST and low + SHORTEST < steps[k + 1]
+            if inside and diameter < (1.0 - ROUNDED) * diameter_mm:
+                expected = f"at least {bore}, which a flexible shaft fills"
+                refuse(f"{key}.diameters_mm[{k}]", expected, diameter)
+        if self.bore_diameter_mm is not None and self.bore_diameter_mm >= diameter_mm:
+            refuse(f"{key}.bore_diameter_mm", f"less than {bore}", self.bore_diameter_mm)
 
     def _check_sizes(self, key: str) -> None:
         """Check the numbers of entries and the bore."""

@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.bodies.carrying_shaft import CarryingShaft, carrying_shaft
 from flankload.bodies.shaft import Shaft, build_shaft
+from flankload.elasticity.prism.axial_basis import AxialBasis
+from flankload.elasticity.prism.carried_bore import beam_stiffness
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.effects import effects_of, switches_of
 from flankload.scene.shaft import Shaft as ShaftTable
-from tests.support.gear_scenes import ABSENT, changed, one_line, refusal
+from tests.support.gear_scenes import ABSENT, changed, example, one_line, refusal
 
 #: Beams in closed form.
 CLOSED = 1e-10
@@ -272,4 +276,118 @@ def test_a_helical_gear_needs_an_axial_bearing() -> None:
         "body_1.shaft.axial_stiffness_N_per_um",
         "a number > 0 for one bearing at least: the axial force of the helix moves the shaft",
         "nothing",
+    )
+
+
+# a shaft that bends and twists under the teeth
+
+FLEXIBLE = {"under_teeth": "flexible", "torque_end": "I"}
+
+
+def carried(ends_mm: tuple[float, float], bore_mm: float, **changes: Any) -> CarryingShaft:
+    keys = {**BEAM, **FLEXIBLE, **changes}
+    values = {k: tuple(v) if isinstance(v, list) else v for k, v in keys.items() if v is not ABSENT}
+    return carrying_shaft(ShaftTable(**values), 0.0, ends_mm, bore_mm)
+
+
+@pytest.mark.parametrize("inner", [0.0, 12.0])
+def test_parts_of_a_flexible_shaft_make_the_whole_one(inner: float) -> None:
+    """Beam in the bore and springs beyond it: the compliance of the section at an end."""
+    hollow = {"bore_diameter_mm": inner or ABSENT, "bearing_positions_mm": [10.0, 65.0, 140.0]}
+    hollow |= {"radial_stiffness_N_per_um": [200.0, 50.0, 300.0]}
+    hollow |= {"axial_stiffness_N_per_um": [0.0, 20.0, 100.0]}
+    hollow |= {"tilt_stiffness_Nm_per_mrad": [1.0, 0.5, 0.0]}
+    parts = carried((-10.0, 15.0), 30.0, **hollow)
+    basis, degree = AxialBasis((-10.0, 15.0), 11), 11
+    stiffness = beam_stiffness(parts, basis, degree, 0.0)
+    scale = np.repeat([1.0, 1.0 / 15.0], 3)
+    ends = [
+        np.kron(row, np.eye(6)) * np.tile(scale, degree + 1)
+        for row in basis.values(np.array([-10.0, 15.0]))
+    ]
+    for end, (axial, force, mixed, moment) in zip(ends, parts.beyond, strict=True):
+        spring = np.diag([force, force, axial, moment, moment, 0.0])
+        spring[[0, 4], [4, 0]] = mixed
+        spring[[1, 3], [3, 1]] = -mixed
+        stiffness += end.T @ spring @ end
+    turns = np.arange(5, len(stiffness), 6)
+    free = np.setdiff1d(np.arange(len(stiffness)), turns)
+    load = ends[1][:5, free].T
+    found = load.T @ np.linalg.solve(stiffness[np.ix_(free, free)], load)
+    wanted = made(gear_position_mm=60.3 + 15.0, **hollow).compliance[:5, :5]
+    size = np.sqrt(np.outer(np.diag(wanted), np.diag(wanted)))
+    # a kink of the beam at the bearing in the bore is not a polynomial
+    np.testing.assert_allclose(found / size, wanted / size, rtol=0, atol=2e-4)
+
+
+def test_the_bore_of_a_web_or_hub_is_what_the_shaft_fills() -> None:
+    scene = changed(body_1__hub_diameter_mm=40.0, body_1__hub_width_mm=30.0)
+    scene["body_1"]["shaft"] = {**BEAM, **FLEXIBLE}
+    axial = build_bodies(fl.Scene.from_dict(scene)).body_1.axial
+    assert axial is not None
+    assert axial.carrying is not None
+    assert axial.carrying.range_mm == (-15.0, 15.0)
+    assert axial.carrying.end_radii_mm == (15.0, 15.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "expected", "found"),
+    [
+        (
+            {"torque_end": ABSENT},
+            "shaft.torque_end",
+            "'I', 'II' or 'even', since body_1.shaft.under_teeth is 'flexible'",
+            "nothing",
+        ),
+        (
+            {"under_teeth": ABSENT},
+            "shaft.torque_end",
+            "nothing, unless body_1.shaft.under_teeth is 'flexible'",
+            "'I'",
+        ),
+        (
+            {"diameters_mm": [30.0, 28.0]},
+            "shaft.diameters_mm[1]",
+            "at least body_1.bore_diameter_mm (30), which a flexible shaft fills",
+            "28.0",
+        ),
+        (
+            {"gear_position_mm": 5.0},
+            "shaft.gear_position_mm",
+            "a position at which the shaft (150 mm long) fills all of the bore",
+            "5: the bore is from -2 to 12 mm",
+        ),
+        (
+            {"diameters_mm": [40.0, 40.0], "bore_diameter_mm": 32.0},
+            "shaft.bore_diameter_mm",
+            "less than body_1.bore_diameter_mm (30)",
+            "32.0",
+        ),
+    ],
+)
+def test_refused_flexible_shafts(
+    changes: dict[str, Any], key: str, expected: str, found: str
+) -> None:
+    table = {**BEAM, **FLEXIBLE, **changes}
+    table = {k: v for k, v in table.items() if v is not ABSENT}
+    one_line({"body_1__shaft": table}, f"body_1.{key}", expected, found)
+
+
+@pytest.mark.parametrize(
+    ("name", "body"), [("external_gear_mesh", "body_1"), ("internal_gear", "body_2")]
+)
+def test_a_body_without_a_bore_has_no_flexible_shaft(name: str, body: str) -> None:
+    scene = example(name)
+    scene[body]["shaft"] = {**BEAM, **FLEXIBLE}
+    error = refusal(scene)
+    assert error.key == f"{body}.shaft.under_teeth"
+    assert error.expected == f"'rigid', since there is no {body}.bore_diameter_mm"
+
+
+def test_a_compliance_does_not_bend_under_the_teeth() -> None:
+    one_line(
+        {"body_1__shaft": {"compliance": SOFT.tolist(), "under_teeth": "flexible"}},
+        "body_1.shaft.under_teeth",
+        "nothing beside body_1.shaft.compliance",
+        "'flexible'",
     )

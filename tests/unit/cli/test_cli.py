@@ -379,7 +379,6 @@ def test_impossible_output_is_refused_before_the_work(
     ("arguments", "reason"),
     [
         (["compliance", "-o", "files"], "the files hold the compliance of plane bodies"),
-        (["verify"], "the other program solves plane sections"),
     ],
 )
 def test_commands_for_plane_bodies_refuse_three_dimensions(

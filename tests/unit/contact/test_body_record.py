@@ -375,16 +375,21 @@ def test_slices_need_both_bodies_over_their_width() -> None:
     assert sliced_info([axial], [axial]) == -8
 
 
-def test_cells_and_shifts_have_no_slices() -> None:
+def test_shifts_and_rubbing_cells_have_no_slices() -> None:
     """The state says so: it has a status of its own."""
     axial = ("axial", AXIAL)
     shift = ("shift", np.zeros(MODES * SITES))
-    assert sliced_info([axial, EDGES], [axial], level=0.0) == 1
+    assert sliced_info([axial, EDGES], [axial], level=0.0) == 0
+    finite = np.array([10.0, 30.0, 2.5, 0.0, 2.0])
+    sliced = record_of(axial, EDGES), record_of(axial)
+    assert sweep_info(*sliced, settings=finite)[0] == 1
     assert sliced_info([axial, EDGES, shift], [axial]) == 1
     assert sliced_info([axial, EDGES], [axial, shift]) == 1
     rubbing = record_of(axial, EDGES, FRICTION), record_of(axial)
     settings = np.array([10.0, 30.0, 2.5, 1.0, 0.0])
     assert sweep_info(*rubbing, settings=settings, n_columns=13)[0] == 0
+    cells = np.array([10.0, 30.0, 2.5, 0.0, 0.0])
+    assert sweep_info(*rubbing, settings=cells, n_columns=13)[0] == 1
     # loads along the flank have the modes of those along the normal
     few = ("tangential", np.zeros(MODES * (MODES - 1)))
     rubbing = record_of(axial, EDGES, FRICTION, few), record_of(axial)

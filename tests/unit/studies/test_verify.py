@@ -564,6 +564,6 @@ def test_a_deck_has_the_modified_flanks_in_any_case() -> None:
     relief = {"body_1.tip_relief_um": 30.0, "body_1.tip_relief_start_diameter_mm": 80.0}
     scene = fl.read_scene(SCENES / "external_gear.toml").replace(relief)
     other = scene.replace({"accuracy.unmodified_elements": True})
-    one, two = (model._coarse_bodies(each).body_1.mesh for each in (scene, other))
+    one, two = (model.coarse_bodies(each).body_1.mesh for each in (scene, other))
     assert np.array_equal(one.nodes, two.nodes)
     assert not np.array_equal(two.nodes, build_bodies(other).body_1.mesh.nodes)

@@ -18,6 +18,7 @@ from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearFi
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import jump_strength, logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
+from flankload.elasticity.prism.carried_bore import CarriedBore
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.end_faces import edge_angles, end_strength
 from flankload.elasticity.prism.flank_potential import (
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.bodies.carrying_shaft import CarryingShaft
     from flankload.bodies.root_fillet import RootFillets
     from flankload.elasticity.sector_closure import CondensedSector
 
@@ -73,6 +75,8 @@ class Prism:
         Loads may go to p - 2: the highest mode is some percent too stiff.
     regions : tuple of (str, (float, float))
         Extents along the axis of regions of the mesh that differ from `range_mm`, by name.
+    shaft : CarryingShaft or None
+        What the bore follows; None: the bore is held.
     """
 
     range_mm: tuple[float, float]
@@ -82,6 +86,7 @@ class Prism:
     cut_degree: int = 4
     screening: bool = False
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
+    shaft: CarryingShaft | None = None
 
     def check(self) -> None:
         """Refuse degrees that do not resolve each other.
@@ -113,7 +118,9 @@ def prism_compliance(
     estimate: bool = False,
     account: Account | None = None,
 ) -> BodyCompliance:
-    """Compliance of a body's flanks in three dimensions, its fixed nodes held over all their width.
+    """Compliance of a body's flanks in three dimensions.
+
+    The fixed nodes are held over all their width, or follow a shaft (`carried_bore`).
 
     A unit force out of the material at (s', z') of a flank moves the flank at (s, z), along its
     normal, by
@@ -288,6 +295,10 @@ def _ring_response(
         for each in directions[: 1 + friction]
     ]
     loads = _prism_loads(np.hstack(in_plane), axial.load_vectors(prism.load_degree))
+    count, bore = loads.shape[2], None
+    if prism.shaft is not None:
+        bore = CarriedBore.of(prism.shaft, section, functions, mesh, prism.twist, numbers)
+        loads = np.concatenate([loads, bore.columns], axis=2)
     recovery = None if fillets is None else Recovery(fillets.on_elements.nodes)
     log.end_step("assembly")
     # most fronts are too small to share: two threads take longer, and more CPU seconds
@@ -310,9 +321,9 @@ def _ring_response(
             sector = _with_reading(sector, stress, by_loads, by_cuts)
             log.account.count(stress_recoveries=fillets.points.arc_length_mm.size)
             log.end_step("solution")
-        response = close_ring(sector, mesh.teeth)
+        response = close_ring(sector, mesh.teeth) if bore is None else bore.close_ring(sector)
     log.end_step("ring")
-    return response[:, : loads.shape[2]], response[:, loads.shape[2] :]
+    return response[:, :count], response[:, count:]
 
 
 def _with_reading(

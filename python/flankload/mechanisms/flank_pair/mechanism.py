@@ -14,6 +14,7 @@ from flankload.mechanisms.flank_pair.description import describe, mesh_files
 from flankload.mechanisms.flank_pair.duration import duration_of
 from flankload.mechanisms.flank_pair.error_estimates import error_estimates, unseen_notes
 from flankload.mechanisms.flank_pair.from_sweep import result_of
+from flankload.mechanisms.flank_pair.iso_6336 import with_iso_factor
 from flankload.mechanisms.flank_pair.prediction import predicted_work
 from flankload.mechanisms.flank_pair.stages import (
     compliances_of,
@@ -144,7 +145,7 @@ class FlankPair:
                 notes=(*unseen, *position_notes(scene, assembly, doubt)),
             )
             cost = {**result.cost, "position_rounds": states.rounds}
-            results.append(replace(result, cost=cost))
+            results.append(with_iso_factor(replace(result, cost=cost), scene, assembly))
         return tuple(results)
 
     def describe(self, scene: Scene) -> Description:

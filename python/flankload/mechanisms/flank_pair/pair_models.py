@@ -41,9 +41,13 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.bodies import Body
+    from flankload.bodies.carrying_shaft import CarryingShaft
     from flankload.mechanisms.toggles import Toggle
     from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
+
+    #: A shaft that the bore follows, or whether there are three dimensions; sectors; expansion.
+    _Variant = tuple[CarryingShaft | bool, int | None, Growth | None]
 
 #: Modes and cells of the screening; its mesh is that of the run.
 COARSE = Discretization(flank_element_parts=1.0, modes=3, grid=Grid(1.0, 3.0))
@@ -140,15 +144,19 @@ class PairModels:
         spatial = [scene for scene in asked if is_spatial(scene).on]
         if not self._pair.effects.three_dimensions:
             self._solve_plane_elements(z, [scene for scene in asked if scene not in spatial])
-        if spatial:
-            rubs = any(scene.has_friction for scene in spatial)
-            self._solve_prism(z, spatial[0], friction=rubs)
+        on_shafts: dict[CarryingShaft | bool, Scene] = {}
+        for scene in spatial:
+            on_shafts.setdefault(self._variant(scene, z)[0], scene)
+        for scene in on_shafts.values():
+            self._solve_prism(z, scene, friction=any(each.has_friction for each in spatial))
 
     def _solve_prism(self, z: int, scene: Scene, *, friction: bool) -> None:
         """A three-dimensional body on coarse elements, and the plane body on the same elements."""
         load_packages()
         body, found = coarse_compliance(scene, z, friction=friction)
         self._jobs[z][self._variant(scene, z)] = found
+        if z in self.prism_rates:  # on another shaft
+            return
         self.prism_rates[z] = PrismRates(body, found.job)
         assert body.mesh is not None
         plane, start = scene.accuracy.plane, process_time()
@@ -208,11 +216,13 @@ class PairModels:
         elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]
         return elastic or (growth is not None and growth.needs_elements)
 
-    def _variant(self, scene: Scene, z: int) -> tuple[bool, int | None, Growth | None]:
-        """What is built of a sector: in three dimensions or not, so many of them, growing so."""
-        growth = self.assembly(scene).growth[z]
+    def _variant(self, scene: Scene, z: int) -> _Variant:
+        """What is built of a sector: in three dimensions and on which shaft, how many, growing."""
+        pair = self.assembly(scene)
+        axial, growth = (pair.body_1, pair.body_2)[z].axial, pair.growth[z]
         grows = growth if growth is not None and growth.needs_elements else None
-        return is_spatial(scene).on, scene.sectors, grows
+        carrying = None if axial is None else axial.carrying
+        return (carrying or is_spatial(scene).on), scene.sectors, grows
 
     def sections(self, pair: BodyPair) -> tuple[BodyCompliance, BodyCompliance]:
         """Plane compliances on the elements of coarse three-dimensional bodies."""

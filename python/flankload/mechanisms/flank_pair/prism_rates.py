@@ -76,6 +76,7 @@ def coarse_compliance(
         cut_degree=CUT_DEGREE,
         screening=True,
         regions=body.axial.regions,
+        shaft=body.axial.carrying,
     )
     modes = modes_of(body, scene, COARSE)
     return body, prism_compliance(body, prism, n_modes=modes, friction=friction)

@@ -58,7 +58,7 @@ def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoad
             across /= np.linalg.norm(across)
             tilt[p] += sign * (across[0] * turned[1] - across[1] * turned[0])
             bearings[z][p] = shaft.bearing_loads @ wrench
-    return ShaftLoads(frozen(UM_PER_MM * tilt), *(frozen(force) for force in bearings))
+    return ShaftLoads(frozen(UM_PER_MM * tilt), frozen(bearings[0]), frozen(bearings[1]))
 
 
 def _contacts(

@@ -313,6 +313,7 @@ def prism_of(body: Body, scene: Scene) -> Prism:
         degree=degree,
         load_degree=load_degree,
         regions=axial.regions,
+        shaft=axial.carrying,
     )
 
 

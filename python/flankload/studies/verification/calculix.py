@@ -9,12 +9,13 @@ import subprocess
 from dataclasses import dataclass
 from math import isfinite
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flankload.errors import OtherProgramError
 from flankload.studies.verification.deck import surface_name
+from flankload.studies.verification.solid_deck import SolidDeck, layer_surface
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,6 +31,9 @@ JOB = "deck"
 #: Input and output files of CalculiX, and the log.
 SUFFIXES = (".inp", ".dat", ".sta", ".frd", ".cvg", ".12d", ".log")
 PACKAGE = "calculix-ccx"
+#: Headings of the forces of a contact pair.
+TOTAL = "moment about the origin (mx,my,mz)"
+NORMAL = "area,  normal force (+ = tension)"
 STRESS_TITLE = "contact stress (slave element+face,press,tang1,tang2) for all contact elements"
 
 
@@ -48,11 +52,14 @@ class Answer:
         Sum of their moments about O1 on the undeformed bodies, N mm/mm; equal to the torque except
         for the deformation.
     pressure_MPa : (S,) array
-        Largest contact pressure at an integration point; with friction the largest median over a
-        side's points, since single points near the ends of slid sides have large errors there.
+        Largest contact pressure at an integration point, NaN of solid bodies; with friction the
+        largest median over a side's points, since single points near the ends of slid sides have
+        large errors there.
     iterations : int
     cpu_s, wall_s : float
         NaN without a run.
+    line_load_N_per_mm : (S, L) array or None
+        Normal force of each pair in each layer of solid bodies, per mm of its width.
     """
 
     version: str
@@ -63,6 +70,7 @@ class Answer:
     iterations: int
     cpu_s: float
     wall_s: float
+    line_load_N_per_mm: Floats | None = None
 
 
 def files_of_deck(folder: Path) -> tuple[Path, ...]:
@@ -104,7 +112,9 @@ def version_of(program: str) -> str:
     return found.group(1) if found else "unknown"
 
 
-def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | None) -> Answer:
+def run_deck(
+    program: str, folder: Path, deck: Deck | SolidDeck, *, time_limit_s: float | None
+) -> Answer:
     """Run CalculiX on folder/deck.inp and read its solution.
 
     Parameters
@@ -112,7 +122,7 @@ def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | No
     program : str
     folder : Path
         Folder of all its files, including deck.log.
-    deck : Deck
+    deck : Deck or SolidDeck
         Content of the input file.
     time_limit_s : float or None
         Wall-clock seconds after which the run is stopped.
@@ -152,7 +162,7 @@ def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | No
 
 def read_answer(
     folder: Path,
-    deck: Deck,
+    deck: Deck | SolidDeck,
     *,
     version: str = "unknown",
     cpu_s: float = float("nan"),
@@ -163,7 +173,7 @@ def read_answer(
     Parameters
     ----------
     folder : Path
-    deck : Deck
+    deck : Deck or SolidDeck
     version : str
     cpu_s, wall_s : float
 
@@ -182,9 +192,10 @@ def read_answer(
         rotation = deck.start_rad + float(turned.split()[1])
         if not isfinite(rotation):
             raise ValueError("the rotation is not a number")
-        forces, moments = zip(*(_force(text, site) for site in deck.sites), strict=True)
-        stress = _last_block(text, STRESS_TITLE)
-        pressures = _pressures(stress, deck)
+        if isinstance(deck, SolidDeck):
+            loads = _solid_loads(text, deck)
+        else:
+            loads = _plane_loads(text, deck)
         iterations = _iterations(folder / f"{JOB}.sta")
     except (OSError, LookupError, ValueError) as error:
         raise OtherProgramError(
@@ -193,9 +204,7 @@ def read_answer(
     return Answer(
         version=version,
         rotation_rad=rotation,
-        force_N_per_mm=np.array(forces),
-        moment_N=float(sum(moments)),
-        pressure_MPa=pressures,
+        **loads,
         iterations=iterations,
         cpu_s=cpu_s,
         wall_s=wall_s,
@@ -248,17 +257,44 @@ def _last_block(text: str, title: str) -> str:
     return re.split(r"\n\s*\n", text[found[-1].end() :].lstrip("\n "), maxsplit=1)[0]
 
 
-def _force(text: str, site: int) -> tuple[float, float]:
-    """Amount of a pair's force and its moment about O1."""
-    slave, master = surface_name(site, 1), surface_name(site, 2)
+def _plane_loads(text: str, deck: Deck) -> dict[str, Any]:
+    """Loads of `Answer` from the output for plane bodies."""
+    forces, moments = np.zeros((2, len(deck.sites)))
+    for s, site in enumerate(deck.sites):
+        block = _statistics(text, surface_name(site, 1), surface_name(site, 2))
+        normal = _numbers_after(block, NORMAL, 2)[1] if block else 0.0
+        if normal < 0:
+            forces[s], moments[s] = -normal, abs(_numbers_after(block, TOTAL, 6)[5])
+    return {
+        "force_N_per_mm": forces,
+        "moment_N": float(moments.sum()),
+        "pressure_MPa": _pressures(_last_block(text, STRESS_TITLE), deck),
+    }
+
+
+def _solid_loads(text: str, deck: SolidDeck) -> dict[str, Any]:
+    """Loads of `Answer` from the output for solid bodies: those of the layers, summed."""
+    forces, moments = np.zeros((2, len(deck.sites), deck.layers))
+    for s, site in enumerate(deck.sites):
+        for layer in range(deck.layers):
+            names = layer_surface(site, layer, 1), layer_surface(site, layer, 2)
+            if block := _statistics(text, *names):
+                total = _numbers_after(block, TOTAL, 6)
+                forces[s, layer] = np.linalg.norm(total[:3])
+                moments[s, layer] = abs(total[5])
+    return {
+        "force_N_per_mm": forces.sum(axis=1) / deck.face_width_mm,
+        "moment_N": float(moments.sum()) / deck.face_width_mm,
+        "pressure_MPa": np.full(len(deck.sites), np.nan),
+        "line_load_N_per_mm": forces / np.diff(deck.edges_mm),
+    }
+
+
+def _statistics(text: str, slave: str, master: str) -> str:
+    """Last lines on the forces of a contact pair; empty without contact."""
     title = rf"statistics for slave set {slave}, master set {master} and time"
     found = list(re.finditer(title, text))
-    if not found:
-        return 0.0, 0.0
-    block = text[found[-1].end() :]
-    moment = _numbers_after(block, "moment about the origin (mx,my,mz)", 6)[5]
-    normal = _numbers_after(block, "area,  normal force (+ = tension)", 2)[1]
-    return (-normal, abs(moment)) if normal < 0 else (0.0, 0.0)
+    return text[found[-1].end() :] if found else ""
 
 
 def _numbers_after(block: str, heading: str, count: int) -> list[float]:

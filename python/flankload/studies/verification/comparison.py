@@ -22,6 +22,8 @@ from flankload.studies.verification.calculix import JOB, Answer, find_program, r
 from flankload.studies.verification.deck import deck_text
 from flankload.studies.verification.model import check_bodies, model_of
 from flankload.studies.verification.report import json_of, text_of
+from flankload.studies.verification.solid_deck import SolidDeck, solid_text
+from flankload.studies.verification.solid_model import SolidModel, solid_model_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,6 +34,37 @@ if TYPE_CHECKING:
     from flankload.studies.verification.model import Model
 
     Floats = NDArray[np.float64]
+
+#: Elements on the half-width of a contact by default, in the plane and of solids.
+ELEMENTS, SOLID_ELEMENTS = 6.0, 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Layers:
+    """Layers of solid bodies over the common width, and the load in each; S pairs, L layers.
+
+    Attributes
+    ----------
+    edges_mm : (L + 1,) array
+        Their ends along the axes.
+    line_load_N_per_mm : (S, L) array
+        Of flankload: mean over the parts of its slices that lie in a layer.
+    unknowns : int
+        Independent displacements of the deck.
+    half_width_mm : float
+        Half-width of the widest contact, by flankload.
+    """
+
+    edges_mm: Floats
+    line_load_N_per_mm: Floats
+    unknowns: int
+    half_width_mm: float
+
+    def face_load_factor(self, line_load_N_per_mm: Floats) -> float:
+        """Largest line load, summed over the pairs, over its mean; NaN without load."""
+        summed = line_load_N_per_mm.sum(axis=0)
+        mean = np.average(summed, weights=np.diff(self.edges_mm))
+        return float(summed.max() / mean) if mean > 0 else float("nan")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,7 +83,7 @@ class Verification(Card):
     rotation_rad : float
         Rotation of body 1, by flankload.
     site_force_N, peak_pressure_MPa : (S,) arrays
-        Values of flankload.
+        Values of flankload; pressures of solid bodies are NaN, since they are not compared.
     corner_contact : (S,) bool array
         Contact on a sharp corner, where peak pressures are meaningless.
     job_cpu_s, position_cpu_s : float
@@ -66,6 +99,8 @@ class Verification(Card):
         The input file; None if it was in a deleted temporary folder.
     calculix : Answer or None
         Solution of CalculiX, per mm of width; None if it was not run.
+    layers : Layers or None
+        Layers of solid bodies; None in a plane scene.
     """
 
     name: str
@@ -87,6 +122,7 @@ class Verification(Card):
     finest_mm: float
     deck: Path | None
     calculix: Answer | None
+    layers: Layers | None = None
 
     @property
     def rotation_difference(self) -> float:
@@ -119,15 +155,15 @@ def verify(
     folder: str | Path | None = None,
     run: bool = True,
     time_limit_s: float | None = None,
-    elements_per_half_width: float = 6.0,
+    elements_per_half_width: float | None = None,
     large_displacement: bool = False,
     program: str = "ccx",
 ) -> Verification:
     """Solve one position of a scene by nonlinear finite elements as well.
 
-    CalculiX gets both whole bodies in their places at that position, with fine elements at the
-    contacts. Rotation, forces and pressures are its own output. Flankload's solution determines
-    only the element size and the flanks that are near enough for a contact pair.
+    CalculiX gets both whole bodies at that position, fine at the contacts: plane triangles, or
+    layers of wedges in three dimensions. Rotation, forces and pressures are its own output;
+    flankload's solution determines only the element size and the flanks with a contact pair.
 
     Parameters
     ----------
@@ -143,7 +179,8 @@ def verify(
     time_limit_s : float, optional
         Wall-clock limit of CalculiX.
     elements_per_half_width : float
-        Elements on the half-width of a Hertz contact.
+        Elements on the half-width of a Hertz contact; 6 in the plane and 1 of solids by default.
+        All other elements of solids follow in proportion.
     large_displacement : bool
         Whether CalculiX includes the deformation of the geometry.
     program : str
@@ -163,12 +200,8 @@ def verify(
     require("position", position, "an integer", fits=isinstance(position, int | np.integer))
     require_path("folder", folder)
     scene, result = _solved(scene_of(scene), position)
-    model = model_of(
-        scene,
-        result,
-        position,
-        elements_per_half_width=elements_per_half_width,
-        large_displacement=large_displacement,
+    model = _model(
+        scene, result, position, elements_per_half_width, large_displacement=large_displacement
     )
     path = _write(model.deck, folder)
     keep = folder is not None
@@ -176,17 +209,38 @@ def verify(
     return _comparison(scene, result, position, model, path if path.exists() else None, answer)
 
 
-def _write(deck: Deck, folder: str | Path | None) -> Path:
+def _model(
+    scene: Scene,
+    result: Result,
+    position: int,
+    elements: float | None,
+    *,
+    large_displacement: bool,
+) -> Model | SolidModel:
+    """Plane or solid deck, as the result is."""
+    plane = result.slices is None
+    made = model_of if plane else solid_model_of
+    return made(
+        scene,
+        result,
+        position,
+        elements_per_half_width=elements or (ELEMENTS if plane else SOLID_ELEMENTS),
+        large_displacement=large_displacement,
+    )
+
+
+def _write(deck: Deck | SolidDeck, folder: str | Path | None) -> Path:
     """Write the deck into the folder, or into a new temporary one."""
     place = Path(folder) if folder is not None else Path(tempfile.mkdtemp(prefix="flankload_"))
     place.mkdir(parents=True, exist_ok=True)
     path = place / f"{JOB}.inp"
-    write_atomically(path, deck_text(deck).encode("ascii", errors="replace"))
+    text = solid_text(deck) if isinstance(deck, SolidDeck) else deck_text(deck)
+    write_atomically(path, text.encode("ascii", errors="replace"))
     return path
 
 
 def _run(
-    folder: Path, deck: Deck, program: str, time_limit_s: float | None, *, keep: bool
+    folder: Path, deck: Deck | SolidDeck, program: str, time_limit_s: float | None, *, keep: bool
 ) -> Answer:
     """Solution of CalculiX; the folder is deleted unless it is kept or there is no solution."""
     try:
@@ -208,7 +262,7 @@ def _comparison(
     scene: Scene,
     result: Result,
     position: int,
-    model: Model,
+    model: Model | SolidModel,
     deck: Path | None,
     answer: Answer | None,
 ) -> Verification:
@@ -220,6 +274,7 @@ def _comparison(
     def of_sites(values: NDArray[Any]) -> NDArray[Any]:
         return np.append(values[position], np.zeros(1, values.dtype))[rows]
 
+    layers = _layers(result, position, model, rows) if isinstance(model, SolidModel) else None
     stages, positions = result.cost["stages"], result.position_rad.size
     return Verification(
         name=result.name,
@@ -231,7 +286,9 @@ def _comparison(
         sites=sites,
         rotation_rad=float(result.rotation_rad[position]),
         site_force_N=of_sites(result.site_force_N),
-        peak_pressure_MPa=of_sites(result.peak_pressure_MPa),
+        peak_pressure_MPa=of_sites(result.peak_pressure_MPa)
+        if layers is None
+        else np.full(sites.size, np.nan),
         corner_contact=of_sites(result.corner_contact),
         job_cpu_s=sum(stage["cpu_s"] for stage in stages.values()),
         position_cpu_s=stages["sweep"]["cpu_s"] / (positions * len(scene.torques_Nm)),
@@ -241,6 +298,24 @@ def _comparison(
         finest_mm=model.finest_mm,
         deck=deck,
         calculix=answer,
+        layers=layers,
+    )
+
+
+def _layers(result: Result, position: int, model: SolidModel, rows: list[int]) -> Layers:
+    """Flankload's line load in the layers of the deck; rows: of its sites, -1 if it has none."""
+    slices, edges = result.slices, model.deck.edges_mm
+    assert slices is not None
+    half = 0.5 * slices.width_mm
+    low = np.maximum(edges[:-1, np.newaxis], slices.z_mm - half)
+    high = np.minimum(edges[1:, np.newaxis], slices.z_mm + half)
+    parts = np.maximum(high - low, 0.0) / np.diff(edges)[:, np.newaxis]
+    ours = slices.line_load_N_per_mm[position]
+    return Layers(
+        edges_mm=edges,
+        line_load_N_per_mm=np.append(ours, np.zeros((1, slices.z_mm.size)), axis=0)[rows] @ parts.T,
+        unknowns=model.deck.unknowns,
+        half_width_mm=model.half_width_mm,
     )
 
 

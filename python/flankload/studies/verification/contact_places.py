@@ -92,23 +92,23 @@ def contact_places(
     FlankloadError
         If no flanks meet.
     """
-    compliance = sum(_half_plane(body.material, plane) for body in (pair.body_1, pair.body_2))
-    meetings = _meetings(pair, turns)
-    if not meetings:
+    compliance = sum(half_plane(body.material, plane) for body in (pair.body_1, pair.body_2))
+    found = meetings(pair, turns)
+    if not found:
         raise FlankloadError("no flanks meet at this position")
-    touch = min(meeting.gap_rad for meeting in meetings)
+    touch = min(meeting.gap_rad for meeting in found)
     least = LEAST_PART * sum(force_N_per_mm.values()) / len(force_N_per_mm)
     return tuple(
         meeting.place(
             compliance * max(force_N_per_mm.get(meeting.site, 0.0), least), elements_per_half_width
         )
-        for meeting in meetings
+        for meeting in found
         if meeting.gap_rad <= touch + reach * (rotation_rad - touch)
     )
 
 
 @dataclass(frozen=True, eq=False)
-class _Meeting:
+class Meeting:
     """Two flanks of a pair with opposite points: samples of the gap on flank 1.
 
     Attributes
@@ -137,26 +137,40 @@ class _Meeting:
         """The least gap."""
         return float(self.gaps_rad.min())
 
+    def half_width_mm(self, force_compliance: float) -> float:
+        """Half-width of the contact; infinite on flat flanks, which touch over their length."""
+        best = int(self.gaps_rad.argmin())
+        s_2 = self.curve_2.arc_length_of(self.points[best] - [self.center_distance_mm, 0.0])[0]
+        bend = self.curve_1.curvature([self.arc_mm[best]])[0] + self.curve_2.curvature(s_2)[0]
+        # line contact: b^2 = 2 F c / bend
+        return float(np.sqrt(2 * force_compliance / bend)) if bend > 0 else float(np.inf)
+
     def place(self, force_compliance: float, elements_per_half_width: float) -> Place:
         """Element size and zone from the force times the compliance of both half-planes, mm."""
         best = int(self.gaps_rad.argmin())
         s_1, middle = self.arc_mm[best], self.points[best]
         lever = abs(float(_cross(middle, self.curve_1.normal([s_1])[0])))
-        s_2 = self.curve_2.arc_length_of(middle - [self.center_distance_mm, 0.0])[0]
-        bend = float(self.curve_1.curvature([s_1])[0] + self.curve_2.curvature(s_2)[0])
         longest = LARGEST_PART * min(self.curve_1.length_mm, self.curve_2.length_mm)
-        # half-width of a line contact: b^2 = 2 F c / bend; flat flanks touch over their whole
-        # length
-        width = np.sqrt(2 * force_compliance / bend) if bend > 0 else np.inf
-        size = float(min(width / elements_per_half_width, longest))
+        size = min(self.half_width_mm(force_compliance) / elements_per_half_width, longest)
         near = (self.gaps_rad - self.gap_rad) * lever <= ZONE_HALF_WIDTHS**2 * force_compliance
         return Place(self.site, self.gap_rad, size, _spread(self.points[near], middle, size))
 
 
-def _meetings(pair: BodyPair, turns: tuple[float, float]) -> list[_Meeting]:
-    """The pairs of flanks that have opposite points, by ascending pair number."""
+def meetings(pair: BodyPair, turns: tuple[float, float]) -> list[Meeting]:
+    """The pairs of flanks that have opposite points, by ascending pair number.
+
+    Parameters
+    ----------
+    pair : BodyPair
+    turns : (float, float)
+        Rotations of both bodies' frames, rad.
+
+    Returns
+    -------
+    list of Meeting
+    """
     pairing = pair.pairing
-    meetings = []
+    found = []
     for number, site in enumerate(pairing.sites.tolist()):
         curve_1, curve_2 = (
             body.curve.rotated(turn + float(angles[number]))
@@ -164,13 +178,13 @@ def _meetings(pair: BodyPair, turns: tuple[float, float]) -> list[_Meeting]:
                 (pair.body_1, pair.body_2), turns, pairing.site_angles_rad, strict=True
             )
         )
-        found = _gaps(curve_1, curve_2, pairing.center_distance_mm, pairing.period_rad)
-        if found is not None:
-            meetings.append(_Meeting(site, curve_1, curve_2, pairing.center_distance_mm, *found))
-    return meetings
+        gaps = _gaps(curve_1, curve_2, pairing.center_distance_mm, pairing.period_rad)
+        if gaps is not None:
+            found.append(Meeting(site, curve_1, curve_2, pairing.center_distance_mm, *gaps))
+    return found
 
 
-def _half_plane(material: Material, plane: str) -> float:
+def half_plane(material: Material, plane: str) -> float:
     """Compliance c0 of a half-plane, mm²/N."""
     ratio = material.poisson_ratio if plane == "strain" else 0.0
     return 2 * (1 - ratio**2) / (np.pi * material.young_modulus_MPa)

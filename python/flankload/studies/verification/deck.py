@@ -177,7 +177,7 @@ def _lines(deck: Deck) -> Iterator[str]:
         for site, faces in zip(deck.sites, part.flanks, strict=True):
             yield f"*SURFACE, NAME={surface_name(site, z)}, TYPE=ELEMENT"
             yield from (f"{first_element + e}, S{side}" for e, side in faces.tolist())
-        yield from _set(f"HELD_{z}", first_node + part.held)
+        yield from node_set(f"HELD_{z}", first_node + part.held)
         first_node += len(part.nodes)
         first_element += len(part.cells)
     yield from _axis(deck, 1, 0.0)
@@ -188,7 +188,7 @@ def _lines(deck: Deck) -> Iterator[str]:
         yield from ("*BOUNDARY", "HELD_2, 1, 2")
         yield from _step(deck)
     else:
-        yield from _step(deck, f"AXIS_2, 1, 1, {_number(deck.friction.back_rad)}")
+        yield from _step(deck, f"AXIS_2, 1, 1, {number(deck.friction.back_rad)}")
         yield from _step(deck, "AXIS_2, 1, 1, 0.")
 
 
@@ -198,13 +198,13 @@ def _axis(deck: Deck, body: int, center_mm: float) -> Iterator[str]:
     part = deck.parts[body - 1]
     first_node = 1 + sum(len(before.nodes) for before in deck.parts[: body - 1])
     yield f"*NODE, NSET=AXIS_{body}"
-    yield f"{axis}, {_number(center_mm)}, 0., 0."
+    yield f"{axis}, {number(center_mm)}, 0., 0."
     for node in part.held.tolist():
         x, y = part.nodes[node].tolist()
         for component, arm in ((1, y), (2, center_mm - x)):
             yield "*EQUATION"
             yield "2"
-            yield f"{first_node + node}, {component}, 1., {axis}, 1, {_number(arm)}"
+            yield f"{first_node + node}, {component}, 1., {axis}, 1, {number(arm)}"
     yield "*BOUNDARY"
     yield f"AXIS_{body}, 2, 3"
 
@@ -217,7 +217,7 @@ def _contact(deck: Deck) -> Iterator[str]:
         yield f"{PENALTY:g}"
         if deck.friction is not None and deck.friction.coefficients[k] > 0:
             yield "*FRICTION"
-            yield f"{_number(deck.friction.coefficients[k])}, {STICK:g}"
+            yield f"{number(deck.friction.coefficients[k])}, {STICK:g}"
         yield f"*CONTACT PAIR, INTERACTION={name}, TYPE=SURFACE TO SURFACE"
         yield f"{surface_name(site, 1)}, {surface_name(site, 2)}"
 
@@ -228,7 +228,7 @@ def _step(deck: Deck, boundary: str | None = None) -> Iterator[str]:
     yield from ("*STATIC", "1., 1.")
     if boundary is not None:
         yield from ("*BOUNDARY", boundary)
-    yield from ("*CLOAD", f"AXIS_1, 1, {_number(deck.torque_N)}")
+    yield from ("*CLOAD", f"AXIS_1, 1, {number(deck.torque_N)}")
     yield from ("*NODE PRINT, NSET=AXIS_1", "U")
     for site in deck.sites:
         yield f"*CONTACT PRINT, SLAVE={surface_name(site, 1)}, MASTER={surface_name(site, 2)}"
@@ -240,22 +240,22 @@ def _step(deck: Deck, boundary: str | None = None) -> Iterator[str]:
 def _body(part: Part, z: int, kind: str, first_node: int, first_element: int) -> Iterator[str]:
     yield "*NODE"
     for k, (x, y) in enumerate(part.nodes.tolist(), start=first_node):
-        yield f"{k}, {_number(x)}, {_number(y)}, 0."
+        yield f"{k}, {number(x)}, {number(y)}, 0."
     yield f"*ELEMENT, TYPE={kind}, ELSET=BODY_{z}"
     for k, row in enumerate((first_node + part.cells).tolist(), start=first_element):
         yield f"{k}, " + ", ".join(map(str, row))
     yield f"*MATERIAL, NAME=MATERIAL_{z}"
     yield "*ELASTIC"
-    yield ", ".join(map(_number, (part.material.young_modulus_MPa, part.material.poisson_ratio)))
+    yield ", ".join(map(number, (part.material.young_modulus_MPa, part.material.poisson_ratio)))
     yield f"*SOLID SECTION, ELSET=BODY_{z}, MATERIAL=MATERIAL_{z}"
     yield "1."
 
 
-def _number(value: float) -> str:
+def number(value: float) -> str:
     """A number in at most 20 characters: CalculiX silently ignores further characters."""
     return f"{value:.13g}"
 
 
-def _set(name: str, nodes: Numbers) -> Iterator[str]:
+def node_set(name: str, nodes: Numbers) -> Iterator[str]:
     yield f"*NSET, NSET={name}"
     yield from (f"{node}," for node in nodes.tolist())

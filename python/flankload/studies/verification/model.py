@@ -10,7 +10,7 @@ from msgspec import structs
 
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.scene.effects import require_plane
+from flankload.scene.effects import is_spatial
 from flankload.scene.refusal import shown
 from flankload.studies.verification.contact_places import contact_places
 from flankload.studies.verification.deck import Deck, DeckFriction, Part, part_of
@@ -42,6 +42,11 @@ SLIDING_RAD = 2e-3
 #: Flanks get a contact pair if their gap is below this multiple of the deflection.
 REACH = 3.0
 
+#: Keys of three-dimensional bodies that solid decks do not contain.
+SHAFT = "the deck turns the bore of body 1 about a fixed axis and holds that of body 2"
+WIDE = "all of a body in the deck is as wide as its teeth"
+NOT_SOLID = {"shaft": SHAFT, "web_width_mm": WIDE, "hub_width_mm": WIDE, "region_sets": WIDE}
+
 
 @dataclass(frozen=True)
 class Model:
@@ -72,7 +77,7 @@ def check_bodies(scene: Scene) -> None:
             expected="bodies with teeth: no deck is written for a cam and its follower",
             found="'cam'",
         )
-    require_plane(scene, "the other program solves plane sections")
+    _check_solids(scene)
     for key in ("temperature_rise_K", "speed_rpm"):
         if getattr(scene.effects, key):
             raise SceneError(
@@ -105,6 +110,35 @@ def check_bodies(scene: Scene) -> None:
             )
 
 
+def _check_solids(scene: Scene) -> None:
+    """Refuse what solid decks do not contain."""
+    if not is_spatial(scene).on:
+        return
+    if scene.effects.friction_coefficient:
+        raise SceneError(
+            file=scene.file,
+            key="effects.friction_coefficient",
+            expected="nothing, since solid decks have no friction",
+            found=shown(scene.effects.friction_coefficient),
+        )
+    for key, spec in (("body_1", scene.body_1), ("body_2", scene.body_2)):
+        if spec.kind not in ("gear", "mesh"):
+            raise SceneError(
+                file=scene.file,
+                key=f"{key}.kind",
+                expected="'gear' or 'mesh', since solid decks have external teeth",
+                found=shown(spec.kind),
+            )
+        for name, reason in NOT_SOLID.items():
+            if value := getattr(spec, name, None):
+                raise SceneError(
+                    file=scene.file,
+                    key=f"{key}.{name}",
+                    expected=f"nothing, since {reason}",
+                    found="a table" if name == "shaft" else shown(value),
+                )
+
+
 def model_of(
     scene: Scene,
     result: Result,
@@ -135,7 +169,7 @@ def model_of(
     SceneError, FlankloadError
         If a body cannot be meshed or no flanks meet.
     """
-    pair = _coarse_bodies(scene)
+    pair = coarse_bodies(scene)
     plane = scene.accuracy.plane
     angle = float(result.position_rad[position])
     turn_1, turn_2 = pair.pairing.turns(np.float64(angle))  # type: ignore[arg-type]
@@ -204,8 +238,19 @@ def friction_of_deck(
     )
 
 
-def _coarse_bodies(scene: Scene) -> BodyPair:
-    """Both bodies, with coarse elements on the true flanks if flankload makes their meshes."""
+def coarse_bodies(scene: Scene, part: float | None = None) -> BodyPair:
+    """Both bodies, with coarse elements on the true flanks if flankload makes their meshes.
+
+    Parameters
+    ----------
+    scene : Scene
+    part : float, optional
+        Element length along the flanks in modules.
+
+    Returns
+    -------
+    BodyPair
+    """
     accuracy = structs.replace(scene.accuracy, unmodified_elements=False)
     scene = replace(scene, accuracy=accuracy)
     module = next(
@@ -214,7 +259,8 @@ def _coarse_bodies(scene: Scene) -> BodyPair:
     )
     if module is None:
         return build_bodies(scene)
-    part = COARSE_SPLINE_PART if scene.body_1.conforms else COARSE_PART
+    if part is None:
+        part = COARSE_SPLINE_PART if scene.body_1.conforms else COARSE_PART
     accuracy = structs.replace(scene.accuracy, flank_element_mm=part * module)
     try:
         return build_bodies(replace(scene, accuracy=accuracy))
@@ -222,9 +268,9 @@ def _coarse_bodies(scene: Scene) -> BodyPair:
         return build_bodies(scene)
 
 
-def _flanks_of(pair: BodyPair, z: int, places: tuple[Place, ...]) -> tuple[tuple[int, float], ...]:
-    """Tooth and angle of body z's flank at each place."""
-    rows = np.searchsorted(pair.pairing.sites, [place.site for place in places])
+def flanks_of(pair: BodyPair, z: int, sites: tuple[int, ...]) -> tuple[tuple[int, float], ...]:
+    """Tooth and angle of the flank of a body (0 or 1) at each site."""
+    rows = np.searchsorted(pair.pairing.sites, sites)
     teeth, angles = pair.pairing.site_teeth[z][rows], pair.pairing.site_angles_rad[z][rows]
     return tuple(zip(teeth.tolist(), angles.tolist(), strict=True))
 
@@ -249,9 +295,10 @@ def _parts(
     """Both bodies at the position; body 1 is rotated by the initial angle."""
     size = _sizes(places)
     distance = pair.pairing.center_distance_mm
+    sites = tuple(place.site for place in places)
     return (
-        _part(pair.body_1, _flanks_of(pair, 0, places), (turns[0], start_rad, 0.0), size),
-        _part(pair.body_2, _flanks_of(pair, 1, places), (turns[1], 0.0, distance), size),
+        _part(pair.body_1, flanks_of(pair, 0, sites), (turns[0], start_rad, 0.0), size),
+        _part(pair.body_2, flanks_of(pair, 1, sites), (turns[1], 0.0, distance), size),
     )
 
 

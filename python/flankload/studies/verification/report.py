@@ -11,7 +11,11 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from flankload.studies.verification.comparison import Verification
+    from numpy.typing import NDArray
+
+    from flankload.studies.verification.comparison import Layers, Verification
+
+    Floats = NDArray[np.float64]
 
 
 def json_of(v: Verification) -> str:
@@ -49,6 +53,9 @@ def tree_of(v: Verification) -> dict[str, Any]:
         },
         "calculix": None,
     }
+    if v.layers is not None:
+        tree["deck"] |= {"unknowns": v.layers.unknowns, "layer_ends_mm": v.layers.edges_mm}
+        tree["flankload"] |= _line_load(v.layers, v.layers.line_load_N_per_mm)
     if v.calculix is not None:
         answer = v.calculix
         tree["calculix"] = {
@@ -61,9 +68,19 @@ def tree_of(v: Verification) -> dict[str, Any]:
             "cpu_s": answer.cpu_s,
             "wall_s": answer.wall_s,
         }
+        if v.layers is not None and answer.line_load_N_per_mm is not None:
+            tree["calculix"] |= _line_load(v.layers, answer.line_load_N_per_mm)
         tree["rotation_difference"] = v.rotation_difference
         tree["share_difference"] = v.share_difference
     return tree
+
+
+def _line_load(layers: Layers, line_load_N_per_mm: Floats) -> dict[str, Any]:
+    """Line load in the layers and its distribution over the width."""
+    return {
+        "line_load_N_per_mm": line_load_N_per_mm,
+        "face_load_factor": layers.face_load_factor(line_load_N_per_mm),
+    }
 
 
 def _plain(value: Any) -> Any:
@@ -93,9 +110,13 @@ def _lines(v: Verification) -> Iterator[str]:
         if not (v.site_force_N[s] or force):
             continue
         yield _row(f"pair {site}: load, N", v.site_force_N[s], force, ".1f", v.site_force_N.sum())
+        if v.layers is not None:
+            continue
         mark = "*" if v.corner_contact[s] else ""
         pressure = None if other is None else other.pressure_MPa[s]
         yield _row("  pressure, MPa" + mark, v.peak_pressure_MPa[s], pressure, ".1f")
+    if v.layers is not None:
+        yield from _width_lines(v, v.layers)
     yield f"{'CPU seconds':<24}{v.job_cpu_s:>14.3g}" + (
         f"{other.cpu_s:>16.3g}{'':>4}(all {v.positions} positions versus one; flankload needs "
         f"{v.position_cpu_s:.2g} s for each position)"
@@ -106,13 +127,41 @@ def _lines(v: Verification) -> Iterator[str]:
     if v.corner_contact.any():
         yield "* on a sharp corner, where the pressure is meaningless"
     deck = f"deck: {v.nodes} nodes, {v.elements} six-node triangles, finest {v.finest_mm:.3g} mm"
+    if v.layers is not None:
+        deck = (
+            f"deck: {v.layers.unknowns} unknowns, {v.elements} 15-node wedges in "
+            f"{v.layers.edges_mm.size - 1} layers, finest {v.finest_mm:.3g} mm across the flank "
+            f"(half-width of the contact {v.layers.half_width_mm:.3g} mm)"
+        )
     yield deck if other is None else f"{deck}; {other.iterations} iterations"
     if v.deck is not None:
         yield f"kept as {v.deck}"
 
 
+def _width_lines(v: Verification, layers: Layers) -> Iterator[str]:
+    """Line loads in the layers, in % of the mean of the most loaded pair; their distribution."""
+    ours = layers.line_load_N_per_mm
+    theirs = None if v.calculix is None else v.calculix.line_load_N_per_mm
+    width = float(np.ptp(layers.edges_mm))
+    for s, site in enumerate(v.sites.tolist()):
+        if not ours[s].any() and (theirs is None or not theirs[s].any()):
+            continue
+        yield f"pair {site}: line load, N/mm"
+        for k, (low, high) in enumerate(zip(layers.edges_mm, layers.edges_mm[1:], strict=False)):
+            other = None if theirs is None else theirs[s, k]
+            scale = v.site_force_N.max() / width
+            yield _row(f"  z {low:.2f} to {high:.2f} mm", ours[s, k], other, ".1f", scale, "mean")
+    factor = None if theirs is None else layers.face_load_factor(theirs)
+    yield _row("K_Hbeta, this position", layers.face_load_factor(ours), factor, ".4f")
+
+
 def _row(
-    what: str, ours: float, theirs: float | None, form: str, scale: float | None = None
+    what: str,
+    ours: float,
+    theirs: float | None,
+    form: str,
+    scale: float | None = None,
+    of: str = "all",
 ) -> str:
     """A line; the difference is relative to the second value, or to a total if there is one."""
     text = f"{what:<24}{ours:>14{form}}"
@@ -120,4 +169,4 @@ def _row(
         return f"{text}{'-':>16}{'-':>16}"
     base = theirs if scale is None else scale
     difference = f"{100 * (ours - theirs) / base:+.3f} %" if base else "-"
-    return f"{text}{theirs:>16{form}}{difference:>16}" + (" of all" if scale and base else "")
+    return f"{text}{theirs:>16{form}}{difference:>16}" + (f" of {of}" if scale and base else "")

@@ -140,6 +140,32 @@ def moved(mesh: Triangles, turn_rad: float, shift_mm: float) -> Triangles:
     return Triangles(mesh.vertices @ turn + shift, mesh.corners, border, ())
 
 
+def without(mesh: Triangles, dropped: NDArray[np.bool_]) -> Triangles:
+    """The same body without some triangles (m,); new sides of its border are straight."""
+    corners = mesh.corners[~dropped]
+    numbers, ends = sides(corners)
+    alone = np.bincount(numbers.ravel(), minlength=len(ends)) == 1
+    directed = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2)
+    outer = directed[alone[numbers.ravel()]]
+    count, old = len(mesh.vertices), mesh.border
+    keys = old.ends @ [count, 1]
+    order = np.argsort(keys)
+    wanted = outer @ [count, 1]
+    row = order[np.minimum(np.searchsorted(keys[order], wanted), len(order) - 1)]
+    known = keys[row] == wanted
+    used, place = np.unique(corners), np.zeros(count, dtype=np.int64)
+    place[used] = np.arange(used.size)
+    straight = mesh.vertices[outer].mean(axis=1)
+    border = Border(
+        ends=place[outer],
+        middles=np.where(known[:, np.newaxis], old.middles[row], straight),
+        flank=np.where(known, old.flank[row], -1),
+        s=np.where(known[:, np.newaxis], old.s[row], np.nan),
+        held=known & old.held[row],
+    )
+    return Triangles(mesh.vertices[used], place[corners], border, mesh.curves)
+
+
 def quadratic(mesh: Triangles) -> tuple[Floats, Numbers, Numbers]:
     """Six-node triangles.
 

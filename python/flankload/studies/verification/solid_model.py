@@ -1,0 +1,286 @@
+"""Solid deck of a three-dimensional scene at a position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.errors import FlankloadError
+from flankload.studies.verification.contact_places import Place, half_plane, meetings
+from flankload.studies.verification.model import coarse_bodies, flanks_of
+from flankload.studies.verification.refine import refined
+from flankload.studies.verification.solid import (
+    Layers,
+    Stand,
+    beyond,
+    layers_of,
+    solid_part,
+)
+from flankload.studies.verification.solid_deck import SolidDeck
+from flankload.studies.verification.triangles import whole_body, without
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from scipy.spatial import cKDTree
+
+    from flankload.bodies import Body
+    from flankload.pairing.body_pair import BodyPair
+    from flankload.pairing.slices import Slices
+    from flankload.result import Result
+    from flankload.scene import Scene
+    from flankload.studies.verification.solid import SolidPart
+    from flankload.studies.verification.triangles import Triangles
+
+    Floats = NDArray[np.float64]
+
+#: Element length of the coarse mesh along the flanks in modules: the coarsest that can be meshed.
+COARSE_PART = 5.0
+#: Growth of the sides per mm of distance, beside the contacts and far from them.
+GROWTH = 0.4
+#: Between these, in the loaded teeth and their roots, sides have this part of the flank's length
+#: and grow by this much per mm, up to so many lengths of the flank from the contacts.
+MIDDLE_PART, MIDDLE_GROWTH, MIDDLE_REACH = 0.06, 0.12, 1.6
+#: Triangles have thin layers up to this distance from the contacts, as part of a flank's length.
+NEAR_PART = 0.6
+#: Teeth are cut off at the root circle beyond this distance, in lengths of the flank.
+TEETH_REACH, SAME_RADIUS = 3.0, 1e-6
+#: Initial rotation of body 1 into its mate, relative to its deflection.
+START_PART = 0.05
+#: Flanks get a contact pair if their gap is below this multiple of the deflection.
+REACH = 1.5
+#: Layers over the common width per element on the half-width, and thick layers elsewhere.
+LAYERS, THICK_LAYERS = 17.0, 2
+#: A contact line moves by at most so many elements across the flank within a layer.
+ELEMENTS_PER_LAYER = 2.0
+
+
+@dataclass(frozen=True)
+class SolidModel:
+    """A solid deck and data on its fineness.
+
+    Attributes
+    ----------
+    deck : SolidDeck
+    finest_mm : float
+        Length of the elements at the contacts, across the flank.
+    half_width_mm : float
+        Half-width of the most loaded contact.
+    """
+
+    deck: SolidDeck
+    finest_mm: float
+    half_width_mm: float
+
+
+@dataclass(frozen=True)
+class _Found:
+    """Places of all slices.
+
+    Attributes
+    ----------
+    sites : tuple of int
+        Pairs whose flanks may touch.
+    touch_rad : float
+        Rotation of body 1 at which the first flanks touch.
+    points : two (k, 2) arrays
+        Centres of fine elements in the frame of each body.
+    sizes : (k,) array
+        Length of these elements, mm.
+    half_width_mm : float
+        The largest one.
+    """
+
+    sites: tuple[int, ...]
+    touch_rad: float
+    points: tuple[Floats, Floats]
+    sizes: Floats
+    half_width_mm: float
+
+
+def solid_model_of(
+    scene: Scene,
+    result: Result,
+    position: int,
+    *,
+    elements_per_half_width: float,
+    large_displacement: bool,
+) -> SolidModel:
+    """Deck of one position.
+
+    Parameters
+    ----------
+    scene : Scene
+    result : Result
+        Determines only the element size and the range of the search for contacts.
+    position : int
+    elements_per_half_width : float
+        Elements on the half-width of a contact; all others and the layers follow.
+    large_displacement : bool
+
+    Returns
+    -------
+    SolidModel
+
+    Raises
+    ------
+    SceneError, FlankloadError
+        If a body cannot be meshed or no flanks meet.
+    """
+    pair = coarse_bodies(scene, COARSE_PART)
+    assert pair.slices is not None
+    found = _places(pair, pair.slices, result, position, elements_per_half_width)
+    rotation = float(result.rotation_rad[position])
+    start = found.touch_rad + START_PART * (rotation - found.touch_rad)
+    ends = pair.slices.edges_mm[[0, -1]]
+    edges = layers_of(
+        float(ends[0]),
+        float(ends[1]),
+        _layer_count(result, float(np.ptp(ends)), found.half_width_mm, elements_per_half_width),
+    )
+    turns = _turns(pair, float(result.position_rad[position]))
+    shear = 1e-3 * scene.pair.inclination_um_per_mm, 1e-3 * scene.pair.deviation_um_per_mm
+    stands = (
+        Stand(turns[0] + start, 0.0, (0.0, 0.0)),
+        Stand(turns[1], pair.pairing.center_distance_mm, shear),
+    )
+    deck = SolidDeck(
+        title=f"{result.name}, position {position}",
+        parts=(
+            _part(pair, 0, found, edges, stands[0], elements_per_half_width),
+            _part(pair, 1, found, edges, stands[1], elements_per_half_width),
+        ),
+        sites=found.sites,
+        edges_mm=edges,
+        face_width_mm=result.face_width_mm,
+        torque_Nm=result.torque_Nm,
+        start_rad=start,
+        large_displacement=large_displacement,
+    )
+    return SolidModel(deck, float(found.sizes.min()), found.half_width_mm)
+
+
+def _turns(pair: BodyPair, position_rad: float) -> tuple[float, float]:
+    turn_1, turn_2 = pair.pairing.turns(np.float64(position_rad))  # type: ignore[arg-type]
+    return float(turn_1), float(turn_2)
+
+
+def _layer_count(result: Result, width_mm: float, half_width_mm: float, elements: float) -> int:
+    """Layers over the width: contact lines that run across the flank need more of them."""
+    assert result.slices is not None
+    across = abs(result.slices.tangent_helix_base) * width_mm
+    steps = across * elements / (ELEMENTS_PER_LAYER * half_width_mm)
+    return max(1, round(LAYERS * elements), round(steps))
+
+
+def _places(
+    pair: BodyPair, slices: Slices, result: Result, position: int, elements: float
+) -> _Found:
+    """Places where flanks may touch in all slices, with the length of elements there."""
+    assert result.slices is not None
+    turns = _turns(pair, float(result.position_rad[position]))
+    largest = float(result.slices.line_load_N_per_mm[position].max())
+    compliance = sum(half_plane(body.material, "strain") for body in (pair.body_1, pair.body_2))
+    rotation, distance = float(result.rotation_rad[position]), pair.pairing.center_distance_mm
+    rows: list[tuple[Place, tuple[float, float], float]] = []
+    for j in range(slices.count):
+        stand = turns[0] + float(slices.turns_rad[0][j]), turns[1] + float(slices.turns_rad[1][j])
+        for meeting in meetings(pair, stand):
+            place = meeting.place(compliance * largest, elements)
+            late = _removed(pair, slices, meeting.site, j) / pair.body_1.reference_radius_mm
+            half_width = meeting.half_width_mm(compliance * largest)
+            rows.append((replace(place, gap_rad=place.gap_rad + late), stand, half_width))
+    if not rows:
+        raise FlankloadError("no flanks meet at this position")
+    touch = min(place.gap_rad for place, _, _ in rows)
+    near = [row for row in rows if row[0].gap_rad <= touch + REACH * (rotation - touch)]
+    return _Found(
+        sites=tuple(sorted({place.site for place, _, _ in near})),
+        touch_rad=touch,
+        points=(
+            np.vstack([_turned(place.points, -stand[0]) for place, stand, _ in near]),
+            np.vstack(
+                [_turned(place.points - [distance, 0.0], -stand[1]) for place, stand, _ in near]
+            ),
+        ),
+        sizes=np.concatenate(
+            [np.full(len(place.points), place.element_mm) for place, _, _ in near]
+        ),
+        half_width_mm=max(half_width for _, _, half_width in near),
+    )
+
+
+def _removed(pair: BodyPair, slices: Slices, site: int, j: int) -> float:
+    """Upper bound of the metal removed from both flanks of a site in a slice, mm."""
+    total = 0.0
+    for z in (0, 1):
+        total += float(slices.removed_mm[z][j])
+        of_tooth = slices.tooth_deviations(np.array([site]), z)[0]
+        total -= float(of_tooth[min(j, of_tooth.size - 1)])
+        surface = slices.surfaces_mm[z]
+        if surface is not None:
+            total += float(surface[j].max())
+    return total
+
+
+def _turned(points: Floats, angle_rad: float) -> Floats:
+    c, s = np.cos(angle_rad), np.sin(angle_rad)
+    return points @ np.array([[c, s], [-s, c]])
+
+
+def _part(
+    pair: BodyPair, z: int, found: _Found, edges: Floats, stand: Stand, elements: float
+) -> SolidPart:
+    """One body: its section refined, then in layers at its place."""
+    from scipy.spatial import cKDTree
+
+    body: Body = (pair.body_1, pair.body_2)[z]
+    flanks = flanks_of(pair, z, found.sites)
+    tree, sizes = cKDTree(found.points[z]), found.sizes
+    length = body.curve.length_mm
+
+    def size_at(points: Floats) -> Floats:
+        distance, nearest = tree.query(points)
+        beside = sizes[nearest] + GROWTH / elements * np.maximum(distance - sizes[nearest], 0.0)
+        around = MIDDLE_PART * length + MIDDLE_GROWTH * distance
+        far = np.maximum(distance - MIDDLE_REACH * length, 0.0)
+        return np.minimum(beside, (around + GROWTH * far) / elements)
+
+    whole = whole_body(body, flanks)
+    mesh = refined(without(whole, _far_teeth(body, whole, tree)), size_at)
+    assert body.axial is not None
+    every = beyond(edges, body.axial.range_mm)
+    first = int(np.searchsorted(every, edges[0] - 1e-9))
+    near = tree.query(mesh.vertices[mesh.corners].mean(axis=1))[0] < NEAR_PART * length
+    layers = Layers(
+        edges_mm=every,
+        coarse=_thick(every),
+        common=(first, first + edges.size - 1),
+        near=near | _on_flanks(mesh),
+    )
+    # in the order of pitch errors the tooth after that of pair 0 meets as pair -1
+    teeth = tuple(-site % body.teeth for site in found.sites)
+    return solid_part(body, mesh, teeth, layers, stand)
+
+
+def _far_teeth(body: Body, mesh: Triangles, tree: cKDTree) -> NDArray[np.bool_]:
+    """Triangles beyond the root circle far from all contacts: they carry nothing."""
+    root = float(np.linalg.norm(body.curve.point([0.0])[0])) * (1.0 - SAME_RADIUS)
+    teeth = (np.linalg.norm(mesh.vertices, axis=1)[mesh.corners] >= root).all(axis=1)
+    distance, _ = tree.query(mesh.vertices[mesh.corners].mean(axis=1))
+    teeth &= body.outward > 0
+    return np.asarray(teeth & (distance > TEETH_REACH * body.curve.length_mm))
+
+
+def _thick(edges: Floats) -> NDArray[np.int64]:
+    """Ends of thick layers, about equal in width, among those of thin layers."""
+    wanted = np.linspace(edges[0], edges[-1], min(THICK_LAYERS, edges.size - 1) + 1)
+    return np.unique(np.abs(edges[:, None] - wanted).argmin(axis=0))
+
+
+def _on_flanks(mesh: Triangles) -> NDArray[np.bool_]:
+    """Triangles with a side or a vertex on a flank."""
+    on = np.zeros(len(mesh.vertices), dtype=bool)
+    on[mesh.border.ends[mesh.border.flank >= 0]] = True
+    return np.asarray(on[mesh.corners].any(axis=1))
