@@ -249,6 +249,8 @@ def test_crowned_teeth_for_axes_at_an_angle() -> None:
     assert even < 1.2 < crowned
     assert both < 0.8 * tilted
     assert solve(**CROWNED).load_share.max() == pytest.approx(1.0 / TEETH)
+    loads = solve(**MISALIGNED).slice_line_load_N_per_mm
+    assert tilted == pytest.approx(loads.max() / loads.mean())
 
 
 def test_work_of_the_torque() -> None:
@@ -308,6 +310,9 @@ def test_misaligned_couplings_have_positions() -> None:
     assert deviation(loads[1], np.roll(loads[0], -1, axis=0)) < 1e-8
 
 
+WHY = "body_1.lead_crowning_um requires three dimensions"
+
+
 @pytest.mark.parametrize(
     ("changes", "key", "expected"),
     [
@@ -330,9 +335,35 @@ def test_misaligned_couplings_have_positions() -> None:
             "nothing, unless pair.misalignment_mrad is > 0",
         ),
         (
+            {"effects__friction_coefficient": 0.1},
+            "effects.friction_coefficient",
+            (
+                "nothing, since body_1.lead_crowning_um requires three dimensions: this version "
+                "has no friction of splines in slices"
+            ),
+        ),
+        (
+            {"effects__temperature_rise_K": 50.0},
+            "effects.temperature_rise_K",
+            (
+                "nothing, since body_1.lead_crowning_um requires three dimensions: this version "
+                "has expansion of splines in the plane only"
+            ),
+        ),
+        (
             {"body_2__tooth_helix_slope_um": [1.0, 2.0]},
             "body_2.tooth_helix_slope_um",
             "one entry per tooth: 24, as in body_2.teeth",
+        ),
+        (
+            {"effects__friction_coefficient": 0.1},
+            "effects.friction_coefficient",
+            f"nothing, since {WHY}: this version has no friction of splines there",
+        ),
+        (
+            {"effects__temperature_rise_K": 50.0},
+            "effects.temperature_rise_K",
+            f"nothing, since {WHY}: this version has no expansion of splines there",
         ),
     ],
 )
@@ -351,13 +382,6 @@ def test_gears_have_no_misalignment_of_splines() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "why"),
-    [
-        ("friction_coefficient", 0.1, "no friction of splines"),
-        ("contact", "pairs", "one unknown each"),
-    ],
-)
-def test_effects_of_other_flanks_are_refused(key: str, value: Any, why: str) -> None:
-    with pytest.raises(fl.SceneError, match=rf"effects\.{key}.*{why}"):
-        scene(**{f"effects__{key}": value})
+def test_cells_are_refused_in_one_line() -> None:
+    with pytest.raises(fl.SceneError, match=r"effects\.contact.*one unknown each"):
+        scene(effects__contact="pairs")

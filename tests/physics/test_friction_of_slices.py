@@ -190,16 +190,16 @@ def test_forces_hold_the_torque_and_the_bearings_hold_the_forces() -> None:
         assert result.axial_force_N[p] == pytest.approx(-force[:, 2].sum(), rel=1e-3)
 
 
-@pytest.mark.parametrize("name", [SPUR, HELICAL])
+@pytest.mark.parametrize("name", [SPUR, HELICAL, "internal_helical"])
 def test_work_over_a_period(name: str) -> None:
-    """Work of body 1 = work on body 2 + loss; measured 1e-4 (spur) and 1e-5 (helical)."""
+    """Work of body 1 = work on body 2 + loss; measured 1e-4 (spur), 1e-5 and 6e-5 (helical)."""
     friction = solve(name, mu=0.1, positions__count=16).friction
     assert friction is not None
     work_1, work_2, loss = friction.work_1_J, friction.work_2_J, friction.loss_work_J
     assert work_1 is not None
     assert work_2 is not None
     assert loss is not None
-    assert 0.005 < loss / work_1 < 0.03
+    assert 0.004 < loss / work_1 < 0.03
     assert work_2 + loss == pytest.approx(work_1, rel=ENERGY * loss / work_1 * 10)
 
 

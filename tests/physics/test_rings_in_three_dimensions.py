@@ -168,6 +168,16 @@ def test_a_ring_on_springs() -> None:
     )
 
 
+def test_friction_of_a_ring_as_in_the_plane() -> None:
+    """It turns the pinion of a spur pair back by the same part."""
+    lumped = {**PLAIN, **PLANE, **RIGID, "effects__contact": "lumped"}
+    friction = {"effects__friction_coefficient": 0.1}
+    plane = solve(SPUR, **lumped, **friction).rotation_rad / solve(SPUR, **lumped).rotation_rad
+    found = spur(**RIGID, **friction).rotation_rad / spur(**RIGID).rotation_rad
+    np.testing.assert_allclose(found, plane, atol=2e-3)
+    assert (plane < 0.995).all()
+
+
 def test_hertz_in_a_slice() -> None:
     """The concave flank of the ring lies closer: 1/R = 1/R_1 - 1/R_2."""
     found = spur(positions__count=8)

@@ -117,7 +117,7 @@ class AxialShape:
         return int(np.sign(self.twist_rad_per_mm))
 
     def without_lead(self) -> AxialShape:
-        """The section along the axis alone: no modified flanks, no shaft but one the bore follows."""
+        """The extent along the axis: no modified flanks, no shaft but one that the bore follows."""
         shaft = None if self.carrying is None else self.shaft
         return AxialShape(self.range_mm, self.twist_rad_per_mm, shaft=shaft, regions=self.regions)
 

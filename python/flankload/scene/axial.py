@@ -43,6 +43,11 @@ PLANE_EFFECTS = {
     "speed_rpm": "centrifugal expansion of plane bodies only",
     "coast_flank": "slices on working flanks only",
 }
+#: The same of splines, whose slices lie on each other over a height.
+PLANE_EFFECTS_OF_SPLINES = {
+    "friction_coefficient": "no friction of splines",
+    "temperature_rise_K": "expansion of splines in the plane only",
+}
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
 LEAD_KEYS = (
     "lead_crowning_um",
@@ -395,11 +400,11 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
     if cells and asked.body_1.conforms:
         expected = f"nothing, {since}: slices of splines have one unknown each"
         refuse("effects.contact", expected, "'pairs'")
-    if asked.effects.friction_coefficient and (asked.body_1.conforms or cells):
-        without = "of splines" if asked.body_1.conforms else "with effects.contact = 'pairs'"
-        expected = f"nothing, {since}: this version has no friction {without} there"
+    if cells and asked.effects.friction_coefficient:
+        expected = f"nothing, {since}: this version has no friction with effects.contact = 'pairs'"
         refuse("effects.friction_coefficient", expected, asked.effects.friction_coefficient)
-    for key, what in PLANE_EFFECTS.items():
+    missing = PLANE_EFFECTS | (PLANE_EFFECTS_OF_SPLINES if asked.body_1.conforms else {})
+    for key, what in missing.items():
         value = getattr(asked.effects, key)
         if value != getattr(plain, key):
             default = shown(getattr(plain, key)) if getattr(plain, key) else "nothing"

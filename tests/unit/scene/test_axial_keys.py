@@ -200,7 +200,7 @@ GIVEN = {"kind": "compliance", "file": "wheel.npz"}
         (
             {**CROWNED, "effects__contact": "pairs", "effects__friction_coefficient": 0.1},
             "effects.friction_coefficient",
-            f"nothing, {SINCE}: this version has no friction with effects.contact = 'pairs' there",
+            f"nothing, {SINCE}: this version has no friction with effects.contact = 'pairs'",
             "0.1",
         ),
         (
