@@ -206,7 +206,10 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
         ),
         (
             "Tooth root stress",
-            "With `effects.root_stress = true`; `_z_mm` and slices in three dimensions only.",
+            (
+                "With `effects.root_stress = true`; `result.root_stress`. Arrays with `_z_mm` and "
+                "over slices in three dimensions only."
+            ),
             roots,
         ),
         ("Chain drives", "`result.drive` of a chain on its sprocket.", chains),

@@ -162,14 +162,16 @@ contains
         real(wp), allocatable :: matrix(:, :)
         type(compliance_type) :: bodies(2)
 
-        bodies = [body_of(random=.true.), body_of(random=.true.)]
+        bodies(1) = body_of(random=.true.)
+        bodies(2) = body_of(random=.true.)
         matrix = matrix_of(bodies, 0.3_wp)
         do j = 1, size(matrix, 1)
             do i = 1, size(matrix, 1)
                 call expect(.not. abs(matrix(i, j) - matrix(j, i)) > 0.0_wp, 'symmetric to the bit')
             end do
         end do
-        bodies = [body_of(random=.false.), body_of(random=.false.)]
+        bodies(1) = body_of(random=.false.)
+        bodies(2) = body_of(random=.false.)
         matrix = matrix_of(bodies, 0.0_wp)
         do j = 1, size(matrix, 1)
             call expect(matrix(j, j) > 0.0_wp, 'definite')
@@ -189,7 +191,8 @@ contains
         type(segment_type) :: segments(7)
         type(slices_type) :: slices
 
-        bodies = [body_of(random=.true.), body_of(random=.true.)]
+        bodies(1) = body_of(random=.true.)
+        bodies(2) = body_of(random=.true.)
         rigid = 0.3_wp
         matrix = matrix_of(bodies, rigid)
         call cells_of(slices, segments, pairs)

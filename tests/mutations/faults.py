@@ -83,6 +83,27 @@ _FORTRAN = (
         ("all(1)%strength = 0.5_wp*", "all(1)%strength = "),
     ),
     *_in(
+        "rectangle_potential.f90",
+        "core",
+        ("away = sqrt(fourth/second)", "away = sqrt(second)"),
+        ("x*asinh(y/abs(x)) + 0.5_wp*y", "x*asinh(y/abs(x)) + y"),
+        ("(high - low + 1 < size(potentials))", "(.false.)"),
+    ),
+    *_in(
+        "cell_field.f90",
+        "core",
+        ("column + table(j:j + n - 1)", "column + table(n_other - j + 1:n_other - j + n)"),
+        ("one%z + other%z - 2.0_wp", "one%z - other%z - 2.0_wp"),
+        ("                        matrix(i, j) = matrix(j, i)\n", "\n"),
+        ("width = sqrt(pairs%cell_1(i)*pairs%cell_1(j))", "width = pairs%cell_1(i)"),
+    ),
+    *_in(
+        "pair_influence.f90",
+        "physics/test_cells_in_three_dimensions.py",
+        ("-body_1%compliance%twist*abs(lever)]", "body_1%compliance%twist*abs(lever)]"),
+        ("wrenches_of(body_2, body_1", "wrenches_of(body_1, body_1"),
+    ),
+    *_in(
         "slice_coupling.f90",
         "physics/test_shafts.py",
         ("& -body_1%compliance%twist*zones(k)%lever]", "& body_1%compliance%twist*zones(k)%lever]"),

@@ -310,6 +310,9 @@ def test_misaligned_couplings_have_positions() -> None:
     assert deviation(loads[1], np.roll(loads[0], -1, axis=0)) < 1e-8
 
 
+WHY = "body_1.lead_crowning_um requires three dimensions"
+
+
 @pytest.mark.parametrize(
     ("changes", "key", "expected"),
     [
@@ -332,11 +335,11 @@ def test_misaligned_couplings_have_positions() -> None:
             "nothing, unless pair.misalignment_mrad is > 0",
         ),
         (
-            {"effects__friction_coefficient": 0.1},
-            "effects.friction_coefficient",
+            {"effects__root_stress": True},
+            "effects.root_stress",
             (
                 "nothing, since body_1.lead_crowning_um requires three dimensions: this version "
-                "has no friction of splines"
+                "has no root stress of splines over their width"
             ),
         ),
         (
@@ -351,6 +354,11 @@ def test_misaligned_couplings_have_positions() -> None:
             {"body_2__tooth_helix_slope_um": [1.0, 2.0]},
             "body_2.tooth_helix_slope_um",
             "one entry per tooth: 24, as in body_2.teeth",
+        ),
+        (
+            {"effects__friction_coefficient": 0.1},
+            "effects.friction_coefficient",
+            f"nothing, since {WHY}: this version has no friction of splines",
         ),
     ],
 )

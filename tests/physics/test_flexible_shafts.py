@@ -177,3 +177,18 @@ def test_a_plan_screens_the_pair_without_the_shaft_on_elements_of_their_own() ->
     assert size.rotation_mean > 0.5
     assert size.face_load_factor is not None
     assert size.face_load_factor > 0.2
+
+
+def test_roots_are_stressed_as_the_line_load_says() -> None:
+    """Readings in a sector see the bore follow; that alone does not stress the roots."""
+    largest, factors = [], []
+    for shaft in (None, SHAFT):
+        tree = tables(shaft)
+        tree["effects"]["root_stress"] = True
+        result = solve(fl.Scene.from_dict(tree))
+        largest.append(result.summary["root_stress_1"]["tension"])
+        factors.append(result.face_load_factor)
+    held, carried = largest
+    assert carried["z_mm"] < -15.0
+    ratio = carried["stress_MPa"] / held["stress_MPa"]
+    assert ratio == pytest.approx(factors[1] / factors[0], rel=0.05)

@@ -46,6 +46,7 @@ PLANE_EFFECTS = {
 #: The same of splines, whose slices lie on each other over a height.
 PLANE_EFFECTS_OF_SPLINES = {
     "friction_coefficient": "no friction of splines",
+    "root_stress": "no root stress of splines over their width",
     "temperature_rise_K": "expansion of splines in the plane only",
 }
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
