@@ -403,7 +403,7 @@ def test_a_short_plane_run_is_not_made_long_by_its_plan(
     assert fl.plan(scene_of()).effect("three_dimensions").size is not None
 
 
-def test_a_body_without_elements_has_no_three_dimensions() -> None:
+def test_compliance_files_have_no_three_dimensions() -> None:
     row = fl.plan(fl.read_scene(SCENES / "external_gear_compliance.toml"), dimension=True).effect(
         "three_dimensions"
     )
