@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.cost import Account
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.common_height import CommonHeight
     from flankload.pairing.pairing import Pairing
@@ -56,6 +57,39 @@ class ConformingSlices:
     spread: Floats
     compliance: Floats
     gap_mm: Floats
+
+
+def sweep_splines(
+    bodies: tuple[Body, Body],
+    *,
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    pairing: Pairing,
+    position_rad: Floats,
+    torques_Nmm: Sequence[float],
+    slices: Slices,
+    account: Account | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    **_: object,
+) -> tuple[Sweep, ...]:
+    """`sweep` of splines whose slices have a common height; options of the core have no effect.
+
+    Parameters
+    ----------
+    bodies, compliances, pairing, position_rad, torques_Nmm, slices, account, progress
+        As in `sweep`.
+
+    Returns
+    -------
+    tuple of Sweep, one per torque
+    """
+    reduced = conforming_slices(bodies, compliances, pairing, slices)
+    positions = np.asarray(position_rad, dtype=float)
+    if account is not None:
+        states = positions.size * len(torques_Nmm)
+        account.count(states=states, slices=slices.count * states)
+    return conforming_sweep(
+        reduced, bodies, pairing, slices, positions, torques_Nmm, progress=progress
+    )
 
 
 def conforming_slices(

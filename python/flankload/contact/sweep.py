@@ -195,18 +195,6 @@ def sweep(
     spent = Account() if account is None else account
     torques = np.asarray(torques_Nmm, dtype=float)
     positions = np.asarray(position_rad, dtype=float)
-    if slices is not None and slices.conforming is not None:
-        # imported here, since it makes a Sweep
-        from flankload.contact.conforming import conforming_slices, conforming_sweep
-
-        reduced = conforming_slices(bodies, compliances, pairing, slices)
-        spent.count(
-            states=positions.size * torques.size,
-            slices=slices.count * positions.size * torques.size,
-        )
-        return conforming_sweep(
-            reduced, bodies, pairing, slices, positions, torques.tolist(), progress=progress
-        )
     core = CoreCall(
         n_sites=pairing.sites.size * _parts_of_site(pairing, slices),
         motion=_motion(pairing, positions, friction),

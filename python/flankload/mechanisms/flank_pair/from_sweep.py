@@ -81,6 +81,7 @@ def result_of(
     width, peak_width = face_width_mm, face_width_mm
     if pair.slices is not None:
         width, peak_width = float(pair.slices.width_mm.sum()), 1.0
+    standing = (*pair.notes, *([pair.standing_note] if pair.standing_note else []))
     result = Result(
         name=name,
         torque_Nm=found.torque_Nmm / 1000.0,
@@ -92,18 +93,7 @@ def result_of(
         peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / peak_width,
         stiffness_tangent_Nm_per_rad=_stiffness(found.tangent_rad_per_Nmm),
         status=found.status,
-        pair_tables=PairTables(
-            len(found.n_pairs),
-            partial(
-                _pair_table,
-                pair.pairing,
-                found.pairs,
-                width,
-                pair.effects.lumped_contact,
-                slices=pair.slices,
-                twist=0.0 if pair.body_1.axial is None else pair.body_1.axial.twist_rad_per_mm,
-            ),
-        ),
+        pair_tables=_pair_tables(pair, found, width),
         corner_contact=found.site_corner[:, carries] > 0,
         pitch_rad=pair.pairing.pitch_rad,
         period_rad=pair.period_rad,
@@ -112,12 +102,7 @@ def result_of(
         face_width_mm=width,
         estimate=estimate,
         cost=_cost(found, compliances),
-        warnings=(
-            *pair.notes,
-            *([pair.standing_note] if pair.standing_note else []),
-            *notes,
-            *notes_of_sweep(pair, compliances, found, width),
-        ),
+        warnings=(*standing, *notes, *notes_of_sweep(pair, compliances, found, width)),
         drawing=_drawing(pair),
         geometry=geometry,
         root_readings=(
@@ -130,6 +115,21 @@ def result_of(
         unloaded_rotation_rad=found.unloaded_rad,
     )
     return _with_parts(result, pair, found, carries)
+
+
+def _pair_tables(pair: BodyPair, found: Sweep, width_mm: float) -> PairTables:
+    """Tables of the contact pairs at all positions, made when they are read."""
+    axial = pair.body_1.axial
+    table = partial(
+        _pair_table,
+        pair.pairing,
+        found.pairs,
+        width_mm,
+        pair.effects.lumped_contact,
+        slices=pair.slices,
+        twist=0.0 if axial is None else axial.twist_rad_per_mm,
+    )
+    return PairTables(len(found.n_pairs), table)
 
 
 def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[np.int64]) -> Result:

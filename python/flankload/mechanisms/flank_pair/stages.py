@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from flankload.analysis.period_error import ALIKE, teeth_until_alike
+from flankload.contact.conforming import sweep_splines
 from flankload.contact.sweep import sweep
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance import (
@@ -290,8 +291,10 @@ def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
     callable
         `sweep` with all arguments that the scene sets.
     """
+    splines = pair.slices is not None and pair.slices.conforming is not None
+    call: Callable[..., tuple[Sweep, ...]] = sweep_splines if splines else sweep
     return partial(
-        sweep,
+        call,
         (pair.body_1, pair.body_2),
         pairing=pair.pairing,
         face_width_mm=scene.pair.face_width_mm,
