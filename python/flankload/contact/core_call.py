@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -151,6 +151,28 @@ class CoreCall:
     progress: Callable[[int, int], None] | None
     watched: bool
     known: KnownContacts | None = None
+
+    def holds(self, position: int, torques_Nmm: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether a position has a state under other torques.
+
+        Parameters
+        ----------
+        position : int
+            Its number.
+        torques_Nmm : (T,) array
+
+        Returns
+        -------
+        (T,) array
+        """
+        alone = replace(
+            self,
+            motion=self.motion[:, position : position + 1],
+            torques_Nmm=torques_Nmm,
+            progress=None,
+            known=None,
+        )
+        return np.asarray(alone.all_positions(0).status[0] >= 0)
 
     def all_positions(self, room: int) -> Found:
         """Solve every position; repeat those whose pairs exceeded the allocated number.

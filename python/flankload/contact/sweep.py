@@ -218,22 +218,16 @@ def sweep(
         watched=watched,
         known=known,
     )
-
-    def holds(k: int, under: NDArray[np.float64]) -> NDArray[np.bool_]:
-        alone = replace(
-            core,
-            motion=core.motion[:, k : k + 1],
-            torques_Nmm=under,
-            progress=None,
-            known=None,
-        ).all_positions(0)
-        return np.asarray(alone.status[0] >= 0)
-
     room = _first_room(pairing, grid, slices, level) if keep_pairs else 0
     found = core.all_positions(room)
     spent.workspace_bytes = max(spent.workspace_bytes, found.nbytes)
     raise_first_failure(
-        found.status, positions, torques, found.certificate, rubs=friction is not None, holds=holds
+        found.status,
+        positions,
+        torques,
+        found.certificate,
+        rubs=friction is not None,
+        holds=core.holds,
     )
     if slices is not None:
         spent.count(slices=slices.count * positions.size * torques.size)
