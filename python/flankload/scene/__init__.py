@@ -9,7 +9,7 @@ from flankload.scene.belt import Belt, Pulley
 from flankload.scene.cam import Cam, Follower
 from flankload.scene.chain import Chain, Sprocket
 from flankload.scene.effects.keys import EffectsAsked as Effects
-from flankload.scene.gear import Gear, Ring, SplineHub, SplineShaft
+from flankload.scene.gear import Gear, Ring
 from flankload.scene.mesh import ComplianceBody, MeshBody, Profile
 from flankload.scene.pair import Load, Positions
 from flankload.scene.reader import SceneLike, read_scene, scene_of
@@ -17,6 +17,7 @@ from flankload.scene.scene import Scene
 from flankload.scene.scene_file import BodySpec
 from flankload.scene.schema import scene_paths, scene_schema
 from flankload.scene.shaft import Shaft
+from flankload.scene.spline import SplineHub, SplineShaft
 from flankload.scene.typed_pairs import (
     BeltAndPulley,
     CamAndFollower,

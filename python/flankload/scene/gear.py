@@ -1,11 +1,9 @@
-"""The tables of bodies with involute teeth (gears, rings, splines) and the rules of their keys."""
+"""The tables of gears and rings and the rules of their keys."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import pairwise
-from math import asin, atan, cos, degrees, pi, radians, sin, tan
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
-
-from msgspec import Meta
+from math import asin, degrees, sin
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from flankload.scene.axial import (
     AxialKeys,
@@ -23,6 +21,7 @@ from flankload.scene.axial import (
     ToothHelixSlopes,
     TopographyFile,
 )
+from flankload.scene.involute import Geometry, InvoluteKeys, check_pitch_errors, check_tip
 from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse
 from flankload.scene.regions import (
@@ -36,20 +35,14 @@ from flankload.scene.regions import (
     WebWidth,
 )
 from flankload.scene.table import (
-    MOST_TEETH,
-    USUAL_ERRORS,
-    USUAL_MODIFICATION,
     USUAL_ROUNDING,
     USUAL_SIZE,
     BodyTable,
-    Deviation,
     Length,
     PitchErrors,
     PoissonRatio,
-    Relief,
     Rigid,
     Shift,
-    Table,
     Teeth,
     YoungModulus,
     about,
@@ -57,182 +50,6 @@ from flankload.scene.table import (
 
 #: Least bore over tip diameter: a body held at a point would turn about it without resistance.
 LEAST_BORE = 1e-3
-#: Largest pitch error over base pitch: with larger ones neighbouring teeth could change places.
-LARGEST_PITCH_ERROR = 0.1
-
-
-class ThicknessKeys(Table, frozen=True, kw_only=True):
-    """Keys of the tooth thickness, in the normal section; at most one measurement."""
-
-    tooth_thickness_allowance_um: Annotated[
-        Deviation | None,
-        about(
-            "um",
-            "deviation of the tooth thickness on the reference circle from that of the profile "
-            "shift, in the normal section (E_sn); negative = thinner teeth; the root is cut "
-            "deeper accordingly",
-            usual=USUAL_MODIFICATION,
-        ),
-    ] = None
-    span_measurement_mm: Annotated[
-        Length | None,
-        about(
-            "mm",
-            "span measurement W_k of the finished teeth, in place of the allowance; requires "
-            "span_teeth",
-            usual=USUAL_SIZE,
-        ),
-    ] = None
-    span_teeth: Annotated[
-        Annotated[int, Meta(ge=1, le=MOST_TEETH)] | None,
-        about("-", "number of teeth spanned, k"),
-    ] = None
-    ball_measurement_mm: Annotated[
-        Length | None,
-        about(
-            "mm",
-            "dimension over two balls, or between them for internal teeth (M_dK), in place of "
-            "the allowance; requires measuring_ball_mm",
-            usual=USUAL_SIZE,
-        ),
-    ] = None
-    measuring_ball_mm: Annotated[
-        Length | None, about("mm", "diameter of the balls", usual=(0.1, 200.0))
-    ] = None
-
-
-class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
-    """Keys of an involute profile in the transverse section, without those of its root."""
-
-    module_mm: Annotated[Length, about("mm", "module", usual=(0.02, 100.0))]
-    pressure_angle_deg: Annotated[
-        Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
-    ] = 20.0
-    profile_shift: Annotated[Shift, about("-", "profile shift in modules")] = 0.0
-    tip_diameter_mm: Annotated[Length, about("mm", "diameter of the tip circle", usual=USUAL_SIZE)]
-    tip_relief_um: Annotated[
-        Relief | None,
-        about(
-            "um",
-            "tip relief at the tip circle, normal to the involute",
-            usual=USUAL_MODIFICATION,
-        ),
-    ] = None
-    tip_relief_start_diameter_mm: Annotated[
-        Length | None,
-        about("mm", "diameter at which the tip relief begins", usual=USUAL_SIZE),
-    ] = None
-    tip_relief_shape: Annotated[
-        Literal["linear", "parabolic", "double_linear"],
-        about(
-            "",
-            "shape of the tip relief over the roll angle: 'linear', as on drawings, begins "
-            "with a kink, which acts as a sharp corner; 'parabolic' begins without a kink; "
-            "'double_linear' has two straight parts that meet at tip_relief_knee_diameter_mm",
-        ),
-    ] = "linear"
-    tip_relief_knee_um: Annotated[
-        Relief | None,
-        about(
-            "um",
-            "tip relief at tip_relief_knee_diameter_mm, with tip_relief_shape = 'double_linear'",
-            usual=USUAL_MODIFICATION,
-        ),
-    ] = None
-    tip_relief_knee_diameter_mm: Annotated[
-        Length | None,
-        about("mm", "diameter at which both parts of the tip relief meet", usual=USUAL_SIZE),
-    ] = None
-    root_relief_um: Annotated[
-        Relief | None,
-        about(
-            "um",
-            "root relief at the form circle, normal to the involute",
-            usual=USUAL_MODIFICATION,
-        ),
-    ] = None
-    root_relief_start_diameter_mm: Annotated[
-        Length | None,
-        about("mm", "diameter at which the root relief begins", usual=USUAL_SIZE),
-    ] = None
-    root_relief_shape: Annotated[
-        Literal["linear", "parabolic"],
-        about("", "shape of the root relief over the roll angle, as tip_relief_shape"),
-    ] = "linear"
-    tip_radius_mm: Annotated[
-        Length | None,
-        about("mm", "radius of the arc between flank and tip circle", usual=USUAL_ROUNDING),
-    ] = None
-    tip_chamfer_mm: Annotated[
-        Length | None,
-        about(
-            "mm",
-            "radial height of the chamfer between flank and tip circle",
-            usual=USUAL_ROUNDING,
-        ),
-    ] = None
-    profile_crowning_um: Annotated[
-        Relief | None,
-        about("um", "profile crowning, normal to the involute", usual=USUAL_MODIFICATION),
-    ] = None
-
-    @property
-    def flank_keys(self) -> tuple[str, Table | None]:
-        """The keys of the flank are in this table itself."""
-        return "", self
-
-    @property
-    def helix_rad(self) -> float:
-        """Helix angle on the reference cylinder, rad; 0 for a spur tooth."""
-        return 0.0
-
-    @property
-    def base_pitch_mm(self) -> float:
-        """Distance of neighbouring flanks along the base tangent in the transverse section, mm."""
-        return pi * self.module_mm / cos(self.helix_rad) * cos(self.transverse_angle_rad)
-
-    @property
-    def transverse_angle_rad(self) -> float:
-        """Pressure angle in the transverse section, rad."""
-        normal = radians(self.pressure_angle_deg)
-        return atan(tan(normal) / cos(self.helix_rad)) if self.helix_rad else normal
-
-
-ToolLength = Annotated[float, Meta(ge=0, le=1000)]
-
-
-class Geometry(InvoluteKeys, frozen=True, kw_only=True):
-    """Keys of the profile of an external gear, whose root is cut by a generating rack."""
-
-    dedendum_factor: Annotated[
-        Annotated[float, Meta(gt=0, le=5)], about("-", "dedendum of the basic rack in modules")
-    ] = 1.25
-    fillet_radius_factor: Annotated[
-        Annotated[float, Meta(ge=0, le=2)],
-        about("-", "tip radius of the generating rack in modules; determines the root fillet"),
-    ] = 0.38
-    protuberance_mm: Annotated[
-        ToolLength | None,
-        about(
-            "mm",
-            "protuberance of the rack's tip beyond its flank, normal to the flank (pr_P0): the "
-            "root is cut free by protuberance_mm - grinding_stock_mm",
-            usual=(5e-3, 3.0),
-        ),
-    ] = None
-    protuberance_angle_deg: Annotated[
-        Annotated[float, Meta(ge=0, lt=45)],
-        about("deg", "pressure angle of the protuberance flank, less than that of the rack"),
-    ] = 8.0
-    grinding_stock_mm: Annotated[
-        ToolLength,
-        about(
-            "mm",
-            "stock that the rack leaves on each flank, normal to it, and that is ground off; the "
-            "keys of the thickness are those of the finished teeth",
-            usual=(5e-3, 3.0),
-        ),
-    ] = 0.0
 
 
 class ByNormalModule(AxialKeys):
@@ -297,7 +114,7 @@ class Gear(RegionKeys, ByNormalModule, Geometry, BodyTable, frozen=True, kw_only
         check_tip(self, given, key)
         self.check_axial(given, key)
         self.check_regions(key)
-        _check_bore(self, key)
+        check_bore(self, key)
 
 
 class WidthKeys(ByNormalModule, InvoluteKeys, frozen=True, kw_only=True):
@@ -311,17 +128,6 @@ class WidthKeys(ByNormalModule, InvoluteKeys, frozen=True, kw_only=True):
     end_relief_um: EndRelief = None
     end_relief_length_mm: EndReliefLength = None
     end_relief_shape: EndReliefShape = "linear"
-
-    def check_conforming(self, key: str, why: str) -> None:
-        """Refuse profile modifications of a spline in three dimensions."""
-        for name in PROFILE_MODIFICATIONS:
-            if getattr(self, name):
-                refuse(
-                    f"{key}.{name}",
-                    f"nothing, since {why} requires three dimensions: flanks of splines conform "
-                    "over their height there (lead modifications vary along it)",
-                    getattr(self, name),
-                )
 
 
 class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
@@ -383,237 +189,19 @@ class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
     ] = None
 
 
-SplineAngle = Annotated[
-    Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
-]
-IndexErrors = Annotated[
-    tuple[Deviation, ...],
-    about(
-        "um",
-        "one deviation per tooth along the base tangent, positive = excess material, early "
-        "contact; entry j is tooth j, counted in the sense of the torque from the tooth of "
-        "pair 0",
-        usual=USUAL_ERRORS,
-    ),
-]
-#: Keys with which flanks of splines no longer lie on each other over their height.
-PROFILE_MODIFICATIONS = ("tip_relief_um", "root_relief_um", "profile_crowning_um")
-#: Root fillet radius of splines in modules: that of DIN 5480 for hobbed shafts.
-SPLINE_FILLET = 0.16
+def check_bore(body: Any, key: str) -> None:
+    """Check that the bore of a body is smaller than its tip circle and not a point.
 
+    Parameters
+    ----------
+    body : table of a gear or of a spline shaft
+    key : str
+        Its key.
 
-class SplineShaft(WidthKeys, BodyTable, frozen=True, kw_only=True, tag="spline_shaft"):
-    """An involute spline on a shaft, fixed at its bore; its root is cut by a generating rack."""
-
-    partner: ClassVar[str | None] = "spline_hub"
-    conforms: ClassVar[bool] = True
-
-    teeth: Annotated[Teeth, about("-", "number of teeth")]
-    pressure_angle_deg: SplineAngle = 30.0
-    root_diameter_mm: Annotated[
-        Length,
-        about(
-            "mm",
-            "diameter of the root circle; determines the depth of the rack",
-            usual=USUAL_SIZE,
-        ),
-    ]
-    fillet_radius_factor: Annotated[
-        Annotated[float, Meta(ge=0, le=2)],
-        about("-", "tip radius of the generating rack in modules; determines the root fillet"),
-    ] = SPLINE_FILLET
-    bore_diameter_mm: Annotated[
-        Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
-    ]
-    material: MaterialName = None
-    young_modulus_MPa: YoungModulus = 206000.0
-    poisson_ratio: PoissonRatio = 0.3
-    rigid: Rigid = False
-    pitch_errors_um: IndexErrors = ()
-
-    @property
-    def number_of_teeth(self) -> int:
-        """Number of teeth."""
-        return self.teeth
-
-    def check(self, given: Mapping[str, Any], key: str) -> None:
-        """Check the pitch errors, the keys of the tip, along the axis, and the bore."""
-        check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
-        check_tip(self, given, key)
-        self.check_axial(given, key)
-        _check_bore(self, key)
-
-    def check_solid(self, key: str, why: str) -> None:
-        """Refuse profile modifications."""
-        self.check_conforming(key, why)
-
-    @property
-    def dedendum_factor(self) -> float:
-        """Dedendum, in modules, of the rack that cuts the given root circle."""
-        return 0.5 * (self.teeth - self.root_diameter_mm / self.module_mm) + self.profile_shift
-
-
-class SplineHub(RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
-    """An involute spline in a hub, fixed at the outside of its rim."""
-
-    partner: ClassVar[str | None] = "spline_shaft"
-    called: ClassVar[str] = "hub"
-    conforms: ClassVar[bool] = True
-
-    pressure_angle_deg: SplineAngle = 30.0
-    root_fillet_radius_mm: Annotated[
-        Length | None,
-        about(
-            "mm",
-            f"radius of the arc that touches flank and root circle; absent = {SPLINE_FILLET} "
-            "modules",
-            usual=USUAL_ROUNDING,
-        ),
-    ] = None
-    pitch_errors_um: IndexErrors = ()
-
-    def check_solid(self, key: str, why: str) -> None:
-        """Refuse profile modifications."""
-        self.check_conforming(key, why)
-
-
-def check_pitch_errors(
-    errors_um: Sequence[float], teeth: int, base_pitch_mm: float, key: str
-) -> None:
-    """Check that there is one pitch error per tooth and that none exceeds its limit."""
-    if errors_um and len(errors_um) != teeth:
-        refuse(
-            f"{key}.pitch_errors_um",
-            f"one entry per tooth: {teeth}, as in {key}.teeth",
-            f"{len(errors_um)} entries",
-        )
-    most = LARGEST_PITCH_ERROR * 1000 * base_pitch_mm
-    for i, error in enumerate(errors_um):
-        if base_pitch_mm and abs(error) > most:
-            refuse(
-                f"{key}.pitch_errors_um[{i}]",
-                f"at most {LARGEST_PITCH_ERROR:g} of the base pitch, {most:.0f} um",
-                error,
-            )
-
-
-def check_tip(
-    body: InvoluteKeys, given: Mapping[str, Any], key: str, *, inwards: bool = False
-) -> None:
-    """Check that a tip has a rounding or a chamfer, and a relief both depth and start."""
-    check_thickness(body, key, inwards=inwards)
-    _check_reliefs(body, given, key)
-    if isinstance(body, Geometry):
-        check_protuberance(body, given, key)
-    if body.tip_radius_mm is not None and body.tip_chamfer_mm is not None:
-        refuse(
-            f"{key}.tip_radius_mm",
-            f"nothing beside {key}.tip_chamfer_mm: a tip has one or the other",
-            f"{body.tip_radius_mm:g} and {body.tip_chamfer_mm:g}",
-        )
-    start = body.tip_relief_start_diameter_mm
-    if body.tip_relief_um is None:
-        for name in ("tip_relief_start_diameter_mm", "tip_relief_shape"):
-            if name in given:
-                refuse(
-                    f"{key}.tip_relief_um",
-                    f"a number >= 0, since there is a {key}.{name}",
-                    "nothing",
-                )
-    elif start is None:
-        refuse(
-            f"{key}.tip_relief_start_diameter_mm",
-            f"a number > 0, since there is a {key}.tip_relief_um",
-            "nothing",
-        )
-    elif start <= body.tip_diameter_mm if inwards else start >= body.tip_diameter_mm:
-        side = "more" if inwards else "less"
-        refuse(
-            f"{key}.tip_relief_start_diameter_mm",
-            f"{side} than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
-            start,
-        )
-
-
-_DOUBLE = "double_linear"
-#: Measurements of the tooth thickness, with the key that each requires.
-MEASURED = {"span_measurement_mm": "span_teeth", "ball_measurement_mm": "measuring_ball_mm"}
-
-
-def check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> None:
-    """Check that a protuberance exceeds the grinding stock and has a smaller pressure angle."""
-    if body.protuberance_mm is None:
-        for name in ("protuberance_angle_deg", "grinding_stock_mm"):
-            if name in given:
-                refuse(f"{key}.protuberance_mm", f"a number, since there is a {key}.{name}", None)
-        return
-    if body.protuberance_mm <= body.grinding_stock_mm:
-        refuse(
-            f"{key}.protuberance_mm",
-            f"more than {key}.grinding_stock_mm ({body.grinding_stock_mm:g}), so that the root is "
-            "cut free",
-            body.protuberance_mm,
-        )
-    if body.protuberance_angle_deg >= body.pressure_angle_deg:
-        refuse(
-            f"{key}.protuberance_angle_deg",
-            f"less than {key}.pressure_angle_deg ({body.pressure_angle_deg:g})",
-            body.protuberance_angle_deg,
-        )
-
-
-def check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
-    """Check that there is one key of the thickness, with the one that it requires."""
-    named = [
-        name
-        for name in ("tooth_thickness_allowance_um", *MEASURED)
-        if getattr(body, name) is not None
-    ]
-    if len(named) > 1:
-        refuse(
-            f"{key}.{named[1]}",
-            f"nothing beside {key}.{named[0]}, which gives the tooth thickness as well",
-            getattr(body, named[1]),
-        )
-    for name, beside in MEASURED.items():
-        value, other = getattr(body, name), getattr(body, beside)
-        if value is not None and other is None:
-            refuse(f"{key}.{beside}", f"a number, since there is a {key}.{name}", None)
-        if value is None and other is not None:
-            refuse(f"{key}.{name}", f"a number, since there is a {key}.{beside}", None)
-    if inwards and body.span_measurement_mm is not None:
-        refuse(
-            f"{key}.span_measurement_mm",
-            "nothing for internal teeth (ball_measurement_mm instead)",
-            body.span_measurement_mm,
-        )
-
-
-def _check_reliefs(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> None:
-    """Check that a knee belongs to a double-linear tip relief, and a root relief has a start."""
-    double = body.tip_relief_shape == "double_linear"
-    for name in ("tip_relief_knee_um", "tip_relief_knee_diameter_mm"):
-        value = getattr(body, name)
-        if double and value is None:
-            refuse(f"{key}.{name}", f"a number, since {key}.tip_relief_shape is '{_DOUBLE}'", None)
-        if not double and value is not None:
-            refuse(f"{key}.{name}", f"nothing without {key}.tip_relief_shape = '{_DOUBLE}'", value)
-    if body.root_relief_um is None:
-        for name in ("root_relief_start_diameter_mm", "root_relief_shape"):
-            if name in given:
-                refuse(
-                    f"{key}.root_relief_um", f"a number >= 0, since there is a {key}.{name}", None
-                )
-    elif body.root_relief_start_diameter_mm is None:
-        refuse(
-            f"{key}.root_relief_start_diameter_mm",
-            f"a number > 0, since there is a {key}.root_relief_um",
-            None,
-        )
-
-
-def _check_bore(body: Gear | SplineShaft, key: str) -> None:
-    """Check that the bore is smaller than the tip circle and not a point."""
+    Raises
+    ------
+    SceneError
+    """
     if body.bore_diameter_mm < LEAST_BORE * body.tip_diameter_mm:
         refuse(
             f"{key}.bore_diameter_mm",

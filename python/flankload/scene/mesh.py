@@ -23,7 +23,7 @@ from flankload.scene.axial import (
     ToothHelixSlopes,
     TopographyFile,
 )
-from flankload.scene.gear import Geometry, check_pitch_errors, check_tip
+from flankload.scene.involute import Geometry, check_pitch_errors, check_tip
 from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.regions import MeshRegionKeys, RegionSets, RegionWidths

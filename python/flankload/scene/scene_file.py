@@ -15,10 +15,11 @@ from flankload.scene.chain import Chain, Sprocket
 from flankload.scene.drive import check_drive
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.effects.rules import check_effects
-from flankload.scene.gear import Gear, Ring, SplineHub, SplineShaft
+from flankload.scene.gear import Gear, Ring
 from flankload.scene.mesh import ComplianceBody, MeshBody
 from flankload.scene.pair import Load, Pair, Positions, check_partners
 from flankload.scene.refusal import refuse
+from flankload.scene.spline import SplineHub, SplineShaft
 from flankload.scene.table import Table, Text, about
 
 Body1 = Gear | SplineShaft | Follower | Sprocket | Pulley | MeshBody | ComplianceBody

@@ -16,10 +16,11 @@ from flankload.scene.cam import Cam, Follower
 from flankload.scene.chain import Chain, Sprocket
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.form import fields_of
-from flankload.scene.gear import Gear, Ring, SplineHub, SplineShaft
+from flankload.scene.gear import Gear, Ring
 from flankload.scene.mesh import ComplianceBody, MeshBody
 from flankload.scene.pair import Load, Pair, Positions, SlackTension, TorqueOrTorques
 from flankload.scene.scene import Scene
+from flankload.scene.spline import SplineHub, SplineShaft
 from flankload.scene.table import Table
 from flankload.scene.tree import Tree, tree_of
 

@@ -11,7 +11,7 @@ from flankload.bodies.body import checked_pitch_errors
 from flankload.bodies.imported import modal_file, nodal_file
 from flankload.errors import SceneError
 from flankload.meshes.io.named_arrays import read_arrays
-from flankload.scene.gear import LARGEST_PITCH_ERROR
+from flankload.scene.involute import LARGEST_PITCH_ERROR
 
 if TYPE_CHECKING:
     from flankload.bodies.body import Body

@@ -59,7 +59,8 @@ def build_involute_body(
     SceneError
         If the body is impossible or cannot be meshed; names the key.
     """
-    from flankload.scene.gear import Ring, SplineHub
+    from flankload.scene.gear import Ring
+    from flankload.scene.spline import SplineHub
 
     lengths = (flank_element_mm, flank_nodes_mm)
     profile: GearProfile | RingProfile
@@ -94,7 +95,8 @@ def _outward(
     regions: tuple[str, ...],
 ) -> tuple[GearProfile, float, SectorMesh | None]:
     """Profile, bore radius and mesh of a body with external teeth."""
-    from flankload.scene.gear import Gear, SplineShaft
+    from flankload.scene.gear import Gear
+    from flankload.scene.spline import SplineShaft
 
     if isinstance(spec, SplineShaft):
         _check_root(spec, key)
@@ -123,7 +125,7 @@ def _inward(
     spec: Ring | SplineHub, key: str, lengths: tuple[float, float | None]
 ) -> tuple[RingProfile, float, SectorMesh | None]:
     """Profile, outer radius and mesh of a body with internal teeth."""
-    from flankload.scene.gear import SPLINE_FILLET, SplineHub
+    from flankload.scene.spline import SPLINE_FILLET, SplineHub
 
     if isinstance(spec, SplineHub) and spec.root_fillet_radius_mm is None:
         spec = structs.replace(spec, root_fillet_radius_mm=SPLINE_FILLET * spec.module_mm)
