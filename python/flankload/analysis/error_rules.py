@@ -177,6 +177,8 @@ def _of_line_loads(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[
     largest = float(np.max(_line_loads(found)))
     change = _line_loads(other) - _line_loads(base, other)
     change = change[..., _slices_around(found, other)]
+    assert found.slice_corner is not None
+    change = np.where(found.slice_corner > 0, 0.0, change)
     factors = [float(_face_load_factors(part).max()) for part in (found, base, other)]
     return {
         LINE_LOAD: _at_each(of_loads, change, largest),
