@@ -212,13 +212,16 @@ def _page(found: list[dict[str, dict[str, float]]]) -> Iterator[str]:
 
 
 TEXT = """\
-* A spur pair without errors along the axis lies between plane strain and plane stress: narrow gears
-  are near plane stress, wide ones near plane strain.
+* A spur pair without errors along the axis lies between plane strain and plane stress. Plane strain is
+  4.6 % too stiff at a width of 2 modules and 2.1 % at 15.
 * With a helix the plane section is another gear: its pairs enter and leave contact over the whole
-  width at one time, so that the peak to peak of its transmission error is that of a spur gear.
-* Crowning and misalignment have no place in a plane model: its pressure and root stress are those
-  of an even load.
-* K_Hβ is that of bodies whose bores are held over their width.
+  width at one time, so that the peak to peak of its transmission error is that of a spur gear, up to
+  15 times that of the helical pair.
+* Crowning and misalignment have no place in a plane model: its rotation is a third smaller, and its
+  pressure and root stress are up to a fifth smaller.
+* K_Hβ is the largest line load of all flanks together over its mean; on a helical pair it includes
+  that two flanks share the load over a part of the width only. Bores are held over their width.
+* Contact is lumped in slices in three dimensions, and resolved by cells in the plane.
 """
 
 
@@ -237,7 +240,7 @@ def _picture(found: list[dict[str, dict[str, float]]]) -> bytes:
             each.set_yticks(at, labels)
             each.invert_yaxis()
             each.set_xlabel(f"{title}, difference from three dimensions in %")
-        axes[0].set_ylabel("helix angle, b/m$_n$")
+        axes[0].set_ylabel("helix angle, face width in modules")
         axes[0].legend()
     return png_of(figure)
 
