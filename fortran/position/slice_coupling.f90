@@ -41,7 +41,7 @@ contains
         refused = refused .or. is_plane_only(body_1%compliance) &
             & .or. is_plane_only(body_2%compliance)
         if (refused) call fatal_error(error, code_not_in_slices, &
-            & 'slices: flanks with two ends only, small forces only')
+            & 'slices: flanks with two ends only, cells without finite forces')
     end subroutine check_slices
 
     !> Whether a compliance has parts that only plane sections have.

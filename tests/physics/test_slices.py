@@ -149,10 +149,10 @@ def test_one_long_slice_is_the_plane(mu: float | None) -> None:
 
 
 def test_cells_of_one_long_slice_are_those_of_the_plane() -> None:
-    """With friction; a soft body 1 without jump lets half-spaces move by 3e-3 of the rotation.
+    """With friction, and jumps of half-spaces that change the rotation by 3e-3.
 
-    Cells follow the forces of lumped contact, in the plane without friction: in widths that differ
-    by 7 %, rotations differ by 4e-6, and by 5e-7 with a third of these widths.
+    Cells are as wide as lumped contacts want them, in the plane without friction, and their widths
+    differ by 7 %: rotations by 1.5e-6, by 6e-7 with a third of these widths.
     """
     flat = [replace(part, turned=None) for part in plane()[1]]
     flat[0] = replace(flat[0], near=replace(flat[0].near, jump=0.0))
