@@ -73,7 +73,7 @@ module flankload_status
         & status_type(code_only_ends, &
         & 'flanks are nearest to each other at ends that are left out'), &
         & status_type(code_not_in_slices, &
-        & 'slices: lumped contact of flanks with two ends')]
+        & 'slices: small forces on flanks with two ends')]
 
 contains
 

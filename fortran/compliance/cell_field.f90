@@ -17,7 +17,8 @@ module flankload_cell_field
     use flankload_lapack, only: set_product
     use flankload_rectangle_potential, only: add_potentials, cell_potential
     use flankload_slice_field, only: corner_mirrors, end_mirrors, flank_of, mirror_type, modes_of, &
-        & segment_type, slices_type
+        & segment_type, sliced_tangential, slices_type
+    use flankload_tangential_potential, only: rectangle_field
     implicit none
     private
 
@@ -33,7 +34,7 @@ module flankload_cell_field
 
 contains
 
-    !> K of all pairs, symmetric to the last bit.
+    !> K of all pairs, symmetric to the last bit without friction.
     pure subroutine cell_influences(body_1, body_2, slices, segments, pairs, rigid, moved, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
@@ -51,15 +52,34 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(out) :: matrix(:, :)
 
-        integer :: a, b
         type(run_type), allocatable :: runs(:)
-        type(mirror_type), allocatable :: ends(:), corners(:)
 
         call set_smooth(body_1, body_2, slices, pairs, rigid, moved, matrix)
         runs = runs_of(pairs)
-        ends = end_mirrors(body_1, body_2)
-        corners = [corner_mirrors(body_1, 1, body_1%wedge), &
-            & corner_mirrors(body_2, 2, body_2%wedge)]
+        call add_near_fields(runs, segments, end_mirrors(body_1, body_2), [corner_mirrors(body_1, &
+            & 1, body_1%wedge), corner_mirrors(body_2, 2, body_2%wedge)], pairs, matrix)
+        call mirror(matrix)
+        if (allocated(pairs%friction)) then
+            call add_rubbing(body_1, body_2, slices, segments, pairs, runs, matrix)
+        end if
+    end subroutine cell_influences
+
+    !> Add the near field and all images between cells on the same flanks, in the lower triangle.
+    pure subroutine add_near_fields(runs, segments, ends, corners, pairs, matrix)
+        !> Cells of all zones
+        type(run_type), intent(in) :: runs(:)
+        !> Contact lines of all zones
+        type(segment_type), intent(in) :: segments(:)
+        !> The loads, their images behind end faces, and those behind corners
+        type(mirror_type), intent(in) :: ends(:)
+        type(mirror_type), intent(in) :: corners(:)
+        !> The pairs
+        type(pairs_type), intent(in) :: pairs
+        !> K [mm/N], shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: a, b
+
         do b = 1, size(runs)
             do a = b, size(runs)
                 associate (one => segments(runs(a)%zone), other => segments(runs(b)%zone))
@@ -74,8 +94,113 @@ contains
                 end associate
             end do
         end do
-        call mirror(matrix)
-    end subroutine cell_influences
+    end subroutine add_near_fields
+
+    !> Add the recession of both bodies under the friction of all pairs; not symmetric.
+    !>
+    !> The force mu sigma F on body 1 points to growing arc length of flank 1, that on body 2 to
+    !> growing arc length of flank 2: both recede by minus their displacement out of the material.
+    pure subroutine add_rubbing(body_1, body_2, slices, segments, pairs, runs, matrix)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: body_1
+        type(compliance_type), intent(in) :: body_2
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> Contact lines of all zones
+        type(segment_type), intent(in) :: segments(:)
+        !> The pairs, with friction, and those of each zone
+        type(pairs_type), intent(in) :: pairs
+        type(run_type), intent(in) :: runs(:)
+        !> K [mm/N], shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: j, n
+        type(mirror_type) :: no_ends(0)
+        real(wp), allocatable :: along(:, :)
+
+        n = pairs%n
+        allocate (along(n, n), source=0.0_wp)
+        call add_near_fields(runs, segments, no_ends, [corner_mirrors(body_1, 1, &
+            & body_1%wedge_along), corner_mirrors(body_2, 2, body_2%wedge_along)], pairs, along)
+        call mirror(along)
+        ! in front of the force on body 1 is behind that on body 2
+        call add_cerruti((body_2%jump - body_1%jump)/acos(-1.0_wp), runs, segments, pairs, along)
+        along = along + sliced_tangential(body_1, slices, pairs%site(:n), pairs%s_1(:n))
+        along = along + sliced_tangential(body_2, slices, pairs%site(:n), pairs%s_2(:n))
+        do j = 1, n
+            matrix(:, j) = matrix(:, j) - pairs%friction(j)*along(:, j)   ! Eq. (C5)
+        end do
+    end subroutine add_rubbing
+
+    !> Add the field of half-spaces under unit forces along flank 1, between cells on the same
+    !> flanks.
+    pure subroutine add_cerruti(strength, runs, segments, pairs, matrix)
+        !> Displacement of both bodies out of the material times distance [mm²/N]; 0 for two bodies
+        !> of one material, which move alike
+        real(wp), intent(in) :: strength
+        !> Cells of all zones
+        type(run_type), intent(in) :: runs(:)
+        !> Contact lines of all zones
+        type(segment_type), intent(in) :: segments(:)
+        !> The pairs
+        type(pairs_type), intent(in) :: pairs
+        !> Displacements at i under forces at j [mm/N], shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: a, b
+
+        if (.not. abs(strength) > 0.0_wp) return
+        do b = 1, size(runs)
+            do a = 1, size(runs)
+                if (segments(runs(a)%zone)%flank /= segments(runs(b)%zone)%flank) cycle
+                call add_cerruti_of(strength, runs(a), runs(b), segments(runs(a)%zone), &
+                    & segments(runs(b)%zone), pairs, matrix)
+            end do
+        end do
+    end subroutine add_cerruti
+
+    !> Add the field of half-spaces under unit forces along flank 1 between two slices.
+    pure subroutine add_cerruti_of(strength, one_run, other_run, one, other, pairs, matrix)
+        !> Displacement of both bodies out of the material times distance [mm²/N]
+        real(wp), intent(in) :: strength
+        !> Cells that are displaced, and loaded ones
+        type(run_type), intent(in) :: one_run
+        type(run_type), intent(in) :: other_run
+        !> Their contact lines
+        type(segment_type), intent(in) :: one
+        type(segment_type), intent(in) :: other
+        !> The pairs
+        type(pairs_type), intent(in) :: pairs
+        !> Displacements at i under forces at j [mm/N], shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: j, k, n, n_other
+        real(wp) :: first, away
+        real(wp) :: table(one_run%last - one_run%first + other_run%last - other_run%first + 1)
+
+        n = one_run%last - one_run%first + 1
+        n_other = other_run%last - other_run%first + 1
+        away = (one%z - other%z)/(0.5_wp*(one%cosine + other%cosine))
+        first = across(one, pairs%s_1(one_run%first), other, pairs%s_1(other_run%last))
+        do j = 1, n_other
+            associate (load => other_run%first - 1 + j)
+                if (abs(one_run%cell - other_run%cell) > 0.0_wp .or. .not. one_run%cell > 0.0_wp) &
+                    & then
+                    do k = 1, n
+                        table(n_other - j + k) = rectangle_field(across(one, pairs%s_1(one_run%first &
+                            & - 1 + k), other, pairs%s_1(load)), away, pairs%cell_1(load), &
+                            & other%length, one%length)
+                    end do
+                else if (j == 1) then
+                    ! all distances are multiples of one width from the first
+                    table = rectangle_field(first + [(k*one_run%cell, k=0, size(table) - 1)], &
+                        & away, one_run%cell, other%length, one%length)
+                end if
+                matrix(one_run%first:one_run%last, load) = matrix(one_run%first:one_run%last, &
+                    & load) + strength*table(n_other - j + 1:n_other - j + n)
+            end associate
+        end do
+    end subroutine add_cerruti_of
 
     !> Copy the lower triangle of a matrix to the upper one, in blocks that fit into the cache.
     pure subroutine mirror(matrix)

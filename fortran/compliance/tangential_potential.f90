@@ -3,8 +3,9 @@
 !>
 !> A unit point force along x moves the surface out of the material by -j/pi x/(x² + y²), j the jump
 !> of the plane (`near_field.py: jump_strength`): inwards in front of the force, outwards behind it.
-!> Fields here are means of x/(x² + y²) over the loaded rectangle or segment, antisymmetric in x. A
-!> rectangle that is long along y has pi sign(x) over its length: times -j/pi that is the jump.
+!> Fields here are means of x/(x² + y²) over the loaded rectangle or segment and over the length of
+!> the one that is displaced, antisymmetric in x. A rectangle that is long along y has pi sign(x)
+!> over its length: times -j/pi that is the jump.
 module flankload_tangential_potential
     use flankload_kinds, only: wp
     implicit none
@@ -14,50 +15,68 @@ module flankload_tangential_potential
 
 contains
 
-    !> Field of a rectangle |x'| <= a, |y'| <= b at a place (x, y) from its centre [1/mm].
-    elemental function rectangle_field(x, y, a, b) result(mean)
-        !> The place [mm]
-        real(wp), intent(in) :: x
-        real(wp), intent(in) :: y
-        !> Half sides [mm], above 0
-        real(wp), intent(in) :: a
-        real(wp), intent(in) :: b
+    !> Field of a rectangle along another one [1/mm]: the mean of x/(x² + y²) over the loaded
+    !> rectangle and over the length of the other one, in the middle of its width.
+    elemental function rectangle_field(across, along, width, length, other) result(mean)
+        !> Distances of both middles across, positive in front of the force, and along the
+        !> rectangles [mm]
+        real(wp), intent(in) :: across
+        real(wp), intent(in) :: along
+        !> Width of the loaded rectangle, and lengths of both [mm], above 0
+        real(wp), intent(in) :: width
+        real(wp), intent(in) :: length
+        real(wp), intent(in) :: other
         real(wp) :: mean
 
-        !> From so many half diagonals on the moments of the rectangle up to this order are enough,
-        !> to 1e-14: corners would lose digits by cancellation.
-        real(wp), parameter :: far = 8.0_wp
-        integer, parameter :: last_moment = 14
-        integer :: m
-        complex(wp) :: place, corner, power, series
+        !> From so many lengths or widths on two moments are enough, to 1e-7 of 1/distance.
+        real(wp), parameter :: far = 10.0_wp
+        real(wp) :: second, fourth, along_square
+        complex(wp) :: place
 
-        if (x**2 + y**2 > far**2*(a**2 + b**2)) then
-            ! x/R² = Re 1/z, and the mean of w^m is Im c^(m+2)/((m+1)(m+2)ab), c = a + ib
-            place = 1.0_wp/cmplx(x, y, wp)
-            corner = cmplx(a, b, wp)
-            power = corner**2
-            series = place
-            do m = 2, last_moment, 2
-                power = power*corner**2
-                series = series + aimag(power)/((m + 1)*(m + 2)*a*b)*place**(m + 1)
-            end do
-            mean = real(series, wp)
+        if (across**2 + along**2 > (far*max(length, other, width))**2) then
+            ! x/R² = Re 1/z, and the moments are the means of (u + iv)² and of its square
+            along_square = (length**2 + other**2)/12.0_wp
+            second = width**2/12.0_wp - along_square
+            fourth = width**4/80.0_wp - 0.5_wp*width**2*along_square &
+                & + (length**4 + other**4)/80.0_wp + (length*other)**2/24.0_wp
+            place = 1.0_wp/cmplx(across, along, wp)
+            mean = real(place*(1.0_wp + place**2*(second + place**2*fourth)), wp)
             return
         end if
-        mean = (corner_value(x + a, y + b) - corner_value(x + a, y - b) &
-            & - corner_value(x - a, y + b) + corner_value(x - a, y - b))/(4.0_wp*a*b)
+        mean = (edge_field(across + 0.5_wp*width, along, length, other) &
+            & - edge_field(across - 0.5_wp*width, along, length, other))/(width*length*other)
     end function rectangle_field
 
-    !> G = Y/2 ln(X² + Y²) + X atan(Y/X), whose derivative by X and Y is X/(X² + Y²).
+    !> Difference between the ends of both segments of the integral of x/(x² + y²), once across and
+    !> twice along.
+    elemental function edge_field(across, along, length, other) result(value)
+        !> Distances across and along, and both lengths [mm]
+        real(wp), intent(in) :: across
+        real(wp), intent(in) :: along
+        real(wp), intent(in) :: length
+        real(wp), intent(in) :: other
+        real(wp) :: value
+
+        real(wp) :: half_sum, half_difference
+
+        half_sum = 0.5_wp*(length + other)
+        half_difference = 0.5_wp*(length - other)
+        value = (corner_value(across, along + half_sum) - corner_value(across, along &
+            & + half_difference)) - (corner_value(across, along - half_difference) &
+            & - corner_value(across, along - half_sum))
+    end function edge_field
+
+    !> The integral of x/(x² + y²), once over x and twice over y, even in both: (y² - x²)/4
+    !> ln(x² + y²) + x y atan(y/x), without functions of x or y alone.
     elemental function corner_value(x, y) result(value)
-        !> Corner from the place [mm]
+        !> Coordinates [mm]
         real(wp), intent(in) :: x
         real(wp), intent(in) :: y
         real(wp) :: value
 
         value = 0.0_wp
-        if (abs(y) > 0.0_wp) value = y*log(hypot(x, y))
-        if (abs(x) > 0.0_wp) value = value + abs(x)*atan2(y, abs(x))
+        if (.not. max(abs(x), abs(y)) > 0.0_wp) return
+        value = 0.5_wp*(y - x)*(y + x)*log(hypot(x, y)) + abs(x)*y*atan2(y, abs(x))
     end function corner_value
 
     !> Field of a segment at another, parallel one [1/mm]: the mean of x/(x² + y² + beside²) over

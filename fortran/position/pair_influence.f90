@@ -6,6 +6,7 @@ module flankload_pair_influence
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_zones, only: zone_type
     use flankload_influence_number, only: influence_matrix
+    use flankload_lapack, only: set_product
     use flankload_polar_geometry, only: cross
     use flankload_position_zones, only: body_type
     use flankload_slice_coupling, only: segments_of
@@ -45,10 +46,40 @@ contains
         if (n_2 > 0) moved(n_1 + 1:, :) = matmul(body_2%shaft%compliance, rigid(n_1 + 1:, :))
         call cell_influences(body_1%compliance, body_2%compliance, body_1%slices, &
             & segments_of(body_1%slices, zones), pairs, rigid, moved, matrix)
+        if (.not. allocated(pairs%friction)) return
+        if (n_1 > 0) call rub_shaft(body_1, body_1, zones, pairs, rigid(:n_1, :), matrix)
+        if (n_2 > 0) call rub_shaft(body_2, body_1, zones, pairs, rigid(n_1 + 1:, :), matrix)
     end subroutine pair_influences
 
-    !> Unit forces along the normals of the pairs, and their moments about the section of a shaft.
-    pure function wrenches_of(body, body_1, zones, pairs) result(wrenches)
+    !> Add the recession of a body by its shaft and bearings under the friction of all pairs: -wᵀ S
+    !> w_t.
+    pure subroutine rub_shaft(body, body_1, zones, pairs, wrenches, matrix)
+        !> The body, with a shaft
+        type(body_type), intent(in) :: body
+        !> Body 1, whose helix and slices are those of the pair
+        type(body_type), intent(in) :: body_1
+        !> The zones
+        type(zone_type), intent(in) :: zones(:)
+        !> The pairs, with friction
+        type(pairs_type), intent(in) :: pairs
+        !> Wrenches of unit forces along the normals, shape (6, n)
+        real(wp), intent(in) :: wrenches(:, :)
+        !> K [mm/N], shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        real(wp) :: moved(6, pairs%n)
+        real(wp), allocatable :: recession(:, :)
+
+        allocate (recession(pairs%n, pairs%n))
+        moved = matmul(body%shaft%compliance, spread(pairs%friction(:pairs%n), 1, 6) &
+            & *wrenches_of(body, body_1, zones, pairs, along=.true.))
+        call set_product(pairs%n, pairs%n, 6, wrenches, moved, pairs%n, recession)
+        matrix = matrix - recession
+    end subroutine rub_shaft
+
+    !> Unit forces along the normals of the pairs, or along flank 1, and their moments about the
+    !> section of a shaft.
+    pure function wrenches_of(body, body_1, zones, pairs, along) result(wrenches)
         !> The body, with a shaft
         type(body_type), intent(in) :: body
         !> Body 1, whose helix and slices are those of the pair
@@ -57,18 +88,26 @@ contains
         type(zone_type), intent(in) :: zones(:)
         !> The pairs
         type(pairs_type), intent(in) :: pairs
+        !> Whether forces are those along the flank, in the plane of the section
+        logical, intent(in), optional :: along
         !> Forces and moments [-, mm], shape (6, n)
         real(wp) :: wrenches(6, pairs%n)
 
         integer :: i
+        logical :: rubs
         real(wp) :: lever, n(3), r(3)
 
+        rubs = .false.
+        if (present(along)) rubs = along
         do i = 1, pairs%n
             associate (zone => zones(pairs%zone(i)))
                 lever = cross(pairs%point(:, i), pairs%normal(:, i))
                 ! on all flanks with a positive lever about axis 1
                 n = zone%cosine*[sign(1.0_wp, lever)*pairs%normal(:, i), &
                     & -body_1%compliance%twist*abs(lever)]
+                ! n is t turned to the left
+                if (rubs) n = [sign(1.0_wp, lever)*[pairs%normal(2, i), -pairs%normal(1, i)], &
+                    & 0.0_wp]
                 r = [pairs%point(:, i) - body%origin, middle_of(body_1%slices, pairs%site(i)) &
                     & - body%shaft%z]
             end associate

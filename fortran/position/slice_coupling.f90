@@ -23,8 +23,7 @@ module flankload_slice_coupling
 
 contains
 
-    !> Refuse what slices do not follow: nodes, known displacements; cells also friction and finite
-    !> forces.
+    !> Refuse what slices do not follow: nodes, known displacements; cells also finite forces.
     pure subroutine check_slices(body_1, body_2, is_lumped, finite_steps, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
@@ -38,11 +37,11 @@ contains
 
         logical :: refused
 
-        refused = .not. is_lumped .and. (finite_steps > 0 .or. allocated(body_1%friction))
+        refused = .not. is_lumped .and. finite_steps > 0
         refused = refused .or. is_plane_only(body_1%compliance) &
             & .or. is_plane_only(body_2%compliance)
         if (refused) call fatal_error(error, code_not_in_slices, &
-            & 'slices: flanks with two ends only, cells without friction')
+            & 'slices: flanks with two ends only, cells without finite forces')
     end subroutine check_slices
 
     !> Whether a compliance has parts that only plane sections have.

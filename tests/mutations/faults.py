@@ -64,8 +64,8 @@ _FORTRAN = (
     *_in(
         "tangential_potential.f90",
         "core",
-        ("(m + 1)*(m + 2)*a*b", "(m + 1)*(m + 2)*2.0_wp*a*b"),
-        ("value + abs(x)*atan2(y, abs(x))", "value + x*atan2(y, abs(x))"),
+        ("second + place**2*fourth", "second - place**2*fourth"),
+        ("+ abs(x)*y*atan2(y, abs(x))", "+ x*y*atan2(y, abs(x))"),
         ("3.0_wp*distance**2 - apart**2", "3.0_wp*distance**2 + apart**2"),
     ),
     *_in(
@@ -96,6 +96,20 @@ _FORTRAN = (
         ("one%z + other%z - 2.0_wp", "one%z - other%z - 2.0_wp"),
         ("                        matrix(i, j) = matrix(j, i)\n", "\n"),
         ("width = sqrt(pairs%cell_1(i)*pairs%cell_1(j))", "width = pairs%cell_1(i)"),
+    ),
+    *_in(
+        "cell_field.f90",
+        "physics/test_slices.py physics/test_friction_of_slices.py",
+        ("(body_2%jump - body_1%jump)", "(body_2%jump + body_1%jump)"),
+        ("2, body_2%wedge_along)", "2, body_2%wedge)"),
+        ("matrix(:, j) - pairs%friction(j)*along", "matrix(:, j) + pairs%friction(j)*along"),
+        ("table(n_other - j + k) =", "table(k) ="),
+    ),
+    *_in(
+        "pair_influence.f90",
+        "physics/test_friction_of_slices.py",
+        ("matrix = matrix - recession", "matrix = matrix + recession"),
+        ("[pairs%normal(2, i), -pairs%normal(1, i)]", "[-pairs%normal(2, i), pairs%normal(1, i)]"),
     ),
     *_in(
         "pair_influence.f90",

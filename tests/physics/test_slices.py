@@ -18,6 +18,7 @@ from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.friction import Friction
 from flankload.pairing.slices import Slices
+from flankload.scene.discretization import Grid
 from tests.support.crowned_cylinders import axial, cut, hertz_ellipse, press
 from tests.support.paths import SCENES
 from tests.support.tolerances import SOLVER
@@ -64,9 +65,13 @@ def run(
         position_rad=np.linspace(0.0, pair.pairing.period_rad, 8, endpoint=False),
         torques_Nmm=[torque],
         face_width_mm=width,
-        grid=pair.discretization.grid,
         friction=None if mu is None else rubbing(mu),
-        **{"level": "lumped", "slices": slices, **keywords},
+        **{
+            "level": "lumped",
+            "slices": slices,
+            "grid": pair.discretization.grid,
+            **keywords,
+        },
     )
     return found
 
@@ -143,11 +148,36 @@ def test_one_long_slice_is_the_plane(mu: float | None) -> None:
             )
 
 
-def test_friction_of_zero_changes_nothing() -> None:
+def test_cells_of_one_long_slice_are_those_of_the_plane() -> None:
+    """With friction, and jumps of half-spaces that change the rotation by 3e-3.
+
+    Cells are as wide as lumped contacts want them, in the plane without friction, and their widths
+    differ by 7 %: rotations by 1.5e-6, by 6e-7 with a third of these widths.
+    """
+    flat = [replace(part, turned=None) for part in plane()[1]]
+    flat[0] = replace(flat[0], near=replace(flat[0].near, jump=0.0))
+    flat[1] = replace(flat[1], near=replace(flat[1].near, jump=3.0 * flat[1].near.jump))
+    half = 0.5 * WIDTH
+    ends = axial(-half, half)
+    one, two = (with_axial(over_width(part, WIDTH), ends) for part in flat)
+    keywords: dict[str, Any] = {"mu": 0.3, "level": "pairs", "grid": Grid(30.0, 30.0, 2.5)}
+    found = run(cut(np.array([-half, half]), (ends, ends)), (one, two), **keywords)
+    wanted = run(None, (flat[0], flat[1]), width=WIDTH, **keywords)
+    np.testing.assert_allclose(found.rotation_rad, wanted.rotation_rad, rtol=1e-5)
+    for name in ("site_force_N", "tangent_rad_per_Nmm"):
+        scale = np.abs(getattr(wanted, name)).max()
+        np.testing.assert_allclose(
+            getattr(found, name), getattr(wanted, name), rtol=0.0, atol=2e-3 * scale
+        )
+    assert not found.status.any()
+
+
+@pytest.mark.parametrize("level", ["lumped", "pairs"])
+def test_friction_of_zero_changes_nothing(level: str) -> None:
     """The unsymmetric equations with tangential forces of 0."""
     for twist in (0.0, 7e-3):
-        without, _ = short(twist=twist)
-        found, _ = short(twist=twist, mu=0.0)
+        without, _ = short(twist=twist, level=level)
+        found, _ = short(twist=twist, mu=0.0, level=level)
         np.testing.assert_allclose(found.rotation_rad, without.rotation_rad, rtol=1e-12)
         np.testing.assert_allclose(
             found.slice_force_N,

@@ -167,7 +167,7 @@ def sweep(
         Finite steps require compliances with tangential parts, with friction also those along the
         flanks.
     slices : Slices, optional
-        Flanks cut along the face width: contact in three dimensions, without friction.
+        Flanks cut along the face width: contact in three dimensions.
         Compliances are those of the whole width in mm/N, their modes products with Legendre
         polynomials over it.
     known : KnownContacts, optional

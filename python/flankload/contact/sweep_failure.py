@@ -26,7 +26,7 @@ IN_A_SCENE = {
         'and touch over a length (contact = "pairs" follows that)'
     ),
     -21: "only tips or fillets come near here, which effects.tip_contact = false leaves out",
-    -22: "cells in slices along the face width are without friction, slices without growth",
+    -22: "cells in slices along the face width are without finite forces, slices without growth",
 }
 #: Start and number of steps of the search for the largest torque that a jammed pair can hold; the
 #: given number of rounds locates it to 3e-4.

@@ -401,9 +401,6 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
     if cells and asked.body_1.conforms:
         expected = f"nothing, {since}: slices of splines have one unknown each"
         refuse("effects.contact", expected, "'pairs'")
-    if cells and asked.effects.friction_coefficient:
-        expected = f"nothing, {since}: this version has no friction with effects.contact = 'pairs'"
-        refuse("effects.friction_coefficient", expected, asked.effects.friction_coefficient)
     missing = PLANE_EFFECTS | (PLANE_EFFECTS_OF_SPLINES if asked.body_1.conforms else {})
     for key, what in missing.items():
         value = getattr(asked.effects, key)

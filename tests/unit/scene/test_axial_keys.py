@@ -198,12 +198,6 @@ GIVEN = {"kind": "compliance", "file": "wheel.npz"}
             "5",
         ),
         (
-            {**CROWNED, "effects__contact": "pairs", "effects__friction_coefficient": 0.1},
-            "effects.friction_coefficient",
-            f"nothing, {SINCE}: this version has no friction with effects.contact = 'pairs'",
-            "0.1",
-        ),
-        (
             {**CROWNED, "body_2": GIVEN},
             "body_2.kind",
             f"'gear', 'ring', 'mesh' or a spline, {SINCE}, which this version has for these bodies",
