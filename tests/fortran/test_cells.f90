@@ -6,7 +6,9 @@ program test_cells
     use flankload_compliance_field, only: compliance_type, strip_kernel
     use flankload_contact_pairs, only: pairs_type, reserve_pairs
     use flankload_rectangle_potential, only: add_potentials, cell_potential
-    use flankload_slice_field, only: middle_of, segment_type, sliced_compliance, width_of
+    use flankload_slice_field, only: middle_of, segment_type, sliced_compliance, &
+        & sliced_tangential, width_of
+    use flankload_tangential_potential, only: rectangle_field
     implicit none
 
     !> Identities hold to rounding; cancellation of the closed form grows with the distance.
@@ -20,6 +22,7 @@ program test_cells
     call test_row_of_potentials
     call test_matrix_is_symmetric_and_definite
     call test_entries_by_hand
+    call test_friction_by_hand
     call test_end_faces_mirror_cells
     print '(a)', 'all passed'
 
@@ -226,6 +229,52 @@ contains
         end do
     end subroutine test_entries_by_hand
 
+    !> Each column has the friction of its own pair: modes, images behind corners, and half-spaces
+    !> of which one moves out of the material where the other one moves inwards.
+    subroutine test_friction_by_hand
+        integer :: i, j, k
+        real(wp) :: wanted, x, away
+        real(wp), allocatable :: without(:, :), matrix(:, :), modes(:, :)
+        type(compliance_type) :: bodies(2)
+        type(pairs_type) :: pairs
+        type(segment_type) :: segments(7)
+        type(slices_type) :: slices
+
+        bodies = [body_of(random=.true.), body_of(random=.true.)]
+        do k = 1, 2
+            bodies(k)%jump = 0.3_wp*k
+            bodies(k)%wedge_along = [0.0_wp, -0.2_wp*k]
+            allocate (bodies(k)%tangential, mold=bodies(k)%smooth)
+            call random_number(bodies(k)%tangential)
+        end do
+        without = matrix_of(bodies, 0.3_wp)
+        matrix = matrix_of(bodies, 0.3_wp, rubs=.true.)
+        call cells_of(slices, segments, pairs)
+        modes = sliced_tangential(bodies(1), slices, pairs%site, pairs%s_1) &
+            & + sliced_tangential(bodies(2), slices, pairs%site, pairs%s_2)
+        do j = 1, pairs%n
+            do i = 1, pairs%n
+                wanted = modes(i, j)
+                associate (one => segments(pairs%zone(i)), other => segments(pairs%zone(j)))
+                    if (one%flank == other%flank) then
+                        x = one%point(1) - other%point(1) + (pairs%s_1(i) - one%s(1)) &
+                            & - (pairs%s_1(j) - other%s(1))
+                        wanted = wanted + 0.3_wp/acos(-1.0_wp)*rectangle_field(x, one%z &
+                            & - other%z, pairs%cell_1(j), other%length, one%length)
+                        do k = 1, 2
+                            away = merge(2.0_wp*bodies(1)%s_high - pairs%s_1(i) - pairs%s_1(j), &
+                                & 2.0_wp*bodies(2)%s_high - pairs%s_2(i) - pairs%s_2(j), k == 1)
+                            wanted = wanted - 0.1_wp*k*between(one, other, away, one%z &
+                                & - other%z, pairs%cell_1([i, j]))
+                        end do
+                    end if
+                end associate
+                call expect(abs(matrix(i, j) - without(i, j) + 0.01_wp*j*wanted) < 1.0e-9_wp, &
+                    & 'friction by hand')
+            end do
+        end do
+    end subroutine test_friction_by_hand
+
     !> Both half-spaces, of the strength 2.
     function between(one, other, across, distance, cells) result(potential)
         !> The slices
@@ -280,11 +329,13 @@ contains
     end subroutine test_end_faces_mirror_cells
 
     !> K of the cells below, with a shaft of one component.
-    function matrix_of(bodies, compliance) result(matrix)
+    function matrix_of(bodies, compliance, rubs) result(matrix)
         !> The bodies
         type(compliance_type), intent(in) :: bodies(2)
         !> Compliance of the shaft
         real(wp), intent(in) :: compliance
+        !> Whether cells have friction
+        logical, intent(in), optional :: rubs
         real(wp), allocatable :: matrix(:, :)
 
         integer :: i
@@ -294,6 +345,7 @@ contains
         type(slices_type) :: slices
 
         call cells_of(slices, segments, pairs)
+        if (present(rubs)) pairs%friction = [(0.01_wp*i, i=1, pairs%n)]
         allocate (matrix(pairs%n, pairs%n))
         rigid = reshape([(0.1_wp*i, i=1, pairs%n)], [1, pairs%n])
         call cell_influences(bodies(1), bodies(2), slices, segments, pairs, rigid, &

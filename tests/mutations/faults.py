@@ -103,8 +103,8 @@ _FORTRAN = (
         ("(body_2%jump - body_1%jump)", "(body_2%jump + body_1%jump)"),
         ("2, body_2%wedge_along)", "2, body_2%wedge)"),
         ("matrix(:, j) - pairs%friction(j)*along", "matrix(:, j) + pairs%friction(j)*along"),
-        ("table(n_other - j + k) =", "table(k) ="),
     ),
+    *_in("cell_field.f90", "core", ("table(n_other - j + k) =", "table(k) =")),
     *_in(
         "pair_influence.f90",
         "physics/test_friction_of_slices.py",
