@@ -187,9 +187,9 @@ contains
                 if (abs(one_run%cell - other_run%cell) > 0.0_wp .or. .not. one_run%cell > 0.0_wp) &
                     & then
                     do k = 1, n
-                        table(n_other - j + k) = rectangle_field(across(one, pairs%s_1(one_run%first &
-                            & - 1 + k), other, pairs%s_1(load)), away, pairs%cell_1(load), &
-                            & other%length, one%length)
+                        table(n_other - j + k) = rectangle_field(across(one, &
+                            & pairs%s_1(one_run%first - 1 + k), other, pairs%s_1(load)), away, &
+                            & pairs%cell_1(load), other%length, one%length)
                     end do
                 else if (j == 1) then
                     ! all distances are multiples of one width from the first
