@@ -212,11 +212,11 @@ def _page(found: list[dict[str, dict[str, float]]]) -> Iterator[str]:
 
 
 TEXT = """\
-* A spur pair without errors along the axis lies between plane strain and plane stress. Plane strain is
-  4.6 % too stiff at a width of 2 modules and 2.1 % at 15.
+* A spur pair without errors along the axis lies between plane strain and plane stress. Plane strain
+  is 4.6 % too stiff at a width of 2 modules and 2.1 % at 15.
 * With a helix the plane section is another gear: its pairs enter and leave contact over the whole
-  width at one time, so that the peak to peak of its transmission error is that of a spur gear, up to
-  15 times that of the helical pair.
+  width at one time, so that the peak to peak of its transmission error is that of a spur gear, up
+  to 15 times that of the helical pair.
 * Crowning and misalignment have no place in a plane model: its rotation is a third smaller, and its
   pressure and root stress are up to a fifth smaller.
 * K_Hβ is the largest line load of all flanks together over its mean; on a helical pair it includes

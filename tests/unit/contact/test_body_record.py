@@ -375,7 +375,7 @@ def test_slices_need_both_bodies_over_their_width() -> None:
     assert sliced_info([axial], [axial]) == -8
 
 
-def test_shifts_and_rubbing_cells_have_no_slices() -> None:
+def test_shifts_and_finite_forces_have_no_slices() -> None:
     """The state says so: it has a status of its own."""
     axial = ("axial", AXIAL)
     shift = ("shift", np.zeros(MODES * SITES))
@@ -389,7 +389,7 @@ def test_shifts_and_rubbing_cells_have_no_slices() -> None:
     settings = np.array([10.0, 30.0, 2.5, 1.0, 0.0])
     assert sweep_info(*rubbing, settings=settings, n_columns=13)[0] == 0
     cells = np.array([10.0, 30.0, 2.5, 0.0, 0.0])
-    assert sweep_info(*rubbing, settings=cells, n_columns=13)[0] == 1
+    assert sweep_info(*rubbing, settings=cells, n_columns=13)[0] == 0
     # loads along the flank have the modes of those along the normal
     few = ("tangential", np.zeros(MODES * (MODES - 1)))
     rubbing = record_of(axial, EDGES, FRICTION, few), record_of(axial)
