@@ -17,7 +17,11 @@ from flankload.plot import plot_loaded_pair
 from flankload.plot.slices import contact_pattern
 from flankload.scene.discretization import Grid
 from tests.support.crowned_cylinders import hertz_ellipse, press
-from tests.support.finite_elements_3d import FINITE_ELEMENTS
+from tests.support.finite_elements_3d import (
+    FINITE_ELEMENTS,
+    check_rotation_and_loads,
+    solved_like_finite_elements,
+)
 from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import (
     HELICAL,
@@ -83,30 +87,14 @@ def test_the_ellipse_of_hertz(crown_radius: float) -> None:
 
 @cache
 def as_finite_elements() -> fl.Result:
-    changes = {
-        "effects__dimension": 3,
-        "effects__contact": "pairs",
-        "positions__count": None,
-        "positions__angles_deg": [0.0, 11.25],
-    }
-    found = solve_scene(fl.Scene.from_dict(tree_of(SPUR, changes)))
-    assert isinstance(found, fl.Result)
-    return found
+    return solved_like_finite_elements(effects__contact="pairs")
 
 
 def test_nonlinear_finite_elements() -> None:
     """Rotation 0.1 %, forces 0.1 points, line load and pressure of the middle 0.5 %."""
     found, wanted = as_finite_elements(), FINITE_ELEMENTS
-    te_um = found.rotation_rad * wanted["base_radius_mm"] * 1000.0
-    np.testing.assert_allclose(te_um, wanted["transmission_error_um"], rtol=1e-3)
-    s = found.sites.tolist().index
-    total = sum(wanted["force_N"].values())
-    for site, force in wanted["force_N"].items():
-        assert found.load_share[1, s(site)] == pytest.approx(force / total, abs=1e-3)
-    middle = found.slice_z_mm.size // 2
-    for (p, site), load in wanted["middle_N_per_mm"].items():
-        of_middle = found.slice_line_load_N_per_mm[p, s(site), middle]
-        assert of_middle == pytest.approx(load, rel=5e-3)
+    check_rotation_and_loads(found, rotation=1e-3, load=5e-3)
+    s, middle = found.sites.tolist().index, found.slice_z_mm.size // 2
     for (p, site), pressure in wanted["middle_MPa"].items():
         of_middle = found.slice_peak_pressure_MPa[p, s(site), middle]
         assert of_middle == pytest.approx(pressure, rel=5e-3)

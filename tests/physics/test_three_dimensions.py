@@ -14,7 +14,11 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from tests.support.finite_elements_3d import FINITE_ELEMENTS
+from tests.support.finite_elements_3d import (
+    FINITE_ELEMENTS,
+    check_rotation_and_loads,
+    solved_like_finite_elements,
+)
 from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import (
     HELICAL,
@@ -51,30 +55,12 @@ def spur(**changes: Any) -> fl.Result:
 
 @cache
 def as_finite_elements() -> fl.Result:
-    changes = {
-        "effects__dimension": 3,
-        "accuracy__slices": 56,
-        "positions__count": None,
-        "positions__angles_deg": [0.0, 11.25],
-    }
-    found = solve_scene(fl.Scene.from_dict(tree_of(SPUR, changes)))
-    assert isinstance(found, fl.Result)
-    return found
+    return solved_like_finite_elements(accuracy__slices=56)
 
 
 def test_nonlinear_finite_elements() -> None:
     """Rotation 0.3 %, load shares 0.3 points, line load of the middle 2 %."""
-    found, wanted = as_finite_elements(), FINITE_ELEMENTS
-    te_um = found.rotation_rad * wanted["base_radius_mm"] * 1000.0
-    np.testing.assert_allclose(te_um, wanted["transmission_error_um"], rtol=3e-3)
-    s = found.sites.tolist().index
-    total = sum(wanted["force_N"].values())
-    for site, force in wanted["force_N"].items():
-        assert found.load_share[1, s(site)] == pytest.approx(force / total, abs=3e-3)
-    middle = found.slice_z_mm.size // 2
-    for (p, site), load in wanted["middle_N_per_mm"].items():
-        found_load = found.slice_line_load_N_per_mm[p, s(site), middle]
-        assert found_load == pytest.approx(load, rel=2e-2)
+    check_rotation_and_loads(as_finite_elements(), rotation=3e-3, load=2e-2)
 
 
 def test_pressure_and_end_load_of_nonlinear_finite_elements() -> None:
