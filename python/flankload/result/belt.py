@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from flankload.base.card import Card
 from flankload.base.text_table import text_table
 
 if TYPE_CHECKING:
@@ -26,8 +27,8 @@ HERE = "the land lifts here"
 ROUNDING = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
-class BeltDrive:
+@dataclass(frozen=True, eq=False, repr=False)
+class BeltDrive(Card):
     """A belt on its pulley at P positions, S teeth; a land before each tooth and a last one.
 
     Entries of teeth and lands that are not on the pulley at a position are NaN.

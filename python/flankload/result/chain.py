@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from flankload.base.card import Card
 from flankload.base.text_table import number, text_table
 
 if TYPE_CHECKING:
@@ -34,8 +35,8 @@ OVER_SITES = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class ChainDrive:
+@dataclass(frozen=True, eq=False, repr=False)
+class ChainDrive(Card):
     """A chain on its sprocket at P positions, S rollers.
 
     Attributes

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
 from flankload.result.pairs import PairTable
 
@@ -23,8 +24,8 @@ SAME = 1e-9
 OVER_SITES = {"coast_force_N": "N", "coast_peak_pressure_MPa": "MPa"}
 
 
-@dataclass(frozen=True, eq=False)
-class CoastContact(KeepsReadOnly):
+@dataclass(frozen=True, eq=False, repr=False)
+class CoastContact(KeepsReadOnly, Card):
     """Contact on coast flanks at P positions, for the S pair numbers of the working flanks.
 
     Pair j is the tooth of body 1 whose working flank belongs to pair j; its coast flank faces the

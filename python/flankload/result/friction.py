@@ -9,14 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.base.card import Card
+
 Floats = NDArray[np.float64]
 
 #: Arrays over the positions, with their units.
 ALONG_POSITIONS = {"torque_2_Nm": "N m", "loss_J_per_rad": "J/rad"}
 
 
-@dataclass(frozen=True, eq=False)
-class FrictionResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class FrictionResult(Card):
     """Friction at P positions on S sites, for one torque.
 
     Attributes

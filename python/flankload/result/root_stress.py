@@ -22,6 +22,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
+from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
 from flankload.elasticity.near_field import mode_values, to_coefficients
 from flankload.elasticity.nodal_loads import hat_values
@@ -110,8 +111,8 @@ class OverWidth:
         return np.asarray(means / basis.values(np.array(self.range_mm[1:])))
 
 
-@dataclass(frozen=True, eq=False)
-class Extremes(KeepsReadOnly):
+@dataclass(frozen=True, eq=False, repr=False)
+class Extremes(KeepsReadOnly, Card):
     """Largest stress of one sign in both fillets of a tooth, at P positions on S sites.
 
     Attributes
@@ -136,8 +137,8 @@ class Extremes(KeepsReadOnly):
     z_mm: Floats | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class RootStress(KeepsReadOnly):
+@dataclass(frozen=True, eq=False, repr=False)
+class RootStress(KeepsReadOnly, Card):
     """Stress along the root fillets of the teeth of one body; P positions, S sites, q points.
 
     Attributes

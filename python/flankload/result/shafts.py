@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
 
 if TYPE_CHECKING:
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class ShaftLoads(KeepsReadOnly):
+@dataclass(frozen=True, eq=False, repr=False)
+class ShaftLoads(KeepsReadOnly, Card):
     """Shafts and bearings of both bodies at P positions.
 
     Attributes

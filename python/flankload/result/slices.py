@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
 from flankload.result.contact_quantities import frozen
 
@@ -19,8 +20,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class SliceLoads(KeepsReadOnly):
+@dataclass(frozen=True, eq=False, repr=False)
+class SliceLoads(KeepsReadOnly, Card):
     """Loads of J slices at P positions on S sites.
 
     Attributes

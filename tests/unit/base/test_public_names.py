@@ -14,6 +14,13 @@ from scipy.stats import norm
 import flankload as fl
 from flankload.base.card import Card
 from flankload.result import TorqueSeries
+from flankload.result.belt import BeltDrive
+from flankload.result.chain import ChainDrive
+from flankload.result.coast_contact import CoastContact
+from flankload.result.friction import FrictionResult
+from flankload.result.root_stress import RootStress
+from flankload.result.shafts import ShaftLoads
+from flankload.result.slices import SliceLoads
 from tests.support.made_up_result import made_up_result
 from tests.support.paths import SCENES
 
@@ -155,6 +162,9 @@ def test_public_objects_are_short() -> None:
     assert "float64 array (60,)" in repr(state)
     for name in ("Plan", "Study", "DesignStudy", "Robust", "Verification", "Sensitivity"):
         assert getattr(fl, name).__repr__ is Card.__repr__
+    for part in (BeltDrive, ChainDrive, CoastContact, FrictionResult, RootStress, ShaftLoads):
+        assert part.__repr__ is Card.__repr__
+    assert SliceLoads.__repr__ is Card.__repr__
 
 
 def test_import_and_run_load_no_package_for_tables() -> None:
