@@ -210,7 +210,7 @@ def _of_belt(scene: Scene) -> Parameters:
 
 def _of_flanks(scene: Scene) -> Parameters:
     fixed, accuracy = _named(scene), scene.accuracy
-    length, most = _elements(scene)
+    length, most = elements_of(scene)
     if length is None:
         fixed.setdefault(ELEMENTS, "meshes and compliances from files are fixed")
     if scene.effects.near_field == "nodes":
@@ -294,8 +294,20 @@ def _rounded(length_mm: float) -> float:
     return float(f"{length_mm:.3g}")
 
 
-def _elements(scene: Scene) -> tuple[float | None, int]:
-    """Default length of elements, mm, and the largest number of modes."""
+def elements_of(scene: Scene) -> tuple[float | None, int]:
+    """Elements of two bodies with flanks.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    float or None
+        Default length along the flank, mm; None if files define all elements or bodies are rigid.
+    int
+        Largest number of pressure modes.
+    """
     lengths, modes = [], [MOST_MODES]
     for z, spec in enumerate((scene.body_1, scene.body_2)):
         if spec.rigid:
