@@ -69,12 +69,12 @@ class Window:
 
     def curve(self, position_rad: Floats, known: _Known) -> PositionCurve:
         """Rotation over the window."""
-        return self.curve_of(position_rad, known.rotation_rad, known.loaded)
+        return self.curve_of(position_rad, known.rotation_rad, self.changes(known.loaded))
 
-    def curve_of(self, position_rad: Floats, values: Floats, loaded: Flags) -> PositionCurve:
-        """Values (P,) at positions (P,) over the window; loaded (P, S): sites that carry load."""
+    def curve_of(self, position_rad: Floats, values: Floats, changes: Flags) -> PositionCurve:
+        """Values (P,) at positions (P,) over the window, with kinks behind some of them (P,)."""
         period = self.pitches * self.pitch_rad if self.closed else None
-        return curve_through(position_rad, values, self.changes(loaded), period_rad=period)
+        return curve_through(position_rad, values, changes, period_rad=period)
 
     def changes(self, loaded: Flags) -> Flags:
         """Whether the loaded pairs (P, S) change between a position and the next, (P,)."""

@@ -87,6 +87,8 @@ class Sweep:
         Ends of the slices along the axis.
     unloaded_rad : (P,) array or None
         Rotation without torque, if computed.
+    unloaded_contact : (P, S) array of bool or None
+        Sites that touch without torque, if computed.
     conforming : bool
         Whether slices are those of flanks that conform: their pressures are means over the height.
     """
@@ -109,6 +111,7 @@ class Sweep:
     slice_corner: NDArray[np.int64] | None = None
     slice_edges_mm: NDArray[np.float64] | None = None
     unloaded_rad: NDArray[np.float64] | None = None
+    unloaded_contact: NDArray[np.bool_] | None = None
     conforming: bool = False
 
     @property
