@@ -88,9 +88,13 @@ def percent(part: float) -> str:
 def _verdict(found: Mapping[str, Any]) -> str:
     if not found["errors"]:
         return str(found["unchecked"])
-    largest = max(found["errors"], key=lambda name: found["errors"][name])
-    state = {True: "met", False: "not met", None: "not certain"}[found["met"]]
-    return f"{state}, {largest.replace('_', ' ')} {percent(found['errors'][largest])} at most"
+    errors, state = dict(found["errors"]), "met" if found["met"] else "not met"
+    if found["met"] is None:
+        unknown = [one["quantity"] for one in found["uncertain"]]
+        errors = {name: error for name, error in errors.items() if name not in unknown}
+        state = f"not certain ({', '.join(unknown).replace('_', ' ')}), all else met"
+    largest = max(errors, key=lambda name: errors[name])
+    return f"{state}, {largest.replace('_', ' ')} {percent(errors[largest])} at most"
 
 
 def _number(value: float | None) -> str:
