@@ -379,6 +379,7 @@ class FlankPairScreening(Screening):
         if count > 1:
             _, one = self._timed(self._scene, slice(1), torque, Account(), fine=True)
             call = max(0.0, one - (seconds - one) / (count - 1))
+            call = min(call, 0.5 * self._base_s)  # short states: noise is no longer than half
         wide = (self._base_s - call) / (self._at.size * len(self._torques))
         state, wide = max(TINY_S, (seconds - call) / count), max(TINY_S, wide)
         cells = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width

@@ -13,8 +13,7 @@ from flankload.mechanisms import mechanism_of
 from flankload.scene import scene_of
 from flankload.scene.effects import EFFECTS, switches_of
 from flankload.studies.plan.planned import ADAPTIVE_WITHIN, IMPOSSIBLE, WITHIN, Plan, PlannedEffect
-from flankload.studies.plan.significance import is_significant
-from flankload.studies.plan.text import remark_on
+from flankload.studies.plan.text import is_significant, remark_on
 from flankload.studies.tolerance import first_discretization, first_scene
 
 if TYPE_CHECKING:
