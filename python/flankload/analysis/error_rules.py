@@ -130,16 +130,10 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
     Parameters
     ----------
     rule : Rule
-        Rule of the source.
     found : Sweep
         The sweep whose errors are estimated.
     base, other : Sweep
         Sweeps without and with the change by the source.
-
-    Returns
-    -------
-    dict
-        By quantity.
     """
     unloaded = found.rotation_rad - found.turned_rad
     rotation, change = found.rotation_rad, other.rotation_rad - base.rotation_rad
@@ -224,19 +218,7 @@ def _widths(part: Sweep) -> Floats:
 def of_positions(
     found: Sweep, window: Window, position_rad: Floats, *, adaptive: bool = False
 ) -> dict[str, Left]:
-    """Errors of quantities that depend on the curve between the positions.
-
-    Parameters
-    ----------
-    found : Sweep
-    window, position_rad, adaptive
-        As of `between_positions`.
-
-    Returns
-    -------
-    dict
-        By quantity.
-    """
+    """Errors of what depends on the curve between positions; arguments of `between_positions`."""
     errors = between_positions(found, window, position_rad, adaptive=adaptive)
     left = {name: Left(*both) for name, both in errors.items()}
     if found.slice_force_N is not None and position_rad.size > 1:
@@ -319,14 +301,7 @@ def _peak_change(found: Sweep, base: Sweep, other: Sweep) -> Floats:
 def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> Left:
     """Error of the modes in the peaks off sharp corners.
 
-    Parameters
-    ----------
-    found, base, other : Sweep
-        The sweep whose errors are estimated; the comparison with all modes and with fewer modes.
-
-    Returns
-    -------
-    Left
+    `base` and `other` are the comparison with all modes and with fewer modes.
     """
     changes = np.abs(_shares(other) - _shares(base))
     change = float(changes.max(initial=0.0))
@@ -348,17 +323,7 @@ def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> Left:
 
 
 def peak_of_cells(found: Sweep, coarse: Sweep) -> Left:
-    """Error of the cells in the peaks off sharp corners.
-
-    Parameters
-    ----------
-    found, coarse : Sweep
-        The sweep whose errors are estimated, and the same with half as many cells.
-
-    Returns
-    -------
-    Left
-    """
+    """Error of the cells in the peaks off sharp corners; `coarse` has half as many cells."""
     change, largest = _peak_change(found, found, coarse), _largest_peak(found)
     left = _at_each(STRIPS, change, largest)
     rough = np.abs(change) > LARGEST_SMOOTH_CHANGE * found.site_peak_N_per_mm

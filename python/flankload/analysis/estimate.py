@@ -251,25 +251,14 @@ def estimate_errors(
         if not any_smooth_peak(part):  # all on sharp corners, where pressures have no estimate
             for parts in left.values():
                 parts.pop("peak_pressure", None)
-        estimates.append(Estimate.of(left, uncertain_pressure(part, compliances)))
+        estimates.append(Estimate.of(left, _uncertain_pressure(part, compliances)))
     return tuple(estimates)
 
 
-def uncertain_pressure(
+def _uncertain_pressure(
     part: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> dict[str, str]:
-    """The peak pressure with the reason if no estimate bounds its error; else nothing.
-
-    Parameters
-    ----------
-    part : Sweep
-        With its pairs.
-    compliances : two BodyCompliance
-
-    Returns
-    -------
-    dict of str to str
-    """
+    """The peak pressure with the reason if no estimate bounds its error; else nothing."""
     if (part.site_corner > 0).any():
         return {"peak_pressure": ON_CORNERS}
     pairs = part.pairs
@@ -325,18 +314,7 @@ def _of_compliances(
 def lumped_error(
     found: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> dict[str, float]:
-    """Error of a sweep with lumped contacts, by quantity.
-
-    Parameters
-    ----------
-    found : Sweep
-        With its pairs.
-    compliances : two BodyCompliance
-
-    Returns
-    -------
-    dict
-    """
+    """Error of a sweep with lumped contacts (and its pairs), by quantity."""
     if found.conforming:
         return SPREAD | dict.fromkeys(OVERALL, SPREAD["transmission_error"])
     loaded = found.pairs.column("force") > 0

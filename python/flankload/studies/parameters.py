@@ -297,10 +297,6 @@ def _rounded(length_mm: float) -> float:
 def elements_of(scene: Scene) -> tuple[float | None, int]:
     """Elements of two bodies with flanks.
 
-    Parameters
-    ----------
-    scene : Scene
-
     Returns
     -------
     float or None
@@ -317,24 +313,13 @@ def elements_of(scene: Scene) -> tuple[float | None, int]:
         if from_file or not hasattr(spec, "module_mm"):
             body = bodies_of(scene, DEFAULT, (z,))[0]
         if not from_file:
-            lengths.append(default_length(spec, body))
-        modes.append(most_modes(spec, body if from_file else None))
+            lengths.append(_default_length(spec, body))
+        modes.append(_most_modes(spec, body if from_file else None))
     return min(lengths, default=None), min(modes)
 
 
-def default_length(spec: BodySpec, body: Body | None = None) -> float:
-    """Default length of elements along the flank, mm.
-
-    Parameters
-    ----------
-    spec : table of a body
-    body : Body, optional
-        The same body, built; required if the table names no module.
-
-    Returns
-    -------
-    float
-    """
+def _default_length(spec: BodySpec, body: Body | None = None) -> float:
+    """Default length of elements along the flank, mm; a body whose table has no module is built."""
     module = getattr(spec, "module_mm", None)
     if module is not None:
         part = SPLINE_PART if getattr(spec, "kind", "").startswith("spline") else 1.0
@@ -345,19 +330,8 @@ def default_length(spec: BodySpec, body: Body | None = None) -> float:
     return float((high - low) / body.mesh.flank_elements)
 
 
-def most_modes(spec: BodySpec, body: Body | None) -> int:
-    """Largest number of modes of an imported body, from its file or its elements.
-
-    Parameters
-    ----------
-    spec : table of a body
-    body : Body or None
-        The same body, built; required if it is imported from a file.
-
-    Returns
-    -------
-    int
-    """
+def _most_modes(spec: BodySpec, body: Body | None) -> int:
+    """Largest number of modes of a body; one from a file is built."""
     if body is None:
         return MOST_MODES
     if isinstance(body.given, ModalCompliance):

@@ -80,17 +80,7 @@ def first_choice(scene: Scene, parameters: Parameters) -> Choice:
 
 
 def first_discretization(scene: Scene) -> NamedDiscretization:
-    """Initial discretization for a tolerance, including open parameters at their default.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    NamedDiscretization
-        Empty if the scene names no tolerance.
-    """
+    """Initial discretization for a tolerance, with all open parameters; empty without one."""
     if not scene.steers:
         return NamedDiscretization()
     parameters = parameters_of(scene)
@@ -101,16 +91,7 @@ def first_discretization(scene: Scene) -> NamedDiscretization:
 
 
 def first_scene(scene: Scene) -> Scene:
-    """Scene with the initial discretization of its tolerance; unchanged if it names no tolerance.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    Scene
-    """
+    """Scene with the initial discretization of its tolerance; unchanged if it names none."""
     if not scene.steers:
         return scene
     parameters = parameters_of(scene)
@@ -173,17 +154,7 @@ def choose_discretization(
 ) -> Choice | None:
     """Discretization that will probably meet the tolerance, from the estimate of the last run.
 
-    Parameters
-    ----------
-    parameters : Parameters
-    attempts : sequence of Attempt
-        Runs so far.
-    tolerance : float
-
-    Returns
-    -------
-    Choice or None
-        None if the tolerance is met, or if no further run is worth its cost.
+    None if the tolerance is met, or if no further run is worth its cost.
     """
     last = attempts[-1]
     missed = [quantity for quantity, error in last.errors.items() if error > tolerance]
@@ -209,21 +180,11 @@ def choose_discretization(
 def finer_positions(
     positions: NamedDiscretization, errors: Errors, wanted: float
 ) -> tuple[NamedDiscretization, Errors]:
-    """Adaptive positions whose errors are likely to be small enough, and these errors.
+    """Adaptive positions whose errors are likely to be small enough, and these errors by quantity.
 
-    Parameters
-    ----------
-    positions : NamedDiscretization
-    errors : dict of str to float
-        By quantity. That of the peak to peak is proportional to the tolerance of the positions; the
-        others belong to kinks that the rotation does not have, and go with the square of the
-        distance of the positions with which the rounds begin.
-    wanted : float
-
-    Returns
-    -------
-    NamedDiscretization
-    dict of str to float
+    That of the peak to peak is proportional to the tolerance of the positions; the others belong to
+    kinks that the rotation does not have, and go with the square of the distance of the positions
+    with which the rounds begin.
     """
     left, count, adaptive = dict(errors), positions.count, positions.adaptive
     assert count is not None

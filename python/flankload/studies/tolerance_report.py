@@ -41,6 +41,7 @@ LEFT_BY = {
     "one solution": "caused by effects.large_displacement = false",
 }
 
+
 @dataclass(frozen=True)
 class Choice:
     """Discretization and positions of a run.
@@ -76,7 +77,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Attempt:
-    """A run, and the estimated errors of the limited quantities."""
+    """A run, and the estimated errors of the limited quantities, the largest over the torques."""
 
     choice: Choice
     results: tuple[Result, ...]
@@ -86,7 +87,11 @@ class Attempt:
     @classmethod
     def of(cls, choice: Choice, results: tuple[Result, ...]) -> Attempt:
         """Attempt from the results of a run."""
-        return cls(choice, results, estimated_errors(results), errors_by_source(results))
+        errors: Errors = {}
+        for result in results:
+            for quantity, error in _bound(result.estimate or {}, result).items():
+                errors[quantity] = max(errors.get(quantity, 0.0), error)
+        return cls(choice, results, errors, errors_by_source(results))
 
     @property
     def has_corners(self) -> bool:
@@ -94,39 +99,11 @@ class Attempt:
         return any(result.corner_contact.any() for result in self.results)
 
 
-def estimated_errors(results: Sequence[Result]) -> Errors:
-    """Errors of the limited quantities, the largest over the torques.
-
-    Parameters
-    ----------
-    results : sequence of Result
-        Results of one scene.
-
-    Returns
-    -------
-    dict of str to float
-        Errors that are estimated.
-    """
-    found: Errors = {}
-    for result in results:
-        for quantity, error in _bound(result.estimate or {}, result).items():
-            found[quantity] = max(found.get(quantity, 0.0), error)
-    return found
-
-
 def errors_by_source(results: Sequence[Result]) -> Table:
-    """Estimated errors by source: the error that each alone would cause.
+    """Largest estimated errors of all torques by source, and by quantity.
 
-    Errors from different sources may cancel: they do not add up to `estimated_errors`. Elements of
+    Errors from different sources may cancel: they do not add up to those of an attempt. Elements of
     several bodies have one parameter, so they are one source.
-
-    Parameters
-    ----------
-    results : sequence of Result
-
-    Returns
-    -------
-    dict of str to dict of str to float
     """
     found: Table = {}
     for result in results:
@@ -156,20 +133,7 @@ def _bound(errors: Any, result: Result) -> Errors:
 def tolerance_report(
     scene: Scene, parameters: Parameters, attempts: Sequence[Attempt]
 ) -> dict[str, Any]:
-    """Choices with their reasons, and missed limits, in the form of `result.accuracy`.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene as given by the user.
-    parameters : Parameters
-    attempts : sequence of Attempt
-        The runs, in order.
-
-    Returns
-    -------
-    dict
-    """
+    """Choices with their reasons, and missed limits, in the form of `result.accuracy`."""
     tolerance, first, last = scene.accuracy.tolerance, attempts[0], attempts[-1]
     errors, by_source = last.errors, last.by_source
     values: dict[str, Any] = {

@@ -29,7 +29,6 @@ from flankload.studies.accuracy import (
     runs,
 )
 from flankload.studies.accuracy.ladder import limit_of
-from flankload.studies.accuracy.notes import corner_notes, failure_notes, file_notes
 from flankload.studies.accuracy.quantities import (
     common,
     errors_of,
@@ -41,6 +40,7 @@ from flankload.studies.accuracy.reference import Reference
 from flankload.studies.accuracy.refinements import can_be_nodal, can_lump, refinements_of
 from flankload.studies.accuracy.runs import Run, Runs, fingerprint
 from flankload.studies.accuracy.study import Row
+from flankload.studies.accuracy.study_text import corner_notes, failure_notes, file_notes
 from tests.support.made_up_result import made_up_result
 from tests.support.paths import SCENES
 from tests.support.small_job import SCENE

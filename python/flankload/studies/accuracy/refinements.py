@@ -118,14 +118,7 @@ class Refinements:
 def refinements_of(scene: Scene) -> Refinements:
     """All parameters of a scene with all steps.
 
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    Refinements
-        Its finest discretization is the first of `FINEST`, or of `SPATIAL_FINEST`.
+    The finest discretization is the first of `FINEST`, or of `SPATIAL_FINEST`.
     """
     steps, most, base = (_of_drive if scene.is_drive else _of_flanks)(scene)
     length = base.flank_element_mm
@@ -201,19 +194,7 @@ def finest_within(refinements: Refinements, fineness: Fineness) -> Refinements:
 
 
 def affordable(refinements: Refinements, stages: dict[str, float], budget_s: float) -> Refinements:
-    """The finest parameters whose steps the budget can probably pay.
-
-    Parameters
-    ----------
-    refinements : Refinements
-    stages : dict
-        CPU seconds by stage of a run at their base.
-    budget_s : float
-
-    Returns
-    -------
-    Refinements
-    """
+    """The finest parameters whose steps a budget pays, by the CPU seconds of the base run."""
     elements = sum(s for name, s in stages.items() if name.startswith("compliance"))
     sweeps = stages.get("sweep", 0.0) + stages.get("tangent", 0.0)
     base, spatial = refinements.base, refinements.spatial

@@ -92,17 +92,7 @@ def plan(scene: SceneLike, *, levels: bool = False, dimension: bool = False) -> 
 
 
 def sizes(screening: Screening, scene: Scene) -> dict[str, Measured]:
-    """The size of each effect of a scene, or the reason for a missing size.
-
-    Parameters
-    ----------
-    screening : Screening
-    scene : Scene
-
-    Returns
-    -------
-    dict of str to Measured
-    """
+    """The size of each effect of a scene, or the reason for a missing size."""
     switches, found = switches_of(scene), {}
     for name in screening.rows:
         toggle = screening.toggles.get(name)

@@ -145,18 +145,7 @@ def _stages(plan: Plan) -> list[str]:
 
 
 def remark_on(row: PlannedEffect, *, coarser: bool) -> str | None:
-    """A sentence on a significant effect that is omitted, or that is an error of the run.
-
-    Parameters
-    ----------
-    row : PlannedEffect
-    coarser : bool
-        Whether the effect reduces the accuracy of the computation.
-
-    Returns
-    -------
-    str or None
-    """
+    """A sentence on a significant effect that is omitted, or that is an error of the run."""
     size = row.size
     if size is None or not row.matters or row.on != coarser:
         return None
