@@ -259,13 +259,7 @@ def _packed(
 
 
 def _checked(procedure: str, info: int) -> int:
-    """`info` of a procedure.
-
-    Raises
-    ------
-    InputError
-        If it refuses an argument.
-    """
+    """`info` of a procedure; raises an InputError if it refuses an argument."""
     if info < 0:
         raise InputError(f"argument {-info} of {procedure} is not valid")
     return int(info)

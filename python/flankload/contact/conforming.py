@@ -44,14 +44,8 @@ if TYPE_CHECKING:
 class ConformingSlices:
     """Compliance and gaps of S sites and J slices.
 
-    Attributes
-    ----------
-    spread : (N,) array
-        Part of the force on each strip of the height, q.
-    compliance : (S J, S J) array
-        K, mm/N.
-    gap_mm : (S, J) array
-        Gaps by deviations of the teeth and along the width.
+    `spread` (N,), q, is the part of the force on each strip of the height; `compliance` (S J, S J),
+    K, mm/N; `gap_mm` (S, J) are gaps by deviations of the teeth and along the width.
     """
 
     spread: Floats

@@ -97,12 +97,8 @@ class Found:
 class KnownContacts:
     """Pairs in contact in a sweep, for a similar one.
 
-    Attributes
-    ----------
-    touches : (N,) array of C ints
-        1 for a pair in contact, else 0.
-    count, first : (P, T) arrays
-        Number of pairs of each state, 0 if they are not to be used; index of the first of them.
+    `touches` (N,) is 1 for a pair in contact, else 0; `count`, `first` (P, T) are the number of
+    pairs of each state, 0 if they are not to be used, and the index of the first of them.
     """
 
     touches: NDArray[np.intc]
@@ -153,18 +149,7 @@ class CoreCall:
     known: KnownContacts | None = None
 
     def holds(self, position: int, torques_Nmm: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whether a position has a state under other torques.
-
-        Parameters
-        ----------
-        position : int
-            Its number.
-        torques_Nmm : (T,) array
-
-        Returns
-        -------
-        (T,) array
-        """
+        """Whether a position has a state under other torques (T,): (T,)."""
         alone = replace(
             self,
             motion=self.motion[:, position : position + 1],
@@ -177,10 +162,7 @@ class CoreCall:
     def all_positions(self, room: int) -> Found:
         """Solve every position; repeat those whose pairs exceeded the allocated number.
 
-        Parameters
-        ----------
-        room : int
-            Allocated pairs of a state in the first call; 0: no pairs are stored.
+        `room` is the number of allocated pairs of a state in the first call; 0: none are stored.
         """
         n = self.motion.shape[1]
         found = self._call(np.arange(n), room * n, done=0)

@@ -23,7 +23,7 @@ def call_and_watch(
     *,
     tell: Callable[[int], None] | None = None,
 ) -> Outcome:
-    """Call the core in a separate thread and wait.
+    """Return the value of a call of the core, which runs in a separate thread.
 
     An exception during the waiting (Ctrl-C, or from `tell`) stops the core and is raised again once
     the core has returned.
@@ -31,15 +31,11 @@ def call_and_watch(
     Parameters
     ----------
     call : callable
-        The call of the core; it releases the GIL while it runs.
+        Releases the GIL while it runs.
     control : (2,) array of C ints
         Shared with the core: [0] requests it to stop, [1] is the completed work.
     tell : callable, optional
         Called with control[1] several times a second.
-
-    Returns
-    -------
-    Return value of `call`.
     """
     outcome: list[Outcome] = []
     failure: list[BaseException] = []

@@ -41,12 +41,7 @@ LEAST_CELLS, MESHING_FLANKS = 8, 4
 class CoastSweep:
     """Results of the core on coast flanks, at the pair numbers of the working flanks.
 
-    Attributes
-    ----------
-    site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
-        As in `Sweep`.
-    pairs : PackedPairs
-        Their torque lever arms are negative.
+    As in `Sweep`; the torque lever arms of their pairs are negative.
     """
 
     site_force_N: NDArray[np.float64]
@@ -236,18 +231,10 @@ def sweep(
 
 
 def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
-    """Pairs in contact in sweeps of the same positions, for similar ones.
+    """Pairs in contact in sweeps of the same positions, one for each torque, for similar ones.
 
-    Parameters
-    ----------
-    found : sequence of Sweep
-        One for each torque of the similar sweep.
-
-    Returns
-    -------
-    KnownContacts or None
-        None for lumped contacts in slices, which have no cells. States whose cells were laid more
-        than once are left out: their cells depend on the forces found before.
+    None for lumped contacts in slices, which have no cells. States whose cells were laid more than
+    once are left out: their cells depend on the forces found before.
     """
     passes = CORE_COUNTERS.index("contact_passes")
     if any(part.slice_force_N is not None and not part.counters[:, passes].any() for part in found):
@@ -351,15 +338,7 @@ def _first_room(pairing: Pairing, grid: Grid, slices: Slices | None, level: Leve
 def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
     """Join sweeps of different positions for the same torque and the same sites.
 
-    Parameters
-    ----------
-    parts : sequence of Sweep
-    order : (P,) array
-        Indices into the concatenated positions of the parts, in their new order.
-
-    Returns
-    -------
-    Sweep
+    `order` (P,) are indices into the concatenated positions of the parts, in their new order.
     """
     coasts = [part.coast for part in parts if part.coast is not None]
     return Sweep(

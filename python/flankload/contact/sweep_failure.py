@@ -48,7 +48,6 @@ def raise_first_failure(
     ----------
     status : (P, T) array
         Status of the core; negative if no state was found.
-    position_rad : (P,) array
     torques : (T,) array
         N mm.
     certificate : (3, P, T) array
@@ -56,12 +55,8 @@ def raise_first_failure(
     rubs : bool
         Whether friction acts.
     holds : callable, optional
-        holds(k, torques) returns which torques position k can hold.
-
-    Raises
-    ------
-    ContactError
-        `NoContactState` contains the largest torque that can be held.
+        holds(k, torques) returns which torques position k can hold: `NoContactState` contains the
+        largest one.
     """
     failed = np.argwhere(status < 0)
     if failed.size == 0:

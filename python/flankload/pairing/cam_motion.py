@@ -52,15 +52,8 @@ HOLLOW = 0.98
 class CamMotion:
     """A follower on its cam.
 
-    Attributes
-    ----------
-    cam : FlankCurve
-        Closed, in the frame of the cam.
-    head : Roller or Flat
-        In the frame of the follower.
-    center_distance_mm : float
-    sense : int
-        1 if the cam turns counter-clockwise, -1 if clockwise.
+    The curve of the cam is closed, in its own frame; the head is in the frame of the follower;
+    `sense` is 1 if the cam turns counter-clockwise, -1 if clockwise.
     """
 
     cam: FlankCurve
@@ -73,16 +66,7 @@ class CamMotion:
         return np.pi + self.sense * np.asarray(position_rad, dtype=float)
 
     def stand(self, position_rad: Floats) -> Stand:
-        """Angles and contact points of the follower on the cam.
-
-        Parameters
-        ----------
-        position_rad : (P,) array
-            Angles by which the cam has turned.
-
-        Returns
-        -------
-        Stand
+        """Angles and contact points at positions (P,), the angles by which the cam has turned.
 
         Raises
         ------
@@ -184,14 +168,8 @@ class CamMotion:
 class Stand:
     """Angles and contact points of a follower at P positions.
 
-    Attributes
-    ----------
-    motion : CamMotion
-    position_rad : (P,) array
-    turn_1, turn_2 : (P,) arrays
-        Angles of both frames, rad.
-    arc_length_mm : (P,) array
-        Contact point on the cam.
+    `turn_1`, `turn_2` (P,) are the angles of both frames, rad; `arc_length_mm` (P,) gives the
+    contact points on the cam.
     """
 
     motion: CamMotion
@@ -218,13 +196,7 @@ class Stand:
         return -cross(point, normal)
 
     def check(self) -> None:
-        """Refuse a follower whose force cannot carry a torque, or whose arm touches the cam.
-
-        Raises
-        ------
-        SceneError
-            Names the position.
-        """
+        """Raise a SceneError if the force cannot carry a torque, or the arm touches the cam."""
         head = self.motion.head
         point, normal = self.contact()
         lever, radius = self.levers(), np.hypot(*point.T)
@@ -250,19 +222,8 @@ class Stand:
 def cam_motion(follower: Body, cam: Body, center_distance_mm: float) -> CamMotion:
     """Combine a follower and its cam.
 
-    Parameters
-    ----------
-    follower, cam : Body
-    center_distance_mm : float
-
-    Returns
-    -------
-    CamMotion
-
-    Raises
-    ------
-    SceneError
-        If the cam would reach the follower's axis, or the roller does not fit into a hollow.
+    Raises a SceneError if the cam would reach the follower's axis, or the roller does not fit into
+    a hollow.
     """
     head = follower.touches
     assert head is not None

@@ -23,16 +23,10 @@ MOST_STEPS = 40
 
 @dataclass(frozen=True)
 class Places:
-    """Points of a profile, (m,) of them.
+    """Points of a profile, (m,) of them: arc lengths, mm, and vectors (m, 2) in its frame.
 
-    Attributes
-    ----------
-    s : (m,) array
-        Arc lengths, mm.
-    point, tangent, normal : (m, 2) arrays
-        In the frame of the profile, relative to its axis or another point.
-    curvature : (m,) array
-        1/mm, positive where convex.
+    `point` is relative to the axis of the profile or to another point; `curvature`, 1/mm, is
+    positive where convex.
     """
 
     s: Floats
@@ -74,26 +68,21 @@ def zeros_on(
     apart: Floats,
     rest: Callable[[Places], tuple[Floats, Floats]],
 ) -> tuple[NDArray[np.int64], Floats]:
-    """Points at which a function changes its sign, at each position.
+    """Points of a closed curve at which a function changes its sign, at each position.
 
     Parameters
     ----------
-    curve : FlankCurve
-        Closed.
     samples : Places
-        Samples of the curve from `samples_of`.
+        From `samples_of`.
     apart : (P, 2) array
         Vector that is added to the points at each position.
     rest : callable
-        Function of Places (m,) that returns the values and their derivatives by arc length, each
-        (m,).
+        Values (m,) at Places (m,), and their derivatives by arc length.
 
     Returns
     -------
-    position : (k,) array
-        Index of the position.
-    s : (k,) array
-        Arc length, accurate to rounding.
+    position, s : (k,) arrays
+        Index of the position, and arc length, accurate to rounding.
     """
     count, n = len(apart), samples.s.size
     value, _ = rest(samples.repeated(count).seen_from(np.repeat(apart, n, axis=0)))

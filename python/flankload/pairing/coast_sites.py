@@ -23,13 +23,8 @@ if TYPE_CHECKING:
 class CoastSites:
     """S sites of coast flanks; each is named by the tooth of body 1, like a pair.
 
-    Attributes
-    ----------
-    site_teeth : two (S,) arrays
-        Tooth of each body at each site.
-    site_angles_rad : two (S,) arrays
-        Angle of that tooth in the mirrored frame of its body, relative to the negative of the
-        body's angle.
+    For each body the tooth (S,) at each site, and its angle (S,) in the mirrored frame of the body,
+    relative to the negative of the body's angle.
     """
 
     site_teeth: tuple[NDArray[np.int64], NDArray[np.int64]]
@@ -37,21 +32,10 @@ class CoastSites:
 
 
 def coast_sites(numbers: NDArray[np.int64], body_1: Body, body_2: Body) -> CoastSites:
-    """Sites of the coast flanks of some teeth of body 1.
+    """Sites of the coast flanks of some teeth of body 1, which pair numbers (S,) name.
 
     Both flanks of a tooth are assumed to be equal. Pitch errors are defined for working flanks;
     they do not move coast flanks.
-
-    Parameters
-    ----------
-    numbers : (S,) array
-        Pair numbers, which name the teeth of body 1.
-    body_1, body_2 : Body
-        Bodies with involutes.
-
-    Returns
-    -------
-    CoastSites
     """
     assert body_1.involute is not None
     assert body_2.involute is not None

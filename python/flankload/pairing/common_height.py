@@ -67,23 +67,12 @@ class CommonHeight:
         return self.strip_mm * self.s_mm[0].size
 
     def gap_mm(self, turn_rad: Floats, z_mm: Floats, spread: Floats) -> Floats:
-        """Gap by offset and tilt of the hub's axis, along the normals of the shaft.
+        """Gap (S, J) by offset and tilt of the hub's axis, along the normals of the shaft.
 
         A rotation vector w of the hub about the middle moves its point (x, y, z) by w x (x, y, z),
         in the section by z (w_y, -w_x): as the axis there, so that the gap is that times n.
-
-        Parameters
-        ----------
-        turn_rad : (S,) array
-            Angles of the teeth of the shaft in space.
-        z_mm : (J,) array
-            Slices.
-        spread : (N,) array
-            Part of the force on each strip.
-
-        Returns
-        -------
-        (S, J) array
+        `turn_rad` (S,) are the angles of the teeth of the shaft in space, `z_mm` (J,) the slices,
+        `spread` (N,) the part of the force on each strip.
         """
         axis = self.axis_mm + np.outer(z_mm - self.middle_z_mm, self.tilt)
         return np.asarray(turned(spread @ self.normal, turn_rad) @ axis.T)
@@ -105,28 +94,11 @@ def common_height(
     direction_rad: float,
     middle_z_mm: float,
 ) -> CommonHeight:
-    """Common height of shaft and hub.
+    """Common height of shaft and hub, of equal involutes.
 
-    Parameters
-    ----------
-    shaft, hub : Body
-        Of equal involutes.
-    offset_mm : float
-        Distance of their axes along x.
-    misalignment_rad, direction_rad : float
-        Angle between the axes, and the polar angle of the direction in which the hub's axis leans
-        towards larger z.
-    middle_z_mm : float
-        Axial position about which it leans.
-
-    Returns
-    -------
-    CommonHeight
-
-    Raises
-    ------
-    SceneError
-        If roundings or chamfers leave no common height.
+    The axes are `offset_mm` apart along x. `misalignment_rad` is the angle between them; the hub's
+    axis leans towards larger z in the direction of the polar angle `direction_rad`, about the axial
+    position `middle_z_mm`. Raises a SceneError if roundings or chamfers leave no common height.
     """
     (s_1, r_1), (s_2, r_2) = _radii(shaft), _radii(hub)
     low, high = max(r_1.min(), r_2.min()), min(r_1.max(), r_2.max())
@@ -159,20 +131,9 @@ def common_height(
 
 
 def tilt_notes(fit: SplineFit | None, height: CommonHeight | None, width_mm: float) -> list[str]:
-    """Note on coast flanks that would touch before all teeth carry.
+    """Note on coast flanks that would touch before all teeth carry, on axes that are not parallel.
 
-    Parameters
-    ----------
-    fit : SplineFit or None
-    height : CommonHeight or None
-        None if the pair is no spline in three dimensions.
-    width_mm : float
-        Common face width.
-
-    Returns
-    -------
-    list of str
-        Empty where the backlash is wide enough, or the axes are parallel.
+    `height` is None if the pair is no spline in three dimensions.
     """
     if fit is None or height is None or not height.tilt.any():
         return []

@@ -53,17 +53,7 @@ class Friction:
 
 
 def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None:
-    """Friction of a scene at the sites of its pairing.
-
-    Parameters
-    ----------
-    scene : Scene
-    body_1 : Body
-    pairing : Pairing
-
-    Returns
-    -------
-    Friction, or None if the scene has none or all its coefficients are 0
+    """Friction of a scene at the sites of its pairing; None without any, or if it is 0.
 
     Raises
     ------
@@ -92,10 +82,7 @@ def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None
 def coefficients_by_tooth(scene: Scene, body_1: Body) -> tuple[float, ...]:
     """One coefficient per tooth of body 1, if the scene has such a list; else empty.
 
-    Raises
-    ------
-    SceneError
-        If the list has another length.
+    Raises a SceneError if the list has another length.
     """
     asked = scene.effects.friction_coefficient
     if not isinstance(asked, tuple) or isinstance(asked[0], tuple):

@@ -99,27 +99,9 @@ def gear_mesh(
     *,
     coast_flanks: bool = False,
 ) -> Mesh:
-    """Working geometry of two bodies with involute flanks.
+    """Working geometry of two bodies with involute flanks; body 1 has external teeth.
 
-    Parameters
-    ----------
-    body_1, body_2 : Body
-        Bodies with involutes; body 1 has external teeth.
-    distance : float
-        Centre distance, mm.
-    warnings : list of str
-        Warnings for the user are appended.
-    coast_flanks : bool
-        The coast flanks can carry, too.
-
-    Returns
-    -------
-    Mesh
-
-    Raises
-    ------
-    SceneError
-        If the bodies cannot mesh; states by how much.
+    Warnings for the user are appended. A SceneError states by how much bodies cannot mesh.
     """
     assert body_1.involute is not None
     assert body_2.involute is not None

@@ -32,11 +32,7 @@ CONFORMING_NODES = 40
 class HertzContact:
     """Contact of two flanks at mid-height under one force.
 
-    Attributes
-    ----------
-    half_width_mm : float
-    flattening_mm : float
-        Distance of the unloaded flanks at the ends of the contact.
+    `flattening_mm` is the distance of the unloaded flanks at the ends of the contact.
     """
 
     half_width_mm: float
@@ -44,18 +40,9 @@ class HertzContact:
 
 
 def hertz_contact(body_1: Body, body_2: Body, force_N_per_mm: float) -> HertzContact | None:
-    """Hertz contact of both flanks, away from root and tip.
+    """Hertz contact of both flanks under a force per width, away from root and tip.
 
-    Parameters
-    ----------
-    body_1, body_2 : Body
-    force_N_per_mm : float
-        Force per face width.
-
-    Returns
-    -------
-    HertzContact or None
-        None without force, or if the flanks do not curve away from each other.
+    None without force, or if the flanks do not curve away from each other.
     """
     curvature = sum(_middle_curvature(body) for body in (body_1, body_2))
     yielding = sum(
@@ -74,16 +61,7 @@ def spacing_notes(
 ) -> Iterator[str]:
     """Notes on the node spacing of curves through nodes, relative to the contact width.
 
-    Parameters
-    ----------
-    bodies : two Body
-    torques_Nm : tuple of float
-        Torques on body 1; the smallest one above 0 gives the narrowest contact.
-    face_width_mm : float
-
-    Yields
-    ------
-    str
+    The smallest torque above 0 gives the narrowest contact.
     """
     loads = [torque for torque in torques_Nm if torque > 0]
     if not loads or not any(body.flank_nodes for body in bodies):
@@ -111,20 +89,10 @@ def spacing_notes(
 def spacing_for_loads(
     bodies: tuple[Body, Body], torques_Nm: tuple[float, ...], face_width_mm: float
 ) -> float | None:
-    """Node distance that nodal forces need, mm.
+    """Node distance that nodal forces need, mm; None without torque.
 
-    Parameters
-    ----------
-    bodies : two Body
-    torques_Nm : tuple of float
-        Torques on body 1; the largest determines the node distance.
-    face_width_mm : float
-
-    Returns
-    -------
-    float or None
-        A fifth of the Hertz half-width with the whole torque on one flank; for conforming flanks a
-        fraction of their length. None without torque.
+    A fifth of the Hertz half-width with the whole torque, the largest one, on one flank; for
+    conforming flanks a fraction of their length.
     """
     torque = max(torques_Nm)
     if torque <= 0.0 or all(body.rigid for body in bodies):
@@ -138,22 +106,9 @@ def spacing_for_loads(
 def half_widths_apart(
     bodies: tuple[Body, Body], nodes_mm: float, torque_Nm: float, face_width_mm: float
 ) -> float | None:
-    """Distance of nodes relative to the half-width of the contact.
+    """Distance of nodes relative to the half-width of the contact, all the torque on one flank.
 
-    Parameters
-    ----------
-    bodies : two Body
-    nodes_mm : float
-        Distance of the nodes.
-    torque_Nm : float
-        Torque on body 1, all of it on one flank.
-    face_width_mm : float
-
-    Returns
-    -------
-    For conforming flanks, `NODES_PART` at the distance of `spacing_for_loads`. None without
-    torque.
-        without torque.
+    For conforming flanks, `NODES_PART` at the distance of `spacing_for_loads`. None without torque.
     """
     wanted = spacing_for_loads(bodies, (torque_Nm,), face_width_mm)
     return None if wanted is None else NODES_PART * nodes_mm / wanted
@@ -165,21 +120,7 @@ def wide_nodes_notes(
     torque_Nm: float,
     face_width_mm: float,
 ) -> Iterator[str]:
-    """Notes on nodes with forces that are too far apart for the contact.
-
-    Parameters
-    ----------
-    bodies : two Body
-    nodes_mm : two (n,) arrays, or None
-        Arc lengths of the nodes.
-    torque_Nm : float
-        Torque on body 1.
-    face_width_mm : float
-
-    Yields
-    ------
-    str
-    """
+    """Notes on nodes with forces, at arc lengths (n,), that are too far apart for the contact."""
     force = 1000 * torque_Nm / bodies[0].reference_radius_mm / face_width_mm
     contact = hertz_contact(*bodies, force)
     for name, nodes in zip(("body_1", "body_2"), nodes_mm, strict=True):

@@ -138,17 +138,12 @@ def pair_bodies(
 
     Parameters
     ----------
-    body_1, body_2 : Body
     center_distance_mm : float
         For a spline: the offset of its axes.
     position_rad : (P,) array
         Requested positions, which determine the number of sites.
     coast_flanks : bool
         Coast flanks can carry, too: flanks may overlap without load.
-
-    Returns
-    -------
-    Pairing
 
     Raises
     ------

@@ -41,18 +41,7 @@ class Period:
 
 
 def period_of(body_1: Body, body_2: Body, *, by_tooth: tuple[float, ...] = ()) -> Period:
-    """Period of a pair.
-
-    Parameters
-    ----------
-    body_1, body_2 : Body
-    by_tooth : tuple of float
-        Another property that differs between the teeth of body 1 (friction), one value per tooth.
-
-    Returns
-    -------
-    Period
-    """
+    """Period of a pair; `by_tooth` is another property of each tooth of body 1 (friction)."""
     return Period(
         pitch_rad=2 * pi / body_1.teeth,
         pitches=lcm(_teeth_until_alike(body_1, by_tooth), _teeth_until_alike(body_2)),

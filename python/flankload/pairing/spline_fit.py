@@ -72,26 +72,10 @@ class SplineFit:
 def spline_fit(
     shaft: Body, hub: Body, offset: float, warnings: list[str], *, coast_flanks: bool = False
 ) -> SplineFit:
-    """Geometry of a shaft in its hub.
+    """Geometry of a shaft in its hub, `offset` mm apart; a SceneError names the misfit key.
 
-    Parameters
-    ----------
-    shaft, hub : Body
-    offset : float
-        Distance of their axes, mm.
-    warnings : list of str
-        Warnings for the user are appended.
-    coast_flanks : bool
-        Coast flanks can carry, too: a tooth may be wider than its space by `LARGEST_OVERLAP`.
-
-    Returns
-    -------
-    SplineFit
-
-    Raises
-    ------
-    SceneError
-        If they cannot be combined; names the key.
+    Warnings for the user are appended. If coast flanks can carry, a tooth may be wider than its
+    space by `LARGEST_OVERLAP`.
     """
     assert shaft.involute is not None
     assert hub.involute is not None

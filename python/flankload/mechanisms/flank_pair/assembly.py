@@ -69,8 +69,6 @@ def bodies_of(
 
     Parameters
     ----------
-    scene : Scene
-    discretization : Discretization
     which : tuple of int
         0 is body 1, 1 is body 2.
     alike : two Body, optional
@@ -78,10 +76,6 @@ def bodies_of(
         forces follows from their curves.
     parts : Parts, optional
         Of earlier runs.
-
-    Returns
-    -------
-    tuple of Body
 
     Raises
     ------
@@ -121,7 +115,6 @@ def build_bodies(
 
     Parameters
     ----------
-    scene : Scene
     discretization : Discretization, optional
         By default that of the scene.
     bodies : two Body, optional
@@ -130,10 +123,6 @@ def build_bodies(
         Number of teeth after which the compliance of each body repeats, if known.
     parts : Parts, optional
         Of earlier runs.
-
-    Returns
-    -------
-    BodyPair
 
     Raises
     ------
@@ -193,20 +182,10 @@ def _with_effects_of_files(effects: Effects, bodies: tuple[Body, Body]) -> Effec
 
 @dataclass(frozen=True)
 class _Window:
-    """Positions of a scene and the periods that they cover.
+    """Positions (P,) of a scene and the periods that they cover.
 
-    Attributes
-    ----------
-    position_rad : (P,) array
-    pitches : int or None
-        Tooth pitches that they cover; None for single angles.
-    period : Period
-        Period of the curves.
-    geometric, whole : Period
-        Period of the geometry, and of geometry and compliance.
-    closed : bool
-        The positions cover whole periods.
-    notes : tuple of str
+    `pitches` is None for single angles; `period` is that of the curves, `geometric` that of the
+    geometry, `whole` that of geometry and compliance; `closed`: they cover whole periods.
     """
 
     position_rad: NDArray[np.float64]

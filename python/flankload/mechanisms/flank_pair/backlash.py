@@ -25,18 +25,7 @@ ROUNDING_UM = 1e-3
 def coast_overlap_um(pair: BodyPair, geometry: PairGeometry, found: Sweep) -> float:
     """Overlap of coast flanks after rotation and bending of the teeth; 0 if they cannot touch.
 
-    Parameters
-    ----------
-    pair : BodyPair
-        With the expansion of its bodies.
-    geometry : PairGeometry
-        At the positions of the sweep.
-    found : Sweep
-        With tangents.
-
-    Returns
-    -------
-    float
+    `pair` includes the expansion of its bodies; `found` has its tangents.
     """
     coast = geometry.coast
     if coast is None or not _may_close(pair):
@@ -49,16 +38,7 @@ def coast_overlap_um(pair: BodyPair, geometry: PairGeometry, found: Sweep) -> fl
 
 
 def key_of_backlash(scene: Scene) -> str:
-    """The key that most probably removes the backlash.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    str
-    """
+    """The key that most probably removes the backlash."""
     grown = scene.effects.temperature_rise_K
     if np.any(grown if grown is not None else 0.0):
         return "effects.temperature_rise_K"

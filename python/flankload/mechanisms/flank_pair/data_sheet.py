@@ -36,21 +36,7 @@ ROUNDING_UM = 1e-6
 
 
 def data_sheet(scene: Scene) -> DataSheet:
-    """Drawing data of a scene of two bodies with flanks.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    DataSheet
-
-    Raises
-    ------
-    SceneError
-        If the bodies cannot be made or paired.
-    """
+    """Drawing data of both bodies; raises a SceneError if they cannot be made or paired."""
     pair = build_bodies(scene)
     one, two = pair.body_1, pair.body_2
     mesh = pair.pairing.mesh

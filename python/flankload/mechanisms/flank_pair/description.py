@@ -30,21 +30,7 @@ if TYPE_CHECKING:
 
 
 def describe(scene: Scene) -> Description:
-    """Describe bodies, pairing and effects of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    Description
-
-    Raises
-    ------
-    SceneError
-        If the bodies cannot be made or paired.
-    """
+    """Describe bodies, pairing and effects; raises a SceneError if they are impossible."""
     pair = build_bodies(scene)
     for body in (pair.body_1, pair.body_2):
         if body.given is not None:
@@ -75,16 +61,7 @@ def _rows_of_pair(scene: Scene, pair: BodyPair) -> list[tuple[str, str]]:
 
 
 def mesh_files(scene: Scene) -> Iterator[MeshFile]:
-    """Meshes of both bodies at position zero.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Yields
-    ------
-    MeshFile
-    """
+    """Meshes of both bodies at position zero."""
     pair = build_bodies(scene)
     for name, body, turn in (
         ("body_1", pair.body_1, pair.turn_1),

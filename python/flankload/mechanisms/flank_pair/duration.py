@@ -27,18 +27,7 @@ TOUCHING, LUMPED_PAIRS, FEWER, ADAPTIVE_PART = 2.0, 40.0, 0.5, 3.0
 
 
 def duration_of(scene: Scene, pair: BodyPair) -> Duration:
-    """Predict the duration of a run of two bodies with flanks.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-        Bodies of the scene.
-
-    Returns
-    -------
-    Duration
-    """
+    """Predict the duration of a run from counted work."""
     counted, elements_s, total = predicted_work(scene, pair), 0.0, 0
     for z, body in enumerate((pair.body_1, pair.body_2)):
         counters = counted.get(f"compliance body {z + 1}")

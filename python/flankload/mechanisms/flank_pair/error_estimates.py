@@ -31,22 +31,9 @@ def error_estimates(
     states: FlankStates,
     clock: StageClock,
 ) -> list[Mapping[str, object] | None]:
-    """Estimate the errors of the states.
+    """Estimate the errors of the states, one entry per torque, as the result shows it.
 
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-        At all positions.
-    compliances : two BodyCompliance
-    states : FlankStates
-    clock : StageClock
-
-    Returns
-    -------
-    list of mapping or None
-        One entry per torque, as the result shows it; None without torque, for which nothing is
-        approximated.
+    None without torque, for which nothing is approximated. `pair` has all positions.
     """
     found = states.found
     loaded = [t for t, part in enumerate(found) if part.torque_Nmm > 0]
@@ -117,17 +104,7 @@ def _sources(
 def unseen_notes(
     pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> tuple[str, ...]:
-    """Notes on bodies whose discretization error the estimate does not include.
-
-    Parameters
-    ----------
-    pair : BodyPair
-    compliances : two BodyCompliance
-
-    Returns
-    -------
-    tuple of str
-    """
+    """Notes on bodies whose discretization error the estimate does not include."""
     if pair.slices is not None:
         axials = (pair.body_1.axial, pair.body_2.axial)
         slower = ", slower where widths jump" * any(axial and axial.regions for axial in axials)

@@ -52,25 +52,8 @@ def result_of(
 ) -> Result:
     """Make the result of one torque; its `cost` contains the part of this torque.
 
-    Parameters
-    ----------
-    found : Sweep
-        States from the core.
-    pair : BodyPair
-    compliances : two BodyCompliance
-    name : str
-        Name of the scene.
-    face_width_mm : float
-    estimate : mapping or None
-        Error estimates, as the result shows them.
-    geometry : PairGeometry, optional
-        Geometry of the pair, shared by the results of several torques.
-    notes : tuple of str
-        Further warnings.
-
-    Returns
-    -------
-    Result
+    `estimate` are error estimates as the result shows them; `geometry` is shared by the results of
+    several torques; `notes` are further warnings.
     """
     circle = pair.pairing.whole_circle
     loaded = (found.site_force_N > 0).any(axis=0)

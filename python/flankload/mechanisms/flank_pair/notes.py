@@ -43,20 +43,7 @@ def notes_of_sweep(
     found: Sweep,
     face_width_mm: float,
 ) -> Iterator[str]:
-    """Warnings about the states of a sweep.
-
-    Parameters
-    ----------
-    pair : BodyPair
-    compliances : two BodyCompliance
-    found : Sweep
-    face_width_mm : float
-
-    Yields
-    ------
-    str
-        A warning.
-    """
+    """Warnings about the states of a sweep."""
     yield from wide_nodes_notes(
         (pair.body_1, pair.body_2),
         (compliances[0].modes.nodes, compliances[1].modes.nodes),
@@ -119,18 +106,7 @@ def _notes_of_body(
 
 
 def notes_of_result(result: Result, pair: BodyPair) -> Iterator[str]:
-    """Warnings about the rotation and gaps of a result.
-
-    Parameters
-    ----------
-    result : Result
-    pair : BodyPair
-
-    Yields
-    ------
-    str
-        A warning.
-    """
+    """Warnings about the rotation and gaps of a result."""
     yield from _large_wind_up(result)
     if result.coast is None and any(growth is not None for growth in pair.growth):
         yield from _overlaps(result)

@@ -56,14 +56,8 @@ COARSE = Discretization(flank_element_parts=1.0, modes=3, grid=Grid(1.0, 3.0))
 class PairModels:
     """What the sweeps of a screening take; all that scenes have in common is made once.
 
-    Attributes
-    ----------
-    screened : Scene
-        The scene as it is screened.
-    rates : dict of int to ElementRates
-        Of the bodies, 0 and 1, whose plane elements were solved.
-    prism_rates : dict of int to PrismRates
-        Of those whose elements were solved in three dimensions.
+    `screened` is the scene as it is screened. `rates` are those of the bodies (0, 1) whose plane
+    elements were solved, `prism_rates` of those whose elements were solved in three dimensions.
     """
 
     def __init__(self, scene: Scene, pair: BodyPair, toggles: Mapping[str, Toggle]) -> None:

@@ -33,21 +33,12 @@ SLICE_VARIANTS = 2
 
 
 def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
-    """Count the work of a run.
+    """Count the work of a run whose positions are not yet added.
 
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-        Bodies of the scene, before the run adds positions.
-
-    Returns
-    -------
-    dict of str to dict of str to int
-        By stages, as `result.cost["stages"]` names them, then by counters: those that are known,
-        including zeros. Exact, with two rare exceptions: a state that runs out of workspace is
-        solved again, and cuts whose factors need other pivots are solved for one by one. The final
-        number of adaptive positions is unknown.
+    By stages, as `result.cost["stages"]` names them, then by counters: those that are known,
+    including zeros. Exact, with two rare exceptions: a state that runs out of workspace is solved
+    again, and cuts whose factors need other pivots are solved for one by one. The final number of
+    adaptive positions is unknown.
     """
     stages = {"bodies": {"states": _standing_states(pair)}}
     for z, body in enumerate((pair.body_1, pair.body_2)):

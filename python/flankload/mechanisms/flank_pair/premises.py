@@ -58,16 +58,7 @@ PRESSURE = Premise(
 
 # --- before elements are solved -------------------------------------------------------------------
 def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
-    """Premises that are violated independent of the load.
-
-    Parameters
-    ----------
-    pair : BodyPair
-
-    Yields
-    ------
-    Broken
-    """
+    """Premises that are violated independent of the load."""
     mesh = pair.pairing.mesh
     if mesh is None or _contact_ratio(mesh) >= CONTACT_RATIO.limit - ROUNDING:
         return
@@ -94,24 +85,9 @@ def broken_by_load(
     *,
     part: float = 1.0,
 ) -> Iterator[Broken]:
-    """Premises that a torque violates.
+    """Premises that a torque violates, by its index, or the part of it that loads the sweep.
 
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-        With the expansion of its bodies.
-    geometry : PairGeometry
-        At the positions of the sweep.
-    found : Sweep
-    number : int
-        Index of the torque.
-    part : float
-        Part of that torque that loads the sweep.
-
-    Yields
-    ------
-    Broken
+    `pair` includes the expansion of its bodies; `geometry` is that at the positions of the sweep.
     """
     torque = Torque(scene, number, part)
     turned_rad = largest_turn(found.torque_Nmm * found.tangent_rad_per_Nmm)
@@ -149,20 +125,10 @@ def blame_load(
     error: ContactError,
     run: Callable[[float], tuple[Sweep, ...]],
 ) -> None:
-    """Refuse a scene whose torque has no solution if a part of it already violates a premise.
+    """Raise a PremiseError if a part of a torque without solution already violates a premise.
 
-    Parameters
-    ----------
-    scene, pair, geometry
-        As for `broken_by_load`.
-    error : ContactError
-        Reason for the missing solution; a proof that no state exists is not examined here.
-    run : callable
-        Sweeps under one torque, N mm.
-
-    Raises
-    ------
-    PremiseError
+    `error` is the reason for the missing solution: a proof that no state exists is not examined.
+    `run` sweeps under one torque, N mm.
     """
     if isinstance(error, NoContactState) and error.proven:
         return

@@ -44,22 +44,10 @@ RECOVERY_SECONDS, RECOVERY_BYTES = 0.3, 1.3
 def coarse_compliance(
     scene: Scene, z: int, *, friction: bool = False
 ) -> tuple[Body, BodyCompliance]:
-    """A body on coarse elements, and its compliance.
+    """Body z (0, 1) of a three-dimensional scene on coarse elements, and its compliance.
 
-    Parameters
-    ----------
-    scene : Scene
-        Three-dimensional.
-    z : int
-        0 is body 1, 1 is body 2.
-    friction : bool
-        Loads along the flank are solved.
-
-    Returns
-    -------
-    Body
-        Elements that the scene names coarser, or a file gives, stay.
-    BodyCompliance
+    Elements that the scene names coarser, or a file gives, stay. `friction`: loads along the flank
+    are solved, too.
     """
     spec, named_mm = (scene.body_1, scene.body_2)[z], scene.accuracy.flank_element_mm
     if named_mm is not None:
@@ -84,33 +72,13 @@ def coarse_compliance(
 
 @dataclass(frozen=True)
 class PrismRates:
-    """Measured cost of coarse elements in three dimensions.
-
-    Attributes
-    ----------
-    body : Body
-        With the coarse mesh.
-    job : JobCost
-    """
+    """Measured cost of coarse elements in three dimensions, of a body with the coarse mesh."""
 
     body: Body
     job: JobCost
 
     def price(self, scene: Scene, body: Body, counters: Mapping[str, int]) -> Account:
-        """CPU seconds and bytes of the elements of a run.
-
-        Parameters
-        ----------
-        scene : Scene
-        body : Body
-            With the mesh of the run.
-        counters : mapping of str to int
-            Counters of the stage.
-
-        Returns
-        -------
-        Account
-        """
+        """CPU seconds and bytes of the elements of a run, by the counters of the stage."""
         degree, _ = degrees_of(scene.accuracy)
         coarse, mesh = self.body.mesh, body.mesh
         assert isinstance(coarse, SectorMesh)

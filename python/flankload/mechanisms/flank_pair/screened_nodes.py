@@ -32,18 +32,9 @@ SHARE = 1.5
 
 
 def node_spacings(scene: Scene, pair: BodyPair) -> list[float | None]:
-    """Node spacing of each body, mm, if the scene had nodal forces.
+    """Node spacing of each body, mm, if the scene had nodal forces; None without elements.
 
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-        The scene, with or without nodal forces.
-
-    Returns
-    -------
-    list of float or None
-        None for a body without elements.
+    `pair` is that of the scene, with or without nodal forces.
     """
     bodies = pair.body_1, pair.body_2
     wanted = scene.accuracy.flank_element_mm
@@ -63,22 +54,10 @@ def node_spacings(scene: Scene, pair: BodyPair) -> list[float | None]:
 def nodal_size(
     scene: Scene, pair: BodyPair, states: States, unloaded_rad: NDArray[np.float64]
 ) -> Size | None:
-    """Size of the effect of nodal forces.
+    """Size of the effect of nodal forces; None without torque, or if neither body has elements.
 
-    Parameters
-    ----------
-    scene : Scene
-        A scene with nodal forces.
-    pair : BodyPair
-    states : States
-        States of the least torque: the narrowest contact has the largest error.
-    unloaded_rad : (P,) array
-        Rotation without torque.
-
-    Returns
-    -------
-    Size or None
-        None without torque, or if neither body has elements.
+    `scene` has nodal forces; `states` are those of the least torque: the narrowest contact has the
+    largest error. `unloaded_rad` (P,) is the rotation without torque.
     """
     spacings = [each for each in node_spacings(scene, pair) if each is not None]
     if not spacings or states.torque_Nm <= 0.0:

@@ -95,7 +95,7 @@ class FlankPairScreening(Screening):
     Parameters
     ----------
     scene : Scene
-        Scene without `effects.choose`.
+        Without `effects.choose`.
     levels : bool
         Whether coarser contact models that are off are tried as well.
     dimension : bool

@@ -22,20 +22,7 @@ UM_PER_MM = 1000.0
 
 
 def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoads | None:
-    """Tilt of the teeth and forces on the bearings at all positions.
-
-    Parameters
-    ----------
-    pair : BodyPair
-    slices : Slices
-    pairs : PackedPairs
-        Contacts of all positions, with their slices.
-
-    Returns
-    -------
-    ShaftLoads or None
-        None if no body has a shaft.
-    """
+    """Tilt of the teeth and forces on the bearings at all positions; None without a shaft."""
     axials = (pair.body_1.axial, pair.body_2.axial)
     shafts = [None if axial is None else axial.shaft for axial in axials]
     if axials[0] is None or shafts == [None, None]:

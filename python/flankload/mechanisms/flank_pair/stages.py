@@ -56,19 +56,9 @@ def elements_call(
     growth: Growth | None = None,
     estimate: bool = False,
 ) -> partial[BodyCompliance]:
-    """The call that computes the compliance of one body, with all its arguments.
+    """The call that computes the compliance of an elastic body; its arguments determine it.
 
-    Parameters
-    ----------
-    body : Body
-        Elastic body.
-    scene, discretization, fillets, growth, estimate
-        As in `compliance_of`.
-
-    Returns
-    -------
-    partial
-        Its arguments determine the compliance.
+    Parameters as in `compliance_of`.
     """
     effects, own = effects_of(scene), body.for_elements()
     if effects.three_dimensions:
@@ -120,12 +110,10 @@ def compliance_of(
     growth: Growth | None = None,
     estimate: bool = False,
 ) -> BodyCompliance:
-    """Compliance of one body: from its finite elements, or imported.
+    """Compliance of one elastic body: from its finite elements, or imported.
 
     Parameters
     ----------
-    body : Body
-        Elastic body.
     scene : Scene
         Sets plane state and pressure modes.
     discretization : Discretization, optional
@@ -136,10 +124,6 @@ def compliance_of(
         Expansion of the body.
     estimate : bool
         Whether the discretization error of the elements is estimated.
-
-    Returns
-    -------
-    BodyCompliance
     """
     discretization = discretization or choose_discretization(scene)
     call = elements_call(
@@ -164,19 +148,8 @@ def compliances_of(
 ) -> tuple[BodyCompliance, BodyCompliance]:
     """Solve one finite-element job for each elastic body without imported compliance.
 
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    clock : StageClock
-    kept : mapping of 0 and 1 to BodyCompliance and Account
-        Known compliances; missing ones are added.
-    parts : Parts, optional
-        Of earlier runs. A compliance that is found there has no stage and no cost.
-
-    Returns
-    -------
-    two BodyCompliance
+    Those that are missing in `kept` are added to it. A compliance that is found in `parts`, those
+    of earlier runs, has no stage and no cost.
     """
     found = []
     elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
@@ -222,18 +195,7 @@ def compliances_of(
 def with_compliance_period(
     scene: Scene, pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> BodyPair:
-    """Add the positions that teeth of different compliance need.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    compliances : two BodyCompliance
-
-    Returns
-    -------
-    BodyPair
-    """
+    """Add the positions that teeth of different compliance need."""
     part = ALIKE * scene.accuracy.tolerance
     bodies = (pair.body_1, pair.body_2)
     one, two = (
@@ -249,18 +211,7 @@ def with_compliance_period(
 def grown_pair(
     pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> tuple[BodyPair, tuple[BodyCompliance, BodyCompliance]]:
-    """Apply the expansion of the whole bodies to both; later stages are independent of its origin.
-
-    Parameters
-    ----------
-    pair : BodyPair
-    compliances : two BodyCompliance
-
-    Returns
-    -------
-    BodyPair
-    two BodyCompliance
-    """
+    """Apply the expansion of whole bodies to both; later stages are independent of its origin."""
     if not any(compliance.expansion.strain for compliance in compliances):
         return pair, compliances
     one, two = compliances
@@ -323,18 +274,8 @@ def prism_of(body: Body, scene: Scene) -> Prism:
 def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
     """Number of pressure modes of a flank with elements, or of its nodes that carry unit forces.
 
-    Parameters
-    ----------
-    body : Body
-    scene : Scene
-        Can name the number.
-    discretization : Discretization
-
-    Returns
-    -------
-    int
-        Used if the scene names no number; the degree is at most half the number of flank elements,
-        since more modes make a coarse mesh worse.
+    That of the discretization is used if the scene names no number; the degree is at most half the
+    number of flank elements, since more modes make a coarse mesh worse.
     """
     if scene.effects.near_field == "nodes" and body.mesh is not None:
         return nodes_of(body.mesh).size

@@ -23,21 +23,8 @@ LARGEST_STANDING_GAP = 0.25
 def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPair:
     """Add a note on the distance between the flanks if the files give their places.
 
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    account : Account
-        Account in which the state without load is counted.
-
-    Returns
-    -------
-    BodyPair
-
-    Raises
-    ------
-    SceneError
-        If the flanks are too far apart.
+    The state without load is counted in the account. Raises a SceneError if the flanks are too far
+    apart.
     """
     if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known:
         return pair

@@ -69,20 +69,7 @@ def flank_states(
     compliances: tuple[BodyCompliance, BodyCompliance],
     clock: StageClock,
 ) -> tuple[BodyPair, FlankStates]:
-    """Sweep a flank pair under all torques.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    compliances : two BodyCompliance
-    clock : StageClock
-
-    Returns
-    -------
-    pair : BodyPair
-        At all positions.
-    states : FlankStates
+    """Sweep a flank pair under all torques; return also the pair at all positions.
 
     Raises
     ------
@@ -123,21 +110,7 @@ def continued_states(
     clock: StageClock,
     similar: FlankStates,
 ) -> tuple[BodyPair, FlankStates]:
-    """States of a flank pair that differs by a small step from a solved one, without tangents.
-
-    Parameters
-    ----------
-    scene, pair, compliances, clock
-        As in `flank_states`.
-    similar : FlankStates
-        Of the solved pair: its positions and its pairs in contact.
-
-    Returns
-    -------
-    pair : BodyPair
-        At these positions.
-    states : FlankStates
-    """
+    """As `flank_states`, from those of a solved pair that differs by a small step; no tangents."""
     pair = replace(pair, position_rad=similar.position_rad, adaptive=False)
     run = partial(
         sweep_of(scene, pair),
@@ -178,17 +151,7 @@ def _all_positions(
 
 
 def window_of(pair: BodyPair) -> Window:
-    """Range of tooth pitches that the positions cover.
-
-    Parameters
-    ----------
-    pair : BodyPair
-        Its positions are not single angles.
-
-    Returns
-    -------
-    Window
-    """
+    """Range of tooth pitches that the positions cover, which are not single angles."""
     assert pair.pitches is not None
     pairing = pair.pairing
     return Window(
@@ -202,18 +165,7 @@ def window_of(pair: BodyPair) -> Window:
 
 
 def position_notes(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> tuple[str, ...]:
-    """Warnings about adaptive positions whose estimated error exceeds the tolerance.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    error : PositionErrors or None
-
-    Returns
-    -------
-    tuple of str
-    """
+    """Warnings about adaptive positions whose estimated error exceeds the tolerance."""
     tolerance = position_tolerance(scene)
     if error is None or error.largest <= tolerance:
         return ()
