@@ -1,14 +1,14 @@
-"""Calls of the sweep of the core: its arguments for some positions, its outputs joined."""
+"""Calls of the sweep of the core, which can be interrupted and report their progress."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from threading import Event, Thread
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 
 from flankload import _core
-from flankload.contact.interruptible import call_and_watch
 from flankload.contact.pair_table import PackedPairs, columns_of
 from flankload.contact.status import NO_ROOM, STOPPED
 from flankload.cost import Account, held_bytes
@@ -19,13 +19,17 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from flankload.scene.discretization import Grid
+    from flankload.contact.sweep import FlankContact
+
+    Outcome = TypeVar("Outcome")
 
 #: Contact models in order of decreasing cost, as numbered in the core.
 Level = Literal["pairs", "lumped"]
 LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
 #: Lumped contacts, summed over the states, that take less than 0.02 s.
 SHORT_CALL = 1000
+#: Seconds between two reads of the core's progress.
+TICK_S = 0.05
 #: Counters of the core for every state, in its order.
 CORE_COUNTERS = (
     "pivots",
@@ -117,32 +121,23 @@ class CoreCall:
 
     Attributes
     ----------
+    contact : FlankContact
     n_sites : int
+        Of the core, which has several for each pair of flanks.
     motion : (4, P) array
         Angles of both bodies, rad, and their speeds, rad per rad of the position.
-    center_distance_mm : float
     torques_Nmm : (T,) array
     records : two arrays
         From `body_records`.
-    grid, level, finite_steps
+    account, progress, watched, known
         As in `sweep`.
-    friction : bool
-        Whether the record of body 1 has friction.
-    account : Account
-    progress, watched
-        As in `sweep`.
-    known : KnownContacts or None
     """
 
+    contact: FlankContact
     n_sites: int
     motion: NDArray[np.float64]
-    center_distance_mm: float
     torques_Nmm: NDArray[np.float64]
     records: tuple[NDArray[np.float64], NDArray[np.float64]]
-    grid: Grid
-    level: Level
-    finite_steps: int
-    friction: bool
     account: Account
     progress: Callable[[int, int], None] | None
     watched: bool
@@ -178,7 +173,7 @@ class CoreCall:
         control = np.zeros(2, dtype=np.intc)
         room *= len(self.torques_Nmm)
         site = np.empty(room, dtype=np.intc)
-        n_columns = len(columns_of(friction=self.friction))
+        n_columns = len(columns_of(friction=self.contact.friction is not None))
         table = np.empty(room * n_columns)
 
         core = _core.flankload_sweep if self.known is None else _core.flankload_sweep_continued
@@ -188,7 +183,7 @@ class CoreCall:
             found: tuple[Any, ...] = core(
                 self.n_sites,
                 np.asfortranarray(self.motion[:, which]),
-                self.center_distance_mm,
+                self.contact.pairing.center_distance_mm,
                 self.torques_Nmm,
                 *self.records,
                 self._settings(),
@@ -213,21 +208,13 @@ class CoreCall:
     def _is_short(self, n_positions: int) -> bool:
         """Whether the call ends before anyone would look at its progress."""
         sites = n_positions * self.torques_Nmm.size * self.n_sites
-        return self.level == "lumped" and sites <= SHORT_CALL
+        return self.contact.level == "lumped" and sites <= SHORT_CALL
 
     def _settings(self) -> NDArray[np.float64]:
         """(5,) Cell sizes, contact model and steps of finite forces."""
-        grid = self.grid
-        return np.array(
-            [
-                grid.strips_per_half_width,
-                grid.corner_strips_per_half_width,
-                grid.zone_half_widths,
-                LEVELS[self.level],
-                self.finite_steps,
-            ],
-            dtype=float,
-        )
+        grid, level = self.contact.grid, LEVELS[self.contact.level]
+        cells = (grid.strips_per_half_width, grid.corner_strips_per_half_width)
+        return np.array([*cells, grid.zone_half_widths, level, self.contact.finite_steps], float)
 
     def _found(
         self, outputs: tuple[Any, ...], site: NDArray[np.intc], table: NDArray[np.float64]
@@ -262,3 +249,49 @@ def _count(status: NDArray[Any], counters: NDArray[Any], account: Account) -> No
     begun = ~np.isin(status, (NO_ROOM, STOPPED)) | counters.any(axis=0)
     sums = counters.sum(axis=(1, 2), dtype=np.int64).tolist()
     account.count(states=int(begun.sum()), **dict(zip(CORE_COUNTERS, sums, strict=True)))
+
+
+def call_and_watch(
+    call: Callable[[], Outcome],
+    control: NDArray[np.intc],
+    *,
+    tell: Callable[[int], None] | None = None,
+) -> Outcome:
+    """Return the value of a call of the core, which runs in a separate thread.
+
+    An exception during the waiting (Ctrl-C, or from `tell`) stops the core and is raised again once
+    the core has returned.
+
+    Parameters
+    ----------
+    call : callable
+        Releases the GIL while it runs.
+    control : (2,) array of C ints
+        Shared with the core: [0] requests it to stop, [1] is the completed work.
+    tell : callable, optional
+        Called with control[1] several times a second.
+    """
+    outcome: list[Outcome] = []
+    failure: list[BaseException] = []
+    ended = Event()
+
+    def work() -> None:
+        try:
+            outcome.append(call())
+        except BaseException as error:
+            failure.append(error)
+        finally:
+            ended.set()
+
+    Thread(target=work, name="flankload core").start()
+    try:
+        while not ended.wait(TICK_S):
+            if tell is not None:
+                tell(int(control[1]))
+    except BaseException:
+        control[0] = 1
+        ended.wait()
+        raise
+    if failure:
+        raise failure[0]
+    return outcome[0]

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.error_rules import of_positions
 from flankload.analysis.estimate import estimate_errors
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.tip_error import tip_error
 from flankload.cost import held_bytes
+from flankload.mechanisms.flank_pair.stages import swept
 from flankload.mechanisms.flank_pair.states import window_of
 
 if TYPE_CHECKING:
@@ -41,10 +43,11 @@ def error_estimates(
     with clock.stage("estimate") as account:
         if loaded:
 
-            def run_again(*, part: int, **other: object) -> tuple[Sweep, ...]:
-                return states.run(
-                    **other,
-                    torques_Nmm=[found[t].torque_Nmm for t in loaded],
+            def run_again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
+                return swept(
+                    replace(states.contact, **other),
+                    states.position_rad,
+                    [found[t].torque_Nmm for t in loaded],
                     keep_pairs=False,
                     account=account,
                     progress=clock.sweep_progress("estimate", sweep=part),
@@ -85,7 +88,7 @@ def _sources(
     if pair.slices is None:
         sources["tip"] = partial(
             tip_error,
-            bodies=(pair.body_1, pair.body_2),
+            bodies=pair.bodies,
             compliances=compliances,
             pairing=pair.pairing,
             face_width_mm=face_width_mm,
@@ -106,17 +109,16 @@ def unseen_notes(
 ) -> tuple[str, ...]:
     """Notes on bodies whose discretization error the estimate does not include."""
     if pair.slices is not None:
-        axials = (pair.body_1.axial, pair.body_2.axial)
-        slower = ", slower where widths jump" * any(axial and axial.regions for axial in axials)
+        jumps = any(body.axial and body.axial.regions for body in pair.bodies)
+        slower = ", slower where widths jump" * jumps
         note = (
             "the error estimate does not contain the error of the degree of the displacements "
             f"along the axis (accuracy.axial_degree{slower}) and of forces that turn at tip corners"
         )
         return (note,)
-    bodies = (pair.body_1, pair.body_2)
     unknown = [
         f"body_{z + 1}"
-        for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True))
+        for z, (body, compliance) in enumerate(zip(pair.bodies, compliances, strict=True))
         if body.given is not None and compliance.missed is None and compliance.modes.nodes is None
     ]
     if not unknown:

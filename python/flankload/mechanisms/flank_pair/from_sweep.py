@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.contact.pair_table import PackedPairs
-    from flankload.contact.sweep import CoastSweep, Sweep
+    from flankload.contact.sweep import CoastSweep, SliceStates, Sweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.gear_pair import Mesh
@@ -117,10 +117,10 @@ def _pair_tables(pair: BodyPair, found: Sweep, width_mm: float) -> PairTables:
 
 def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[np.int64]) -> Result:
     """A result with the parts that only some pairs have: slices, coast flanks, friction."""
-    if pair.slices is not None:
+    if pair.slices is not None and found.slices is not None:
         result = replace(
             result,
-            slices=_slice_loads(pair, pair.slices, found).at_sites(carries),
+            slices=_slice_loads(pair, pair.slices, found.slices).at_sites(carries),
             shafts=shaft_loads(pair, pair.slices, found.pairs),
         )
     if found.coast is not None:
@@ -131,19 +131,17 @@ def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[n
     return replace(result, friction=_friction(pair, found, carries, result))
 
 
-def _slice_loads(pair: BodyPair, slices: Slices, found: Sweep) -> SliceLoads:
+def _slice_loads(pair: BodyPair, slices: Slices, found: SliceStates) -> SliceLoads:
     """Loads of the slices; forces are normal to the flanks."""
     axial = pair.body_1.axial
     assert axial is not None
     radius = pair.body_1.base_radius_mm or abs(pair.body_1.normal_lever_mm)
-    assert found.slice_force_N is not None
-    assert found.slice_peak_MPa is not None
     tangent = axial.twist_rad_per_mm * radius
     return SliceLoads(
         z_mm=slices.z_mm,
         width_mm=slices.width_mm,
-        force_N=found.slice_force_N,
-        peak_pressure_MPa=found.slice_peak_MPa,
+        force_N=found.force_N,
+        peak_pressure_MPa=found.peak_MPa,
         tangent_helix_base=tangent,
         cosine_helix_base=1.0 / sqrt(1.0 + tangent**2),
         directions=None

@@ -45,13 +45,13 @@ def notes_of_sweep(
 ) -> Iterator[str]:
     """Warnings about the states of a sweep."""
     yield from wide_nodes_notes(
-        (pair.body_1, pair.body_2),
+        pair.bodies,
         (compliances[0].modes.nodes, compliances[1].modes.nodes),
         found.torque_Nmm / 1000.0,
         face_width_mm,
     )
     yield from corner_notes(pair, found)
-    if found.conforming:
+    if found.slices is not None and found.slices.conforming:
         yield (
             "splines in three dimensions: pressures are means over the common height of the "
             "flanks, without the peaks at its ends (a plane scene has them)"
@@ -78,7 +78,7 @@ def _notes_of_body(
     pair: BodyPair, compliance: BodyCompliance, found: Sweep, z: int
 ) -> Iterator[str]:
     """Warnings about the modes and the flanks of one body."""
-    body = (pair.body_1, pair.body_2)[z]
+    body = pair.bodies[z]
     modes = compliance.flank_modes if compliance.modes.nodes is None else 0
     wanted = _wanted_elements(body, modes)
     if body.mesh is not None and wanted > FEWER_DO * body.mesh.flank_elements:

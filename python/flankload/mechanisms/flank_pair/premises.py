@@ -99,10 +99,10 @@ def broken_by_load(
             amount = f"{deflection_mm / module:.3g} of a module ({deflection_mm:.3g} mm)"
             yield torque.broken(DEFLECTION, amount)
     yield from broken_by_turn(turned_rad, pair.pairing.pitch_rad, torque)
-    elastic = (body for body in (pair.body_1, pair.body_2) if not body.rigid)
+    elastic = (body for body in pair.bodies if not body.rigid)
     softer = [body.material.young_modulus_MPa for body in elastic]
     # slices have pressures, cells force per length
-    width_mm = scene.pair.face_width_mm if found.slice_peak_MPa is None else 1.0
+    width_mm = scene.pair.face_width_mm if found.slices is None else 1.0
     pressure = _peak_off_corners(found) / width_mm
     if softer and pressure > PRESSURE.limit * min(softer):
         amount = f"{pressure / min(softer):.3g} of {min(softer):g} MPa"

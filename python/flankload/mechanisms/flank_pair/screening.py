@@ -31,7 +31,7 @@ from flankload.mechanisms.flank_pair.prediction import (
 )
 from flankload.mechanisms.flank_pair.premises import blame_load, broken_by_geometry, broken_by_load
 from flankload.mechanisms.flank_pair.screened_nodes import nodal_size, node_spacings
-from flankload.mechanisms.flank_pair.stages import grown_pair, sweep_of
+from flankload.mechanisms.flank_pair.stages import contact_of, grown_pair, swept
 from flankload.mechanisms.premises import held
 from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles, with_keys
@@ -243,11 +243,10 @@ class FlankPairScreening(Screening):
         found_of = models.sections(pair) if sections else models.compliances(scene, pair)
         pair, compliances = grown_pair(pair, found_of)
         torques, start = self._torques if torques_Nm is None else torques_Nm, process_time()
-        found = sweep_of(scene, pair)(
-            compliances=compliances,
-            position_rad=self._at[few],
-            torques_Nmm=[1000.0 * torque for torque in torques],
-            grid=self._grid if fine else COARSE.grid,
+        found = swept(
+            contact_of(scene, pair, compliances, self._grid if fine else COARSE.grid),
+            self._at[few],
+            [1000.0 * torque for torque in torques],
             keep_pairs=account is not None,
             account=account,
             watched=False,
@@ -292,7 +291,7 @@ class FlankPairScreening(Screening):
             if name not in counted:
                 continue
             if pair.slices is not None:
-                body, counters = (pair.body_1, pair.body_2)[z], counted[name]
+                body, counters = pair.bodies[z], counted[name]
                 if pair.effects.root_stress and pair.fillets[z] is None:  # of another scene
                     counters = counters | {"stress_recoveries": PLACES}
                 stages[name] = self._models.prism_rates[z].price(scene, body, counters)
@@ -303,8 +302,7 @@ class FlankPairScreening(Screening):
                 continue
             counters, finer = counted[name], 1.0
             if self._pair.slices is not None:  # of its section, on coarse elements
-                run = (self._pair.body_1, self._pair.body_2)[z]
-                finer = unknowns_of(run) / unknowns_of(self._models.rates[z].body)
+                finer = unknowns_of(self._pair.bodies[z]) / unknowns_of(self._models.rates[z].body)
             if nodal:
                 finer, counters = self._nodal(scene, pair, z, counters)
             fillets, places = pair.fillets[z], 0
@@ -328,7 +326,7 @@ class FlankPairScreening(Screening):
         self, scene: Scene, pair: BodyPair, z: int, counters: dict[str, int]
     ) -> tuple[float, dict[str, int]]:
         """Factors of unknowns and loads if nodes are close enough for nodal forces."""
-        body, spacing = (pair.body_1, pair.body_2)[z], node_spacings(scene, pair)[z]
+        body, spacing = pair.bodies[z], node_spacings(scene, pair)[z]
         if spacing is None or body.mesh is None:
             return 1.0, counters
         low, high = body.mode_range_mm
@@ -390,10 +388,11 @@ class FlankPairScreening(Screening):
 
 def _face_load_factor(found: Sweep) -> float | None:
     """K_Hbeta of all positions; None in the plane."""
-    if found.slice_force_N is None or found.slice_edges_mm is None:
+    slices = found.slices
+    if slices is None:
         return None
-    widths = np.diff(found.slice_edges_mm)
-    return float(face_load_factors(found.slice_force_N, widths, each=found.conforming).max())
+    widths = np.diff(slices.edges_mm)
+    return float(face_load_factors(slices.force_N, widths, each=slices.conforming).max())
 
 
 def _every(positions: Floats, most: int) -> slice:

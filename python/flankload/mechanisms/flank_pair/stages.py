@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.period_error import ALIKE, teeth_until_alike
 from flankload.contact.conforming import sweep_splines
-from flankload.contact.sweep import sweep
+from flankload.contact.sweep import FlankContact, sweep
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance import (
     BodyCompliance,
@@ -28,16 +28,19 @@ from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import effects_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
 
     from flankload.bodies import Body
     from flankload.bodies.root_fillet import RootFillets
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.stage_clock import Kept, StageClock
-    from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
+    from flankload.scene.discretization import Grid
 
 #: Number of linear steps of each force for finite influence coefficients. For coefficients that
 #: increase in proportion to the force, 10 steps have 5 % more of that increase than infinitely many
@@ -151,9 +154,8 @@ def compliances_of(
     Those that are missing in `kept` are added to it. A compliance that is found in `parts`, those
     of earlier runs, has no stage and no cost.
     """
-    found = []
-    elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
-    for z, body in enumerate((pair.body_1, pair.body_2)):
+    found, elastic = [], pair.elastic
+    for z, body in enumerate(pair.bodies):
         growth = pair.growth[z]
         if not elastic[z] and (growth is None or not growth.needs_elements):
             found.append(no_compliance(body, growth))
@@ -197,14 +199,13 @@ def with_compliance_period(
 ) -> BodyPair:
     """Add the positions that teeth of different compliance need."""
     part = ALIKE * scene.accuracy.tolerance
-    bodies = (pair.body_1, pair.body_2)
     one, two = (
         teeth_until_alike(compliance, body.teeth, part)
-        for compliance, body in zip(compliances, bodies, strict=True)
+        for compliance, body in zip(compliances, pair.bodies, strict=True)
     )
     if (one, two) == (1, 1):
         return pair
-    longer = build_bodies(scene, pair.discretization, bodies=bodies, groups=(one, two))
+    longer = build_bodies(scene, pair.discretization, bodies=pair.bodies, groups=(one, two))
     return replace(longer, standing_note=pair.standing_note)
 
 
@@ -228,32 +229,36 @@ def grown_pair(
     return pair, (one.grown(), two.grown())
 
 
-def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
-    """The sweep of a scene; positions, torques, compliances and cells remain free arguments.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-        Bodies of the scene.
-
-    Returns
-    -------
-    callable
-        `sweep` with all arguments that the scene sets.
-    """
-    splines = pair.slices is not None and pair.slices.conforming is not None
-    call: Callable[..., tuple[Sweep, ...]] = sweep_splines if splines else sweep
-    return partial(
-        call,
-        (pair.body_1, pair.body_2),
-        pairing=pair.pairing,
+def contact_of(
+    scene: Scene,
+    pair: BodyPair,
+    compliances: tuple[BodyCompliance, BodyCompliance],
+    grid: Grid | None = None,
+) -> FlankContact:
+    """The contact of the bodies of a scene, on the cells of their discretization or others."""
+    return FlankContact(
+        pair.bodies,
+        compliances,
+        pair.pairing,
         face_width_mm=scene.pair.face_width_mm,
-        friction=pair.friction,
-        slices=pair.slices,
+        grid=grid or pair.discretization.grid,
         level=scene.effects.contact,
+        friction=pair.friction,
         finite_steps=FINITE_STEPS if pair.effects.finite_influence else 0,
+        slices=pair.slices,
     )
+
+
+def swept(
+    contact: FlankContact,
+    position_rad: NDArray[np.float64],
+    torques_Nmm: Sequence[float],
+    **options: Any,
+) -> tuple[Sweep, ...]:
+    """States at positions (P,) under torques on body 1; options as in `sweep`."""
+    splines = contact.slices is not None and contact.slices.conforming is not None
+    run = sweep_splines if splines else sweep
+    return run(contact, position_rad, torques_Nmm, **options)
 
 
 def prism_of(body: Body, scene: Scene) -> Prism:

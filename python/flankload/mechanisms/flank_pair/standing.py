@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from flankload.contact.sweep import sweep
+from flankload.contact.sweep import FlankContact, sweep
 from flankload.elasticity.compliance import no_compliance
 from flankload.errors import SceneError
 from flankload.scene import MeshBody
@@ -29,13 +29,15 @@ def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPai
     if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known:
         return pair
     (unloaded,) = sweep(
-        (pair.body_1, pair.body_2),
-        compliances=(no_compliance(pair.body_1), no_compliance(pair.body_2)),
-        pairing=pair.pairing,
-        position_rad=pair.position_rad[:1],
-        torques_Nmm=[0.0],
-        face_width_mm=scene.pair.face_width_mm,
-        grid=pair.discretization.grid,
+        FlankContact(
+            (pair.body_1, pair.body_2),
+            compliances=(no_compliance(pair.body_1), no_compliance(pair.body_2)),
+            pairing=pair.pairing,
+            face_width_mm=scene.pair.face_width_mm,
+            grid=pair.discretization.grid,
+        ),
+        pair.position_rad[:1],
+        [0.0],
         account=account,
     )
     radius = pair.body_1.reference_radius_mm

@@ -12,7 +12,7 @@ from flankload.contact.sweep import known_contacts
 from flankload.cost import held_bytes
 from flankload.errors import ContactError
 from flankload.mechanisms.flank_pair.premises import blame_load
-from flankload.mechanisms.flank_pair.stages import sweep_of
+from flankload.mechanisms.flank_pair.stages import contact_of, swept
 from flankload.result.geometry import pair_geometry
 from flankload.scene.discretization import position_tolerance
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.analysis.adaptive_positions import PositionErrors
-    from flankload.contact.sweep import Sweep
+    from flankload.contact.sweep import FlankContact, Sweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.pairing.body_pair import BodyPair
@@ -51,8 +51,8 @@ class FlankStates:
     geometry : PairGeometry
         At all positions.
     position_rad : (P,) array
-    run : callable
-        Sweeps the same positions again.
+    contact : FlankContact
+        Of both bodies.
     """
 
     found: tuple[Sweep, ...]
@@ -60,7 +60,7 @@ class FlankStates:
     rounds: int
     geometry: PairGeometry
     position_rad: NDArray[np.float64]
-    run: Run
+    contact: FlankContact
 
 
 def flank_states(
@@ -76,31 +76,29 @@ def flank_states(
     ContactError
         If a position has no state; PremiseError if a part of the torque violates a premise.
     """
-    run = partial(sweep_of(scene, pair), compliances=compliances, grid=pair.discretization.grid)
+    contact = contact_of(scene, pair, compliances)
     with clock.stage("sweep") as account:
-        swept = partial(run, torques_Nmm=scene.torques_Nmm, account=account)
+        run = partial(swept, contact, torques_Nmm=scene.torques_Nmm, account=account)
         try:
-            pair, found, errors, rounds = _all_positions(scene, pair, swept, clock)
+            pair, found, errors, rounds = _all_positions(scene, pair, run, clock)
         except ContactError as error:
-            at_positions = partial(run, position_rad=pair.position_rad)
             geometry = pair_geometry(pair, compliances)
-            blame_load(
-                scene, pair, geometry, error, lambda torque: at_positions(torques_Nmm=[torque])
-            )
+            alone = partial(swept, contact, pair.position_rad)
+            blame_load(scene, pair, geometry, error, lambda torque: alone([torque]))
             raise
         account.bytes += held_bytes(found)
-    run = partial(run, position_rad=pair.position_rad)
+    again = partial(swept, contact, pair.position_rad, keep_pairs=False)
     if scene.accuracy.tangents and not pair.effects.lumped_contact:
         # the equations of a lumped contact include its tangent
         with clock.stage("tangent") as account:
-            again = partial(run, keep_pairs=False, account=account)
-            found = with_tangents(found, partial(again, progress=clock.sweep_progress("tangent")))
+            progress = clock.sweep_progress("tangent")
+            found = with_tangents(found, partial(again, account=account, progress=progress))
     with clock.account("result") as account:
-        found = with_unloaded(found, partial(run, keep_pairs=False, account=account))
+        found = with_unloaded(found, partial(again, account=account))
     for name in ("states", "slices"):  # those are of positions under a torque
         account.counters.pop(name, None)
     geometry = pair_geometry(pair, compliances)
-    return pair, FlankStates(found, errors, rounds, geometry, pair.position_rad, run)
+    return pair, FlankStates(found, errors, rounds, geometry, pair.position_rad, contact)
 
 
 def continued_states(
@@ -112,19 +110,15 @@ def continued_states(
 ) -> tuple[BodyPair, FlankStates]:
     """As `flank_states`, from those of a solved pair that differs by a small step; no tangents."""
     pair = replace(pair, position_rad=similar.position_rad, adaptive=False)
-    run = partial(
-        sweep_of(scene, pair),
-        compliances=compliances,
-        grid=pair.discretization.grid,
-        position_rad=pair.position_rad,
-    )
+    contact = contact_of(scene, pair, compliances)
+    run = partial(swept, contact, pair.position_rad)
     with clock.stage("sweep") as account:
         known = known_contacts(similar.found)
-        found = run(torques_Nmm=scene.torques_Nmm, known=known, account=account)
+        found = run(scene.torques_Nmm, known=known, account=account)
     with clock.account("result") as account:
         found = with_unloaded(found, partial(run, keep_pairs=False, account=account))
-    geometry = pair_geometry(pair, compliances)
-    return pair, FlankStates(found, (None,) * len(found), 1, geometry, similar.position_rad, run)
+    geometry, none = pair_geometry(pair, compliances), (None,) * len(found)
+    return pair, FlankStates(found, none, 1, geometry, similar.position_rad, contact)
 
 
 def _all_positions(
