@@ -512,11 +512,11 @@ _PYTHON = (
         ("by_y[..., 2] + along[..., 1],", "by_x[..., 2] + along[..., 1],"),
     ),
     *_in(
-        "mechanisms/flank_pair/loaded_solids.py",
+        "mechanisms/flank_pair/loaded_bodies.py",
         "unit/export/test_solid_fields.py physics/test_roots_over_width.py",
         ("-shape.twist_rad_per_mm * lever", "shape.twist_rad_per_mm * lever"),
-        ("half = turned_by(half, 2.0 * turns)", "half = turned_by(half, turns)"),
-        ("-(angle + self.loaded.prism.twist * z)", "-angle"),
+        ("half = turned(half, 2.0 * turns)", "half = turned(half, turns)"),
+        ("-(angle + twist * z)", "-angle"),
     ),
     *_in(
         "elasticity/prism/end_faces.py",
@@ -745,9 +745,9 @@ _PYTHON = (
     *_in(
         "mechanisms/flank_pair/loaded_bodies.py",
         "unit/export/test_fields.py",
-        ("* (-1.0 if coast else 1.0)", "* (1.0 if coast else -1.0)"),
+        ("*= -1.0 if coast else 1.0", "*= 1.0 if coast else -1.0"),
         ("tables.append((result.coast.pair_tables[p], True))", "pass"),
-        ("across = 2.0 * sine", "across = -2.0 * sine"),
+        ("mean + half[..., 0], mean - half", "mean - half[..., 0], mean + half"),
     ),
     *_in(
         "elasticity/loaded_body.py",

@@ -9,12 +9,12 @@ import pytest
 
 import flankload as fl
 import flankload.pairing.common_height as common
+from flankload.base.rotation import turned
 from flankload.contact import solve_contact_general
 from flankload.contact.conforming import conforming_slices, conforming_sweep
 from flankload.elasticity.prism.strip_field import StripField, mean_potential, strip_distances
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of
-from flankload.pairing.common_height import turned
 from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import deviation, tree_of
 from tests.support.tolerances import SOLVER

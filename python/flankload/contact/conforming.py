@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.contact import solve_contact_general
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.pair_table import COLUMNS, PackedPairs
 from flankload.contact.sweep import SliceStates, Sweep
 from flankload.elasticity.prism.strip_field import StripField
-from flankload.pairing.common_height import turned
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

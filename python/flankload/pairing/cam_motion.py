@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import Roller
 from flankload.errors import SceneError
 from flankload.pairing.cam_search import (
@@ -24,7 +25,6 @@ from flankload.pairing.cam_search import (
     places_of,
     polar,
     samples_of,
-    turned,
     wrapped,
     zeros_on,
 )

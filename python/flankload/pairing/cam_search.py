@@ -127,12 +127,6 @@ def polar(vectors: Floats, turn: Floats) -> Floats:
     return wrapped(np.arctan2(vectors[:, 1], vectors[:, 0]) + turn)
 
 
-def turned(vectors: Floats, turn: Floats) -> Floats:
-    """Vectors (m, 2) rotated by angles (m,)."""
-    (x, y), c, s = vectors.T, np.cos(turn), np.sin(turn)
-    return np.stack([c * x - s * y, s * x + c * y], axis=1)
-
-
 def dot(a: Floats, b: Floats) -> Floats:
     """Scalar products (m,) of vectors (m, 2)."""
     return np.asarray((a * b).sum(axis=1))

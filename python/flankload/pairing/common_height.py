@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -76,13 +77,6 @@ class CommonHeight:
         """
         axis = self.axis_mm + np.outer(z_mm - self.middle_z_mm, self.tilt)
         return np.asarray(turned(spread @ self.normal, turn_rad) @ axis.T)
-
-
-def turned(vector: Floats, angle_rad: Floats) -> Floats:
-    """A plane vector (2,) turned counter-clockwise by angles (...): (..., 2)."""
-    c, s = np.cos(angle_rad), np.sin(angle_rad)
-    x, y = vector
-    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 def common_height(
