@@ -15,7 +15,7 @@ from flankload.bodies.shaft import Shaft
 from flankload.contact.sweep import Sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.shaft_loads import shaft_loads
+from flankload.mechanisms.flank_pair.from_sweep import shaft_loads
 from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of, swept
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.slices import Slices

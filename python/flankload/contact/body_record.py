@@ -146,21 +146,20 @@ def _powers_first(curve: FlankCurve) -> NDArray[np.float64]:
 
 def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> list[Part]:
     """Parts of a compliance under loads along the normal; those that it lacks are left out."""
-    parts: list[Part] = []
-    if compliance.modes.tip is not None:
-        parts.append(("tip", np.array(compliance.modes.tip, dtype=float)))
-    if any(compliance.near.wedge):
-        parts.append(("wedge", np.array(compliance.near.wedge, dtype=float)))
-    if any(compliance.near.wedge_along):
-        parts.append(("wedge_along", np.array(compliance.near.wedge_along, dtype=float)))
-    turned = compliance.turned_blocks()
-    if turned is not None:
-        parts.append(("turned", turned.ravel()))
-    if compliance.modes.nodes is not None:
-        parts.append(("nodes", compliance.modes.nodes))
-    if compliance.expansion.shifts:
-        parts.append(("shift", compliance.shift_of(teeth).ravel()))
-    return parts
+    modes, near = compliance.modes, compliance.near
+    given = {
+        "tip": modes.tip,
+        "wedge": near.wedge if any(near.wedge) else None,
+        "wedge_along": near.wedge_along if any(near.wedge_along) else None,
+        "turned": compliance.turned_blocks(),
+        "nodes": modes.nodes,
+        "shift": compliance.shift_of(teeth) if compliance.expansion.shifts else None,
+    }
+    return [
+        (name, np.asarray(values, dtype=float).ravel())
+        for name, values in given.items()
+        if values is not None
+    ]
 
 
 def _slice_parts(body: Body, compliance: BodyCompliance, slices: Slices, z: int) -> list[Part]:

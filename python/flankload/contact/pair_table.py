@@ -58,6 +58,10 @@ class PackedPairs:
     count: NDArray[np.int64]
     slice_number: NDArray[np.intc] | None = None
 
+    def columns_at(self, p: int) -> dict[str, NDArray[np.float64]]:
+        """Columns (n,) of the pairs of position p, by name; views."""
+        return dict(zip(self.names, self.table[self._rows_of(p)].T, strict=True))
+
     def at(self, p: int) -> tuple[NDArray[np.intc], NDArray[np.float64]]:
         """Sites (n,) and table (n, columns) of the pairs of position p; views."""
         rows = self._rows_of(p)

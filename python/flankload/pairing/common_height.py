@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.pairing.slices import Slices
     from flankload.pairing.spline_fit import SplineFit
 
     Floats = NDArray[np.float64]
@@ -124,13 +125,12 @@ def common_height(
     )
 
 
-def tilt_notes(fit: SplineFit | None, height: CommonHeight | None, width_mm: float) -> list[str]:
-    """Note on coast flanks that would touch before all teeth carry, on axes that are not parallel.
-
-    `height` is None if the pair is no spline in three dimensions.
-    """
+def tilt_notes(fit: SplineFit | None, slices: Slices) -> list[str]:
+    """Note on coast flanks of a spline that would touch before all teeth carry, on tilted axes."""
+    height = slices.conforming
     if fit is None or height is None or not height.tilt.any():
         return []
+    width_mm = float(slices.width_mm.sum())
     moved = fit.offset_mm + 0.5 * width_mm * float(np.hypot(*height.tilt))
     if 2.0 * moved <= fit.normal_backlash_mm:
         return []

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
     from flankload.bodies.profile.involute import Involute
+    from flankload.flank import FlankCurve
 
     Floats = NDArray[np.float64]
 
@@ -121,12 +122,17 @@ def overlaps_of(
             yield Overlap(float(chosen[i, j]), float(r_1[i]), float(r_2[j]), part)
 
 
+def along(curve: FlankCurve, count: int) -> Floats:
+    """Arc lengths of so many points in each interval of a curve, and of its end."""
+    points = np.linspace(curve.breaks[:-1], curve.breaks[1:], count, endpoint=False)
+    return np.append(points.T.ravel(), curve.breaks[-1])
+
+
 def _places(body: Body, pitch_radius: float) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Radii and angles of points on a flank, the angles from its point on the pitch circle."""
     curve, involute = body.curve, body.involute
     assert involute is not None
-    ends = np.linspace(curve.breaks[:-1], curve.breaks[1:], PLACES, endpoint=False)
-    s = np.append(ends.T.ravel(), curve.breaks[-1])
+    s = along(curve, PLACES)
     x, y = curve.point(s).T
     angle = np.arctan2(y, x) - involute.polar_angle_at(pitch_radius)
     return (

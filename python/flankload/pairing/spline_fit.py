@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.errors import SceneError
+from flankload.pairing.interference import along
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -203,9 +204,7 @@ def _check_roots(shaft: Body, hub: Body, fit: SplineFit) -> None:
 
 def _places(body: Body) -> tuple[Floats, Floats]:
     """Radii, ascending, and polar angles of points on a flank."""
-    curve = body.curve
-    ends = np.linspace(curve.breaks[:-1], curve.breaks[1:], PLACES, endpoint=False)
-    x, y = curve.point(np.append(ends.T.ravel(), curve.breaks[-1])).T
+    x, y = body.curve.point(along(body.curve, PLACES)).T
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
     order = np.argsort(radius, kind="stable")
     return radius[order], angle[order]

@@ -14,7 +14,7 @@ import numpy as np
 
 from flankload.contact.sweep import FlankContact, sweep
 from flankload.errors import ContactError
-from flankload.pairing.coast_sites import coast_sites
+from flankload.pairing.pairing import coast_sites
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

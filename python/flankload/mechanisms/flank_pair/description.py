@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 def describe(scene: Scene) -> Description:
     """Describe bodies, pairing and effects; raises a SceneError if they are impossible."""
     pair = build_bodies(scene)
-    for body in (pair.body_1, pair.body_2):
+    for body in pair.bodies:
         if body.given is not None:
             compliance_of(body, scene)  # detects errors in its file at negligible cost
     switches = switches_of(scene)

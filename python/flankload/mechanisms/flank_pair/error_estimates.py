@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from flankload.analysis.error_rules import Left
     from flankload.contact.sweep import Sweep
-    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.flank_pair.states import FlankStates
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.pairing.body_pair import BodyPair
@@ -27,11 +27,7 @@ if TYPE_CHECKING:
 
 
 def error_estimates(
-    scene: Scene,
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    states: FlankStates,
-    clock: StageClock,
+    scene: Scene, pair: BodyPair, compliances: Compliances, states: FlankStates, clock: StageClock
 ) -> list[Mapping[str, object] | None]:
     """Estimate the errors of the states, one entry per torque, as the result shows it.
 
@@ -70,9 +66,7 @@ def error_estimates(
     return estimates
 
 
-def _variants(
-    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> dict[str, dict[str, object]]:
+def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, dict[str, object]]:
     """Arguments of the sweeps that show the errors of degrees along the axis and of slices."""
     if pair.slices is None:
         return {}
@@ -81,7 +75,7 @@ def _variants(
 
 
 def _sources(
-    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance], face_width_mm: float
+    pair: BodyPair, compliances: Compliances, face_width_mm: float
 ) -> dict[str, Callable[[Sweep], dict[str, Left]]]:
     """Sources of errors that follow from a sweep itself: tips, positions, other teeth."""
     sources: dict[str, Callable[[Sweep], dict[str, Left]]] = {}
@@ -104,9 +98,7 @@ def _sources(
     return sources
 
 
-def unseen_notes(
-    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> tuple[str, ...]:
+def unseen_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:
     """Notes on bodies whose discretization error the estimate does not include."""
     if pair.slices is not None:
         jumps = any(body.axial and body.axial.regions for body in pair.bodies)

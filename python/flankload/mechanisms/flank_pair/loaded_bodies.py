@@ -13,7 +13,7 @@ from flankload.elasticity.prism.loaded_prism import loaded_prism
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import prism_of
-from flankload.pairing.coast_sites import coast_sites
+from flankload.pairing.pairing import coast_sites
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -138,9 +138,7 @@ class BodyOfPair:
         shape, slices = result.drawing.axial[0], result.slices
         carries = table.force_N > 0
         x, weights = np.polynomial.legendre.leggauss(POINTS)
-        site, cell, normal_N = (
-            column[carries] for column in (table.site, table.cell_mm, table.force_N)
-        )
+        site, cell, normal_N = table.site[carries], table.cell_mm[carries], table.force_N[carries]
         s = (table.arc_length_1_mm, table.arc_length_2_mm)[self.number][carries]
         s = self.on_elements((s[:, None] + 0.5 * cell[:, None] * x).ravel())
         normal = np.column_stack([table.normal_x, table.normal_y])[carries]

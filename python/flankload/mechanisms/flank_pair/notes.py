@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.result import Result
 
@@ -38,10 +39,7 @@ FEWER_DO = 1.2
 
 
 def notes_of_sweep(
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    found: Sweep,
-    face_width_mm: float,
+    pair: BodyPair, compliances: Compliances, found: Sweep, face_width_mm: float
 ) -> Iterator[str]:
     """Warnings about the states of a sweep."""
     yield from wide_nodes_notes(

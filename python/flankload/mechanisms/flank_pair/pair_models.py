@@ -30,9 +30,9 @@ from flankload.mechanisms.flank_pair.prism_rates import PrismRates, coarse_compl
 from flankload.mechanisms.flank_pair.stages import compliance_of, modes_of
 from flankload.mechanisms.toggles import with_keys, with_rigid
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.coast_sites import coast_sites
 from flankload.pairing.expansion import growth_of
 from flankload.pairing.friction import friction_of
+from flankload.pairing.pairing import coast_sites
 from flankload.scene.discretization import Discretization, Grid
 from flankload.scene.effects import effects_of, is_spatial
 from flankload.scene.effects.rules import check_coast_kinds
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies import Body
     from flankload.bodies.carrying_shaft import CarryingShaft
+    from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.toggles import Toggle
     from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
@@ -111,7 +112,7 @@ class PairModels:
 
     def _body(self, scene: Scene, z: int, *, tip_contact: bool) -> Body:
         """A body as another scene has it; its elements stay, if its curve is another one."""
-        body, spec = (self._pair.body_1, self._pair.body_2)[z], (scene.body_1, scene.body_2)[z]
+        body, spec = self._pair.bodies[z], (scene.body_1, scene.body_2)[z]
         mine = (self._scene.body_1, self._scene.body_2)[z]
         if body.mesh is None and body.given is None and not spec.rigid:
             if z not in self._meshes:
@@ -207,30 +208,30 @@ class PairModels:
     def _needs_elements(self, scene: Scene, z: int) -> bool:
         pair = self.assembly(scene)
         growth = pair.growth[z]
-        elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]
+        elastic = pair.elastic[z]
         return elastic or (growth is not None and growth.needs_elements)
 
     def _variant(self, scene: Scene, z: int) -> _Variant:
         """What is built of a sector: in three dimensions and on which shaft, how many, growing."""
         pair = self.assembly(scene)
-        axial, growth = (pair.body_1, pair.body_2)[z].axial, pair.growth[z]
+        axial, growth = pair.bodies[z].axial, pair.growth[z]
         grows = growth if growth is not None and growth.needs_elements else None
         carrying = None if axial is None else axial.carrying
         return (carrying or is_spatial(scene).on), scene.sectors, grows
 
-    def sections(self, pair: BodyPair) -> tuple[BodyCompliance, BodyCompliance]:
+    def sections(self, pair: BodyPair) -> Compliances:
         """Plane compliances on the elements of coarse three-dimensional bodies."""
-        bodies, coupled = (pair.body_1, pair.body_2), self._scene.effects.tooth_coupling
+        bodies, coupled = pair.bodies, self._scene.effects.tooth_coupling
         one, two = (self._sections.get(z) or no_compliance(bodies[z]) for z in (0, 1))
         return (one, two) if coupled else (one.without_coupling(), two.without_coupling())
 
-    def compliances(self, scene: Scene, pair: BodyPair) -> tuple[BodyCompliance, BodyCompliance]:
+    def compliances(self, scene: Scene, pair: BodyPair) -> Compliances:
         """Compliances of both bodies."""
         return self.compliance(scene, pair, 0), self.compliance(scene, pair, 1)
 
     def compliance(self, scene: Scene, pair: BodyPair, z: int) -> BodyCompliance:
         """Compliance of a body, before it grows as a whole."""
-        body, growth = (pair.body_1, pair.body_2)[z], pair.growth[z]
+        body, growth = pair.bodies[z], pair.growth[z]
         if not self._needs_elements(scene, z):
             return no_compliance(body, growth)
         found = self._jobs[z].get(self._variant(scene, z)) or self._given(scene, body, z)

@@ -3,6 +3,10 @@
 Each effect is another sweep of few positions, with few modes and wide cells; what the sweeps take
 stands in `pair_models`. The run costs what its bodies, elements and states took here, scaled by
 what is counted.
+
+Nodal forces lead to the same states as pressure modes at a hundred times the cost, so none are
+solved for. Their error depends on the node spacing divided by the half-width of the contact;
+docs/guide/effects.md compares the law with runs.
 """
 
 from __future__ import annotations
@@ -14,28 +18,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.analysis.estimate import n_sweeps
-from flankload.analysis.tangent import SIDES
 from flankload.bodies import SectorMesh
 from flankload.cost import Account, held_bytes
+from flankload.elasticity.nodal_loads import nodes_of
 from flankload.errors import ContactError
 from flankload.mechanisms.effect_size import Size, States
 from flankload.mechanisms.element_rates import unknowns_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.duration import duration_of
 from flankload.mechanisms.flank_pair.pair_models import COARSE, PairModels, screened
 from flankload.mechanisms.flank_pair.prediction import (
-    SLICE_VARIANTS,
+    duration_of,
     elements_estimated,
+    estimate_sweeps,
     predicted_work,
+    states_of,
 )
 from flankload.mechanisms.flank_pair.premises import blame_load, broken_by_geometry, broken_by_load
-from flankload.mechanisms.flank_pair.screened_nodes import nodal_size, node_spacings
 from flankload.mechanisms.flank_pair.stages import contact_of, grown_pair, swept
 from flankload.mechanisms.premises import held
 from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles, with_keys
 from flankload.pairing.body_pair import BodyPair
+from flankload.pairing.node_spacing import half_widths_apart, spacing_for_loads
 from flankload.result.geometry import PairGeometry, pair_geometry
 from flankload.result.slices import face_load_factors
 from flankload.scene.discretization import Grid
@@ -72,6 +76,13 @@ OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
 RUNG_S, RUNGS = 0.3, 6.0
 #: Evaluation points in the root fillets of a tooth.
 PLACES = 40
+#: Part of the wind-up per half-width of node spacing: largest at a position, and mean.
+LARGEST, MEAN = 0.06, 0.02
+#: Limits for nodes much further apart than the contact width, independent of their spacing: for
+#: both bodies; for one body in addition to the error of the other; for one body in the mean.
+MOST_LARGEST, MOST_BEYOND, MOST_MEAN = 0.22, 0.056, 0.1
+#: Load share divided by the difference between largest and mean amount.
+SHARE = 1.5
 #: Least duration of a call of the core, s.
 TINY_S = 1e-5
 #: CPU seconds of the plane elements behind the error estimate of a prism, as part of the prism's.
@@ -326,7 +337,7 @@ class FlankPairScreening(Screening):
         self, scene: Scene, pair: BodyPair, z: int, counters: dict[str, int]
     ) -> tuple[float, dict[str, int]]:
         """Factors of unknowns and loads if nodes are close enough for nodal forces."""
-        body, spacing = pair.bodies[z], node_spacings(scene, pair)[z]
+        body, spacing = pair.bodies[z], _node_spacings(scene, pair)[z]
         if spacing is None or body.mesh is None:
             return 1.0, counters
         low, high = body.mode_range_mm
@@ -343,23 +354,13 @@ class FlankPairScreening(Screening):
         rate = self._rate
         slower = self._state_s.get(scene, rate.state_s) / rate.state_s
         positions = pair.position_rad.size * (ADAPTIVE_PART if pair.adaptive else 1.0)
-        loaded = sum(torque > 0 for torque in scene.torques_Nm)
-        lumped = pair.effects.lumped_contact
-        numbers = {"sweep": (1, len(scene.torques_Nm), rate.state_s)}
-        if scene.accuracy.tangents and not lumped:
-            numbers["tangent"] = (1, len(SIDES) * loaded, rate.state_s)
-        if scene.accuracy.estimate:
-            sweeps = n_sweeps(
-                lumped=lumped,
-                elements=bool(elements_estimated(pair)),
-                variants=0 if pair.slices is None else SLICE_VARIANTS,
-            )
-            numbers["estimate"] = (sweeps, sweeps * loaded, rate.coarser_s)
         stages = {}
-        for name, (calls, torques, state_s) in numbers.items():
+        for name, torques in states_of(scene, pair).items():
+            calls, state_s, counters = 1, rate.state_s, rate.sweep.counters
+            if name == "estimate":
+                calls, state_s, counters = estimate_sweeps(pair), rate.coarser_s, {}
             states = positions * torques
             part = states / rate.states
-            counters = rate.sweep.counters if name != "estimate" else {}
             stages[name] = Account(
                 cpu_s=calls * rate.call_s + states * state_s * slower,
                 bytes=round(rate.sweep.bytes * part) if name == "sweep" else 0,
@@ -398,3 +399,53 @@ def _face_load_factor(found: Sweep) -> float | None:
 def _every(positions: Floats, most: int) -> slice:
     """At most so many of some positions, evenly spread, the first among them."""
     return slice(None, None, max(1, -(-positions.size // most)))
+
+
+# --- nodal forces ---------------------------------------------------------------------------------
+def _node_spacings(scene: Scene, pair: BodyPair) -> list[float | None]:
+    """Node spacing of each body, mm, if the scene had nodal forces; None without elements.
+
+    `pair` is that of the scene, with or without nodal forces.
+    """
+    bodies = pair.bodies
+    wanted = scene.accuracy.flank_element_mm
+    if wanted is None:
+        wanted = spacing_for_loads(bodies, scene.torques_Nm, scene.pair.face_width_mm)
+    spacings: list[float | None] = []
+    for z, body in enumerate(bodies):
+        if body.mesh is None or body.rigid:
+            spacings.append(None)
+        elif pair.effects.nodal_near_field or f"body_{z + 1}.file" in scene.files:
+            spacings.append(float(np.diff(nodes_of(body.mesh)).max()))
+        else:
+            spacings.append(wanted)
+    return spacings
+
+
+def nodal_size(
+    scene: Scene, pair: BodyPair, states: States, unloaded_rad: NDArray[np.float64]
+) -> Size | None:
+    """Size of the effect of nodal forces; None without torque, or if neither body has elements.
+
+    `scene` has nodal forces; `states` are those of the least torque: the narrowest contact has the
+    largest error. `unloaded_rad` (P,) is the rotation without torque.
+    """
+    spacings = [each for each in _node_spacings(scene, pair) if each is not None]
+    if not spacings or states.torque_Nm <= 0.0:
+        return None
+    bodies = pair.bodies
+    least = half_widths_apart(bodies, min(spacings), states.torque_Nm, scene.pair.face_width_mm)
+    if least is None:
+        return None
+    parts = np.array(spacings) * least / min(spacings)
+    both, beyond = parts.min(), parts.max() - parts.min()
+    largest = min(LARGEST * both, MOST_LARGEST) + min(0.5 * LARGEST * beyond, MOST_BEYOND)
+    mean = float(np.minimum(MEAN * parts, MOST_MEAN).mean())
+    wind_up = float(np.max(states.rotation_rad - unloaded_rad))
+    return Size(
+        rotation_mean=-mean,
+        rotation_largest=float(largest),
+        rotation_um=1000.0 * pair.body_1.reference_radius_mm * float(largest) * wind_up,
+        load_share=SHARE * (float(largest) - mean) if states.load_share.shape[1] > 1 else 0.0,
+        torque_Nm=states.torque_Nm,
+    )

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
     from flankload.scene.discretization import Grid
 
+Compliances = tuple[BodyCompliance, BodyCompliance]
 #: Number of linear steps of each force for finite influence coefficients. For coefficients that
 #: increase in proportion to the force, 10 steps have 5 % more of that increase than infinitely many
 #: steps, 3 steps 14 %.
@@ -148,7 +149,7 @@ def _in_scene(
 
 def compliances_of(
     scene: Scene, pair: BodyPair, clock: StageClock, kept: Kept, parts: Parts | None = None
-) -> tuple[BodyCompliance, BodyCompliance]:
+) -> Compliances:
     """Solve one finite-element job for each elastic body without imported compliance.
 
     Those that are missing in `kept` are added to it. A compliance that is found in `parts`, those
@@ -194,9 +195,7 @@ def compliances_of(
     return found[0], found[1]
 
 
-def with_compliance_period(
-    scene: Scene, pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> BodyPair:
+def with_compliance_period(scene: Scene, pair: BodyPair, compliances: Compliances) -> BodyPair:
     """Add the positions that teeth of different compliance need."""
     part = ALIKE * scene.accuracy.tolerance
     one, two = (
@@ -209,9 +208,7 @@ def with_compliance_period(
     return replace(longer, standing_note=pair.standing_note)
 
 
-def grown_pair(
-    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> tuple[BodyPair, tuple[BodyCompliance, BodyCompliance]]:
+def grown_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, Compliances]:
     """Apply the expansion of whole bodies to both; later stages are independent of its origin."""
     if not any(compliance.expansion.strain for compliance in compliances):
         return pair, compliances
@@ -230,10 +227,7 @@ def grown_pair(
 
 
 def contact_of(
-    scene: Scene,
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    grid: Grid | None = None,
+    scene: Scene, pair: BodyPair, compliances: Compliances, grid: Grid | None = None
 ) -> FlankContact:
     """The contact of the bodies of a scene, on the cells of their discretization or others."""
     return FlankContact(

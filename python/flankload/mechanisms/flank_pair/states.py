@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from flankload.analysis.adaptive_positions import PositionErrors
     from flankload.contact.sweep import FlankContact, Sweep
-    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.geometry import PairGeometry
@@ -64,10 +64,7 @@ class FlankStates:
 
 
 def flank_states(
-    scene: Scene,
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    clock: StageClock,
+    scene: Scene, pair: BodyPair, compliances: Compliances, clock: StageClock
 ) -> tuple[BodyPair, FlankStates]:
     """Sweep a flank pair under all torques; return also the pair at all positions.
 
@@ -102,11 +99,7 @@ def flank_states(
 
 
 def continued_states(
-    scene: Scene,
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    clock: StageClock,
-    similar: FlankStates,
+    scene: Scene, pair: BodyPair, compliances: Compliances, clock: StageClock, similar: FlankStates
 ) -> tuple[BodyPair, FlankStates]:
     """As `flank_states`, from those of a solved pair that differs by a small step; no tangents."""
     pair = replace(pair, position_rad=similar.position_rad, adaptive=False)
