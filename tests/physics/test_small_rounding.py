@@ -20,8 +20,7 @@ from scipy.optimize import brentq
 from flankload.contact.sweep import FlankContact, sweep
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.flank import CurvePiece, fit_flank_curve
-from flankload.pairing.pairing import Pairing
-from flankload.pairing.period import Period
+from flankload.pairing.pairing import Pairing, Period
 from flankload.scene.discretization import Grid
 
 #: The contact lies at (LEVER, 0), its normal along y; far from O1, so that levers hardly differ.

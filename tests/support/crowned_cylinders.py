@@ -12,8 +12,7 @@ from scipy.special import ellipe, ellipk
 from flankload.contact.core_call import Level
 from flankload.contact.sweep import FlankContact, Sweep, sweep
 from flankload.elasticity.compliance import AxialModes, BodyCompliance, FlankModes, NearField
-from flankload.pairing.pairing import Pairing
-from flankload.pairing.period import Period
+from flankload.pairing.pairing import Pairing, Period
 from flankload.pairing.slices import Slices
 from flankload.scene.discretization import Grid
 from tests.support.pressed_cylinders import arc

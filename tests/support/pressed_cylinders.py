@@ -11,8 +11,7 @@ from flankload.contact.core_call import Level
 from flankload.contact.sweep import FlankContact, sweep
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
-from flankload.pairing.pairing import Pairing
-from flankload.pairing.period import Period
+from flankload.pairing.pairing import Pairing, Period
 from flankload.scene.discretization import Grid
 from tests.support.paths import REFERENCE_SOLUTIONS
 

@@ -72,7 +72,7 @@ def sweep_splines(
 
 def conforming_slices(contact: FlankContact) -> ConformingSlices:
     """Reduce both bodies, whose slices have a common height, to one unknown per slice."""
-    pairing, slices, height = _of_splines(contact)
+    pairing, slices, height, _ = _of_splines(contact)
     fields = [
         StripField.of(compliance, body.teeth, s, height.strip_mm, slices.edges_mm)
         for body, compliance, s in zip(
@@ -94,26 +94,20 @@ def conforming_slices(contact: FlankContact) -> ConformingSlices:
     )
 
 
-def _of_splines(contact: FlankContact) -> tuple[Pairing, Slices, CommonHeight]:
-    """What the contact of splines consists of."""
-    assert contact.slices is not None
-    assert contact.slices.conforming is not None
-    return contact.pairing, contact.slices, contact.slices.conforming
-
-
-def _base_mm(contact: FlankContact) -> float:
-    """Lever of all normals."""
-    base_mm = contact.bodies[0].base_radius_mm
+def _of_splines(contact: FlankContact) -> tuple[Pairing, Slices, CommonHeight, float]:
+    """Pairing, slices, their common height and the lever of all normals."""
+    slices, base_mm = contact.slices, contact.bodies[0].base_radius_mm
+    assert slices is not None
+    assert slices.conforming is not None
     assert base_mm is not None
-    return base_mm
+    return contact.pairing, slices, slices.conforming, base_mm
 
 
 def _gaps(contact: FlankContact) -> Floats:
     """Gaps (S, J) of teeth on a common axis: pitch errors, lead modifications, slopes of teeth."""
-    pairing, slices, _ = _of_splines(contact)
+    pairing, slices, _, base_mm = _of_splines(contact)
     one, two = pairing.site_angles_rad
-    turned_mm = _base_mm(contact) * (two - one)[:, None]
-    gaps = turned_mm + slices.removed_mm[0] + slices.removed_mm[1]
+    gaps = base_mm * (two - one)[:, None] + slices.removed_mm[0] + slices.removed_mm[1]
     for of_teeth, teeth in zip(slices.of_teeth_mm, pairing.site_teeth, strict=True):
         if of_teeth is not None:
             gaps = gaps + of_teeth[teeth]
@@ -132,7 +126,7 @@ def conforming_sweep(
 
     Called as progress(done, P) after each position.
     """
-    (pairing, slices, height), base_mm = _of_splines(contact), _base_mm(contact)
+    pairing, slices, height, base_mm = _of_splines(contact)
     turns = pairing.turns(position_rad)[0][:, None] + pairing.site_angles_rad[0]
     states: list[list[_State]] = [[] for _ in torques_Nmm]
     for p, angles in enumerate(turns):

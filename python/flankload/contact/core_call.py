@@ -46,14 +46,9 @@ CORE_COUNTERS = (
 class Found:
     """Outputs of the core for P positions and T torques; S sites.
 
-    Attributes
-    ----------
-    status, rotation_rad, tangent_rad_per_Nmm, n_pairs, first_pair : (P, T) arrays
-        `first_pair` is -1 where no pair is stored.
-    certificate, counters : (3, P, T) and (7, P, T) arrays
-    site_force_N, site_peak_N_per_mm, site_corner : (S, P, T) arrays
-    pair_site, pair_table : (N,) and (N, columns) arrays
-        Pairs of all states.
+    Arrays are (P, T), with another axis in front for certificate (3), counters (7) and sites (S).
+    `first_pair` is -1 where no pair is stored; `pair_site` (N,) and `pair_table` (N, columns) have
+    the pairs of all states.
     """
 
     status: NDArray[np.int64]
@@ -119,18 +114,9 @@ class KnownContacts:
 class CoreCall:
     """The constant arguments of the core, and its call.
 
-    Attributes
-    ----------
-    contact : FlankContact
-    n_sites : int
-        Of the core, which has several for each pair of flanks.
-    motion : (4, P) array
-        Angles of both bodies, rad, and their speeds, rad per rad of the position.
-    torques_Nmm : (T,) array
-    records : two arrays
-        From `body_records`.
-    account, progress, watched, known
-        As in `sweep`.
+    `n_sites` are those of the core, which has several for each pair of flanks; `motion` (4, P) has
+    the angles of both bodies, rad, and their speeds, rad per rad of the position; `records` are
+    from `body_records`.
     """
 
     contact: FlankContact
@@ -228,20 +214,8 @@ class CoreCall:
         _count(status, work, self.account)
         used = int(np.max(first_pair - 1 + n_pairs, initial=0, where=first_pair > 0))
         site[:used] -= 1
-        return Found(
-            status=status,
-            rotation_rad=rotation,
-            tangent_rad_per_Nmm=tangent,
-            certificate=certificate,
-            counters=work,
-            site_force_N=force,
-            site_peak_N_per_mm=peak,
-            site_corner=corner,
-            n_pairs=n_pairs,
-            first_pair=first_pair - 1,
-            pair_site=site[:used],
-            pair_table=table[:used],
-        )
+        states = (status, rotation, tangent, certificate, work, force, peak, corner, n_pairs)
+        return Found(*states, first_pair - 1, site[:used], table[:used])
 
 
 def _count(status: NDArray[Any], counters: NDArray[Any], account: Account) -> None:
@@ -257,19 +231,11 @@ def call_and_watch(
     *,
     tell: Callable[[int], None] | None = None,
 ) -> Outcome:
-    """Return the value of a call of the core, which runs in a separate thread.
+    """Return the value of a call of the core, which runs in a separate thread without the GIL.
 
     An exception during the waiting (Ctrl-C, or from `tell`) stops the core and is raised again once
-    the core has returned.
-
-    Parameters
-    ----------
-    call : callable
-        Releases the GIL while it runs.
-    control : (2,) array of C ints
-        Shared with the core: [0] requests it to stop, [1] is the completed work.
-    tell : callable, optional
-        Called with control[1] several times a second.
+    the core has returned. `control`, two C ints, is shared with the core: [0] requests it to stop,
+    [1] is the completed work, with which `tell` is called several times a second.
     """
     outcome: list[Outcome] = []
     failure: list[BaseException] = []

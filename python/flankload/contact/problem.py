@@ -33,25 +33,13 @@ _FEW_PAIRS = 60
 
 @dataclass(frozen=True)
 class ContactProblem:
-    """A contact problem in the general form.
+    """A contact problem of n pairs in the general form, its arrays in Fortran order.
 
-    Attributes
-    ----------
-    compliance : ndarray of shape (n, n)
-        K [mm/N], Fortran order.
-    gaps : ndarray of shape (n,)
-        g0 [mm].
-    motions, load_rows : ndarray of shape (n, q)
-        B and R, Fortran order.
-    names : tuple of str
-        Names of K for the caller, in errors of an entry and of the whole.
-    structure : int
-        Properties of K that are passed to the core.
-    gap_scale : ndarray of shape (n,) or float
-        Divisors of final gaps: the row scales of the angle form, else one.
-    load_unit : float
-        Divisor of loads and load rows: the row scale of the angle form if it is the same for all
-        rows, else one.
+    `compliance` K [mm/N] is (n, n), `gaps` g0 [mm] (n,), `motions` B and `load_rows` R are (n, q).
+    `names` are those of K for the caller, in errors of an entry and of the whole; `structure` has
+    the properties of K that are passed to the core. `gap_scale` divides final gaps: the row scales
+    of the angle form, else one. `load_unit` divides loads and load rows: the row scale of the angle
+    form if it is the same for all rows, else one.
     """
 
     compliance: Vector

@@ -120,18 +120,16 @@ class ContactState(Card, KeepsReadOnly):
 
 
 def _undetermined_groups(
-    compliance: Vector, load_rows: Vector, forces: Vector, gaps: Vector, status: int
-) -> tuple[tuple[int, ...], ...]:
+    compliance: Vector, load_rows: Vector, forces: Vector, gaps: Vector
+) -> list[list[int]]:
     """Groups of touching pairs of which only the sum of the forces is determined.
 
     Directions in force space that change neither gaps nor loads: right singular vectors of the
     equilibrated equations with small singular values. Pairs that one of them couples are one group.
     """
-    if status <= 0:
-        return ()
     touching = np.flatnonzero(gaps <= 0.0)
     if touching.size < 2 or not forces.any():
-        return ()
+        return []
     scale = 1.0 / np.sqrt(compliance.diagonal()[touching])
     rows = load_rows[touching].T * scale
     rows = rows / np.maximum(np.abs(rows).max(axis=1, keepdims=True), np.finfo(float).tiny)
@@ -149,8 +147,8 @@ def _undetermined_groups(
             front = {k for k in left if linked[k, list(front)].any()}
             left -= front
             group |= front
-        groups.append(tuple(sorted(int(touching[k]) for k in group)))
-    return tuple(sorted(groups))
+        groups.append([int(touching[k]) for k in group])
+    return groups
 
 
 class CoreAnswer(NamedTuple):
@@ -221,18 +219,14 @@ def _undetermined(
     columns: Vector | None,
 ) -> tuple[tuple[int, ...], ...]:
     """Groups of pairs of which only the sum is determined, numbered among all pairs."""
-    if known is None or columns is None:
-        return _undetermined_groups(
-            problem.compliance, problem.load_rows, answer.forces, answer.gaps, answer.code
-        )
+    if answer.code <= 0:
+        return ()
+    own: NDArray[np.integer] = np.arange(problem.n) if known is None else known
+    compliance = problem.compliance if columns is None else columns[own]
     groups = _undetermined_groups(
-        columns[known],
-        problem.load_rows[known],
-        answer.forces[known],
-        answer.gaps[known],
-        answer.code,
+        compliance, problem.load_rows[own], answer.forces[own], answer.gaps[own]
     )
-    return tuple(sorted(tuple(sorted(int(known[k]) for k in group)) for group in groups))
+    return tuple(sorted(tuple(sorted(int(own[k]) for k in group)) for group in groups))
 
 
 def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> ContactError:

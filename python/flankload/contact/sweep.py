@@ -10,7 +10,7 @@ import numpy as np
 from flankload.contact.body_record import body_records
 from flankload.contact.core_call import CORE_COUNTERS, CoreCall, Found, KnownContacts, Level
 from flankload.contact.pair_table import PackedPairs, join_pairs
-from flankload.contact.sweep_failure import raise_first_failure
+from flankload.contact.status import raise_first_failure
 from flankload.cost import Account
 
 if TYPE_CHECKING:
@@ -183,16 +183,16 @@ def sweep(
     """Solve all positions for all torques in one call of the core.
 
     The core runs beside the main thread: Ctrl-C, or an exception from `progress`, stops it within
-    milliseconds. The result for a torque at a position is bitwise independent of other torques,
-    other positions and the number of threads.
+    milliseconds, unless it is not `watched`: a very short call needs no thread. The result for a
+    torque at a position is bitwise independent of other torques, other positions and the number of
+    threads.
 
     Parameters
     ----------
-    contact : FlankContact
     position_rad : (P,) array
         Angle of body 1 from position zero.
     torques_Nmm : sequence of float
-        Torques on body 1, >= 0.
+        Torques on body 1, >= 0: each has a Sweep in the result.
     known : KnownContacts, optional
         Pairs in contact in a similar sweep (`known_contacts`): states with as many pairs are those
         of these, without a search and without a certificate.
@@ -202,12 +202,6 @@ def sweep(
         Account of all work of the core, including that for states without a solution.
     progress : callable, optional
         Called as progress(done, P) several times a second.
-    watched : bool
-        Whether Ctrl-C stops the core within milliseconds; a very short call needs no thread.
-
-    Returns
-    -------
-    tuple of Sweep, one per torque
 
     Raises
     ------
@@ -311,27 +305,20 @@ def _motion(contact: FlankContact, position_rad: NDArray[np.float64]) -> NDArray
 
 def _sweep_of(found: Found, pairing: Pairing, t: int, torque_Nmm: float) -> Sweep:
     """Results for one torque; those of coast flanks separately."""
-    n = len(found.site_force_N) // (1 if pairing.coast is None else 2)
+    sites = ("site_force_N", "site_peak_N_per_mm", "site_corner")
+    of_torque: dict[str, Any] = {name: part[..., t].T for name, part in found.states.items()}
     pairs, coast = found.pairs_of(t), None
-    force, peak = found.site_force_N[..., t].T, found.site_peak_N_per_mm[..., t].T
-    corner = found.site_corner[..., t].T
     if pairing.coast is not None:
+        n = of_torque["site_force_N"].shape[1] // 2
         pairs, coast_pairs = pairs.parted_at(n)
-        coast = CoastSweep(force[:, n:], peak[:, n:], corner[:, n:], coast_pairs)
+        coast = CoastSweep(**{name: of_torque[name][:, n:] for name in sites}, pairs=coast_pairs)
+        of_torque |= {name: of_torque[name][:, :n] for name in sites}
     return Sweep(
         torque_Nmm=torque_Nmm,
-        status=found.status[:, t],
-        rotation_rad=found.rotation_rad[:, t],
-        tangent_rad_per_Nmm=found.tangent_rad_per_Nmm[:, t],
-        certificate=found.certificate[..., t].T,
-        counters=found.counters[..., t].T,
-        site_force_N=force[:, :n],
-        site_peak_N_per_mm=peak[:, :n],
-        site_corner=corner[:, :n],
-        site_force_per_torque=force[:, :n] / (torque_Nmm or 1.0),
-        n_pairs=found.n_pairs[:, t],
+        site_force_per_torque=of_torque["site_force_N"] / (torque_Nmm or 1.0),
         pairs=pairs,
         coast=coast,
+        **of_torque,
     )
 
 

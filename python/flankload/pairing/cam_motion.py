@@ -291,21 +291,11 @@ def zeros_on(
     apart: Floats,
     rest: Callable[[Places], tuple[Floats, Floats]],
 ) -> tuple[NDArray[np.int64], Floats]:
-    """Points of a closed curve at which a function changes its sign, at each position.
+    """Points of a closed curve at which a function changes its sign, at each of P positions.
 
-    Parameters
-    ----------
-    samples : Places
-        All around the curve; the last one equals the first.
-    apart : (P, 2) array
-        Vector that is added to the points at each position.
-    rest : callable
-        Values (m,) at Places (m,), and their derivatives by arc length.
-
-    Returns
-    -------
-    position, s : (k,) arrays
-        Index of the position, and arc length, accurate to rounding.
+    `samples` are all around the curve, the last one equals the first; `apart` (P, 2) is added to
+    the points at each position. `rest` returns values (m,) at Places (m,), and their derivatives by
+    arc length. Returns positions (k,) and arc lengths (k,), accurate to rounding.
     """
     count, n = len(apart), samples.s.size
     value, _ = rest(samples.repeated(count).seen_from(np.repeat(apart, n, axis=0)))

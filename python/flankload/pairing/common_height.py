@@ -40,17 +40,12 @@ class CommonHeight:
     strip_mm : float
         Length of a strip along the profile.
     normal : (N, 2) array
-        Normals out of the shaft there, in the frame of the shaft.
-    middle_mm, middle_normal : (2,) arrays
-        Place and normal in the middle of the height, in the frame of the shaft.
-    middle_s_mm : (float, float)
-        Its arc lengths on both flanks.
-    axis_mm : (2,) array
-        Place of the hub's axis at z = `middle_z_mm`, from the shaft's.
-    tilt : (2,) array
-        Displacement of the hub's axis per length along z.
-    middle_z_mm : float
-        Middle of the common face width, where the hub's axis does not move by its tilt.
+        Normals out of the shaft there, in its frame.
+    middle_mm, middle_normal, middle_s_mm : (2,) arrays and (float, float)
+        Place, normal and arc lengths on both flanks of the middle of the height.
+    axis_mm, tilt : (2,) arrays
+        Place of the hub's axis at z = `middle_z_mm`, the middle of the common face width, from the
+        shaft's, and its displacement per length along z.
     """
 
     s_mm: tuple[Floats, Floats]

@@ -32,17 +32,7 @@ KG_M3 = 1e-12
 
 @dataclass(frozen=True)
 class Growth:
-    """Causes of the expansion of a body.
-
-    Attributes
-    ----------
-    strain : float
-        alpha dT of the body.
-    held_strain : float
-        alpha dT of its support.
-    speed_rad_per_s : float
-    density_Ns2_per_mm4 : float
-    """
+    """Causes of the expansion of a body: speed, density, strains alpha dT of body and support."""
 
     strain: float = 0.0
     held_strain: float = 0.0

@@ -10,6 +10,8 @@ import numpy as np
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
@@ -27,15 +29,9 @@ STEPS = 32
 class Friction:
     """Coulomb friction at S sites.
 
-    Attributes
-    ----------
-    places_mm : (n,) array
-        Arc lengths on flank 1, ascending.
-    coefficients : (n, S) array
-        Coefficients at these arc lengths; linear between them, constant beyond.
-    sense : int
-        1 if body 1 drives and turns in the sense of its torque, -1 if it is driven against its
-        torque.
+    `coefficients` (n, S) are those at ascending arc lengths (n,) on flank 1; linear between them,
+    constant beyond. `sense` is 1 if body 1 drives and turns in the sense of its torque, -1 if it is
+    driven against its torque.
     """
 
     places_mm: NDArray[np.float64]
@@ -127,12 +123,10 @@ def _arc_lengths(body: Body, radius: NDArray[np.float64]) -> NDArray[np.float64]
     return np.asarray(np.interp(radius, distance, s))
 
 
-def friction_notes(friction: Friction | None, pairing: Pairing) -> tuple[str, ...]:
+def friction_notes(friction: Friction | None, pairing: Pairing) -> Iterator[str]:
     """Remarks on the friction of a pair for the user."""
-    if friction is None or pairing.center_distance_mm > 0.0:
-        return ()
-    note = (
-        "on common axes both bodies turn together and no flank slides: friction does nothing "
-        "(pair.center_offset_mm parts the axes)"
-    )
-    return (note,)
+    if friction is not None and pairing.center_distance_mm <= 0.0:
+        yield (
+            "on common axes both bodies turn together and no flank slides: friction does nothing "
+            "(pair.center_offset_mm parts the axes)"
+        )

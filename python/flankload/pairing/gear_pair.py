@@ -86,10 +86,6 @@ class _Pair:
         """Distance from O1 at which a circle about O2 intersects the line of centres, mm."""
         return self.sense * (self.distance - radius_2)
 
-    def bound(self, value: float, *, least: bool) -> str:
-        """A limit of the centre distance in words; for internal teeth least and largest swap."""
-        return f"{'more' if least == (self.sense > 0) else 'less'} than {value:.4f} mm"
-
 
 def gear_mesh(
     body_1: Body,
@@ -298,11 +294,11 @@ def _check_clearances(pair: _Pair) -> None:
         ("2", "1", pair.on_centers(two.tip_radius_mm) - one.root_radius_mm),
     ):
         if clearance <= 0.0:
-            side = "small" if pair.sense > 0 else "large"
+            bound, side = ("more", "small") if pair.sense > 0 else ("less", "large")
             raise SceneError(
                 key=DISTANCE,
-                expected=f"{pair.bound(distance - pair.sense * clearance, least=True)}, where the "
-                f"tip of body_{name} clears the root of body_{other}",
+                expected=f"{bound} than {distance - pair.sense * clearance:.4f} mm, where the tip "
+                f"of body_{name} clears the root of body_{other}",
                 found=f"{distance:g} mm, {-clearance:.4f} mm too {side}",
             )
 

@@ -39,15 +39,18 @@ class HertzContact:
     flattening_mm: float
 
 
-def hertz_contact(body_1: Body, body_2: Body, force_N_per_mm: float) -> HertzContact | None:
-    """Hertz contact of both flanks under a force per width, away from root and tip.
+def _hertz_contact(
+    bodies: tuple[Body, Body], torque_Nm: float, face_width_mm: float
+) -> HertzContact | None:
+    """Hertz contact away from root and tip, with all of a torque on one flank.
 
     None without force, or if the flanks do not curve away from each other.
     """
-    curvature = sum(_middle_curvature(body) for body in (body_1, body_2))
+    force_N_per_mm = 1000 * torque_Nm / bodies[0].reference_radius_mm / face_width_mm
+    curvature = sum(_middle_curvature(body) for body in bodies)
     yielding = sum(
         (1 - body.material.poisson_ratio**2) / body.material.young_modulus_MPa
-        for body in (body_1, body_2)
+        for body in bodies
         if not body.rigid
     )
     if curvature <= 0.0 or force_N_per_mm <= 0.0 or yielding == 0.0:
@@ -66,8 +69,7 @@ def spacing_notes(
     loads = [torque for torque in torques_Nm if torque > 0]
     if not loads or not any(body.flank_nodes for body in bodies):
         return
-    force = 1000 * min(loads) / bodies[0].reference_radius_mm / face_width_mm
-    contact = hertz_contact(*bodies, force)
+    contact = _hertz_contact(bodies, min(loads), face_width_mm)
     if contact is None:
         return
     where = f"with {min(loads):g} N m on one flank"
@@ -97,7 +99,7 @@ def spacing_for_loads(
     torque = max(torques_Nm)
     if torque <= 0.0 or all(body.rigid for body in bodies):
         return None
-    contact = hertz_contact(*bodies, 1000 * torque / bodies[0].reference_radius_mm / face_width_mm)
+    contact = _hertz_contact(bodies, torque, face_width_mm)
     low, high = bodies[0].mode_range_mm
     widest = (high - low) / CONFORMING_NODES
     return widest if contact is None else min(widest, NODES_PART * contact.half_width_mm)
@@ -121,8 +123,7 @@ def wide_nodes_notes(
     face_width_mm: float,
 ) -> Iterator[str]:
     """Notes on nodes with forces, at arc lengths (n,), that are too far apart for the contact."""
-    force = 1000 * torque_Nm / bodies[0].reference_radius_mm / face_width_mm
-    contact = hertz_contact(*bodies, force)
+    contact = _hertz_contact(bodies, torque_Nm, face_width_mm)
     for name, nodes in zip(("body_1", "body_2"), nodes_mm, strict=True):
         if contact is None or nodes is None:
             continue

@@ -20,8 +20,8 @@ flank; if body 2 has internal teeth, it faces the other side of its own space.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import nan, pi
+from dataclasses import dataclass, replace
+from math import lcm, nan, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,7 +30,6 @@ from flankload.base.rounding import round_down, round_up
 from flankload.errors import SceneError
 from flankload.pairing.cam_motion import CamMotion, cam_motion
 from flankload.pairing.gear_pair import Mesh, gear_mesh
-from flankload.pairing.period import Period, period_of
 from flankload.pairing.spline_fit import SplineFit, spline_fit
 
 if TYPE_CHECKING:
@@ -40,6 +39,29 @@ if TYPE_CHECKING:
 
 #: Sites on each side of pair 0 if the path of contact is unknown.
 UNKNOWN_PATH_SITES = 3
+
+
+@dataclass(frozen=True)
+class Period:
+    """Period of the positions, in tooth pitches of body 1.
+
+    `pitches` is the number after which equal teeth meet again: 1 if all teeth of each body are
+    equal; otherwise the number of teeth, or the size of the smallest group that repeats; for two
+    such bodies the least common multiple. Teeth are equal if they have equal deviations, equal
+    friction and, where it is known, equal compliance.
+    """
+
+    pitch_rad: float
+    pitches: int = 1
+
+    @property
+    def rad(self) -> float:
+        """Rotation of body 1 after which everything repeats, rad."""
+        return self.pitches * self.pitch_rad
+
+    def with_compliance(self, groups: tuple[int, int]) -> Period:
+        """The period for bodies whose compliances repeat after the given numbers of teeth."""
+        return replace(self, pitches=lcm(self.pitches, *groups))
 
 
 @dataclass(frozen=True)
@@ -150,21 +172,10 @@ def pair_bodies(
     position_rad: NDArray[np.float64],
     coast_flanks: bool = False,
 ) -> Pairing:
-    """Combine two bodies.
+    """Combine two bodies at a centre distance, of splines the offset of their axes.
 
-    Parameters
-    ----------
-    center_distance_mm : float
-        For a spline: the offset of its axes.
-    position_rad : (P,) array
-        Requested positions, which determine the number of sites.
-    coast_flanks : bool
-        Coast flanks can carry, too: flanks may overlap without load.
-
-    Raises
-    ------
-    SceneError
-        If the flanks cannot mesh at this centre distance; states by how much.
+    The positions (P,) determine the number of sites. If coast flanks can carry, too, flanks may
+    overlap without load. Raises a SceneError that states by how much flanks cannot mesh.
     """
     if body_1.conforms:
         return _pair_spline(body_1, body_2, center_distance_mm, coast_flanks=coast_flanks)
@@ -326,13 +337,9 @@ def _at_sites(
     """
     teeth = sense * sites % body.teeth
     angles = sense * 2 * pi * sites / body.teeth
-    return teeth, angles + _pitch_turns(body, -sites) + _own_turns(body, teeth)
-
-
-def _own_turns(body: Body, teeth: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Angles (S,) of flanks from their equal shares of the body, rad."""
-    turns = body.flank_turns_rad
-    return np.asarray(turns)[teeth] if turns else np.zeros(teeth.size)
+    # flanks from a file may differ from their equal shares of the body
+    own = np.asarray(body.flank_turns_rad)[teeth] if body.flank_turns_rad else 0.0
+    return teeth, angles + _pitch_turns(body, -sites) + own
 
 
 def _pitch_turns(body: Body, entries: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -363,4 +370,30 @@ def coast_sites(numbers: NDArray[np.int64], body_1: Body, body_2: Body) -> Coast
             -2 * np.pi * numbers / body_1.teeth - 2 * body_1.involute.turn_rad,
             sense * 2 * np.pi * other / body_2.teeth - 2 * body_2.involute.turn_rad,
         ),
+    )
+
+
+def period_of(body_1: Body, body_2: Body, *, by_tooth: tuple[float, ...] = ()) -> Period:
+    """Period of a pair; `by_tooth` is another property of each tooth of body 1 (friction)."""
+    return Period(
+        pitch_rad=2 * pi / body_1.teeth,
+        pitches=lcm(_teeth_until_alike(body_1, by_tooth), _teeth_until_alike(body_2)),
+    )
+
+
+def _teeth_until_alike(body: Body, by_tooth: tuple[float, ...] = ()) -> int:
+    """Teeth after which the flanks' places, and another property, repeat around a body."""
+    places = np.zeros((4, body.teeth))
+    if by_tooth:
+        places[2] = by_tooth
+    if body.pitch_errors_um:
+        places[0] = body.pitch_errors_um
+    if body.flank_turns_rad:
+        places[1] = body.flank_turns_rad
+    if body.axial is not None and body.axial.tooth_slopes_mm:
+        places[3] = body.axial.tooth_slopes_mm
+    return next(
+        group
+        for group in range(1, body.teeth + 1)
+        if body.teeth % group == 0 and np.array_equal(np.roll(places, group, axis=1), places)
     )

@@ -68,6 +68,11 @@ class Slices:
         return np.asarray(0.5 * (self.edges_mm[1:] + self.edges_mm[:-1]))
 
     @property
+    def from_middle_mm(self) -> Floats:
+        """(J,) Middle of each slice from the middle of the width."""
+        return self.z_mm - 0.5 * (self.edges_mm[0] + self.edges_mm[-1])
+
+    @property
     def width_mm(self) -> Floats:
         """(J,) Width of each slice."""
         return np.diff(self.edges_mm)

@@ -19,7 +19,7 @@ from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.mechanisms.effect_size import States, size_of
 from flankload.mechanisms.flank_pair import screening
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.prism_rates import coarse_compliance
+from flankload.mechanisms.flank_pair.pair_models import coarse_compliance
 from flankload.mechanisms.flank_pair.screening import nodal_size
 from flankload.mechanisms.flank_pair.stages import contact_of, swept
 from flankload.mechanisms.toggles import toggled

@@ -25,10 +25,7 @@ from flankload.mechanisms.toggles import without_modifications
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.common_height import common_height, tilt_notes
 from flankload.pairing.expansion import growth_notes, growth_of
-from flankload.pairing.friction import (
-    friction_notes,
-    friction_of,
-)
+from flankload.pairing.friction import friction_notes, friction_of
 from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
 from flankload.pairing.slices import Slices, gap_by_misalignment, reached_positions, slices_of
@@ -348,18 +345,10 @@ def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPai
     """
     if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known:
         return pair
-    (unloaded,) = sweep(
-        FlankContact(
-            pair.bodies,
-            compliances=(no_compliance(pair.body_1), no_compliance(pair.body_2)),
-            pairing=pair.pairing,
-            face_width_mm=scene.pair.face_width_mm,
-            grid=pair.discretization.grid,
-        ),
-        pair.position_rad[:1],
-        [0.0],
-        account=account,
-    )
+    rigid = (no_compliance(pair.body_1), no_compliance(pair.body_2))
+    width_mm, grid = scene.pair.face_width_mm, pair.discretization.grid
+    contact = FlankContact(pair.bodies, rigid, pair.pairing, width_mm, grid)
+    (unloaded,) = sweep(contact, pair.position_rad[:1], [0.0], account=account)
     radius = pair.body_1.reference_radius_mm
     gap_mm = float(unloaded.rotation_rad[0]) * radius
     apart = "overlap by" if gap_mm < 0 else "stand apart by"

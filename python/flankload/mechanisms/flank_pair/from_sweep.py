@@ -221,14 +221,15 @@ def _friction(
         return whole.mean(values) * result.period_rad if whole.covers_period else None
 
     columns = {name: np.concatenate([pairs.column(name) for pairs, _ in parts]) for name in names}
+    columns |= {
+        "position": np.concatenate([pairs.position for pairs, _ in parts]),
+        "site": np.concatenate([pairs.sites + first for pairs, first in parts]),
+        "in_section": 1.0 / np.hypot(1.0, _slope(pair, columns)),
+    }
+    if pair.slices is not None:
+        columns["z"] = pair.slices.from_middle_mm[found.pairs.slices]
     summed = friction_result(
-        {
-            **columns,
-            "position": np.concatenate([pairs.position for pairs, _ in parts]),
-            "site": np.concatenate([pairs.sites + first for pairs, first in parts]),
-            "in_section": 1.0 / np.hypot(1.0, _slope(pair, columns)),
-            **({} if pair.slices is None else {"z": _from_middle(pair.slices, found.pairs)}),
-        },
+        columns,
         n_sites=n_sites,
         n_working=pair.pairing.sites.size,
         center_distance_mm=pair.pairing.center_distance_mm,
@@ -289,12 +290,6 @@ def _slope(pair: BodyPair, column: Mapping[str, Floats]) -> Floats:
     axial = pair.body_1.axial
     lever = column["x"] * column["normal_y"] - column["y"] * column["normal_x"]
     return np.asarray(-(0.0 if axial is None else axial.twist_rad_per_mm) * lever)
-
-
-def _from_middle(slices: Slices, pairs: PackedPairs) -> NDArray[np.float64]:
-    """Axial distance of each pair from the middle of the face width."""
-    z_mm = slices.z_mm - 0.5 * (slices.edges_mm[0] + slices.edges_mm[-1])
-    return np.asarray(z_mm[pairs.slices])
 
 
 def _drawing(pair: BodyPair) -> PairDrawing:

@@ -65,18 +65,11 @@ class NodalFields:
 
 @dataclass(frozen=True, eq=False)
 class PointForces:
-    """Forces at points of the flanks of a body.
+    """Forces (n, 3) at points of the flanks of a body, N.
 
-    Attributes
-    ----------
-    tooth, s_mm : (n,) arrays
-        Teeth, and arc lengths on the flank of the elements.
-    spans_mm : (n, 2) array
-        Ends along the axis of the slice over which each is even; of one place in the plane.
-    force_N : (n, 3) array
-        In the section turned with the helix, in the frame of the body.
-    normal_N : (n,) array
-        Magnitude of the part normal to the flank.
+    They are in the section turned with the helix, in the frame of the body; `normal_N` (n,) is the
+    magnitude of the part normal to the flank. `s_mm` (n,) are arc lengths on the flank of the
+    elements, `spans_mm` (n, 2) the ends along the axis of the slice over which a force is even.
     """
 
     tooth: Numbers
@@ -88,17 +81,7 @@ class PointForces:
 
 @dataclass(frozen=True, eq=False)
 class BodyOfPair:
-    """One body of a pair, on which contact forces of results act.
-
-    Attributes
-    ----------
-    number : int
-        0 or 1.
-    body, other : Body
-        This body of the scene, and the other one.
-    loaded : LoadedBody or LoadedPrism
-        Its elements.
-    """
+    """Body 0 or 1 of a pair with its elements, on which contact forces of results act."""
 
     number: int
     body: Body
@@ -288,17 +271,9 @@ class SolidBody(BodyOfPair):
 
 
 def field_bodies(scene: Scene) -> dict[str, FieldBody | SolidBody | str]:
-    """Both bodies of a scene, ready for the contact forces of its results.
+    """Both bodies of a scene by name, ready for the contact forces of its results.
 
-    Parameters
-    ----------
-    scene : Scene
-        Of flank pairs.
-
-    Returns
-    -------
-    dict of str to FieldBody, SolidBody or str
-        By name (body_1, body_2); a text says why a body has no fields.
+    A text says why a body has no fields.
     """
     pair = build_bodies(scene)
     bodies, elastic = pair.bodies, pair.elastic

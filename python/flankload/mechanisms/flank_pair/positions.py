@@ -9,9 +9,11 @@ import numpy as np
 
 from flankload.errors import SceneError
 from flankload.pairing.friction import coefficients_by_tooth
-from flankload.pairing.period import Period, period_of
+from flankload.pairing.pairing import Period, period_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from flankload.bodies import Body
@@ -113,24 +115,22 @@ def _reached(period: Period, groups: tuple[int, int], bodies: tuple[Body, Body])
     return period.with_compliance((one, two))
 
 
-def _beyond_window(pitches: int | None, period: Period) -> tuple[str, ...]:
+def _beyond_window(pitches: int | None, period: Period) -> Iterator[str]:
     """Note on the part of the period outside the window."""
-    if pitches is None or pitches % period.pitches == 0:
-        return ()
-    pitch = "pitch" if pitches == 1 else "pitches"
-    note = (
-        f"teeth stand beside their place: the curves repeat after {period.pitches} pitches, these "
-        f"positions run over {pitches} {pitch} (positions.pitches = 'hunting' for all)"
-    )
-    return (note,)
+    if pitches is not None and pitches % period.pitches:
+        pitch = "pitch" if pitches == 1 else "pitches"
+        yield (
+            f"teeth stand beside their place: the curves repeat after {period.pitches} pitches, "
+            f"these positions run over {pitches} {pitch} (positions.pitches = 'hunting' for all)"
+        )
 
 
 def _beyond_teeth(
     pitches: int | None, whole: Period, groups: tuple[int, int], bodies: tuple[Body, Body]
-) -> tuple[str, ...]:
+) -> Iterator[str]:
     """Note on teeth of different compliance outside the window."""
     if groups == (1, 1) or pitches is None or pitches % whole.pitches == 0:
-        return ()
+        return
     unlike = [z for z in (0, 1) if groups[z] > 1]
     yielding = " and ".join(
         f"that of body_{z + 1} after {groups[z]} of {bodies[z].teeth} teeth" for z in unlike
@@ -140,9 +140,8 @@ def _beyond_teeth(
         if bodies[z].named_teeth:
             cure = f"name the flanks of all teeth of body_{z + 1}, then {cure}"
     window = "one" if pitches == 1 else f"{pitches}"
-    note = (
+    yield (
         f"the compliance does not repeat with the tooth, {yielding}: the curves repeat after "
         f"{whole.pitches} pitches, these positions run over {window}; their mean, peak to peak "
         f"and harmonics are not those of all teeth ({cure})"
     )
-    return (note,)

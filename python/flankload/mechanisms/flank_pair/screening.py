@@ -103,14 +103,8 @@ class StateRate:
 class FlankPairScreening(Screening):
     """The effects of a scene on a coarse discretization, and what its run will cost.
 
-    Parameters
-    ----------
-    scene : Scene
-        Without `effects.choose`.
-    levels : bool
-        Whether coarser contact models that are off are tried as well.
-    dimension : bool
-        Whether three dimensions are tried in a plane scene, however short its run is.
+    With `levels`, coarser contact models that are off are tried as well; with `dimension`, three
+    dimensions in a plane scene, however short its run is.
 
     Raises
     ------

@@ -17,7 +17,7 @@ from flankload.result.geometry import pair_geometry
 from flankload.scene.discretization import position_tolerance
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     import numpy as np
     from numpy.typing import NDArray
@@ -38,21 +38,10 @@ LEAST_VARIATION = 1e-7
 
 @dataclass(frozen=True)
 class FlankStates:
-    """States of a flank pair.
+    """States of a flank pair: one entry of `found` and of estimated position errors per torque.
 
-    Attributes
-    ----------
-    found : tuple of Sweep
-        One entry per torque.
-    position_errors : tuple of PositionErrors or None
-        Estimated errors of adaptive positions, one entry per torque.
-    rounds : int
-        Number of sweeps in which the positions were found.
-    geometry : PairGeometry
-        At all positions.
-    position_rad : (P,) array
-    contact : FlankContact
-        Of both bodies.
+    `rounds` is the number of sweeps in which adaptive positions (P,) were found; `geometry` is that
+    at all positions, `contact` that of both bodies.
     """
 
     found: tuple[Sweep, ...]
@@ -126,7 +115,7 @@ def _all_positions(
         return run(position_rad=position_rad, progress=clock.sweep_progress("sweep", number=number))
 
     window = window_of(pair)
-    swept = sweep_adaptively(
+    adapted = sweep_adaptively(
         run_round,
         pair.position_rad,
         window,
@@ -134,7 +123,8 @@ def _all_positions(
         most=scene.positions.most_per_pitch * window.pitches,
         least_rad=LEAST_VARIATION * pair.body_1.curve.length_mm / pair.body_1.reference_radius_mm,
     )
-    return replace(pair, position_rad=swept.position_rad), swept.found, swept.errors, swept.rounds
+    pair = replace(pair, position_rad=adapted.position_rad)
+    return pair, adapted.found, adapted.errors, adapted.rounds
 
 
 def window_of(pair: BodyPair) -> Window:
@@ -151,14 +141,12 @@ def window_of(pair: BodyPair) -> Window:
     )
 
 
-def position_notes(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> tuple[str, ...]:
+def position_notes(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> Iterator[str]:
     """Warnings about adaptive positions whose estimated error exceeds the tolerance."""
     tolerance = position_tolerance(scene)
-    if error is None or error.largest <= tolerance:
-        return ()
-    note = (
-        f"{pair.position_rad.size} positions are too few for a tolerance of {tolerance:g}: "
-        f"harmonics are in doubt by {100 * error.harmonics:.2g} %, the peak to peak by "
-        f"{100 * error.peak_to_peak:.2g} % (positions.max_count, positions.tolerance)"
-    )
-    return (note,)
+    if error is not None and error.largest > tolerance:
+        yield (
+            f"{pair.position_rad.size} positions are too few for a tolerance of {tolerance:g}: "
+            f"harmonics are in doubt by {100 * error.harmonics:.2g} %, the peak to peak by "
+            f"{100 * error.peak_to_peak:.2g} % (positions.max_count, positions.tolerance)"
+        )
