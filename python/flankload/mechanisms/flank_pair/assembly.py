@@ -23,12 +23,12 @@ from flankload.mechanisms.parts import made_once
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.toggles import without_modifications
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.common_height import common_height, tilt_notes
 from flankload.pairing.expansion import growth_notes, growth_of
 from flankload.pairing.friction import friction_notes, friction_of
 from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
 from flankload.pairing.slices import Slices, gap_by_misalignment, reached_positions, slices_of
+from flankload.pairing.spline_fit import common_height, tilt_notes
 from flankload.scene import MeshBody
 from flankload.scene.axial import check_hands
 from flankload.scene.discretization import (
