@@ -6,7 +6,7 @@ import sys
 import tomllib
 from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import STDOUT, check_file
+from flankload.cli.outputs import STDOUT, check_file, write_text
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -42,13 +42,9 @@ def scene(arguments: Namespace) -> None:
     except SceneError as error:
         raise error.with_file(arguments.file) from None
 
-    from flankload.base.files import write_atomically
-
+    write_text(path, made.scene.to_toml())
     stream = sys.stderr if printed else sys.stdout
-    if printed:
-        print(made.scene.to_toml(), end="")
-    else:
-        write_atomically(path, made.scene.to_toml())
+    if not printed:
         print(f"{path}: {made.stage} of {arguments.file}")
     for line in (*made.lines, *(f"warning: {note}" for note in notes)):
         print(line, file=stream)

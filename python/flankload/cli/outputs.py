@@ -1,4 +1,4 @@
-"""Checks of output paths before the computation."""
+"""Outputs: checks of their paths before the computation, and texts that are written or printed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flankload.base.files import is_stream
+from flankload.base.files import is_stream, write_atomically
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -84,6 +84,14 @@ def check_apart(outputs: Iterable[tuple[str, Path]], scene: Scene) -> None:
             if _same(path, other):
                 raise SceneError(key=key, expected=f"a file other than {owner}", found=path)
         taken = {**taken, f"that of {key}": path}
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text, or print it."""
+    if str(path) == STDOUT:
+        print(text, end="")
+    else:
+        write_atomically(path, text)
 
 
 def _same(one: Path, other: Path) -> bool:

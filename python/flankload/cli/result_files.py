@@ -1,12 +1,12 @@
-"""The files of the command run."""
+"""Files and plots of the command run: options, checks, writing."""
 
 from __future__ import annotations
 
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import STDOUT, check_file, check_folder
+from flankload.cli.outputs import STDOUT, check_file, check_folder, write_text
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 PRINTABLE = ("json", "csv", "stiffness_csv", "modelica", "report")
 FILES = (*PRINTABLE, "xlsx", "fmu")
 FORM_WORDS = ("semicolon", "tab", "decimal-comma", "degrees")
+FORMATS = ("png", "svg", "pdf")
+#: Range of pixels per inch, and of width and height in mm.
+DPI, MM = (30.0, 1200.0), (40.0, 1000.0)
 
 
 def files_of(arguments: Namespace) -> dict[str, str]:
@@ -157,9 +160,9 @@ def write_files(
 
     form, said = csv_form(arguments.csv_format), []
     if arguments.json is not None:
-        _write(arguments.json, results_to_json(results if listed else results[0]))
+        write_text(arguments.json, results_to_json(results if listed else results[0]))
     if arguments.csv is not None:
-        _write(arguments.csv, results_to_csv(results, form=form))
+        write_text(arguments.csv, results_to_csv(results, form=form))
     if arguments.xlsx is not None:
         results_to_xlsx(results, arguments.xlsx)
     tables = (arguments.stiffness_csv, arguments.modelica, arguments.fmu)
@@ -179,9 +182,9 @@ def write_files(
 def _write_tables(arguments: Namespace, table: StiffnessTable, form: CsvForm) -> list[str]:
     """Write tables over angle and torque."""
     if arguments.stiffness_csv is not None:
-        _write(arguments.stiffness_csv, table.to_csv(form=form))
+        write_text(arguments.stiffness_csv, table.to_csv(form=form))
     if arguments.modelica is not None:
-        _write(arguments.modelica, table.to_modelica())
+        write_text(arguments.modelica, table.to_modelica())
     if arguments.fmu is None:
         return []
     compiled = table.to_fmu(arguments.fmu)
@@ -189,11 +192,66 @@ def _write_tables(arguments: Namespace, table: StiffnessTable, form: CsvForm) ->
     return [f"{arguments.fmu}: C sources and {content}"]
 
 
-def _write(path: str, text: str) -> None:
-    """Write a text, or print it."""
-    if path == STDOUT:
-        print(text, end="")
-        return
-    from flankload.base.files import write_atomically
+def plot_options(arguments: Namespace) -> dict[str, Any]:
+    """Formats, resolution and size of the plots.
 
-    write_atomically(path, text)
+    Parameters
+    ----------
+    arguments : Namespace
+        With `plot`, `formats`, `dpi` and `size` as on the command line.
+
+    Returns
+    -------
+    dict
+        Keywords of `flankload.plot.plot_all`.
+
+    Raises
+    ------
+    SceneError
+        If an option has no meaning, or there is no --plot.
+    """
+    given = {"--format": arguments.formats, "--dpi": arguments.dpi, "--size": arguments.size}
+    for key, value in given.items():
+        if value and arguments.plot is None:
+            raise SceneError(key=key, expected="--plot DIR beside it", found="no --plot")
+    return {
+        "formats": _formats(arguments.formats),
+        "dpi": None if arguments.dpi is None else _number("--dpi", arguments.dpi, DPI, "a number"),
+        "size_mm": None if arguments.size is None else _size(arguments.size),
+    }
+
+
+def _formats(given: list[str]) -> tuple[str, ...]:
+    """Formats in their order, each once."""
+    names = [name.strip().lower() for each in given for name in each.split(",")]
+    for name in names:
+        if name not in FORMATS:
+            expected = "png, svg or pdf, or several with commas"
+            raise SceneError(key="--format", expected=expected, found=repr(name))
+    return tuple(dict.fromkeys(names)) or FORMATS[:1]
+
+
+def _size(given: str) -> tuple[float, float]:
+    parts = given.lower().replace("×", "x").split("x")
+    what = "WxH, such as 160x100, each"
+    if len(parts) != 2:
+        raise _wrong("--size", given, MM, what, " mm")
+    width, height = (_number("--size", part, MM, what, " mm", given) for part in parts)
+    return width, height
+
+
+def _number(
+    key: str, text: str, bounds: tuple[float, float], what: str, unit: str = "", given: str = ""
+) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = float("nan")
+    if not bounds[0] <= number <= bounds[1]:
+        raise _wrong(key, given or text, bounds, what, unit)
+    return number
+
+
+def _wrong(key: str, given: str, bounds: tuple[float, float], what: str, unit: str) -> SceneError:
+    expected = f"{what} from {bounds[0]:g} to {bounds[1]:g}{unit}"
+    return SceneError(key=key, expected=expected, found=repr(given))
