@@ -5,16 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
-from flankload.plot.style import GREY, SIZE, STYLE, missing_letters_are_boxes, short
+from flankload.plot.style import GREY, SIZE, STYLE, missing_letters_are_boxes, short, torque_colours
 from flankload.result.plotting import torques_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
@@ -54,46 +53,16 @@ def empty_figure(size: tuple[float, float] = SIZE) -> Figure:
     return figure
 
 
-def one_panel(
-    draw: Callable[..., None],
-    results: Result | Sequence[Result],
-    title: str,
-    size: tuple[float, float] = SIZE,
-    **options: Any,
-) -> Figure:
-    """Figure with one panel, drawn by a function; its title, scene and torque above it.
-
-    Parameters
-    ----------
-    draw : callable
-        Called as draw(axes, results, **options).
-    results : Result, or sequence of Result
-    title : str
-    size : (float, float)
-        Inches.
-    """
-    shown = as_results(results)
-    with rc_context(STYLE):
-        figure = empty_figure(size)
-        axes = figure.add_subplot()
-        draw(axes, shown, **options)
-        axes.set_title(title)
-        look: dict[str, Any] = {"fontsize": 9, "fontweight": "normal", "color": GREY}
-        axes.set_title(subtitle(shown), loc="right", **look)
-        fit(figure)
-        return figure
-
-
-def set_title(figure: Figure, results: Result | Sequence[Result], title: str) -> None:
-    """Title on the left, name and torques on the right."""
+def set_title(figure: Figure, words: str, title: str) -> None:
+    """Title on the left, words (name and torques) on the right."""
     figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
-    words = subtitle(as_results(results))
     figure.text(0.99, 0.985, words, ha="right", va="top", fontsize=9, color=GREY)
 
 
-def subtitle(results: Sequence[Result]) -> str:
+def subtitle(results: Result | Sequence[Result]) -> str:
     """Name and torques."""
-    return f"{short(results[0].name)}, {torque_words(results)}"
+    shown = as_results(results)
+    return f"{short(shown[0].name)}, {torque_words(shown)}"
 
 
 def torque_words(results: Sequence[Result]) -> str:
@@ -217,6 +186,15 @@ def label_curves(
             gid=CURVE_LABEL,
         )
     spread_labels(axes)
+
+
+def label_torques(
+    axes: Axes, results: Sequence[Result], heights: Sequence[float], notes: Sequence[str] = ()
+) -> None:
+    """A label for the curve of each torque, in its colour, and a note below it."""
+    names = [f"{result.torque_Nm:g} N m" for result in results]
+    texts = ["\n".join(lines) for lines in zip(names, *[notes] * bool(notes), strict=True)]
+    label_curves(axes, heights, texts, torque_colours(len(results)))
 
 
 def spread_labels(axes: Axes) -> None:

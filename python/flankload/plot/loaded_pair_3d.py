@@ -7,16 +7,14 @@ the world turned by 180° about z. Loaded flanks then have positive normals y in
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, degrees, pi, sin
+from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 
-from flankload.plot.figures import empty_figure, fit, set_title
-from flankload.plot.style import GREY, STEEL, STYLE, turned
+from flankload.plot.style import GREY, STEEL, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -91,71 +89,38 @@ class Teeth:
         return np.vstack([self.contour(), self.rim()])
 
 
-def plot_loaded_pair_3d(result: Result, position: int | None = None) -> Figure:
-    """Teeth of both bodies at one position, and the line load on their flanks.
+def fill_with_loaded_bodies(figure: Figure, result: Result, p: int) -> None:
+    """Draw the teeth of both bodies at position p, and the line load on their flanks.
 
     Each body is drawn from the side of its loaded flanks, its mate as contours of both end faces.
-
-    Parameters
-    ----------
-    result : Result
-        Three-dimensional result.
-    position : int, optional
-        Index of the position; by default that of the largest line load.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
-    p = _of_largest(result) if position is None else position
-    with rc_context(STYLE):
-        figure = empty_figure((7.2, 4.4))
-        set_title(figure, result, f"Loaded pair at {degrees(result.position_rad[p]):.4g}°")
-        grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 0.035))
-        panels = [figure.add_subplot(grid[0, column]) for column in (0, 1)]
-        for body, axes in zip((1, 2), panels, strict=True):
-            shown = draw_loaded_body(axes, result, p, body)
-            axes.set_title(_words(result, body), color=EDGE, fontsize=10)
-        # the same scale for both
-        size = np.max([axes.dataLim.size for axes in panels], axis=0)
-        for axes in panels:
-            low, high = axes.dataLim.get_points().mean(axis=0) + np.outer([-0.52, 0.52], size)
-            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-        figure.colorbar(
-            shown,
-            cax=figure.add_subplot(grid[1, :]),
-            orientation="horizontal",
-            label="line load in N per mm face width" + _largest(result, p),
-        )
-        fit(figure)
-        return figure
+    figure.set_size_inches(7.2, 4.4)
+    grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 0.035))
+    panels = [figure.add_subplot(grid[0, column]) for column in (0, 1)]
+    for body, axes in zip((1, 2), panels, strict=True):
+        shown = draw_loaded_body(axes, result, p, body)
+        axes.set_title(_words(result, body), color=EDGE, fontsize=10)
+    # the same scale for both
+    size = np.max([axes.dataLim.size for axes in panels], axis=0)
+    for axes in panels:
+        low, high = axes.dataLim.get_points().mean(axis=0) + np.outer([-0.52, 0.52], size)
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    figure.colorbar(
+        shown,
+        cax=figure.add_subplot(grid[1, :]),
+        orientation="horizontal",
+        label="line load in N per mm face width" + _largest(result, p),
+    )
 
 
-def _of_largest(result: Result) -> int:
-    """Position of the largest line load."""
-    assert result.slices is not None
-    return int(result.slices.line_load_N_per_mm.max(axis=(1, 2)).argmax())
-
-
-def draw_loaded_body(axes: Axes, result: Result, position: int | None, body: int) -> PolyCollection:
+def draw_loaded_body(axes: Axes, result: Result, p: int, body: int) -> PolyCollection:
     """Draw the teeth of a body over its width, contours of its mate, and the line load.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    result : Result
-        Three-dimensional result.
-    position : int or None
-        Index of the position; None for that of the largest line load.
-    body : int
-        1 or 2.
 
     Returns
     -------
     matplotlib.collections.PolyCollection
         The line load, for a scale of colours.
     """
-    p = _of_largest(result) if position is None else position
     pair = teeth_in_mesh(result, p, 1), teeth_in_mesh(result, p, 2)
     _draw_teeth(axes, pair[body - 1], STEEL[body - 1])
     _draw_mate(axes, result, pair[2 - body], STEEL[2 - body])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import ceil
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matplotlib import rc_context
@@ -11,13 +10,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from flankload.base.files import write_atomically
-from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, png_of, short
+from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, png_of, short, write_pictures
 from flankload.studies.accuracy.quantities import MEANINGS
 from flankload.studies.accuracy.study_text import GROUPS, NAMED, PARAMETER_LABELS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from matplotlib.axes import Axes
 
@@ -99,11 +98,8 @@ def write_work_precision(study: Study, directory: str | Path) -> Path:
     Path
         work_precision.png.
     """
-    content = png_of(plot_work_precision(study))
-    folder = Path(directory)
-    folder.mkdir(parents=True, exist_ok=True)
-    write_atomically(folder / "work_precision.png", content)
-    return folder / "work_precision.png"
+    drawn = {"work_precision.png": png_of(plot_work_precision(study))}
+    return write_pictures(directory, drawn)[0]
 
 
 def _panel(axes: Axes, study: Study, name: str) -> None:

@@ -119,10 +119,9 @@ def short(value: float) -> float | int:
 
 def heads_of(result: Result) -> tuple[str, ...]:
     """Heads of the columns of `pairs`."""
-    names = {"belt": "tooth", "chain": "roller"}
-    name = "tooth" if result.whole_circle else "pair"
+    name = result.words_for_sites[0]
     if result.drive is not None:
-        return names[result.drive.name], "force, kN", "share, %"
+        return name, "force, kN", "share, %"
     return name, "force, kN", "share, %", "pressure, MPa"
 
 

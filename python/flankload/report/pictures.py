@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flankload import plot as pictures
+from flankload.plot.picture import OF_LARGEST
 from flankload.plot.svg import panel_of
 from flankload.report.turning import thinned
 
@@ -55,16 +57,8 @@ TITLES = {
 }
 #: Sizes in inches: of a plot of half a page, and of drawings.
 SIZE, DRAWING = (5.8, 3.9), (5.8, 5.4)
-#: Pictures that show the largest torque alone.
-ONE_TORQUE = (
-    "load_map", "loaded_pair", "flank_forces", "follower_motion", "root_stress",
-    "root_stress_over_width", "line_load", "line_load_map", "contact_pattern", "load_per_tooth",
-    "flank_pressure", "belt_on_pulley", "load_around_wrap", "force_through_wrap",
-    "chain_on_sprocket", "tensions",
-)  # fmt: skip
-#: Pictures with a panel for each body.
-OF_BODIES = ("pressure_over_diameter", "profile_deviation", "contact_pattern")
-DRAWINGS = ("loaded_pair", "belt_on_pulley", "chain_on_sprocket")
+#: Pictures of whole bodies.
+OF_BODIES = ("loaded_pair", "belt_on_pulley", "chain_on_sprocket")
 #: Points of an outline may lie off by this part of the tip radius.
 OFF = 2e-4
 #: Significant digits of the curves for the script.
@@ -110,7 +104,7 @@ def plots_of(results: Sequence[Result]) -> dict[str, tuple[Plot, ...]]:
     drawn: dict[str, list[Plot]] = {title: [] for title in (*SECTIONS, OTHERS)}
     section = {name: title for title, names in SECTIONS.items() for name in names}
     for name in pictures.pictures_of(light):
-        drawn[section.get(name, OTHERS)] += _plots(name, _suited(name, light))
+        drawn[section.get(name, OTHERS)] += _plots(name, pictures.suited(name, light))
     order = [name for names in SECTIONS.values() for name in names]
     for title in SECTIONS:
         drawn[title].sort(key=lambda plot: order.index(plot.picture))
@@ -127,17 +121,11 @@ def _light(result: Result) -> Result:
     return replace(result, drawing=replace(drawing, outline_1=one, outline_2=two))
 
 
-def _suited(name: str, results: tuple[Result, ...]) -> tuple[Result, ...]:
-    """Results that have a picture: without torque there is no stiffness."""
-    suited = tuple(one for one in results if name in pictures.pictures_of((one,)))
-    return suited or results
-
-
 def _plots(name: str, results: Sequence[Result]) -> list[Plot]:
     """The panels of a picture, each a plot of its own."""
-    draw = getattr(pictures, f"draw_{name}")
+    draw = pictures.DRAWINGS[name]
     title = TITLES.get(name, name.replace("_", " ").capitalize())
-    if name in ONE_TORQUE and len(results) > 1:
+    if name in OF_LARGEST and len(results) > 1:
         title += f", {results[-1].torque_Nm:g} N m"
     if name == "load_around_wrap":
         return [
@@ -145,7 +133,7 @@ def _plots(name: str, results: Sequence[Result]) -> list[Plot]:
             _plot("tension_around_wrap", name, TITLES["tension_around_wrap"],
                   pictures.draw_tension_around_wrap, results),
         ]  # fmt: skip
-    if name in OF_BODIES:
+    if "body" in signature(draw).parameters:
         known = _bodies(name, results)
         return [
             _plot(f"{name}_{z}", name, f"{title}, body {z}", partial(draw, body=z), results)
@@ -185,7 +173,7 @@ def _swept(results: Sequence[Result]) -> dict[str, str]:
 def _plot(
     name: str, picture: str, title: str, draw: Callable[..., None], results: Sequence[Result]
 ) -> Plot:
-    size = DRAWING if picture in DRAWINGS else SIZE
+    size = DRAWING if picture in OF_BODIES else SIZE
     return Plot(name, picture, title, panel_of(partial(draw, results=results), name, size))
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.plot.style import all_around, turned
 from flankload.report.loads import LETTER, REACH, path_text, scales_of, short, state_at
 
 if TYPE_CHECKING:
@@ -134,7 +135,7 @@ def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats
         return apart - half, apart + half
     if result.has_cam:
         swept = [
-            _turned(outline, angle) + center
+            turned(outline, angle) + center
             for outline, angles, center in (
                 (drawing.outline_1, drawing.angle_1, 0.0 * apart),
                 (drawing.outline_2, drawing.angle_2, apart),
@@ -164,15 +165,7 @@ def _outlines(result: Result) -> tuple[Floats, ...]:
 
 def _outline(sector: Floats, teeth: int, off_mm: float) -> str:
     """SVG path of all teeth of a body."""
-    sector = thinned(sector, off_mm)
-    turns = 2 * np.pi / teeth * np.arange(teeth)
-    whole = np.concatenate([_turned(sector, turn) for turn in turns])
-    return f"M{path_text(whole)}Z"
-
-
-def _turned(points: Floats, angle: float) -> Floats:
-    """Points (n, 2), rotated counter-clockwise about the axis."""
-    return points @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return f"M{path_text(all_around(thinned(sector, off_mm), teeth))}Z"
 
 
 def thinned(points: Floats, off_mm: float) -> Floats:

@@ -21,8 +21,8 @@ from flankload.plot import (
     plot_loaded_pair,
     plot_root_stress_over_width,
 )
+from flankload.plot.load_maps import contact_pattern
 from flankload.plot.loaded_pair_3d import AXIAL_FACETS, CONTOUR_FACETS, VIEW, teeth_in_mesh
-from flankload.plot.slices import contact_pattern
 from flankload.plot.style import new_figure
 from tests.support.gear_scenes import example
 from tests.support.made_up_result import made_up_result
