@@ -316,8 +316,7 @@ def _of_flanks(result: Result) -> tuple[str, ...]:
         "follower_motion" if result.has_cam else "load_sharing",
         "peak_pressure",
         *["pressure_over_diameter"] * path,
-        # bodies with width are drawn from outside
-        *["loaded_pair"] * (result.slices is None or not result.drawing.is_around),
+        "loaded_pair",
         *["flank_forces"] * (result.coast is not None),
         *["stiffness"] * loaded,
         *["profile_deviation"] * profiles,

@@ -1,7 +1,8 @@
 """The loaded pair in three dimensions: teeth over the face width, line load on their flanks.
 
-Bodies are drawn in frames on their own axes with the teeth in mesh at positive x: that of body 2 is
-the world turned by 180° about z. Loaded flanks then have positive normals y in both.
+Each body is drawn in a frame on its own axis, in which its teeth point to positive x and its loaded
+flanks have positive normals y: that of body 1 is the world, that of body 2 the world turned by 180°
+about z. An internal pair meets at negative x: its body 1 is turned, its body 2 is not.
 """
 
 from __future__ import annotations
@@ -58,9 +59,9 @@ class Teeth:
     Attributes
     ----------
     contours : tuple of (k, 2) arrays
-        At z = 0, from cut to cut, counter-clockwise.
+        At z = 0, from cut to cut with the body on the left, in the direction of y.
     rim_mm : float
-        Radius of the inner end of what is drawn.
+        Radius at which the drawing ends, below the roots.
     shape : AxialShape
     """
 
@@ -79,9 +80,11 @@ class Teeth:
         return np.vstack(self.contours)
 
     def rim(self) -> Floats:
-        """(n, 2) Inner end, from the last tooth to the first."""
+        """(n, 2) End of the drawing, from the last tooth to the first."""
         first, last = (np.arctan2(*self.contours[k][k, ::-1]) for k in (0, -1))
-        around = np.linspace(last, last - (last - first) % (2 * pi), 10 * len(self.contours))
+        outward = 1.0 if self.rim_mm < np.hypot(*self.contours[0][0]) else -1.0
+        turn = outward * (outward * (last - first) % (2 * pi))
+        around = np.linspace(last, last - turn, 10 * len(self.contours))
         return self.rim_mm * np.column_stack([np.cos(around), np.sin(around)])
 
     def face(self) -> Floats:
@@ -153,20 +156,27 @@ def teeth_in_mesh(result: Result, p: int, body: int) -> Teeth:
     assert shape is not None
     outline, teeth, angle, bore = (
         (drawing.outline_1, drawing.teeth_1, drawing.angle_1[p], drawing.bore_radius_1_mm),
-        (drawing.outline_2, drawing.teeth_2, drawing.angle_2[p] + pi, drawing.bore_radius_2_mm),
+        (drawing.outline_2, drawing.teeth_2, drawing.angle_2[p], drawing.bore_radius_2_mm),
     )[body - 1]
+    inwards = drawing.is_around and body == 2
+    outward, meet = (-1.0, pi) if inwards else (1.0, 0.0)
+    if drawing.is_around != (body == 2):
+        angle += pi
     pitch = 2 * pi / teeth
     x, y, z = _loaded_places(result, p, body).T
-    middle = angle + float(np.arctan2(*outline.mean(axis=0)[::-1]))
-    around = np.arctan2(y, x) - shape.twist_rad_per_mm * z - middle
+    middle = angle + float(np.arctan2(*outline.mean(axis=0)[::-1])) - meet
+    around = np.arctan2(outward * y, outward * x) - shape.twist_rad_per_mm * z - middle
     turns = np.rint((around if around.size else np.array([-middle])) / pitch)
     low, high = (float(end(np.hypot(*outline.T))) for end in (np.min, np.max))
-    few = _fewer(outline)
-    return Teeth(
-        tuple(turned(few, angle + pitch * k) for k in np.arange(turns.min() - 1, turns.max() + 2)),
-        max(low - RIM * (high - low), bore or 0.0),
-        shape,
-    )
+    contours = [
+        turned(_fewer(outline), angle + pitch * k)
+        for k in np.arange(turns.min() - 1, turns.max() + 2)
+    ]
+    depth = RIM * (high - low)
+    if inwards:
+        contours = [contour[::-1] for contour in reversed(contours)]
+        return Teeth(tuple(contours), min(high + depth, bore or np.inf), shape)
+    return Teeth(tuple(contours), max(low - depth, bore or 0.0), shape)
 
 
 def _loaded_places(result: Result, p: int, body: int) -> Floats:
@@ -174,7 +184,13 @@ def _loaded_places(result: Result, p: int, body: int) -> Floats:
     table = result.pairs(p)
     assert table.z_mm is not None
     places = np.column_stack([table.x_mm, table.y_mm, table.z_mm])[table.force_N > 0]
+    places *= [_side(result), _side(result), 1.0]
     return places if body == 1 else _other_axis(result, places)
+
+
+def _side(result: Result) -> float:
+    """Side of the axis of body 1 on which the bodies meet: the sign of x."""
+    return -1.0 if result.drawing.is_around else 1.0
 
 
 def _contacts(result: Result, p: int) -> tuple[Floats, Floats, Floats]:
@@ -185,8 +201,8 @@ def _contacts(result: Result, p: int) -> tuple[Floats, Floats, Floats]:
     table = result.pairs(p)
     carries = table.force_N > 0
     force = table.force_N[carries]
-    rows = np.column_stack([_loaded_places(result, p, 1), table.normal_x[carries],
-                            table.normal_y[carries]])  # fmt: skip
+    normal = _side(result) * np.column_stack([table.normal_x, table.normal_y])[carries]
+    rows = np.column_stack([_loaded_places(result, p, 1), normal])
     if table.half_width_mm is None:
         keys = np.column_stack([table.site[carries], rows[:, 2]])
         of_slice, of = np.unique(keys, axis=0, return_inverse=True)
@@ -201,9 +217,8 @@ def _contacts(result: Result, p: int) -> tuple[Floats, Floats, Floats]:
 
 def _other_axis(result: Result, points: Floats) -> Floats:
     """Points (..., 3) of one body's frame in that of its mate: turned by 180° about z."""
-    return np.asarray(
-        np.array([result.drawing.center_distance_mm, 0.0, 0.0]) + points * [-1.0, -1.0, 1.0]
-    )
+    apart = np.array([_side(result) * result.drawing.center_distance_mm, 0.0, 0.0])
+    return np.asarray(apart + points * [-1.0, -1.0, 1.0])
 
 
 def _fewer(contour: Floats) -> Floats:
