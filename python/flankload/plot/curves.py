@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.lines import Line2D
 
-from flankload.plot.figures import label_torques, legend_below
+from flankload.plot.figures import label_torques, legend_below, note
 from flankload.plot.picture import all_torques, largest, picture
 from flankload.plot.positions import (
     MOST_MARKS,
@@ -117,17 +117,8 @@ def _note_mean(axes: Axes, result: Result) -> None:
     low, high = mean - 0.5 * (shown - span), mean + 0.5 * (shown - span)
     low, high = min(low, np.nanmin(error)), max(high, np.nanmax(error))
     axes.set_ylim(low - 0.12 * shown, high + 0.30 * shown)
-    axes.text(
-        0.99,
-        0.97,
-        f"mean {mean:.2f} µm (dashed)\npeak to peak {span:.2f} µm",
-        transform=axes.transAxes,
-        ha="right",
-        va="top",
-        fontsize=9,
-        color=GREY,
-        linespacing=1.4,
-    )
+    text = f"mean {mean:.2f} µm (dashed)\npeak to peak {span:.2f} µm"
+    note(axes, text, (0.99, 0.97), "axes fraction", ha="right", va="top", linespacing=1.4)
 
 
 @picture(all_torques, "Load sharing")

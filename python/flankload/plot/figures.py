@@ -26,6 +26,8 @@ PAD, TITLE = 0.08, 0.34
 LEGEND_BELOW = 36.0
 #: Names up to this number of torques are listed in a title.
 MOST_TORQUES = 4
+#: White behind a text.
+BOX = {"facecolor": "white", "edgecolor": "none"}
 #: Mark of a label of a curve, for `spread_labels`.
 CURVE_LABEL = "label of a curve"
 
@@ -157,6 +159,31 @@ def legend_below(axes: Axes, *handles_and_labels: Any, **options: Any) -> None:
     )
 
 
+def note(
+    axes: Axes,
+    text: str,
+    place: tuple[float, float],
+    coords: Any = "data",
+    offset: tuple[float, float] = (0.0, 0.0),
+    **look: Any,
+) -> None:
+    """A small grey text at a place, moved by an offset in points.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    text : str
+    place : (float, float)
+    coords : str or (str, str)
+        Coordinates of the place: "data", "axes fraction", or one of them for each direction.
+    offset : (float, float)
+    **look
+        Of a text.
+    """
+    usual: dict[str, Any] = {"textcoords": "offset points", "fontsize": 9, "color": GREY}
+    axes.annotate(text, place, xytext=offset, xycoords=coords, **(usual | look))
+
+
 def label_curves(
     axes: Axes, heights: Sequence[float], texts: Sequence[str], colours: Sequence[Any]
 ) -> None:
@@ -171,20 +198,11 @@ def label_curves(
     texts : sequence of str
     colours : sequence of colours
     """
+    coords = ("axes fraction", "data")
+    look: dict[str, Any] = {"va": "center", "linespacing": 1.15, "annotation_clip": False}
     for height, text, colour in zip(heights, texts, colours, strict=True):
-        axes.annotate(
-            text,
-            (1.0, height),
-            xycoords=("axes fraction", "data"),
-            xytext=(5.0, 0.0),
-            textcoords="offset points",
-            va="center",
-            fontsize=9,
-            color=colour,
-            linespacing=1.15,
-            annotation_clip=False,
-            gid=CURVE_LABEL,
-        )
+        place, offset = (1.0, height), (5.0, 0.0)
+        note(axes, text, place, coords, offset, color=colour, gid=CURVE_LABEL, **look)
     spread_labels(axes)
 
 
@@ -214,13 +232,9 @@ def spread_labels(axes: Axes) -> None:
 def _apart(wanted: np.ndarray, heights: np.ndarray) -> np.ndarray:
     """Ascending places of minimal squared distance from the wanted ones, without overlaps.
 
-    Places minus the summed heights below them have to ascend: isotonic regression, by pooling
-    neighbours that violate it.
+    Places minus the summed heights below them have to ascend: isotonic regression.
     """
+    from scipy.optimize import isotonic_regression
+
     stacked = np.concatenate([[0.0], np.cumsum(0.5 * (heights[1:] + heights[:-1]))])
-    pools: list[list[float]] = []
-    for value in wanted - stacked:
-        pools.append([value])
-        while len(pools) > 1 and np.mean(pools[-2]) > np.mean(pools[-1]):
-            pools[-2:] = [pools[-2] + pools[-1]]
-    return np.concatenate([np.full(len(pool), np.mean(pool)) for pool in pools]) + stacked
+    return np.asarray(isotonic_regression(wanted - stacked).x + stacked)

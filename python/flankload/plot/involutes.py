@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from flankload.plot.curves import draw_off_corners, explain_dashes
-from flankload.plot.figures import label_torques, set_title
+from flankload.plot.figures import BOX, label_torques, note, set_title
 from flankload.plot.load_maps import contact_pattern
 from flankload.plot.picture import all_torques, panels, picture
 from flankload.plot.positions import way_curve
@@ -195,18 +195,9 @@ def _mark_points(axes: Axes, path: PathOnFlank) -> None:
         row = 1 - row if diameter - before < CLOSEST * (high - low) else 0
         before = diameter
         axes.axvline(diameter, color=GREY, linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
-        axes.annotate(
-            name,
-            (diameter, 0.03),
-            xycoords=("data", "axes fraction"),
-            xytext=(0.0, 13.0 * row),
-            textcoords="offset points",
-            ha="center",
-            fontsize=9,
-            fontweight="bold",
-            color=GREY,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
-        )
+        coords, box = ("data", "axes fraction"), {**BOX, "pad": 1.0}
+        offset = (0.0, 13.0 * row)
+        note(axes, name, (diameter, 0.03), coords, offset, ha="center", weight="bold", bbox=box)
 
 
 @panels(all_torques)
@@ -262,15 +253,8 @@ def _draw_profile(
     axes.set_xlim(min(ends) - margin, max(ends) + margin)
     if active is not None:
         axes.axvspan(*active, color="#f0f0f0", zorder=0)
-        axes.text(
-            0.5 * sum(active),
-            0.03,
-            "active profile",
-            transform=axes.get_xaxis_transform(),
-            ha="center",
-            fontsize=8,
-            color=GREY,
-        )
+        place, coords = (0.5 * sum(active), 0.03), ("data", "axes fraction")
+        note(axes, "active profile", place, coords, ha="center", fontsize=8)
     axes.axhline(0.0, color=GREY, linewidth=1)
     _draw_marks(axes, profile)
     axes.plot(profile.roll_length_mm, profile.deviation_um, color=colour)
@@ -293,16 +277,8 @@ def _draw_marks(axes: Axes, profile: ProfileDeviation) -> None:
     low, high = axes.get_xlim()
     for row, (name, place) in enumerate(marks):
         axes.axvline(place, color=GREY, linewidth=0.9, linestyle=(0, (4, 3)))
-        at_left = place < 0.5 * (low + high)
-        axes.annotate(
-            f"{name} ⌀ {2 * np.hypot(profile.base_radius_mm, place):.2f}",
-            xy=(place, 0.97 - ROW * row),
-            xycoords=("data", "axes fraction"),
-            xytext=(4 if at_left else -4, 0),
-            textcoords="offset points",
-            ha="left" if at_left else "right",
-            va="top",
-            fontsize=8,
-            color=GREY,
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.6},
-        )
+        side, ha = (4, "left") if place < 0.5 * (low + high) else (-4, "right")
+        text = f"{name} ⌀ {2 * np.hypot(profile.base_radius_mm, place):.2f}"
+        look = {"va": "top", "fontsize": 8, "bbox": {**BOX, "alpha": 0.85, "pad": 0.6}}
+        at, coords = (place, 0.97 - ROW * row), ("data", "axes fraction")
+        note(axes, text, at, coords, (side, 0), ha=ha, **look)

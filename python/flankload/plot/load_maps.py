@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from flankload.plot.figures import legend_below
+from flankload.plot.figures import BOX, legend_below, note
 from flankload.plot.picture import at, largest, of_largest_line_load, panels, picture
 from flankload.plot.positions import (
     is_closed,
@@ -191,17 +191,9 @@ def _mark_profile(axes: Axes, result: Result, body: int) -> None:
         diameter = 2.0 * np.hypot(profile.base_radius_mm, roll)
         diameters.append(diameter)
         axes.axhline(diameter, color=GREY, linewidth=0.8, linestyle=(0, (4, 2)))
-        axes.annotate(
-            f"{name} ⌀ {diameter:.2f}",
-            (0.02, diameter),
-            xycoords=("axes fraction", "data"),
-            xytext=(0, 2),
-            textcoords="offset points",
-            fontsize=8,
-            color=GREY,
-            va="bottom",
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8},
-        )
+        look = {"va": "bottom", "fontsize": 8, "bbox": {**BOX, "alpha": 0.7, "pad": 0.8}}
+        coords = ("axes fraction", "data")
+        note(axes, f"{name} ⌀ {diameter:.2f}", (0.02, diameter), coords, (0, 2), **look)
     low, high = min(diameters), max(diameters)
     axes.set_ylim(low - 0.03 * (high - low), high + 0.06 * (high - low))
 

@@ -15,6 +15,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 
+from flankload.plot.figures import note
 from flankload.plot.style import GREY, STEEL, turned
 
 if TYPE_CHECKING:
@@ -313,16 +314,8 @@ def _mark_ends(axes: Axes, teeth: Teeth) -> None:
     """Axial positions of both end faces, below the front edge."""
     edge = teeth.sections(teeth.rim()[:1], 2)[:, 0]
     for (x, y), z, side in zip(edge @ VIEW[:2].T, edge[:, 2], ("right", "center"), strict=True):
-        axes.annotate(
-            f"z = {z:g} mm".replace("-", "−"),
-            (x, y),
-            xytext=(0, -3),
-            textcoords="offset points",
-            ha=side,
-            va="top",
-            fontsize=8,
-            color=GREY,
-        )
+        text = f"z = {z:g} mm".replace("-", "−")
+        note(axes, text, (x, y), offset=(0, -3), ha=side, va="top", fontsize=8)
 
 
 def _largest(result: Result, p: int) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.plot.figures import note
 from flankload.plot.picture import at, of_largest_force, picture
 from flankload.plot.style import FORCE, GREY, INK, PALE, SLATE
 
@@ -135,16 +136,8 @@ def draw_flank_pressure(axes: Axes, result: Result, p: int) -> None:
         length = float(table.cell_mm[rows][table.force_N[rows] > 0].sum())
         mean = result.site_force_N[p, s] / (length * result.face_width_mm) if length else 0.0
         axes.axhline(mean, color=GREY, linewidth=1, linestyle=(0, (6, 3)))
-        axes.text(
-            0.5,
-            mean,
-            f"mean {mean:.0f} MPa (dashed)",
-            transform=axes.get_yaxis_transform(),
-            ha="center",
-            va="bottom",
-            fontsize=9,
-            color=GREY,
-        )
+        text, coords = f"mean {mean:.0f} MPa (dashed)", ("axes fraction", "data")
+        note(axes, text, (0.5, mean), coords, ha="center", va="bottom")
     axes.set_ylim(0, None)
     axes.set_xlabel("distance from the axis of body 1 in mm (tip of body 1 →)")
     axes.set_ylabel("pressure in MPa")

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from flankload.plot.figures import note
 from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, png_of, short, write_pictures
 from flankload.studies.accuracy.quantities import MEANINGS
 from flankload.studies.accuracy.study_text import GROUPS, NAMED, PARAMETER_LABELS
@@ -107,10 +108,8 @@ def _panel(axes: Axes, study: Study, name: str) -> None:
     axes.loglog()
     axes.set_ylim(LEAST_SHOWN, 1.0)
     axes.set_ylabel("relative error")
-    axes.text(
-        0.99, 0.98, MEANINGS[name], transform=axes.transAxes, ha="right", va="top", fontsize=7,
-        color=GREY,
-    )  # fmt: skip
+    look: dict[str, Any] = {"ha": "right", "va": "top", "fontsize": 7}
+    note(axes, MEANINGS[name], (0.99, 0.98), "axes fraction", **look)
     doubt = min(1.0, max(LEAST_SHOWN, study.doubts.get(name, 0.0)))
     axes.axhspan(LEAST_SHOWN, doubt, color=SHADE, zorder=0)
     for tolerance in NAMED:
