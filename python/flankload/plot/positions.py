@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from flankload.result import Result
 
+#: Labels of the axis of positions begin with one of them: of body 1, of a cam.
+OF_POSITIONS = ("angle of body 1 in degrees", "cam angle in degrees")
 #: Largest number of uneven positions with markers; more of them look like a line.
 MOST_MARKS = 400
 #: Largest number of pairs that are named one by one.
@@ -29,7 +31,7 @@ CURVE_STEPS = 8
 
 def label_positions(axes: Axes, result: Result) -> None:
     """Range, ticks and label of the axis of positions, in degrees."""
-    angle = "cam angle in degrees" if result.has_cam else "angle of body 1 in degrees"
+    angle = OF_POSITIONS[result.has_cam]
     axes.set_xlabel(angle)
     angles = np.degrees(result.position_rad)
     if is_closed(result):

@@ -20,7 +20,6 @@ from flankload.mechanisms.registry import mechanism_of
 from flankload.report.findings import certificate_rows, findings_of, source_rows
 from flankload.report.glossary import terms_of
 from flankload.report.key_figures import key_rows, percent
-from flankload.report.loads import heads_of, legend
 from flankload.report.pictures import curve_data, plots_of
 from flankload.report.turning import turning
 from flankload.result import Result
@@ -179,8 +178,6 @@ def _content(results: Sequence[Result], scene: Scene, origin: Origin) -> dict[st
         "sheet_rows": _merged(sheet),
         "plots": plots,
         "turned": turned,
-        "heads": heads_of(results[-1]),
-        "legend": legend(results[-1]),
         "stages": _stages(results[-1].cost),
         "sources": source_rows(results[-1]),
         "certificates": certificate_rows(results),

@@ -17,7 +17,7 @@ from flankload.report.turning import thinned
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from flankload.plot.svg import Panel, PlottedAxes
+    from flankload.plot.svg import Panel
     from flankload.result import Result
 
 #: Sections of plots in their order, with the plots that belong to each.
@@ -61,10 +61,6 @@ SIZE, DRAWING = (5.8, 3.9), (5.8, 5.4)
 OF_BODIES = ("loaded_pair", "belt_on_pulley", "chain_on_sprocket")
 #: Points of an outline may lie off by this part of the tip radius.
 OFF = 2e-4
-#: Significant digits of the curves for the script.
-DIGITS = 4
-#: Words in the label of an axis that shows the positions.
-OF_POSITIONS = ("angle of body 1 in degrees", "cam angle in degrees")
 
 
 @dataclass(frozen=True)
@@ -193,34 +189,19 @@ def curve_data(
     Returns
     -------
     dict
-        By name of the plot, a list of its axes: `box`, `x` and `y` (ranges), `label` (of the
-        ordinate), `position` (whether the abscissa is the position) and `curves` (name, x, y).
+        By name of the plot, the axes of its panel.
     """
     return {
-        plot.name: [_axes_data(axes, torques) for axes in plot.panel.axes]
+        plot.name: [_named(axes, torques) for axes in plot.panel.axes]
         for section in plots.values()
         for plot in section
         if plot.panel.axes
     }
 
 
-def _axes_data(axes: PlottedAxes, torques: Sequence[str]) -> dict[str, Any]:
-    names = [curve.name for curve in axes.curves]
-    if len(names) > 1 and len(names) == len(torques) and not any(names):
-        names = list(torques)
-    return {
-        "box": [round(float(value), 2) for value in axes.box],
-        "x": _numbers(np.array(axes.x_range)),
-        "y": _numbers(np.array(axes.y_range)),
-        "label": axes.y_label,
-        "position": axes.x_label.startswith(OF_POSITIONS),
-        "curves": [
-            [name, _numbers(curve.x, DIGITS + 1), _numbers(curve.y)]
-            for name, curve in zip(names, axes.curves, strict=True)
-        ],
-    }
-
-
-def _numbers(values: Any, digits: int = DIGITS) -> list[float | None]:
-    """Values with few significant digits; None where they are not finite."""
-    return [float(f"{value:.{digits}g}") if np.isfinite(value) else None for value in values]
+def _named(axes: dict[str, Any], torques: Sequence[str]) -> dict[str, Any]:
+    curves = axes["curves"]
+    if not 1 < len(curves) == len(torques) or any(name for name, *_ in curves):
+        return axes
+    named = [[name, x, y] for name, (_, x, y) in zip(torques, curves, strict=True)]
+    return axes | {"curves": named}
