@@ -6,7 +6,7 @@ import sys
 import tomllib
 from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import STDOUT, check_file, write_text
+from flankload.cli.outputs import STDOUT, check_apart, check_file, write_text
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -28,7 +28,8 @@ def scene(arguments: Namespace) -> None:
     path: Path | None = arguments.output
     printed = path is not None and str(path) == STDOUT
     if path is not None and not printed:
-        _check_output(path, arguments.file)
+        check_file("-o", path)
+        check_apart([("-o", path)], None, {"the model": arguments.file})
     elif arguments.stage is not None:
         raise SceneError(key="-o", expected="a file for the scene of the stage", found="nothing")
     model = read_model(arguments.file)
@@ -69,10 +70,3 @@ def _settings(given: Iterable[str]) -> dict[str, Any]:
         except tomllib.TOMLDecodeError:
             found[key.strip()] = value.strip()
     return found
-
-
-def _check_output(path: Path, model: Path) -> None:
-    """Refuse an output that could not be written or would replace the model."""
-    check_file("-o", path)
-    if path.exists() and model.exists() and path.samefile(model):
-        raise SceneError(key="-o", expected="a file other than the model", found=path)

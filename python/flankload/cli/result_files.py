@@ -43,18 +43,7 @@ def places_of(arguments: Namespace) -> Iterator[tuple[str, Path]]:
 
 
 def check_outputs(arguments: Namespace, formats: Sequence[str]) -> None:
-    """Refuse outputs that could not be written, before the computation.
-
-    Parameters
-    ----------
-    arguments : Namespace
-    formats : sequence of str
-        Of the plots.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Refuse outputs that could not be written (plots in these formats), before the computation."""
     files = files_of(arguments)
     printed = [key for key, path in files.items() if path == STDOUT]
     for key in printed:
@@ -87,13 +76,7 @@ def check_outputs(arguments: Namespace, formats: Sequence[str]) -> None:
 
 
 def csv_form(words: str) -> CsvForm:
-    """The form of CSV files from words with commas between them.
-
-    Raises
-    ------
-    SceneError
-        If a word is unknown, or two name a separator.
-    """
+    """The form of CSV files from words with commas between them, one separator at most."""
     from flankload.result.csv_form import SEPARATORS, CsvForm
 
     found = [word.strip() for word in words.split(",")] if words else []
@@ -112,13 +95,7 @@ def csv_form(words: str) -> CsvForm:
 
 
 def indices(text: str) -> list[int] | None:
-    """Indices with commas between them; None if there are none.
-
-    Raises
-    ------
-    SceneError
-        If a part is no index.
-    """
+    """Indices with commas between them; None if there are none."""
     parts = [part.strip() for part in text.split(",")] if text else []
     if not all(part.isascii() and part.isdigit() for part in parts):
         raise SceneError(
@@ -130,26 +107,9 @@ def indices(text: str) -> list[int] | None:
 def write_files(
     arguments: Namespace, scene: Scene, results: Sequence[Result], *, listed: bool
 ) -> list[str]:
-    """Write or print the requested files.
+    """Write or print the requested files; lines about those that need words.
 
-    Parameters
-    ----------
-    arguments : Namespace
-    scene : Scene
-    results : sequence of Result
-        One per torque.
-    listed : bool
-        Whether the scene has a list of torques.
-
-    Returns
-    -------
-    list of str
-        Lines about files that need words.
-
-    Raises
-    ------
-    SceneError
-        If the positions do not suit a file.
+    There is a result per torque; `listed`: the scene has a list of torques.
     """
     from flankload.result import (
         results_to_csv,
@@ -193,31 +153,16 @@ def _write_tables(arguments: Namespace, table: StiffnessTable, form: CsvForm) ->
 
 
 def plot_options(arguments: Namespace) -> dict[str, Any]:
-    """Formats, resolution and size of the plots.
-
-    Parameters
-    ----------
-    arguments : Namespace
-        With `plot`, `formats`, `dpi` and `size` as on the command line.
-
-    Returns
-    -------
-    dict
-        Keywords of `flankload.plot.plot_all`.
-
-    Raises
-    ------
-    SceneError
-        If an option has no meaning, or there is no --plot.
-    """
+    """Formats, resolution and size of the plots: keywords of `flankload.plot.plot_all`."""
     given = {"--format": arguments.formats, "--dpi": arguments.dpi, "--size": arguments.size}
     for key, value in given.items():
         if value and arguments.plot is None:
             raise SceneError(key=key, expected="--plot DIR beside it", found="no --plot")
+    dpi, size, sizes = arguments.dpi, arguments.size, "WxH, such as 160x100, each {} mm"
     return {
         "formats": _formats(arguments.formats),
-        "dpi": None if arguments.dpi is None else _number("--dpi", arguments.dpi, DPI, "a number"),
-        "size_mm": None if arguments.size is None else _size(arguments.size),
+        "dpi": None if dpi is None else _numbers("--dpi", dpi, 1, DPI, "a number {}")[0],
+        "size_mm": None if size is None else _numbers("--size", size, 2, MM, sizes),
     }
 
 
@@ -231,27 +176,16 @@ def _formats(given: list[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names)) or FORMATS[:1]
 
 
-def _size(given: str) -> tuple[float, float]:
-    parts = given.lower().replace("×", "x").split("x")
-    what = "WxH, such as 160x100, each"
-    if len(parts) != 2:
-        raise _wrong("--size", given, MM, what, " mm")
-    width, height = (_number("--size", part, MM, what, " mm", given) for part in parts)
-    return width, height
-
-
-def _number(
-    key: str, text: str, bounds: tuple[float, float], what: str, unit: str = "", given: str = ""
-) -> float:
+def _numbers(
+    key: str, text: str, count: int, bounds: tuple[float, float], what: str
+) -> tuple[float, ...]:
+    """Numbers with x between them, all within bounds."""
     try:
-        number = float(text)
+        numbers = tuple(float(part) for part in text.lower().replace("×", "x").split("x"))
     except ValueError:
-        number = float("nan")
-    if not bounds[0] <= number <= bounds[1]:
-        raise _wrong(key, given or text, bounds, what, unit)
-    return number
-
-
-def _wrong(key: str, given: str, bounds: tuple[float, float], what: str, unit: str) -> SceneError:
-    expected = f"{what} from {bounds[0]:g} to {bounds[1]:g}{unit}"
-    return SceneError(key=key, expected=expected, found=repr(given))
+        numbers = ()
+    low, high = bounds
+    if len(numbers) != count or not all(low <= number <= high for number in numbers):
+        expected = what.format(f"from {low:g} to {high:g}")
+        raise SceneError(key=key, expected=expected, found=repr(text))
+    return numbers

@@ -88,23 +88,15 @@ def _mark_corners(axes: Axes, result: Result, colour: Any) -> None:
     if not corner.any():
         return
     few = corner.size <= MOST_MARKS
-    named = axes.get_legend() is not None
+    look: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 5 if few else 1.5}
+
+    def colours(edge: Any) -> dict[str, Any]:
+        return {"markeredgecolor": edge, "markerfacecolor": "white" if few else edge}
+
     x, y = curve(result, np.where(corner, result.transmission_error_um, np.nan))
-    (marked,) = axes.plot(
-        x,
-        y,
-        linestyle="none",
-        marker="o",
-        markersize=5 if few else 1.5,
-        markerfacecolor="white" if few else colour,
-        markeredgecolor=colour,
-        label=ON_SHARP,
-    )
-    if not named:
-        key = Line2D([], [])
-        key.update_from(marked)
-        key.set(markeredgecolor=GREY, markerfacecolor="white" if few else GREY)
-        legend_below(axes, [key], [ON_SHARP])
+    axes.plot(x, y, label=ON_SHARP, **look, **colours(colour))
+    if axes.get_legend() is None:
+        legend_below(axes, [Line2D([], [], **look, **colours(GREY))], [ON_SHARP])
 
 
 def _note_mean(axes: Axes, result: Result) -> None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from functools import partial
+from inspect import cleandoc, signature
 from math import ceil, sqrt
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from matplotlib import rc_context
@@ -14,6 +15,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.ticker import MaxNLocator
 
 from flankload.plot.figures import set_title
+from flankload.plot.picture import with_parameters
 from flankload.plot.study_table import StudyTable, label, on_one_grid, pareto_front, unit_of
 from flankload.plot.style import COLOURS, SIZE, STYLE, new_figure, png_of, short, write_pictures
 
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.studies.design import DesignStudy
+
+Draw = TypeVar("Draw", bound="Callable[..., None]")
 
 #: Inches of a panel if there are several.
 PANEL = (4.6, 3.9)
@@ -43,6 +47,24 @@ NOTHING = "no design has a value"
 WIDEST = 78
 #: Variations below this part of the values are roundoff.
 LEAST_SPAN = 1e-9
+
+#: Parameters of the functions, as in their docstrings.
+PARAMETERS = {
+    "axes": "matplotlib.axes.Axes",
+    "study": "DesignStudy",
+    "quantity": "str\n    With one number per design and torque; for bands one per position, too.",
+    "quantities": "(str, str)\n    As above, along the horizontal and the vertical axis.",
+    "variable": "str",
+    "variables": "(str, str)\n    Along the horizontal and the vertical axis.",
+    "torque": "int\n    Index of the torque.",
+}
+
+
+def described(draw: Draw) -> Draw:
+    """Add the parameters to the docstring of a function."""
+    texts = {name: PARAMETERS[name] for name in signature(draw).parameters}
+    draw.__doc__ = with_parameters(cleandoc(draw.__doc__ or ""), texts)
+    return draw
 
 
 def study_figures(study: DesignStudy) -> dict[str, Callable[[], Figure]]:
@@ -123,22 +145,13 @@ def _figure(study: DesignStudy, title: str, panels: list[tuple[Any, ...]]) -> Fi
         return figure
 
 
+@described
 def draw_map(
     axes: Axes, study: DesignStudy, quantity: str, variables: tuple[str, str], torque: int = -1
 ) -> None:
     """Draw a quantity over two variables: cells, contour lines over numbers, the least value.
 
     A failed design is an empty cell. Each cell is the least over further variables.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    study : DesignStudy
-    quantity : str
-    variables : (str, str)
-        Names of the variables along the horizontal and the vertical axis.
-    torque : int
-        Index of the torque.
     """
     table = StudyTable(study)
     (xs, ys), values = table.gathered(quantity, variables)
@@ -162,16 +175,11 @@ def draw_map(
     _key(axes, [table.torque(torque), "least over the other variables" if more else ""])
 
 
+@described
 def draw_curve(axes: Axes, study: DesignStudy, quantity: str, variable: str) -> None:
     """Draw a quantity over a variable, one line per torque, with the least value of each.
 
     A failed design is a gap. Each point is the least over further variables.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    study : DesignStudy
-    quantity, variable : str
     """
     table = StudyTable(study)
     (xs,), values = table.gathered(quantity, (variable,))
@@ -190,17 +198,11 @@ def draw_curve(axes: Axes, study: DesignStudy, quantity: str, variable: str) -> 
     _key(axes, [])
 
 
+@described
 def draw_over_torque(axes: Axes, study: DesignStudy, quantity: str) -> None:
     """Draw a quantity over the torque, a line per design; the least mean is emphasised.
 
     A torque without a solution is a gap; such designs are not the best.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    study : DesignStudy
-        With several torques.
-    quantity : str
     """
     table = StudyTable(study)
     values = table.values(quantity)
@@ -223,19 +225,11 @@ def draw_over_torque(axes: Axes, study: DesignStudy, quantity: str) -> None:
     _key(axes, [])
 
 
+@described
 def draw_bands(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) -> None:
     """Draw percentiles of a curve over the positions: 5, 25, 50, 75 and 95 % of the designs.
 
     Curves of other positions than those of the first solved design are interpolated linearly.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    study : DesignStudy
-    quantity : str
-        An array over the positions.
-    torque : int
-        Index of the torque.
     """
     table = StudyTable(study)
     curves = table.values(quantity)[:, torque]
@@ -254,18 +248,9 @@ def draw_bands(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) 
     return _key(axes, [table.torque(torque), _solved(solved)], columns=3)
 
 
+@described
 def draw_histogram(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) -> None:
-    """Draw how many designs have which value, with percentiles.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    study : DesignStudy
-    quantity : str
-        With one number per design and torque.
-    torque : int
-        Index of the torque.
-    """
+    """Draw how many designs have which value, with percentiles."""
     table = StudyTable(study)
     values = table.values(quantity)[:, torque]
     known = values[np.isfinite(values)]
@@ -288,21 +273,13 @@ def draw_histogram(axes: Axes, study: DesignStudy, quantity: str, torque: int = 
     return _key(axes, [table.torque(torque), _solved(np.isfinite(values))])
 
 
+@described
 def draw_pareto(
     axes: Axes, study: DesignStudy, quantities: tuple[str, str], torque: int = -1
 ) -> None:
     """Draw designs as dots over two quantities, with the front of those that none surpasses.
 
     Less is better in both. Right of and above the stepped line, another design is better.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    study : DesignStudy
-    quantities : (str, str)
-        With one number per design and torque; along the horizontal and the vertical axis.
-    torque : int
-        Index of the torque.
     """
     table = StudyTable(study)
     points = np.column_stack([table.values(name)[:, torque] for name in quantities])

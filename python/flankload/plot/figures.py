@@ -33,12 +33,7 @@ CURVE_LABEL = "label of a curve"
 
 
 def as_results(results: Result | Sequence[Result]) -> tuple[Result, ...]:
-    """Results by ascending torque, each of one torque.
-
-    Parameters
-    ----------
-    results : Result, or sequence of Result
-    """
+    """Results by ascending torque, each of one torque."""
     return tuple(sorted(torques_of(results), key=lambda result: result.torque_Nm))
 
 
@@ -169,16 +164,7 @@ def note(
 ) -> None:
     """A small grey text at a place, moved by an offset in points.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    text : str
-    place : (float, float)
-    coords : str or (str, str)
-        Coordinates of the place: "data", "axes fraction", or one of them for each direction.
-    offset : (float, float)
-    **look
-        Of a text.
+    The coordinates of the place are "data", "axes fraction", or one of them for each direction.
     """
     usual: dict[str, Any] = {"textcoords": "offset points", "fontsize": 9, "color": GREY}
     axes.annotate(text, place, xytext=offset, xycoords=coords, **(usual | look))
@@ -189,14 +175,7 @@ def label_curves(
 ) -> None:
     """A label for each curve at the right of the panel, in its colour and near its height.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        With its final limits.
-    heights : sequence of float
-        Values on the vertical axis.
-    texts : sequence of str
-    colours : sequence of colours
+    The axes have their final limits; heights are values on the vertical axis.
     """
     coords = ("axes fraction", "data")
     look: dict[str, Any] = {"va": "center", "linespacing": 1.15, "annotation_clip": False}

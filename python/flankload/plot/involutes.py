@@ -88,14 +88,7 @@ class PathOnFlank:
 
 
 def path_on_flank(result: Result, body: int) -> PathOnFlank | None:
-    """The path of contact on a body; None unless both flanks are involutes with a known path.
-
-    Parameters
-    ----------
-    result : Result
-    body : int
-        1 or 2.
-    """
+    """The path of contact on body 1 or 2; None unless both have involutes and a known path."""
     drawing, geometry = result.drawing, result.geometry
     one, two = drawing.profiles
     if one is None or two is None or geometry is None or geometry.path_pitches is None:

@@ -137,21 +137,7 @@ def draw_loaded_body(axes: Axes, result: Result, p: int, body: int) -> PolyColle
 
 
 def teeth_in_mesh(result: Result, p: int, body: int) -> Teeth:
-    """The teeth of a body that carry load at position p, and their neighbours.
-
-    Parameters
-    ----------
-    result : Result
-        Three-dimensional result.
-    p : int
-        Index of the position.
-    body : int
-        1 or 2.
-
-    Returns
-    -------
-    Teeth
-    """
+    """The teeth of body 1 or 2 that carry load at position p, and their neighbours."""
     drawing = result.drawing
     shape = drawing.axial[body - 1]
     assert shape is not None

@@ -16,7 +16,7 @@ from flankload.plot.figures import as_results, empty_figure, fit, heaviest, set_
 from flankload.plot.style import GREY, SIZE, STYLE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -192,17 +192,26 @@ def _public(
     def public(*given: Any, **named: Any) -> Any:
         return call(**form.bind(*given, **named).arguments)
 
-    listed = (f"{name} : {PARAMETERS[name]}" for name in form.parameters)
     which, _, default = (shown.__doc__ or "").partition("\n")
     default = default[:1].lower() + default[1:]
-    texts = "\n".join(["Parameters", "----------", *listed]).format(shown=which, default=default)
-    before, raises, after = cleandoc(source.__doc__ or "").partition("\n\nRaises\n")
-    words = before if "axes" in first else f"Figure of {before.removeprefix('Draw ')}"
+    texts = {
+        name: PARAMETERS[name].format(shown=which, default=default) for name in form.parameters
+    }
+    words = cleandoc(source.__doc__ or "")
+    if "axes" not in first:
+        words = f"Figure of {words.removeprefix('Draw ')}"
     public.__module__ = source.__module__
     public.__name__ = public.__qualname__ = source.__name__
-    public.__doc__ = f"{words}\n\n{texts}{raises}{after}"
+    public.__doc__ = with_parameters(words, texts)
     vars(public)["__signature__"] = form
     return public
+
+
+def with_parameters(words: str, texts: Mapping[str, str]) -> str:
+    """A docstring with its parameters, before what it raises."""
+    before, raises, after = words.partition("\n\nRaises\n")
+    listed = "\n".join(f"{name} : {text}" for name, text in texts.items())
+    return f"{before}\n\nParameters\n----------\n{listed}{raises}{after}"
 
 
 def _form(source: Callable[..., None], first: Sequence[str], shown: Shown) -> Signature:

@@ -62,11 +62,7 @@ class Panel:
     axes: tuple[dict[str, Any], ...]
 
 
-def panel_of(
-    draw: Callable[[Axes], None],
-    name: str,
-    size: tuple[float, float],
-) -> Panel:
+def panel_of(draw: Callable[[Axes], None], name: str, size: tuple[float, float]) -> Panel:
     """Draw on new axes and return the plot for a page.
 
     Parameters
@@ -77,37 +73,16 @@ def panel_of(
         Prefix of the ids, unique in the page.
     size : (float, float)
         Width and height, inches.
-
-    Returns
-    -------
-    Panel
     """
-    with rc_context(IN_PAGE):
+    out = io.StringIO()
+    with rc_context(IN_PAGE), missing_letters_are_boxes():
         figure = empty_figure(size)
         draw(figure.add_subplot())
         fit(figure)
-        return panel(figure, name)
-
-
-def panel(figure: Figure, name: str) -> Panel:
-    """Return a figure for a page.
-
-    Parameters
-    ----------
-    figure : Figure
-    name : str
-        Prefix of the ids, unique in the page.
-
-    Returns
-    -------
-    Panel
-    """
-    out = io.StringIO()
-    for axes in figure.axes:
-        for artist in axes.collections:
-            # an image: cells drawn one by one are large and have seams
-            artist.set_rasterized(isinstance(artist, QuadMesh))
-    with rc_context(IN_PAGE), missing_letters_are_boxes():
+        for axes in figure.axes:
+            for artist in axes.collections:
+                # an image: cells drawn one by one are large and have seams
+                artist.set_rasterized(isinstance(artist, QuadMesh))
         empty = dict.fromkeys(("Creator", "Date", "Format", "Type"))
         figure.savefig(out, format="svg", metadata=empty)
     return Panel(name, _in_page(out.getvalue(), name), _axes_of(figure))

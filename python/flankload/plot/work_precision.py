@@ -157,35 +157,23 @@ def _points(axes: Axes, points: Points, **style: Any) -> None:
 
 def _legend(study: Study) -> list[Line2D]:
     groups = {row.group for row in study.rows}
-    handles = [
-        Line2D(
-            [],
-            [],
-            color=colour,
-            marker=mark,
-            markersize=5,
-            linewidth=1.4,
-            label=PARAMETER_LABELS[parameter],
-        )
+    looks: list[tuple[str, dict[str, Any]]] = [
+        (PARAMETER_LABELS[parameter], {"color": colour, "marker": mark, "markersize": 5})
         for parameter, (colour, mark) in LOOKS.items()
         if study.steps.get(parameter)
     ]
     if any(row.run.discretization.adaptive is not None for row in study.steps.get("count", ())):
         colour, mark = LOOKS["count"]
-        handles.append(
-            Line2D([], [], color=colour, marker=mark, markerfacecolor="white",
-                   linestyle="none", label="adaptive positions")
-        )  # fmt: skip
-    handles += [
-        Line2D([], [], color="black", marker=mark, linestyle="none", label=GROUPS[level])
-        for level, mark in LEVEL_MARKS.items()
-        if level in groups
+        hollow = {"color": colour, "marker": mark, "markerfacecolor": "white"}
+        looks.append(("adaptive positions", {**hollow, "linestyle": "none"}))
+    for level, mark in LEVEL_MARKS.items():
+        if level in groups:
+            alone = {"color": "black", "marker": mark, "linestyle": "none"}
+            looks.append((GROUPS[level], alone))
+    tolerance = {"color": GREY, "linestyle": (0, (6, 3)), "linewidth": 1.2}
+    looks += [
+        ("Pareto front", {"color": "black", "marker": ".", "linewidth": 1.2}),
+        (f"tolerance of the scene, {study.tolerance:g}", tolerance),
+        ("uncertainty of the limit", {"color": SHADE, "linewidth": 8}),
     ]
-    handles.append(Line2D([], [], color="black", marker=".", linewidth=1.2, label="Pareto front"))
-    handles.append(
-        Line2D([], [], color=GREY, linestyle=(0, (6, 3)), linewidth=1.2,
-               label=f"tolerance of the scene, {study.tolerance:g}")
-    )  # fmt: skip
-    label = "uncertainty of the limit"
-    handles.append(Line2D([], [], color=SHADE, linewidth=8, label=label))
-    return handles
+    return [Line2D([], [], label=label, **({"linewidth": 1.4} | look)) for label, look in looks]

@@ -61,17 +61,7 @@ class Row:
 
 
 def key_rows(results: Sequence[Result]) -> tuple[Row, ...]:
-    """Key figures that at least one torque has.
-
-    Parameters
-    ----------
-    results : sequence of Result
-        One per torque.
-
-    Returns
-    -------
-    tuple of Row
-    """
+    """Key figures that at least one torque has."""
     rows = [
         Row(name, symbol, unit, tuple(cell(result) for result in results))
         for name, symbol, unit, cell in _figures(results)

@@ -84,18 +84,7 @@ class Plot:
 
 
 def plots_of(results: Sequence[Result]) -> dict[str, tuple[Plot, ...]]:
-    """Plots that suit the results, by section.
-
-    Parameters
-    ----------
-    results : sequence of Result
-        One per torque.
-
-    Returns
-    -------
-    dict of str to tuple of Plot
-        Without empty sections.
-    """
+    """Plots that suit the results (one per torque), by section, without empty sections."""
     light = tuple(_light(result) for result in results)
     drawn: dict[str, list[Plot]] = {title: [] for title in (*SECTIONS, OTHERS)}
     section = {name: title for title, names in SECTIONS.items() for name in names}
@@ -177,19 +166,9 @@ def _plot(
 def curve_data(
     plots: dict[str, tuple[Plot, ...]], torques: Sequence[str] = ()
 ) -> dict[str, list[dict[str, Any]]]:
-    """Curves of all plots, for the script of the page.
+    """Curves for the script of the page: by name of the plot, the axes of its panel.
 
-    Parameters
-    ----------
-    plots : dict
-        From `plots_of`.
-    torques : sequence of str
-        Names of curves without a label, if there is one for each of several torques.
-
-    Returns
-    -------
-    dict
-        By name of the plot, the axes of its panel.
+    If there is a curve without a label for each of several torques, these are their names.
     """
     return {
         plot.name: [_named(axes, torques) for axes in plot.panel.axes]

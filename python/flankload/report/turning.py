@@ -71,17 +71,7 @@ class Turning:
 
 
 def turning(results: Sequence[Result]) -> Turning:
-    """Picture of the loaded bodies at every position.
-
-    Parameters
-    ----------
-    results : sequence of Result
-        One per torque, at the same positions.
-
-    Returns
-    -------
-    Turning
-    """
+    """Picture of the loaded bodies at every position; results of all torques have the same ones."""
     result = results[-1]
     drawing = result.drawing
     shown = _positions(result)
@@ -143,7 +133,9 @@ def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats
     drawing = result.drawing
     apart = np.array([drawing.center_distance_mm, 0.0])
     if result.drive is not None or result.whole_circle:
-        rims = (drawing.bore_radius_2_mm or 0.0, *map(_largest, _outlines(result)))
+        rims = [drawing.bore_radius_2_mm or 0.0, _largest(drawing.outline_1)]
+        if result.drive is None:
+            rims.append(_largest(drawing.outline_2))
         half = 1.05 * max(rims) * np.ones(2)
         if result.drive is not None:
             half *= 1.0 + 2 * REACH
@@ -173,28 +165,15 @@ def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats
     return places.min(axis=0) - 0.9 * pitch, places.max(axis=0) + 0.9 * pitch
 
 
-def _outlines(result: Result) -> tuple[Floats, ...]:
-    drawing = result.drawing
-    return (drawing.outline_1,) if result.drive else (drawing.outline_1, drawing.outline_2)
-
-
 def _outline(sector: Floats, teeth: int, off_mm: float) -> str:
     """SVG path of all teeth of a body."""
     return f"M{_path_text(all_around(thinned(sector, off_mm), teeth))}Z"
 
 
 def thinned(points: Floats, off_mm: float) -> Floats:
-    """Leave out points that lie nearer than a distance to the line through those kept.
+    """Leave out points (n, 2) that lie nearer than a distance to the line through those kept.
 
-    Parameters
-    ----------
-    points : (n, 2) array
-    off_mm : float
-
-    Returns
-    -------
-    (k, 2) array
-        With both ends (Douglas and Peucker, 1973).
+    Both ends are kept (Douglas and Peucker, 1973).
     """
     keep = np.zeros(len(points), dtype=bool)
     keep[[0, -1]] = True
@@ -267,8 +246,9 @@ def _path_of_load(
     """SVG path of the load of a pair, its tip and direction: pressure on the flank, or an arrow."""
     force = float(result.site_force_N[p, s]) / scales[0]
     if result.drive is not None:
-        start, direction = _on_wheel(result, p, s)
-        return _arrow(start, direction, force * reach_mm)
+        angle, radius, direction = result.drive.drawn_force(result, p, s)
+        start, along = (np.array([np.cos(at), np.sin(at)]) for at in (angle, direction))
+        return _arrow(radius * start, along, force * reach_mm)
     rows = np.flatnonzero((table.site == result.sites[s]) & (table.force_N > 0))
     place = np.column_stack([table.x_mm, table.y_mm])[rows]
     normal = np.column_stack([table.normal_x, table.normal_y])[rows]
@@ -286,14 +266,6 @@ def _path_of_load(
     tip = tips[int(np.argmax(height))]
     middle = normal[order][int(np.argmax(height))]
     return f"M{_path_text(place[order])}L{_path_text(tips[::-1])}Z", tip, middle
-
-
-def _on_wheel(result: Result, p: int, s: int) -> tuple[Floats, Floats]:
-    """Place and direction of the force at a site of a chain or a belt."""
-    assert result.drive is not None
-    angle, radius, direction = result.drive.drawn_force(result, p, s)
-    place = radius * np.array([np.cos(angle), np.sin(angle)])
-    return place, np.array([np.cos(direction), np.sin(direction)])
 
 
 def _arrow(start: Floats, direction: Floats, length: float) -> tuple[str, Floats, Floats]:
