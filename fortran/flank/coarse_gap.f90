@@ -46,7 +46,7 @@ contains
         do l = 1, size(radius_2)
             if (radius_2(l) < radius_1(first) .or. radius_2(l) > radius_1(n)) cycle
             k = min(n - 1, first - 1 + count(radius_1(first:) <= radius_2(l)))
-            least = min(least, half_tangent(part_of(radius_1(k:k + 1), radius_2(l)), &
+            least = min(least, half_tangent(fraction_at(radius_1(k:k + 1), radius_2(l)), &
                 & x_1(k:k + 1), y_1(k:k + 1), 0.0_wp, x_2([l, l]), y_2([l, l])) &
                 & - 0.5_wp*(maxval(flank_1%bulge(k:k + 1)) + flank_2%bulge(l))/radius_2(l))
         end do
@@ -56,7 +56,7 @@ contains
             do k = first, n
                 if (radius_1(k) < low .or. radius_1(k) > high) cycle
                 least = min(least, half_tangent(0.0_wp, x_1([k, k]), y_1([k, k]), &
-                    & part_of(radius_2(l:l + 1), radius_1(k)), x_2(l:l + 1), y_2(l:l + 1)) &
+                    & fraction_at(radius_2(l:l + 1), radius_1(k)), x_2(l:l + 1), y_2(l:l + 1)) &
                     & - 0.5_wp*(flank_1%bulge(k) + maxval(flank_2%bulge(l:l + 1)))/radius_1(k))
             end do
         end do
@@ -84,7 +84,7 @@ contains
     end subroutine place_subset
 
     !> Return the fraction of a chord at which a circle about O1 crosses it.
-    pure function part_of(radii, radius) result(part)
+    pure function fraction_at(radii, radius) result(part)
         !> Distances of the ends of the chord from O1 [mm], shape (2)
         real(wp), intent(in) :: radii(2)
         !> Radius of the circle [mm]
@@ -93,7 +93,7 @@ contains
 
         part = 0.5_wp
         if (abs(radii(2) - radii(1)) > 0.0_wp) part = (radius - radii(1))/(radii(2) - radii(1))
-    end function part_of
+    end function fraction_at
 
     !> Return the tangent of half the angle from a point on a chord of flank 1 to a point on a chord
     !> of flank 2.

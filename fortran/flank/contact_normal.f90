@@ -73,7 +73,7 @@ contains
         turn = [angle_between(middle%point_1 - first%point_1, last%point_1 - middle%point_1), &
             & angle_between(middle%point_2 - first%point_2, last%point_2 - middle%point_2)]
         turn = turn/(0.5_wp*(high - low))
-        normal%turning = [steadier(turn(1), turn(2)), steadier(turn(2), turn(1))]
+        normal%turning = [limited_rate(turn(1), turn(2)), limited_rate(turn(2), turn(1))]
 
     contains
 
@@ -106,7 +106,7 @@ contains
 
         !> Return the rate of rotation of a body's normal, or that of the other body if the flank
         !> turns away sharply.
-        pure function steadier(own, other) result(turning)
+        pure function limited_rate(own, other) result(turning)
             !> Rates of the body and of the other body [rad/mm]
             real(wp), intent(in) :: own
             real(wp), intent(in) :: other
@@ -117,7 +117,7 @@ contains
 
             turning = other + (own - other) &
                 & /(1.0_wp + (own/max(many_times*abs(other), tiny(1.0_wp)))**4)
-        end function steadier
+        end function limited_rate
 
     end function contact_normal
 

@@ -5,7 +5,7 @@ module flankload_nodal_circles
     implicit none
     private
 
-    public :: radii_about, is_steady, shared_circles
+    public :: radii_about, is_monotonic, shared_circles
 
     !> Least distance between two circles, relative to the spacing of the points: K would be
     !> singular with closer ones.
@@ -25,16 +25,16 @@ contains
     end function radii_about
 
     !> Return whether radii strictly increase or strictly decrease.
-    pure function is_steady(radii) result(steady)
+    pure function is_monotonic(radii) result(monotonic)
         !> Radii of the points of a flank [mm], shape (n)
         real(wp), intent(in) :: radii(:)
-        logical :: steady
+        logical :: monotonic
 
         integer :: n
 
         n = size(radii)
-        steady = all(radii(2:) > radii(:n - 1)) .or. all(radii(2:) < radii(:n - 1))
-    end function is_steady
+        monotonic = all(radii(2:) > radii(:n - 1)) .or. all(radii(2:) < radii(:n - 1))
+    end function is_monotonic
 
     !> Return the radii of circles that cross both flanks [mm], ascending.
     !>

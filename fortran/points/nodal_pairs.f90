@@ -9,7 +9,7 @@ module flankload_nodal_pairs
     use flankload_flank_curve, only: flank_curve_type, frame_type
     use flankload_polar_geometry, only: angle_between, circle_meets_flank
     use flankload_node_curve, only: curve_through_points
-    use flankload_nodal_circles, only: is_steady, radii_about, shared_circles
+    use flankload_nodal_circles, only: is_monotonic, radii_about, shared_circles
     use flankload_nodal_table, only: between, nodal_place
     implicit none
     private
@@ -116,8 +116,8 @@ contains
         do f = 1, ubound(body_1%last, 1)
             radii_1 = radii_about(axis_1, flank_points(body_1, f))
             radii_2 = radii_about(axis_1, flank_points(body_2, f))
-            if (.not. is_steady(radii_2)) bad = 2
-            if (.not. is_steady(radii_1)) bad = 1
+            if (.not. is_monotonic(radii_2)) bad = 2
+            if (.not. is_monotonic(radii_1)) bad = 1
             if (bad > 0) return
             radii = shared_circles(radii_1, radii_2, n_circles)
             if (size(radii) == 0) cycle

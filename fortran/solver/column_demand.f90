@@ -136,7 +136,7 @@ contains
         absent(known) = .false.
         most = max(first_columns, int(growing_part*size(known)))
         if (size(known) == 0) then
-            wanted = least(closing_motions(diagonal, normal_gaps, motions, loads), absent, most)
+            wanted = smallest(closing_motions(diagonal, normal_gaps, motions, loads), absent, most)
             return
         end if
         allocate (place(size(diagonal)), source=0)
@@ -154,7 +154,7 @@ contains
         end if
         call scatter_result(known, part, size(diagonal), result)
         call other_gaps(columns, part%forces, normal_gaps, motions, result%motion, gaps, sizes)
-        wanted = least(gaps, absent .and. gaps < -row_tolerance*sizes, most)
+        wanted = smallest(gaps, absent .and. gaps < -row_tolerance*sizes, most)
         if (size(wanted) > 0) return
         where (absent) result%gaps = max(gaps, 0.0_wp)
         if (.not. any(absent)) return
@@ -277,13 +277,13 @@ contains
         allocate (wanted(0))
         if (code /= no_contact_state .and. code /= singular_contact) return
         work = [(real(i, wp), i=1, size(absent))]
-        wanted = least(work, absent, most)
+        wanted = smallest(work, absent, most)
         if (code /= no_contact_state) return
         if (.not. dot_product(motion, loads) > 0.0_wp) return
         work = -matmul(load_rows, motion)
         rounding = motion_rounding*maxval(abs(work))
         if (any(absent .and. work < -rounding)) then
-            wanted = least(work, absent .and. work < -rounding, most)
+            wanted = smallest(work, absent .and. work < -rounding, most)
         else if (all(work >= -rounding)) then
             ! No pair resists this motion: further columns would not help.
             wanted = [integer ::]
@@ -307,7 +307,7 @@ contains
     end function none_can_help
 
     !> Return the candidates with the smallest values.
-    pure function least(values, candidate, most) result(pairs)
+    pure function smallest(values, candidate, most) result(pairs)
         !> Value of each pair
         real(wp), intent(in) :: values(:)
         !> True for the candidates
@@ -321,7 +321,7 @@ contains
         pairs = pack([(i, i=1, size(values))], candidate)
         pairs = pairs(ascending_order(values(pairs)))
         pairs = pairs(:min(most, size(pairs)))
-    end function least
+    end function smallest
 
     !> Convert a state of the known pairs to the numbering of all pairs.
     pure subroutine scatter_result(known, part, n, result)

@@ -260,20 +260,20 @@ contains
     end subroutine check_range
 
     !> Return the levels to try, in order, if the equations of a state are not satisfied.
-    pure function retry_levels(method) result(rungs)
+    pure function retry_levels(method) result(levels)
         !> Requested method
         integer, intent(in) :: method
-        integer, allocatable :: rungs(:)
+        integer, allocatable :: levels(:)
 
         select case (method)
         case (method_single, method_primal)
-            rungs = [method_pivoted, method_load_path]
+            levels = [method_pivoted, method_load_path]
         case (method_pivoted)
-            rungs = [method_load_path]
+            levels = [method_load_path]
         case (method_load_path)
-            rungs = [method_pivoted]
+            levels = [method_pivoted]
         case default
-            rungs = [method_single, method_pivoted, method_load_path]
+            levels = [method_single, method_pivoted, method_load_path]
         end select
     end function retry_levels
 

@@ -97,7 +97,7 @@ contains
     end subroutine most_penetrating
 
     !> Return whether a gap is negative beyond rounding.
-    pure function penetrates(problem, compliance, state, i, tolerance) result(open)
+    pure function penetrates(problem, compliance, state, i, tolerance) result(penetrating)
         !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
@@ -107,9 +107,9 @@ contains
         integer, intent(in) :: i
         !> Tolerance relative to the size of the row
         real(wp), intent(in) :: tolerance
-        logical :: open
+        logical :: penetrating
 
-        open = state%gaps(i) < -tolerance*row_size(problem, compliance, state%forces, &
+        penetrating = state%gaps(i) < -tolerance*row_size(problem, compliance, state%forces, &
             & state%motion, state%system%pairs, i)
     end function penetrates
 

@@ -143,6 +143,7 @@ contains
         do
             ready = size(state%system%pairs) >= problem%n_motions
             if (.not. ready) return
+            ! Eq. (18), (19)
             call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
                 & problem%loads, forces, motion, ready, state%tangent)
             if (.not. ready) return

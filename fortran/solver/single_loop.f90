@@ -142,6 +142,7 @@ contains
 
         rejected = .false.
         do
+            ! Eq. (18), (19)
             call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
                 & problem%loads, target, motion, solved, state%tangent)
             if (.not. solved .and. state%left_last > 0) then
