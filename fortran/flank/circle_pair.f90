@@ -204,7 +204,7 @@ contains
         call circle_meets_flank(flank_2, frame_2, pair%radius, s_2_range, pair%s_2, pair%point_2, &
             & pair%tangent_2, found)
         if (.not. found) return
-        pair%gap_angle = angle_between(pair%point_1, pair%point_2)   ! Eq. (2)
+        pair%gap_angle = angle_between(pair%point_1, pair%point_2)   ! ε_anf of Eq. (2)
         rise_1 = dot_product(pair%point_1, pair%tangent_1)
         rise_2 = dot_product(pair%point_2, pair%tangent_2)
         ! A rounding that ends on the tip circle is tangent to it there.

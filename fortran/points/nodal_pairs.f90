@@ -137,7 +137,7 @@ contains
                 pairs%place_2(k)%point = pairs%place_2(k)%point + body_2%last(f - 1)
                 pairs%flank(k) = f
                 pairs%radius(k) = radii(c)
-                pairs%gap_angle(k) = turn*angle_between(a - axis_1, b - axis_1)   ! Eq. (2)
+                pairs%gap_angle(k) = turn*angle_between(a - axis_1, b - axis_1)   ! ε_anf of Eq. (2)
                 pairs%torque_lever(k) = lever_1   ! Eq. (17), (19)
                 pairs%lever(k) = 0.5_wp*(lever_1 + lever_2)
                 pairs%torque_lever_2(k) = abs(dot_product(a - axis_2, t_1))
