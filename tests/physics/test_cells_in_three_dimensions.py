@@ -14,7 +14,7 @@ import flankload as fl
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.prediction import predicted_work
 from flankload.plot import plot_loaded_pair
-from flankload.plot.slices import contact_pattern
+from flankload.plot.load_maps import contact_pattern
 from flankload.scene.discretization import Grid
 from tests.support.crowned_cylinders import hertz_ellipse, press
 from tests.support.finite_elements_3d import (
