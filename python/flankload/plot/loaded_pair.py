@@ -164,7 +164,7 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
         shape = [all_around(outline, teeth, angle)]
         around = drawing.is_around if z else result.whole_circle
         if rims[z] and (around or result.has_cam):
-            turn = np.linspace(0.0, -2 * np.pi, 361)  # clockwise: one of both is a hole
+            turn = np.linspace(0.0, -2 * np.pi, 721)  # clockwise: one of both is a hole
             shape.append(rims[z] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
         # not `add_patch`, which needs the time of a whole picture for limits that are known
         axes.add_artist(
