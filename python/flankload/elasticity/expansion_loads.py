@@ -33,8 +33,6 @@ def growth_loads(
     ----------
     matrix : csc_array, (2N, 2N)
         Stiffness, per mm of width.
-    mesh : SectorMesh or WholeMesh
-    growth : Growth or None
     lumped : bool
         As in `place_load`.
 
@@ -67,8 +65,6 @@ def growth_of_flanks(
     ----------
     body : Body
         With a mesh of f flanks.
-    growth : Growth or None
-    n_modes : int
     moved : mapping of str to (f, p) array
         Readings of the modes on each flank under each of `growth_loads`, pressure modes first, mm².
 

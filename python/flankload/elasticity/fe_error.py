@@ -81,7 +81,6 @@ def missed_compliance(
         mm.
     cells : ((kind, (E, n) array), ...)
         "quad9" or "triangle6" in meshio's node order.
-    material : Material
     plane : {"strain", "stress"}
     moved : (2N, p) array
         Displacements under p loads, per mm of width; degree of freedom 2*node + component.

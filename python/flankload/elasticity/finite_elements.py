@@ -39,7 +39,6 @@ def lame_parameters(material: Material, plane: str) -> tuple[float, float]:
 
     Parameters
     ----------
-    material : Material
     plane : {"strain", "stress"}
 
     Returns
@@ -70,7 +69,6 @@ def stiffness(
     cells : ((kind, (E, k) array), ...)
         "quad9" or "triangle6" in meshio's node order, or "quad4" and "triangle3" (`linear_cells`);
         blocks of both kinds may share nodes.
-    material : Material
     plane : {"strain", "stress"}
 
     Returns

@@ -76,7 +76,6 @@ class JobLog:
         ----------
         columns : int
             Normal loads; with friction followed by as many tangential ones.
-        friction : bool
         """
         tangential = columns // 2 if friction else 0
         self.account.count(unit_loads_normal=columns - tangential, unit_loads_tangential=tangential)

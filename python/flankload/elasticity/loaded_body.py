@@ -157,10 +157,6 @@ def loaded_body(body: Body, plane: str) -> LoadedBody:
     body : Body
         Plane, elastic, with a mesh.
     plane : {"strain", "stress"}
-
-    Returns
-    -------
-    LoadedBody
     """
     body = body.for_elements()
     mesh = body.mesh

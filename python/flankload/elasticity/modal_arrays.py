@@ -26,7 +26,6 @@ def modal_arrays(
 
     Parameters
     ----------
-    body : Body
     compliance : BodyCompliance
         Compliance of an elastic body.
     plane : {"strain", "stress"}

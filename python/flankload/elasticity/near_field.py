@@ -44,7 +44,6 @@ def logarithm_strength(material: Material, plane: str) -> float:
 
     Parameters
     ----------
-    material : Material
     plane : {"strain", "stress"}
 
     Returns
@@ -64,7 +63,6 @@ def jump_strength(material: Material, plane: str) -> float:
 
     Parameters
     ----------
-    material : Material
     plane : {"strain", "stress"}
 
     Returns
@@ -93,7 +91,6 @@ def mode_values(
     s : (n,) array
         Arc lengths, mm.
     mode_range_mm : (float, float)
-    n_modes : int
     closed : bool
         The range is a turn: 1, cos t, sin t, cos 2t, … instead, t from 0 to 2 pi.
     tip : Tip, optional
@@ -135,7 +132,6 @@ def to_coefficients(
     mode_range_mm : (float, float)
     closed : bool
         The range is a turn.
-    tip : Tip, optional
 
     Returns
     -------
@@ -188,9 +184,7 @@ def mode_loads(
 
     Parameters
     ----------
-    mesh : SectorMesh or MeshedFlank
     mode_range_mm : (float, float)
-    n_modes : int
     along : {"normal", "tangent"}
         The tangent points to growing arc length.
     closed : bool
@@ -243,7 +237,6 @@ def consistent_loads(
 
     Parameters
     ----------
-    mesh : SectorMesh or MeshedFlank
     values : callable
         Arc lengths (k,) to pressures (k, count).
     count : int
@@ -303,7 +296,6 @@ def mirrored_loads(
 
     Parameters
     ----------
-    mesh : SectorMesh
     loads : (2 N, p) array
         Of the flank that the mesh names, that of tooth 0.
     center_rad : float
@@ -350,7 +342,6 @@ def projected_logarithm(
 
     Parameters
     ----------
-    n_modes : int
     length_mm : float
         Length of the modes' range.
     closed : bool
@@ -395,7 +386,6 @@ def projected_image(n_modes: int, length_mm: float, *, at_high_end: bool) -> NDA
 
     Parameters
     ----------
-    n_modes : int
     length_mm : float
         Length of the modes' range.
     at_high_end : bool
@@ -437,7 +427,6 @@ def projected_near_field(
 
     Parameters
     ----------
-    n_modes : int
     length_mm : float
         Length of the modes' range.
     wedge : (float, float)
@@ -476,7 +465,6 @@ def projected_sign(
 
     Parameters
     ----------
-    n_modes : int
     length_mm : float
         Length of the modes' range.
     tip : Tip, optional

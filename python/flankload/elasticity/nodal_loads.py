@@ -26,10 +26,6 @@ if TYPE_CHECKING:
 def flank_nodes(flank: SectorMesh | MeshedFlank) -> Floats:
     """Arc lengths of the nodes that carry unit loads.
 
-    Parameters
-    ----------
-    flank : SectorMesh or MeshedFlank
-
     Returns
     -------
     (n,) array
@@ -74,7 +70,6 @@ def hat_loads(
 
     Parameters
     ----------
-    flank : SectorMesh or MeshedFlank
     nodes : (n,) array
         Arc lengths, mm; the same on every flank of a body.
     along : {"normal", "tangent"}

@@ -71,12 +71,10 @@ def condense(
         Stiffness of the sector.
     loads : (2N, p) array
         Load columns; the same columns read the displacements.
-    mesh : SectorMesh
     readings : mapping of str to (2N, q) array, optional
         Further columns that read the displacements, by the counter of their solutions
         (`cost.COUNTERS`). A known load is also a reading: by reciprocity (Betti) it reads the
         displacements that it causes itself.
-    log : JobLog, optional
 
     Returns
     -------
@@ -120,7 +118,6 @@ def close_ring(sector: CondensedSector, teeth: int) -> Floats:
 
     Parameters
     ----------
-    sector : CondensedSector
     teeth : int
         Number z of sectors.
 
@@ -157,7 +154,6 @@ def alike_response(sector: CondensedSector, teeth: int) -> Floats:
 
     Parameters
     ----------
-    sector : CondensedSector
     teeth : int
         Number z of sectors.
 
@@ -254,7 +250,6 @@ def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
 
     Parameters
     ----------
-    sector : CondensedSector
     cells : int
         Number n of sectors.
     turn_rad : float
@@ -282,7 +277,6 @@ def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:
 
     Parameters
     ----------
-    sector : CondensedSector
     teeth : int
         Number z of sectors of the whole body.
     cells : int

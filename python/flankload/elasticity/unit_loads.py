@@ -30,10 +30,7 @@ def unit_loads(
 
     Parameters
     ----------
-    mesh : SectorMesh or MeshedFlank
     mode_range_mm : (float, float)
-    n_modes : int
-    friction : bool
     closed : bool
         The modes' range is a turn around the body.
     nodes : (n_modes,) array, optional

@@ -118,11 +118,6 @@ def size_of(
         One for each torque, at the same positions; `base` is the unchanged scene.
     unloaded_rad : (P,) array
         Rotation of the unchanged scene without torque.
-    reference_radius_mm : float
-
-    Returns
-    -------
-    Size
     """
     sizes = [
         _size(one, other, scene.rotation_rad - unloaded_rad, reference_radius_mm)

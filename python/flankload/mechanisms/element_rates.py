@@ -46,7 +46,6 @@ class ElementRates:
 
     Attributes
     ----------
-    body : Body
     assembly_s : float
         CPU seconds for the stiffness matrix of its own elements.
     job : JobCost

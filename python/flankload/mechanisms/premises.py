@@ -34,7 +34,6 @@ class Premise:
     ----------
     name : str
         Name in `result.outside_limits`.
-    limit : float
     expected : str
         Expected condition, with the limit.
     """
@@ -56,7 +55,6 @@ class Broken:
 
     Attributes
     ----------
-    premise : Premise
     key : str
         Key that causes the violation.
     found : str

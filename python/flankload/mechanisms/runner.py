@@ -50,7 +50,6 @@ def prepare(scene: Scene, parts: Parts) -> None:
 
     Parameters
     ----------
-    scene : Scene
     parts : Parts
         Bodies and compliances are added.
 
@@ -81,7 +80,6 @@ def run_once(
 
     Parameters
     ----------
-    scene : Scene
     kept : mapping of 0 and 1 to compliance and Account, optional
         Compliances from another scene of the same bodies and discretization; their cost counts as
         if it were spent here. Missing ones are computed and added.
@@ -95,7 +93,6 @@ def run_once(
         Called with the assembly before finite elements are solved.
     on_states : callable, optional
         Called with the states of the run, which `Earlier.similar` takes.
-    earlier : Earlier, optional
 
     Returns
     -------

@@ -34,7 +34,6 @@ class Screening(ABC):
         Of the scene as it stands.
     unloaded_rad : (P,) array
         Its rotation without torque.
-    reference_radius_mm : float
     """
 
     rows: tuple[str, ...]

@@ -73,7 +73,6 @@ class StageClock:
 
         Parameters
         ----------
-        name : str
         sweep : int
             Number of earlier sweeps of this stage.
         number : int, optional

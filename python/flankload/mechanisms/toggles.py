@@ -77,7 +77,6 @@ def toggles(scene: Scene, names: Iterable[str]) -> dict[str, Toggle]:
 
     Parameters
     ----------
-    scene : Scene
     names : iterable of str
         Rows of the table of effects.
 
@@ -101,7 +100,6 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
 
     Parameters
     ----------
-    scene : Scene
     name : str
         Row of the table of effects.
     on : bool

@@ -45,7 +45,6 @@ class BodyCompliance:
         at these nodes, and the near field only gives the expected width of contacts.
     near : NearField
         In three dimensions that of a half-space with k = kernel/2 (`prism.flank_potential`).
-    modes : FlankModes
     flanks : tuple of int
         Teeth that have a flank; empty if smooth depends on the distance of teeth only.
     tangential : (z, p, q) array, or (f * f, p, q) array; None without friction
@@ -57,14 +56,11 @@ class BodyCompliance:
     turned : (z, p) array, or (f * f, p) array; None without a sharp tip
         Displacements under a unit force along the flank at its sharp tip, towards growing arc
         length, without its images: forces turn over the corner.
-    coast : CoastCompliance or None
-    expansion : Expansion
     root : RootResponse or None
         Stress in the root fillets, if requested.
     missed : (1, p, p + q) array, or (f, p, p + q) array where `flanks` names f teeth; or None
         Estimated discretization error of the response of a flank to the modes on itself: of
         `smooth`, followed by that of `tangential`. None without an estimate.
-    job : JobCost
     """
 
     smooth: NDArray[np.float64]
@@ -197,10 +193,6 @@ class BodyCompliance:
             Maps each of smooth, tangential, along and turned, as far as they exist.
         of_coast : callable, optional
             Maps the responses of the coast flanks; by default `change`.
-
-        Returns
-        -------
-        BodyCompliance
         """
         names = ("smooth", "tangential", "along", "turned")
         blocks = {name: getattr(self, name) for name in names}
@@ -304,16 +296,7 @@ class BodyCompliance:
         return replace(self, modes=modes)
 
     def on_flank(self, body: Body) -> BodyCompliance:
-        """The same for a body whose modified flank has other arc lengths.
-
-        Parameters
-        ----------
-        body : Body
-
-        Returns
-        -------
-        BodyCompliance
-        """
+        """The same for a body whose modified flank has other arc lengths."""
         modes, (low, high), span = self.modes, self.modes.range_mm, body.mode_range_mm
         nodes = modes.nodes
         if nodes is not None:

@@ -39,7 +39,6 @@ class CoastReadings:
         ----------
         response : (z, r, p) array
             These readings follow those of the working flank.
-        modes : ModeLoads
 
         Returns
         -------
@@ -66,13 +65,8 @@ def coast_readings(body: Body, mesh: SectorMesh, loads: Floats) -> CoastReadings
     ----------
     body : Body
         With an involute.
-    mesh : SectorMesh
     loads : (2 N, n) array
         Along the normal of the working flank.
-
-    Returns
-    -------
-    CoastReadings
     """
     assert body.involute is not None
     return CoastReadings(*mirrored_loads(mesh, loads, body.involute.turn_rad))

@@ -100,7 +100,6 @@ def flank_compliance(
     ----------
     body : Body
         With a mesh, or rigid.
-    options : JobOptions
     sectors : int, optional
         Only a segment of an odd number of equal sectors with both ends held; 1: a single tooth.
         By default the whole body; a body meshed as a whole has no segments.
@@ -108,10 +107,6 @@ def flank_compliance(
         Expansion of the body; a single tooth expands uniformly only.
     matrix : csc_array, optional
         Stiffness matrix of the mesh, if available.
-
-    Returns
-    -------
-    BodyCompliance
     """
     return flank_compliances(body, ((sectors, growth),), options, matrix)[0]
 
@@ -126,7 +121,6 @@ def flank_compliances(
 
     Parameters
     ----------
-    body : Body
     variants : sequence of (int or None, Growth or None)
         `sectors` and `growth` of each, as in `flank_compliance`.
     options, matrix

@@ -33,11 +33,9 @@ class ModeLoads:
 
     Attributes
     ----------
-    body : Body
     count : int
         Number of modes of a flank, including those of its tip.
     plane : {"strain", "stress"}
-    friction : bool
     """
 
     body: Body
@@ -88,7 +86,6 @@ class ModeLoads:
             Projected on the modes; overwritten.
         own : array
             Indices of the responses of flanks to loads on themselves.
-        account : Account
         """
         low, high = self.body.mode_range_mm
         n, tip = self.count, self.tip

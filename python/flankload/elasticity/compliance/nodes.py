@@ -26,7 +26,6 @@ class NodeLoads:
 
     Attributes
     ----------
-    body : Body
     nodes : (n,) array
         Arc lengths, mm.
     plane : {"strain", "stress"}
@@ -69,10 +68,6 @@ def node_loads(body: Body, plane: str) -> NodeLoads:
     body : Body
         With a mesh.
     plane : {"strain", "stress"}
-
-    Returns
-    -------
-    NodeLoads
     """
     assert body.mesh is not None
     return NodeLoads(body, nodes_of(body.mesh), plane)

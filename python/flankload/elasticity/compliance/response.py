@@ -39,17 +39,14 @@ class Job:
 
     Attributes
     ----------
-    body : Body
     matrix : csc_array
         Stiffness of its mesh.
-    loads : ModeLoads or NodeLoads
     friction : bool
         Whether loads along the flank follow those along the normal.
     readings : callable
         Index of a flank to columns (2N, q) that only read the displacements, by counter.
     forces : (2N, k) array or None
         Known loads, of expansion.
-    log : JobLog
     onto : (2N, 2N) csc_array or None
         Displacements of all nodes from the unknown ones, where these are fewer.
     """
@@ -98,8 +95,6 @@ class Response:
         Blocks of loaded flanks themselves; for each block, the one with load and reading exchanged.
     by_force : (f, k, p) array
         Readings of the loads of each flank under each known load.
-    degrees_of_freedom : int
-    flanks : tuple of int
     coast : (z, n, p) array or None
         Response of the coast flanks, as coefficients.
     """
@@ -118,7 +113,6 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
 
     Parameters
     ----------
-    job : Job
     mesh : WholeMesh
         With f flanks.
 
@@ -171,8 +165,6 @@ def of_sector(
 
     Parameters
     ----------
-    job : Job
-    mesh : SectorMesh
     sectors : sequence of int or None
         Numbers of sectors to build: an odd number for a segment, 1 for a single tooth, None for
         the whole ring.

@@ -73,7 +73,6 @@ def turned_coefficients(body: Body, moments: Floats, own: NDArray[np.int64], pla
 
     Parameters
     ----------
-    body : Body
     moments : (k, p) array
         Readings of the force under p modes; of k teeth or pairs of flanks.
     own : array

@@ -60,8 +60,6 @@ class CarriedBore:
 
     Attributes
     ----------
-    shaft : CarryingShaft
-    teeth : int
     columns : (N, 3 (p + 1), 6 (q_b + 1) + 12) array
         K T: forces on the nodes of a sector when the sections of its bore move; by d, motion. Then
         the loads on the end faces that unit forces and moments of the shaft beyond make there.
@@ -94,18 +92,10 @@ class CarriedBore:
 
         Parameters
         ----------
-        shaft : CarryingShaft
-        section : SectionStiffness
-        functions : AxialBasis or AxialRegions
-        mesh : SectorMesh
         twist : float
             kappa, rad/mm.
         regions : sequence of int, optional
             As in `section_stiffness`.
-
-        Returns
-        -------
-        CarriedBore
         """
         basis = _bore_basis(functions, mesh)
         degree = min(SECTION_DEGREE, basis.degree)
@@ -322,7 +312,6 @@ def beam_stiffness(shaft: CarryingShaft, basis: AxialBasis, degree: int, twist: 
 
     Parameters
     ----------
-    shaft : CarryingShaft
     basis : AxialBasis
         Functions of the bore, over its width.
     degree : int

@@ -146,7 +146,6 @@ def prism_compliance(
     ----------
     body : Body
         With the mesh of a sector; rigid bodies have no compliance.
-    prism : Prism
     n_modes : int
         Pressure modes along s; their degree should be at most half the number of flank elements.
         A tip rounding or chamfer has half as many more.
@@ -347,10 +346,6 @@ def prism_unknowns(body: Body, degree: int) -> int:
         With the mesh of a sector.
     degree : int
         p.
-
-    Returns
-    -------
-    int
     """
     mesh = _sector_of(body)
     held = np.unique(np.concatenate([mesh.fixed_nodes, mesh.right_nodes])).size
@@ -359,15 +354,6 @@ def prism_unknowns(body: Body, degree: int) -> int:
 
 def flank_surface(body: Body, prism: Prism) -> FlankSurface:
     """The working flank of tooth 0 as its near field sees it.
-
-    Parameters
-    ----------
-    body : Body
-    prism : Prism
-
-    Returns
-    -------
-    FlankSurface
 
     Raises
     ------

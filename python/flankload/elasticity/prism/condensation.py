@@ -58,17 +58,14 @@ def condense_prism(
 
     Parameters
     ----------
-    section : SectionStiffness
     axial : AxialBasis or AxialRegions
         Of degree p.
-    mesh : SectorMesh
     loads : (N, 3 (p + 1), r) array
         Columns by node and unknown; they read, too.
     cut_degree : int
         q <= p: the displacements of the cuts are polynomials of this degree in z.
     twisted : bool
         False allows the two problems of half the size if the functions of z are even or odd.
-    account : Account, optional
     recovery : Recovery, optional
         Keeps the fronts for displacements inside the sector.
 

@@ -31,11 +31,6 @@ def end_strength(angle_deg: float, poisson_ratio: float) -> float:
     ----------
     angle_deg : float
         Between flank and end face, inside the metal.
-    poisson_ratio : float
-
-    Returns
-    -------
-    float
     """
     at_right_angle, at_steel = np.interp([poisson_ratio, STEEL_RATIO], *RIGHT_ANGLE)
     by_angle = AT_STEEL * np.exp(-DECAY_PER_DEGREE * (angle_deg - 90.0))
@@ -51,7 +46,6 @@ def edge_angles(body: Body, twist: float) -> tuple[float, float]:
 
     Parameters
     ----------
-    body : Body
     twist : float
         kappa, rad/mm.
 

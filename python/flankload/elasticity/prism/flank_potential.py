@@ -196,7 +196,6 @@ def projected_potential(
 
     Parameters
     ----------
-    surface : FlankSurface
     n_modes : int
         a = 0 ... n_modes - 1, those of a tip included.
     degree_z : int

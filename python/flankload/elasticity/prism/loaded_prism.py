@@ -94,7 +94,6 @@ class LoadedPrism:
     ----------
     body : Body
         As `Body.for_elements` returns it.
-    prism : Prism
     nodes : (M, 2) array
         Of the section of the whole body at z = 0, mm; nodes of the cuts occur once.
     numbers : (z, N) array
@@ -214,7 +213,6 @@ class LoadedPrism:
 
         Parameters
         ----------
-        part : SolidPart
         moved : (M, p + 1, 3) array
             Of `displacements`.
 
@@ -259,11 +257,6 @@ def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
     ----------
     body : Body
         Elastic, with the mesh of a sector.
-    prism : Prism
-
-    Returns
-    -------
-    LoadedPrism
     """
     body = body.for_elements()
     mesh = body.mesh

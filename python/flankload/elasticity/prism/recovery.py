@@ -34,7 +34,6 @@ class KeptFront:
 
     Attributes
     ----------
-    front : Front
     factor : (o, o) array
         Lower triangle L of the matrix of its own unknowns.
     below : (r, o) array
@@ -58,7 +57,6 @@ class Independent:
         Load columns with a part in this set.
     needed : (f,) array of bool
         Fronts that are kept, in the order of their elimination.
-    fronts : list of KeptFront
     """
 
     unknowns: Numbers

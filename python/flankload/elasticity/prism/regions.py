@@ -23,7 +23,6 @@ def functions_of(
 
     Parameters
     ----------
-    mesh : SectorMesh
     axial : AxialBasis
         Over the width of the teeth.
     extents_mm : mapping of str to (float, float)

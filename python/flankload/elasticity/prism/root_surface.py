@@ -43,12 +43,10 @@ def root_surface_stress(
 
     Parameters
     ----------
-    fillet : FilletNodes
     functions : AxialBasis or AxialRegions
         In which the displacements of the nodes are written.
     axial : AxialBasis
         Over the width of the teeth, of the same degree: of the stress.
-    material : Material
     twist : float
         kappa, rad/mm.
 

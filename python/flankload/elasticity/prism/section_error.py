@@ -42,7 +42,6 @@ def missed_over_width(
         With the mesh of a sector.
     n_modes : int
         Pressure modes along the flank, without those of a tip.
-    width_mm : float
     load_degree : int
         Of the pressure modes along the axis.
     friction : bool

@@ -70,15 +70,10 @@ def section_stiffness(
         mm, the axis at the origin.
     cells : ((kind, (E, k) array), ...)
         As in `finite_elements.stiffness`.
-    material : Material
     twist : float
         kappa, rad/mm, counter-clockwise with growing z.
     regions : sequence of int, optional
         Number of the region of each entry of `cells`; one region by default.
-
-    Returns
-    -------
-    SectionStiffness
     """
     places, parts, count = [], [], len(nodes)
     for number, (kind, connectivity) in zip(regions or [0] * len(cells), cells, strict=True):

@@ -32,8 +32,6 @@ class StripField:
 
     Attributes
     ----------
-    compliance : BodyCompliance
-    teeth : int
     along : (N, n_s) array
         Modes along the profile at the strips.
     over : (J, n_z) array
@@ -69,17 +67,12 @@ class StripField:
         ----------
         compliance : BodyCompliance
             In three dimensions.
-        teeth : int
         s_mm : (N,) array
             Arc lengths of the middles of the strips.
         strip_mm : float
             Their width.
         edges_mm : (J + 1,) array
             Ends of the slices.
-
-        Returns
-        -------
-        StripField
         """
         modes, s = compliance.modes, s_mm
         width, z = np.diff(edges_mm), 0.5 * (edges_mm[1:] + edges_mm[:-1])

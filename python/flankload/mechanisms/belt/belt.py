@@ -44,7 +44,6 @@ class Trapezoid:
     ----------
     width_mm : float
         Width at the land.
-    height_mm : float
     angle_rad : float
         Angle of the sides to the centre line.
     """
@@ -158,11 +157,8 @@ class Strip:
 
     Attributes
     ----------
-    pulley_teeth : int
     pitch_mm : float
         Pitch of the pulley, on which the belt lies.
-    wrapped_teeth : int
-    width_mm : float
     tooth : Trapezoid, Round or None
         None for a belt without teeth.
     groove : Trapezoid, Round or None
@@ -173,7 +169,6 @@ class Strip:
         Thickness from the land to the back.
     cord_N_per_mm : float
         Tension of the cord divided by its strain, per mm of width.
-    material : Material
     clearance_rad : float
         Angle by which the pulley rotates before the first contact, in addition to the gaps to the
         groove.

@@ -41,7 +41,6 @@ class BeltState:
     ----------
     first_tooth, first_land : int
         Numbers of the first tooth and the first land.
-    flanks : Flanks
     rotation_rad : float
         Rotation of the pulley while the tight end of the strip is fixed.
     compliance_rad_per_N : float
@@ -60,7 +59,6 @@ class BeltState:
         Reaction at the tight end.
     degrees_of_freedom : int
         Of the finite elements.
-    contact : ContactState
     """
 
     first_tooth: int

@@ -72,16 +72,7 @@ def _rows_of_pulley(scene: Scene) -> Rows:
 
 
 def sheet_of_belt(scene: Scene) -> DataSheet:
-    """Drawing data of a pulley and its belt.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    DataSheet
-    """
+    """Drawing data of a pulley and its belt."""
     pulley, belt = bodies_of(scene)
     strip = build_strip(pulley, belt)
     return DataSheet(

@@ -42,7 +42,6 @@ class ElasticPulley:
         Depth of the groove, from the line between the ends of both lands beside it.
     bore_radius_mm : float
         Radius of the bore, which is fixed.
-    material : Material
     plane : {"strain", "stress"}
     """
 

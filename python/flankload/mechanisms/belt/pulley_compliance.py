@@ -48,11 +48,9 @@ class PulleyResponse:
 
     Attributes
     ----------
-    mesh : PulleyMesh
     response : (z, r, r) array
         [t]: response of `unit_forces` on sector t to those on sector 0, each in its own frame,
         mm²/N.
-    degrees_of_freedom : int
     """
 
     mesh: PulleyMesh

@@ -41,7 +41,6 @@ class PulleyMesh:
 
     Attributes
     ----------
-    pulley : ElasticPulley
     sector : SectorMesh
         Sector with its land centred on the x axis.
     flank : array

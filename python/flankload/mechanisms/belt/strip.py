@@ -62,7 +62,6 @@ class Piece:
         Land of each shape function.
     land_angle_rad : (h,) array
         Angle of the end node of each shape function.
-    degrees_of_freedom : int
     """
 
     cell: RowCell

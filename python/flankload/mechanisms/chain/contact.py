@@ -73,8 +73,6 @@ class WrapState:
         Displacements of the rollers from the pitch circle, in the same directions.
     tension_N : (n + 1,) array
         In front of each roller and behind the last: tight strand, links, slack strand.
-    status : int
-    passes, pivots, planes : int
     backward_error, condition : float
         For the last contact problem.
     moves_mm : float
@@ -182,8 +180,6 @@ class _Problem:
 
     Attributes
     ----------
-    wrap : Wrap
-    chain : Chain
     torque_Nmm, slack_N, tight_N : float
         Torque, and tensions of both strands.
     run_mm : float

@@ -60,16 +60,7 @@ def rows_of_chain(scene: Scene) -> dict[str, Rows]:
 
 
 def sheet_of_chain(scene: Scene) -> DataSheet:
-    """Drawing data of a sprocket and its chain.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    DataSheet
-    """
+    """Drawing data of a sprocket and its chain."""
     sprocket, chain, angle = build_drive(scene)
     slack, tight = _tensions(scene, sprocket)
     limits = sprocket.jump_tension(tight, angle)

@@ -40,9 +40,6 @@ class ChainAssembly:
 
     Attributes
     ----------
-    sprocket : Sprocket
-    chain : Chain
-    wrap_angle_rad : float
     wraps : list of Wrap
         One entry per position.
     position_rad : (P,) array

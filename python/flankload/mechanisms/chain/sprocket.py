@@ -34,8 +34,6 @@ class Sprocket:
 
     Attributes
     ----------
-    teeth : int
-    pitch_mm, roller_diameter_mm : float
     seat_radius_mm : float
         Radius of the arc on which a roller's centre can lie in its seat: seat radius minus roller
         radius.

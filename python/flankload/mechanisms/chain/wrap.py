@@ -30,7 +30,6 @@ class Wrap:
 
     Attributes
     ----------
-    sprocket : Sprocket
     first : int
         Number of the roller at the tight end.
     angles_rad : (n,) array

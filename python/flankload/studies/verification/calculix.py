@@ -119,17 +119,12 @@ def run_deck(
 
     Parameters
     ----------
-    program : str
     folder : Path
         Folder of all its files, including deck.log.
     deck : Deck or SolidDeck
         Content of the input file.
     time_limit_s : float or None
         Wall-clock seconds after which the run is stopped.
-
-    Returns
-    -------
-    Answer
 
     Raises
     ------
@@ -169,17 +164,6 @@ def read_answer(
     wall_s: float = float("nan"),
 ) -> Answer:
     """Read deck.dat and deck.sta of a successful run.
-
-    Parameters
-    ----------
-    folder : Path
-    deck : Deck or SolidDeck
-    version : str
-    cpu_s, wall_s : float
-
-    Returns
-    -------
-    Answer
 
     Raises
     ------

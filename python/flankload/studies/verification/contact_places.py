@@ -68,7 +68,6 @@ def contact_places(
 
     Parameters
     ----------
-    pair : BodyPair
     turns : (float, float)
         Rotations of both bodies' frames, rad.
     force_N_per_mm : dict of int to float
@@ -117,7 +116,6 @@ class Meeting:
         Pair number.
     curve_1, curve_2 : FlankCurve
         Rotated to the position; curve 2 about its own axis.
-    center_distance_mm : float
     gaps_rad, arc_mm : (n,) arrays
         Gap angles and arc lengths on flank 1 of the samples.
     points : (n, 2) array
@@ -161,13 +159,8 @@ def meetings(pair: BodyPair, turns: tuple[float, float]) -> list[Meeting]:
 
     Parameters
     ----------
-    pair : BodyPair
     turns : (float, float)
         Rotations of both bodies' frames, rad.
-
-    Returns
-    -------
-    list of Meeting
     """
     pairing = pair.pairing
     found = []

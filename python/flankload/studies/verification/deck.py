@@ -48,7 +48,6 @@ class Part:
         Fixed nodes.
     flanks : tuple of (k, 2) arrays
         Element and side (1 to 3) of each pair's surface.
-    material : Material
     """
 
     nodes: Floats
@@ -83,7 +82,6 @@ class Deck:
 
     Attributes
     ----------
-    title : str
     parts : two Part
         Body 1 rotates about the origin; body 2 is fixed.
     sites : tuple of int
@@ -127,11 +125,6 @@ def part_of(mesh: Triangles, n_flanks: int, material: Material) -> Part:
         Mesh at the place of the body.
     n_flanks : int
         Number of flanks that may touch.
-    material : Material
-
-    Returns
-    -------
-    Part
     """
     nodes, cells, middles = quadratic(mesh)
     border = mesh.border
@@ -153,16 +146,7 @@ def surface_name(site: int, body: int | None = None) -> str:
 
 
 def deck_text(deck: Deck) -> str:
-    """The input file.
-
-    Parameters
-    ----------
-    deck : Deck
-
-    Returns
-    -------
-    str
-    """
+    """The input file."""
     return "\n".join(_lines(deck)) + "\n"
 
 

@@ -54,7 +54,6 @@ class Model:
 
     Attributes
     ----------
-    deck : Deck
     finest_mm : float
         Length of the elements at the contacts.
     """
@@ -151,18 +150,11 @@ def model_of(
 
     Parameters
     ----------
-    scene : Scene
     result : Result
         Flankload's result: only determines the element size and the range of the search for
         contacts.
-    position : int
     elements_per_half_width : float
         Elements on the half-width of a Hertz contact.
-    large_displacement : bool
-
-    Returns
-    -------
-    Model
 
     Raises
     ------
@@ -205,12 +197,6 @@ def friction_of_deck(
 ) -> DeckFriction | None:
     """Friction of the pairs in the deck.
 
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    places : tuple of Place
-
     Returns
     -------
     DeckFriction, or None without friction or sliding
@@ -243,13 +229,8 @@ def coarse_bodies(scene: Scene, part: float | None = None) -> BodyPair:
 
     Parameters
     ----------
-    scene : Scene
     part : float, optional
         Element length along the flanks in modules.
-
-    Returns
-    -------
-    BodyPair
     """
     accuracy = structs.replace(scene.accuracy, unmodified_elements=False)
     scene = replace(scene, accuracy=accuracy)

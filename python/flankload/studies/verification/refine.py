@@ -33,13 +33,8 @@ def refined(mesh: Triangles, size_at: Callable[[Floats], Floats]) -> Triangles:
 
     Parameters
     ----------
-    mesh : Triangles
     size_at : callable
         Function from places (m, 2) to the largest allowed side of a triangle there (m,), mm.
-
-    Returns
-    -------
-    Triangles
     """
     for _ in range(MOST_HALVINGS):
         places = mesh.vertices[mesh.corners]

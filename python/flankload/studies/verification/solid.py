@@ -105,8 +105,6 @@ class SolidPart:
         Fixed nodes.
     flanks : tuple of (k, 2) arrays
         Element and face (3 to 5) of each flank and layer of the common width, layer by layer.
-    material : Material
-    ties : Ties
     """
 
     nodes: Floats
@@ -122,7 +120,6 @@ def layers_of(low_mm: float, high_mm: float, count: int) -> Floats:
 
     Parameters
     ----------
-    low_mm, high_mm : float
     count : int
         >= 1.
 
@@ -217,12 +214,6 @@ def solid_part(
         Its section in its own frame.
     teeth : tuple of int
         Tooth of each flank of the mesh.
-    layers : Layers
-    stand : Stand
-
-    Returns
-    -------
-    SolidPart
     """
     plane, triangles, border = quadratic(mesh)
     fine, coarse = layers.edges_mm, layers.edges_mm[layers.coarse]

@@ -42,7 +42,6 @@ class SolidDeck:
 
     Attributes
     ----------
-    title : str
     parts : two SolidPart
         Body 1 rotates about the z axis; body 2 is fixed.
     sites : tuple of int
@@ -51,7 +50,6 @@ class SolidDeck:
         Ends of the layers over the common width.
     face_width_mm : float
         Width of the scene, by which the answer divides forces.
-    torque_Nm : float
     start_rad : float
         Initial rotation of body 1; its total rotation is this plus that of its axis.
     large_displacement : bool
@@ -96,16 +94,7 @@ def layer_surface(site: int, layer: int, body: int) -> str:
 
 
 def solid_text(deck: SolidDeck) -> str:
-    """The input file.
-
-    Parameters
-    ----------
-    deck : SolidDeck
-
-    Returns
-    -------
-    str
-    """
+    """The input file."""
     return "\n".join(_lines(deck)) + "\n"
 
 

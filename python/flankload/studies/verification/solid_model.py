@@ -62,7 +62,6 @@ class SolidModel:
 
     Attributes
     ----------
-    deck : SolidDeck
     finest_mm : float
         Length of the elements at the contacts, across the flank.
     half_width_mm : float
@@ -111,17 +110,10 @@ def solid_model_of(
 
     Parameters
     ----------
-    scene : Scene
     result : Result
         Determines only the element size and the range of the search for contacts.
-    position : int
     elements_per_half_width : float
         Elements on the half-width of a contact; all others and the layers follow.
-    large_displacement : bool
-
-    Returns
-    -------
-    SolidModel
 
     Raises
     ------

@@ -63,7 +63,6 @@ class Triangles:
         mm.
     corners : (m, 3) array
         Counter-clockwise.
-    border : Border
     curves : tuple of FlankCurve
         The curves numbered by `border.flank`, at their places.
     """
