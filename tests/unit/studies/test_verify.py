@@ -360,7 +360,7 @@ def small_deck() -> Deck:
     nothing = np.zeros((0, 2))
     ours = (np.array([[20, 3], [31, 1]]), np.array([[40, 2]]))
     part = Part(nothing, np.zeros((0, 6), int), np.zeros(0, int), ours, Material(206e3, 0.3))
-    return Deck("kept", (part, part), (-1, 0), 21571.4, 1e-4, "strain", False)
+    return Deck("kept", (part, part), (-1, 0), 21571.4, 1e-4, False, "strain")
 
 
 def test_reader_takes_the_last_increment(tmp_path: Path) -> None:

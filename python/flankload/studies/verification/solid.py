@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.flank_surface import section_curves
-from flankload.studies.verification.triangles import find_sides, quadratic, sides
+from flankload.studies.verification.deck import Part, Ties
+from flankload.studies.verification.triangles import border_owners, held_nodes, quadratic, sides
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.bodies import Body, Material
+    from flankload.bodies import Body
     from flankload.studies.verification.triangles import Triangles
 
     Floats = NDArray[np.float64]
@@ -65,54 +66,6 @@ class Layers:
     coarse: Numbers
     common: tuple[int, int]
     near: NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class Ties:
-    """Nodes of thin layers that move as a face of a thick layer does; k of them.
-
-    Attributes
-    ----------
-    nodes : (k,) array
-    masters : (k, 8) array
-    weights : (k, 8) array
-        0 for entries that are not used.
-    """
-
-    nodes: Numbers
-    masters: Numbers
-    weights: Floats
-
-    @staticmethod
-    def of(rows: list[tuple[int, list[int], list[float]]]) -> Ties:
-        """From nodes, masters and weights of each tie."""
-        masters, weights = np.zeros((len(rows), 8), dtype=np.int64), np.zeros((len(rows), 8))
-        for k, (_, ours, theirs) in enumerate(rows):
-            masters[k, : len(ours)], weights[k, : len(ours)] = ours, theirs
-        return Ties(np.array([row[0] for row in rows], dtype=np.int64), masters, weights)
-
-
-@dataclass(frozen=True)
-class SolidPart:
-    """One solid body of a deck.
-
-    Attributes
-    ----------
-    nodes : (N, 3) array
-        mm, at the place of the body.
-    cells : (m, 15) array
-    held : array
-        Fixed nodes.
-    flanks : tuple of (k, 2) arrays
-        Element and face (3 to 5) of each flank and layer of the common width, layer by layer.
-    """
-
-    nodes: Floats
-    cells: Numbers
-    held: Numbers
-    flanks: tuple[Numbers, ...]
-    material: Material
-    ties: Ties
 
 
 def layers_of(low_mm: float, high_mm: float, count: int) -> Floats:
@@ -203,7 +156,7 @@ def solid_part(
     teeth: tuple[int, ...],
     layers: Layers,
     stand: Stand,
-) -> SolidPart:
+) -> Part:
     """A body of the deck.
 
     Parameters
@@ -234,11 +187,8 @@ def solid_part(
     nodes = places[chosen]
     ties = _ties(triangles, layers, (edge, between, wide), near & far)
     nodes[ties.nodes] = np.einsum("kj,kjx->kx", ties.weights, nodes[ties.masters])
-    held = np.unique(
-        np.concatenate([mesh.border.ends[mesh.border.held].ravel(), border[mesh.border.held]])
-    )
-    of_held = np.unique(number[:, held])
-    return SolidPart(
+    of_held = np.unique(number[:, held_nodes(mesh, border)])
+    return Part(
         nodes=nodes,
         cells=np.concatenate(
             [
@@ -354,16 +304,11 @@ def _placed(body: Body, plane: Floats, z_mm: Floats, turns_rad: Floats, stand: S
 
 def _faces(mesh: Triangles, n_flanks: int, layers: Layers) -> tuple[Numbers, ...]:
     """Element and face (3 to 5) of each flank in each of the layers of the common width."""
-    numbers, ends = sides(mesh.corners)
-    place = np.cumsum(layers.near) - 1  # thin layers come first
-    count = int(layers.near.sum())
-    owner = np.zeros((len(ends), 2), dtype=np.int64)
-    for side in range(3):
-        owner[numbers[:, side]] = np.stack([place, np.full(len(numbers), side + 3)], axis=1)
-    own = owner[find_sides(ends, mesh.border.ends, len(mesh.vertices))]
-    low, high = layers.common
+    own = border_owners(mesh)
+    own[:, 0] = (np.cumsum(layers.near) - 1)[own[:, 0]]  # thin layers come first
+    count, (low, high) = int(layers.near.sum()), layers.common
     return tuple(
-        own[mesh.border.flank == k] + np.array([layer * count, 0])
+        own[mesh.border.flank == k] + np.array([layer * count, 3])
         for k in range(n_flanks)
         for layer in range(low, high)
     )

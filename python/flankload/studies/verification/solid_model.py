@@ -7,18 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.turn import turned
 from flankload.errors import FlankloadError
 from flankload.studies.verification.contact_places import Place, half_plane, meetings
-from flankload.studies.verification.model import coarse_bodies, flanks_of
+from flankload.studies.verification.deck import Deck, Part
+from flankload.studies.verification.model import Model, coarse_bodies, flanks_of, turns_of
 from flankload.studies.verification.refine import refined
-from flankload.studies.verification.solid import (
-    Layers,
-    Stand,
-    beyond,
-    layers_of,
-    solid_part,
-)
-from flankload.studies.verification.solid_deck import SolidDeck
+from flankload.studies.verification.solid import Layers, Stand, beyond, layers_of, solid_part
 from flankload.studies.verification.triangles import whole_body, without
 
 if TYPE_CHECKING:
@@ -30,7 +25,6 @@ if TYPE_CHECKING:
     from flankload.pairing.slices import Slices
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.studies.verification.solid import SolidPart
     from flankload.studies.verification.triangles import Triangles
 
     Floats = NDArray[np.float64]
@@ -54,23 +48,6 @@ REACH = 1.5
 LAYERS, THICK_LAYERS = 17.0, 2
 #: A contact line moves by at most so many elements across the flank within a layer.
 ELEMENTS_PER_LAYER = 2.0
-
-
-@dataclass(frozen=True)
-class SolidModel:
-    """A solid deck and data on its fineness.
-
-    Attributes
-    ----------
-    finest_mm : float
-        Length of the elements at the contacts, across the flank.
-    half_width_mm : float
-        Half-width of the most loaded contact.
-    """
-
-    deck: SolidDeck
-    finest_mm: float
-    half_width_mm: float
 
 
 @dataclass(frozen=True)
@@ -105,7 +82,7 @@ def solid_model_of(
     *,
     elements_per_half_width: float,
     large_displacement: bool,
-) -> SolidModel:
+) -> Model:
     """Deck of one position.
 
     Parameters
@@ -131,31 +108,26 @@ def solid_model_of(
         float(ends[1]),
         _layer_count(result, float(np.ptp(ends)), found.half_width_mm, elements_per_half_width),
     )
-    turns = _turns(pair, float(result.position_rad[position]))
+    turns = turns_of(pair, float(result.position_rad[position]))
     shear = 1e-3 * scene.pair.inclination_um_per_mm, 1e-3 * scene.pair.deviation_um_per_mm
     stands = (
         Stand(turns[0] + start, 0.0, (0.0, 0.0)),
         Stand(turns[1], pair.pairing.center_distance_mm, shear),
     )
-    deck = SolidDeck(
+    deck = Deck(
         title=f"{result.name}, position {position}",
         parts=(
             _part(pair, 0, found, edges, stands[0], elements_per_half_width),
             _part(pair, 1, found, edges, stands[1], elements_per_half_width),
         ),
         sites=found.sites,
-        edges_mm=edges,
-        face_width_mm=result.face_width_mm,
-        torque_Nm=result.torque_Nm,
+        torque_Nmm=1000.0 * result.torque_Nm,
         start_rad=start,
         large_displacement=large_displacement,
+        edges_mm=edges,
+        width_mm=result.face_width_mm,
     )
-    return SolidModel(deck, float(found.sizes.min()), found.half_width_mm)
-
-
-def _turns(pair: BodyPair, position_rad: float) -> tuple[float, float]:
-    turn_1, turn_2 = pair.pairing.turns(np.float64(position_rad))  # type: ignore[arg-type]
-    return float(turn_1), float(turn_2)
+    return Model(deck, float(found.sizes.min()), found.half_width_mm)
 
 
 def _layer_count(result: Result, width_mm: float, half_width_mm: float, elements: float) -> int:
@@ -171,7 +143,7 @@ def _places(
 ) -> _Found:
     """Places where flanks may touch in all slices, with the length of elements there."""
     assert result.slices is not None
-    turns = _turns(pair, float(result.position_rad[position]))
+    turns = turns_of(pair, float(result.position_rad[position]))
     largest = float(result.slices.line_load_N_per_mm[position].max())
     compliance = sum(half_plane(body.material, "strain") for body in (pair.body_1, pair.body_2))
     rotation, distance = float(result.rotation_rad[position]), pair.pairing.center_distance_mm
@@ -191,9 +163,9 @@ def _places(
         sites=tuple(sorted({place.site for place, _, _ in near})),
         touch_rad=touch,
         points=(
-            np.vstack([_turned(place.points, -stand[0]) for place, stand, _ in near]),
+            np.vstack([turned(place.points, -stand[0]) for place, stand, _ in near]),
             np.vstack(
-                [_turned(place.points - [distance, 0.0], -stand[1]) for place, stand, _ in near]
+                [turned(place.points - [distance, 0.0], -stand[1]) for place, stand, _ in near]
             ),
         ),
         sizes=np.concatenate(
@@ -216,14 +188,9 @@ def _removed(pair: BodyPair, slices: Slices, site: int, j: int) -> float:
     return total
 
 
-def _turned(points: Floats, angle_rad: float) -> Floats:
-    c, s = np.cos(angle_rad), np.sin(angle_rad)
-    return points @ np.array([[c, s], [-s, c]])
-
-
 def _part(
     pair: BodyPair, z: int, found: _Found, edges: Floats, stand: Stand, elements: float
-) -> SolidPart:
+) -> Part:
     """One body: its section refined, then in layers at its place."""
     from scipy.spatial import cKDTree
 

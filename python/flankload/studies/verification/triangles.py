@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.turn import turned
 from flankload.bodies import SectorMesh
 from flankload.meshes.plane_mesh import boundary_edges
 
@@ -132,11 +133,9 @@ def moved(mesh: Triangles, turn_rad: float, shift_mm: float) -> Triangles:
 
     Its curves remain in the body's frame and are omitted.
     """
-    c, s = np.cos(turn_rad), np.sin(turn_rad)
-    turn = np.array([[c, s], [-s, c]])
     shift = np.array([shift_mm, 0.0])
-    border = replace(mesh.border, middles=mesh.border.middles @ turn + shift)
-    return Triangles(mesh.vertices @ turn + shift, mesh.corners, border, ())
+    border = replace(mesh.border, middles=turned(mesh.border.middles, turn_rad) + shift)
+    return Triangles(turned(mesh.vertices, turn_rad) + shift, mesh.corners, border, ())
 
 
 def without(mesh: Triangles, dropped: NDArray[np.bool_]) -> Triangles:
@@ -202,6 +201,23 @@ def find_sides(ends: Numbers, wanted: Numbers, count: int) -> Numbers:
     return np.searchsorted(keys, low * count + high)
 
 
+def border_owners(mesh: Triangles) -> Numbers:
+    """(k, 2) Triangle and side (0 to 2) that each side of the border belongs to."""
+    numbers, ends = sides(mesh.corners)
+    owner = np.zeros((len(ends), 2), dtype=np.int64)
+    for side in range(3):
+        owner[numbers[:, side]] = np.stack(
+            [np.arange(len(numbers)), np.full(len(numbers), side)], axis=1
+        )
+    return owner[find_sides(ends, mesh.border.ends, len(mesh.vertices))]
+
+
+def held_nodes(mesh: Triangles, middles: Numbers) -> Numbers:
+    """Fixed nodes, with the middle nodes (k,) of the border's sides."""
+    held = mesh.border.held
+    return np.unique(np.concatenate([mesh.border.ends[held].ravel(), middles[held]]))
+
+
 def _all_sectors(
     mesh: SectorMesh,
 ) -> tuple[Floats, tuple[tuple[str, Numbers], ...], Numbers]:
@@ -210,9 +226,7 @@ def _all_sectors(
 
     n = len(mesh.nodes)
     angles = 2 * np.pi * np.arange(mesh.teeth) / mesh.teeth
-    c, s = np.cos(angles), np.sin(angles)
-    turns = np.stack([np.stack([c, s], 1), np.stack([-s, c], 1)], axis=1)
-    nodes = np.einsum("ni,tij->tnj", mesh.nodes, turns).reshape(-1, 2)
+    nodes = np.concatenate([turned(mesh.nodes, angle) for angle in angles])
     ends = np.concatenate([data[:, :2] for _, data in mesh.cells])
     shortest = float(np.linalg.norm(np.diff(mesh.nodes[ends], axis=1), axis=2).min())
     number = np.arange(len(nodes))
