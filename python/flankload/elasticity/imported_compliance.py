@@ -19,6 +19,7 @@ from flankload.elasticity.near_field import (
     projected_near_field,
 )
 from flankload.elasticity.nodal_loads import hat_values, hat_widths
+from flankload.elasticity.sector_closure import made_symmetric
 from flankload.errors import ComplianceFileError
 
 if TYPE_CHECKING:
@@ -103,8 +104,7 @@ def _of_modes(
     smooth, f = given.smooth, len(given.flanks)
     own = np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
     across = np.arange(f * f).reshape(f, f).T.ravel() if f else -np.arange(len(smooth))
-    mirrored = smooth[across].transpose(0, 2, 1)
-    asymmetry = float(np.abs(smooth - mirrored).max() / np.abs(smooth).max())
+    symmetric, asymmetry = made_symmetric(smooth, across)
     if asymmetry > LARGEST_ASYMMETRY:
         raise ComplianceFileError(
             file=given.file,
@@ -136,7 +136,7 @@ def _of_modes(
             found=f"an eigenvalue of {least:.3g}",
         )
     found = BodyCompliance(
-        smooth=0.5 * (smooth + mirrored),
+        smooth=symmetric,
         near=NearField(
             given.kernel,
             jump=given.jump if friction else 0.0,

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.turn import turned
 from flankload.bodies.body import SectorMesh
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import (
@@ -24,7 +25,7 @@ from flankload.elasticity.finite_elements import (
     stiffness,
 )
 from flankload.elasticity.near_field import SAME_NODE, carrying_edges, mirrored_loads
-from flankload.elasticity.sector_closure import CondensedSector, turned_cuts
+from flankload.elasticity.sector_closure import CondensedSector, ring_displacements
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -94,12 +95,7 @@ class LoadedBody:
 
     def flank_widths(self, tooth: int, *, coast: bool = False) -> tuple[Numbers, Floats]:
         """Nodes (k,) of a flank, and the flank length (k,) of each, mm."""
-        edges, s = self._edges(tooth, coast=coast)
-        nodes, place = np.unique(edges, return_inverse=True)
-        lengths = np.abs(s[:, 1] - s[:, 0])
-        # Simpson's weights: the integrals of the shape functions of an edge
-        parts = lengths[:, None] * np.array([1.0, 1.0, 4.0]) / 6.0
-        return nodes, np.asarray(np.bincount(place.ravel(), weights=parts.ravel()), dtype=float)
+        return node_widths(*self._edges(tooth, coast=coast))
 
     def stress_MPa(self, moved: Floats) -> Floats:
         """Stress at the nodes, recovered and averaged over the elements of a node.
@@ -173,12 +169,6 @@ def loaded_body(body: Body, plane: str) -> LoadedBody:
     return LoadedBody(body, plane, mesh.nodes, mesh.cells, numbers, solve)
 
 
-def turned(vectors: Floats, angle_rad: float) -> Floats:
-    """Vectors (…, 2), rotated counter-clockwise."""
-    cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
-    return np.asarray(vectors @ np.array([[cosine, sine], [-sine, cosine]]))
-
-
 def on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
     """Edges of places on a flank, and the values (n, 3) of the edges' shape functions there.
 
@@ -194,6 +184,14 @@ def on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
     root = np.sqrt(np.maximum(slope**2 + 4 * curved * offset, 0.0))
     x = np.clip(2 * offset / (slope + root), -1.0, 1.0)
     return at, np.stack([0.5 * x * (x - 1), 0.5 * x * (x + 1), 1 - x**2], axis=1)
+
+
+def node_widths(edges: Numbers, s: Floats) -> tuple[Numbers, Floats]:
+    """Nodes (k,) of the edges (m, 3) of a flank, and the arc length (k,) of each, mm."""
+    nodes, place = np.unique(edges, return_inverse=True)
+    # Simpson's weights: the integrals of the shape functions of an edge
+    parts = np.abs(s[:, 1] - s[:, 0])[:, None] * np.array([1.0, 1.0, 4.0]) / 6.0
+    return nodes, np.asarray(np.bincount(place.ravel(), weights=parts.ravel()), dtype=float)
 
 
 def ring_of(mesh: SectorMesh) -> tuple[Floats, Numbers]:
@@ -223,7 +221,6 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
     inside = np.setdiff1d(np.arange(matrix.shape[0]), held)
     inner, complement = condensed(matrix, inside, cut)
     coupling = matrix[cut][:, inside]
-    waves = np.exp(1j * pitch * np.arange(z // 2 + 1))[:, None, None]
 
     def solve(forces: Floats) -> Floats:
         whole = forces.reshape(-1, 2)
@@ -232,14 +229,8 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
         local[:, mesh.right_nodes] = 0.0
         right = local.reshape(z, -1).T  # (2N, z)
         carried = right[cut] - coupling @ inner(right[inside])
-        sector = CondensedSector((), (carried,), complement)
-        (left_left, left_right, right_left, right_right), ((one, two),) = turned_cuts(sector, pitch)
-        load = np.fft.rfft(one + np.roll(two, 1, axis=1), axis=1).T[:, :, None]
-        system = left_left + right_right + left_right * waves + right_left / waves
-        on_left = np.fft.irfft(np.linalg.solve(system, load)[:, :, 0], n=z, axis=0)
-        on_right = turned(np.roll(on_left, -1, axis=0).reshape(z, -1, 2), pitch)
         moved = np.zeros_like(right)
-        moved[cut] = np.concatenate([on_left.T, on_right.reshape(z, -1).T])
+        moved[cut] = ring_displacements(CondensedSector((), (carried,), complement), z)
         moved[inside] = inner(right[inside] - coupling.T @ moved[cut])
         found = np.empty_like(whole)
         for k, row in enumerate(numbers):

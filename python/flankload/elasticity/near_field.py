@@ -483,20 +483,3 @@ def projected_sign(
     below = 4.0 / ((2 * n + 1) * (2 * n + 3))
     on_unit = np.diag(below, -1) - np.diag(below, 1)
     return np.asarray((0.5 * length_mm) ** 2 * on_unit)
-
-
-def strip_kernel(
-    distance: NDArray[np.float64], cell: NDArray[np.float64] | float, strength: float
-) -> NDArray[np.float64]:
-    """Displacement at a distance from the centre of a strip under a uniform unit load.
-
-    -(c0/d) [(x + d/2) ln|x + d/2| - (x - d/2) ln|x - d/2| - d]; the reference for the core.
-    """
-    right = np.asarray(distance) + 0.5 * np.asarray(cell)
-    left = np.asarray(distance) - 0.5 * np.asarray(cell)
-    return -strength * ((_x_log_x(right) - _x_log_x(left)) / cell - 1.0)
-
-
-def _x_log_x(x: NDArray[np.float64]) -> NDArray[np.float64]:
-    magnitude = np.abs(x)
-    return x * np.log(np.where(magnitude > 0, magnitude, 1.0))

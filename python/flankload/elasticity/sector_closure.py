@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.turn import turned
 from flankload.elasticity.finite_elements import condensed, degrees_of, factored
 from flankload.elasticity.job_log import JobLog
 
@@ -147,6 +148,34 @@ def close_ring(sector: CondensedSector, teeth: int) -> Floats:
     for part, local in zip(response, sector.local, strict=True):
         part[0] += local
     return np.concatenate(response, axis=1)
+
+
+def ring_displacements(sector: CondensedSector, teeth: int) -> Floats:
+    """Displacements of the cuts of all sectors of a closed ring under known forces.
+
+    Parameters
+    ----------
+    sector : CondensedSector
+        `carried` has the forces on the cuts of each sector, (2 m, z).
+    teeth : int
+        Number z of sectors.
+
+    Returns
+    -------
+    (2 m, z) array
+        In the frames of the sectors.
+    """
+    pitch = 2 * np.pi / teeth
+    (left_left, left_right, right_left, right_right), ((one, two),) = turned_cuts(sector, pitch)
+    load = np.fft.rfft(one + np.roll(two, 1, axis=1), axis=1).T
+    waved = np.empty_like(load)
+    for k, wave in enumerate(np.exp(1j * pitch * np.arange(len(load)))):
+        system = left_left + right_right + left_right * wave + right_left / wave
+        waved[k] = np.linalg.solve(system, load[k])
+    left = np.fft.irfft(waved, n=teeth, axis=0)
+    right = np.roll(left, -1, axis=0).reshape(teeth, -1, sector.components).copy()
+    right[..., :2] = turned(right[..., :2], pitch)
+    return np.concatenate([left.T, right.reshape(teeth, -1).T])
 
 
 def alike_response(sector: CondensedSector, teeth: int) -> Floats:
@@ -333,6 +362,17 @@ def tooth_response(
     log.end_step("solution")
     log.solution(inside, solved, matrix.shape[0])
     return response, inside.size
+
+
+def made_symmetric(response: Floats, across: NDArray[np.int64]) -> tuple[Floats, float]:
+    """Mean of responses (k, p, p) and the same with load and reading exchanged, and their change.
+
+    Both are equal but for rounding (Betti): the largest difference, relative to the largest
+    response, is the rounding error. `across` (k,) are the blocks with load and reading exchanged.
+    """
+    mirrored = response[across].transpose(0, 2, 1)
+    asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
+    return 0.5 * (response + mirrored), asymmetry
 
 
 def turned_cuts(

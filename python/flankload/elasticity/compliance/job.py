@@ -16,8 +16,7 @@ import numpy as np
 from flankload.bodies.body import WholeMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
-from flankload.elasticity.compliance.modes import ModeLoads
-from flankload.elasticity.compliance.nodes import node_loads
+from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
 from flankload.elasticity.compliance.parts import (
     CoastCompliance,
     Expansion,
@@ -34,6 +33,8 @@ from flankload.elasticity.expansion_loads import growth_loads, growth_of_flanks
 from flankload.elasticity.fe_error import missed_compliance
 from flankload.elasticity.finite_elements import linear_cells, linear_edges, stiffness
 from flankload.elasticity.job_log import JobLog
+from flankload.elasticity.nodal_loads import nodes_of
+from flankload.elasticity.sector_closure import made_symmetric
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -43,7 +44,6 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body, SectorMesh
     from flankload.bodies.root_fillet import RootFillets
-    from flankload.elasticity.compliance.nodes import NodeLoads
     from flankload.pairing.expansion import Growth
 
     Floats = NDArray[np.float64]
@@ -203,7 +203,8 @@ def _job(
 def _loads(body: Body, options: JobOptions) -> ModeLoads | NodeLoads:
     """Unit loads of a flank."""
     if options.nodal:
-        return node_loads(body, options.plane)
+        assert body.mesh is not None
+        return NodeLoads(body, nodes_of(body.mesh), options.plane)
     count = options.n_modes if body.tip is None else with_tip(options.n_modes)
     return ModeLoads(body, count, options.plane, friction=options.friction)
 
@@ -243,11 +244,7 @@ def _settled(job: Job, found: Response, options: JobOptions) -> BodyCompliance:
     if not options.nodal and has_turned_forces(body):
         turned = turned_coefficients(body, below[:, places, :n_modes], found.own, options.plane)
     loads.settle(response, found.own, job.log.account)
-    # the response with load and reading exchanged is the transposed one (Betti); the mean of both
-    # shares their rounding errors
-    mirrored = response[found.across].transpose(0, 2, 1)
-    asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
-    response = 0.5 * (response + mirrored)
+    response, asymmetry = made_symmetric(response, found.across)
     coast, across = None, found.coast
     if across is not None:
         coast = CoastCompliance(across[..., :n_modes], across[..., n_modes:] if friction else None)

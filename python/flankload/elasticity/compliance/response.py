@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.elasticity.compliance.coast import coast_readings
-from flankload.elasticity.compliance.modes import ModeLoads
+from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
 from flankload.elasticity.finite_elements import degrees_of, factored
+from flankload.elasticity.near_field import mirrored_loads
 from flankload.elasticity.sector_closure import (
     CondensedSector,
     alike_response,
@@ -18,7 +18,6 @@ from flankload.elasticity.sector_closure import (
     segment_response,
     tooth_response,
 )
-from flankload.elasticity.unit_loads import unit_loads
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
     from flankload.bodies.body import Body, MeshedFlank, SectorMesh, WholeMesh
-    from flankload.elasticity.compliance.nodes import NodeLoads
     from flankload.elasticity.job_log import JobLog
 
     Floats = NDArray[np.float64]
@@ -65,16 +63,11 @@ class Job:
         return columns if self.onto is None else self.onto.T @ columns
 
     def unit_loads(self, flank: SectorMesh | MeshedFlank) -> Floats:
-        """Unit loads (2N, p) of a flank on all nodes."""
-        return unit_loads(
-            flank,
-            self.body.mode_range_mm,
-            self.loads.count,
-            friction=self.friction,
-            closed=self.body.curve.closed,
-            nodes=self.loads.nodes,
-            tip=self.loads.tip,
-        )
+        """Unit loads (2N, p) of a flank along the normal, with friction also along the tangent."""
+        normal = self.loads.columns(flank, "normal")
+        if not self.friction:
+            return normal
+        return np.hstack([normal, self.loads.columns(flank, "tangent")])
 
     @property
     def no_forces(self) -> Floats:
@@ -176,10 +169,14 @@ def of_sector(
     dict of int or None to Response
     """
     log, loads = job.log, job.unit_loads(mesh)
-    coast = coast_readings(job.body, mesh, loads[:, : job.loads.count]) if coast_flanks else None
+    readings, tooth = {}, 0
+    if coast_flanks:
+        assert job.body.involute is not None
+        normal, turn_rad = loads[:, : job.loads.count], job.body.involute.turn_rad
+        columns, tooth = mirrored_loads(mesh, normal, turn_rad)
+        readings["coast_readings"] = job.on_unknowns(columns)
     loads = job.on_unknowns(loads)
     log.end_step("assembly")
-    readings = {} if coast is None else {"coast_readings": job.on_unknowns(coast.columns)}
     readings |= job.readings(0)
     log.count_loads(loads.shape[1], friction=job.friction)
     found: dict[int | None, tuple[Floats, Floats]] = {}
@@ -195,9 +192,9 @@ def of_sector(
     responses: dict[int | None, Response] = {}
     for number, (response, by_force) in found.items():
         across = None
-        if coast is not None:
+        if coast_flanks:
             assert isinstance(job.loads, ModeLoads)
-            response, across = coast.taken_from(response, job.loads)
+            response, across = _coast_taken(response, job.loads, tooth)
         responses[number] = Response(
             response,
             own=np.zeros(1, dtype=np.int64),
@@ -224,6 +221,22 @@ def _built(
     if sectors is None:
         return close_ring(sector, mesh.teeth), by_force
     return segment_response(sector, mesh.teeth, sectors), by_force
+
+
+def _coast_taken(response: Floats, modes: ModeLoads, tooth: int) -> tuple[Floats, Floats]:
+    """Response (z, r - n, p) without the readings of the coast flank, and those (z, n, p).
+
+    The readings follow those of the working flank; `tooth` is the tooth of this coast flank. They
+    become the map from the coefficients of loads on the working flank of tooth 0 to those of
+    displacements on the coast flank of tooth t.
+    """
+    first, n = response.shape[2], modes.count
+    crossing = modes.between(np.roll(response[:, first : first + n], tooth, axis=0))
+    # reciprocity (Betti): exchanging load and reading gives a load on the coast flank, which
+    # is the mirror image of a load on the working flank
+    pressures = crossing[..., :n]
+    crossing[..., :n] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
+    return np.delete(response, slice(first, first + n), axis=1), crossing
 
 
 def _nonzero(columns: Floats) -> tuple[NDArray[np.int64], Floats]:

@@ -29,7 +29,6 @@ from numpy.polynomial.legendre import leggauss
 from scipy.linalg import null_space
 
 from flankload.elasticity.finite_elements import block_basis
-from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions
 from flankload.elasticity.sector_closure import close_ring, turned_cuts
 
 if TYPE_CHECKING:
@@ -39,6 +38,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import SectorMesh
     from flankload.bodies.carrying_shaft import CarryingShaft
+    from flankload.elasticity.prism.axial_basis import AxialBasis, AxialFunctions
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
     from flankload.elasticity.sector_closure import CondensedSector
 
@@ -83,7 +83,7 @@ class CarriedBore:
         cls,
         shaft: CarryingShaft,
         section: SectionStiffness,
-        functions: AxialBasis | AxialRegions,
+        functions: AxialFunctions,
         mesh: SectorMesh,
         twist: float,
         regions: Sequence[int] = (),
@@ -97,7 +97,8 @@ class CarriedBore:
         regions : sequence of int, optional
             As in `section_stiffness`.
         """
-        basis = _bore_basis(functions, mesh)
+        bases, of_node = functions.of_nodes(np.arange(len(mesh.nodes)))
+        basis = bases[of_node[mesh.fixed_nodes[0]]]  # the bore belongs to one region
         degree = min(SECTION_DEGREE, basis.degree)
         motions = _motions(mesh.nodes, shaft.radius_mm)
         of_bore = np.zeros_like(motions)
@@ -109,7 +110,7 @@ class CarriedBore:
             faces, shares = _face_loads(shaft, mesh, motions, regions, functions, end)
             on_bore = np.einsum("ncm,nco->mo", faces, of_bore) + np.diag(shares / mesh.teeth)
             parts.append(np.einsum("mo,d->mdo", on_bore, at_ends[end]).reshape(MOTIONS, -1))
-            along = _node_values(functions, len(mesh.nodes), place)
+            along = np.concatenate([part.values(np.array([place])) for part in bases])[of_node]
             all_ends.append(np.einsum("ncm,nk->nkcm", faces, along))
         columns = np.concatenate(
             [columns, *(face.reshape(len(face), -1, MOTIONS) for face in all_ends)], axis=2
@@ -215,22 +216,6 @@ STRAIGHT = np.eye(MOTIONS, dtype=complex)[:, [2, 5]]
 TURNING = np.sqrt(0.5) * np.kron(np.eye(2), np.array([[1.0], [1.0j], [0.0]]))
 
 
-def _bore_basis(functions: AxialBasis | AxialRegions, mesh: SectorMesh) -> AxialBasis:
-    """Functions of z of the nodes of the bore, which belong to one region."""
-    if isinstance(functions, AxialBasis):
-        return functions
-    (number,) = np.unique(functions.of_node[mesh.fixed_nodes])
-    return functions.bases[number]
-
-
-def _node_values(functions: AxialBasis | AxialRegions, nodes: int, place: float) -> Floats:
-    """Functions of all nodes at a place along z, (N, p + 1)."""
-    at = np.array([place])
-    if isinstance(functions, AxialBasis):
-        return np.broadcast_to(functions.values(at), (nodes, functions.count))
-    return np.concatenate([basis.values(at) for basis in functions.bases])[functions.of_node]
-
-
 def _motions(places: Floats, radius_mm: float) -> Floats:
     """Displacements (n, 3, 6) of places of a section under its motions; rotations times R."""
     found = np.zeros((len(places), 3, MOTIONS))
@@ -243,7 +228,7 @@ def _motions(places: Floats, radius_mm: float) -> Floats:
 
 def _bore_columns(
     section: SectionStiffness,
-    functions: AxialBasis | AxialRegions,
+    functions: AxialFunctions,
     mesh: SectorMesh,
     motions: Floats,
     degree: int,
@@ -268,7 +253,7 @@ def _face_loads(
     mesh: SectorMesh,
     motions: Floats,
     regions: Sequence[int],
-    functions: AxialBasis | AxialRegions,
+    functions: AxialFunctions,
     end: int,
 ) -> tuple[Floats, Floats]:
     """How the shaft beyond an end is joined to the end face around the bore, and to the beam.
@@ -284,9 +269,9 @@ def _face_loads(
     loads = np.zeros_like(motions)
     if outer <= bore:
         return loads, np.ones(MOTIONS)
-    extents = [functions] if isinstance(functions, AxialBasis) else list(functions.bases)
+    bases, _ = functions.of_nodes(mesh.fixed_nodes)
     for number, (kind, cells) in zip(regions or [0] * len(mesh.cells), mesh.cells, strict=True):
-        if extents[number].range_mm[end] != shaft.range_mm[end]:
+        if bases[number].range_mm[end] != shaft.range_mm[end]:
             continue
         basis = block_basis(mesh.nodes, kind, cells, FACE_DEGREE)
         x, y = np.asarray(basis.global_coordinates())

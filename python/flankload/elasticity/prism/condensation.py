@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import SectorMesh
-    from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions
+    from flankload.elasticity.prism.axial_basis import AxialFunctions
     from flankload.elasticity.prism.recovery import Independent, Recovery
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
 
@@ -45,7 +45,7 @@ COMPONENTS = 3
 
 def condense_prism(
     section: SectionStiffness,
-    axial: AxialBasis | AxialRegions,
+    axial: AxialFunctions,
     mesh: SectorMesh,
     loads: Floats,
     *,
@@ -58,7 +58,7 @@ def condense_prism(
 
     Parameters
     ----------
-    axial : AxialBasis or AxialRegions
+    axial : AxialFunctions
         Of degree p.
     loads : (N, 3 (p + 1), r) array
         Columns by node and unknown; they read, too.

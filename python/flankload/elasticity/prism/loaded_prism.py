@@ -8,23 +8,23 @@ one, as many layers as keep the degree of the displacements.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.base.blas_threads import one_blas_thread
+from flankload.base.turn import turned
 from flankload.bodies.body import SectorMesh
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import lame_parameters
-from flankload.elasticity.loaded_body import on_edges, ring_of, turned
+from flankload.elasticity.loaded_body import node_widths, on_edges, ring_of
 from flankload.elasticity.near_field import carrying_edges
-from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions
+from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.recovery import Recovery
-from flankload.elasticity.prism.regions import functions_of
 from flankload.elasticity.prism.section_stiffness import section_stiffness
-from flankload.elasticity.sector_closure import CondensedSector, turned_cuts
+from flankload.elasticity.sector_closure import CondensedSector, ring_displacements
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -131,12 +131,8 @@ class LoadedPrism:
 
     def flank_widths(self) -> tuple[Numbers, Floats]:
         """Nodes (k,) of the flank of a sector, and the area (k,) of each per mm along z, mm."""
-        edges, s = carrying_edges(self.mesh)
-        nodes, place = np.unique(edges, return_inverse=True)
-        lengths = np.abs(s[:, 1] - s[:, 0])[:, None] * np.array([1.0, 1.0, 4.0]) / 6.0
-        lengths *= np.hypot(1.0, self.prism.twist * self.body.normal_lever_mm)
-        widths = np.bincount(place.ravel(), weights=lengths.ravel())
-        return nodes, np.asarray(widths, dtype=float)
+        nodes, widths = node_widths(*carrying_edges(self.mesh))
+        return nodes, widths * np.hypot(1.0, self.prism.twist * self.body.normal_lever_mm)
 
     def displacements(
         self, tooth: Numbers, s_mm: Floats, spans_mm: Floats, force_N: Floats
@@ -191,22 +187,9 @@ class LoadedPrism:
         -------
         array of that shape
         """
-        mesh, m = self.mesh, len(self.sector.stiffness) // 2
-        z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
         kept, carried = self.recovery.reduced(forces)
-        sector = CondensedSector((), (carried,), self.sector.stiffness, COMPONENTS)
-        (left_left, left_right, right_left, right_right), ((one, two),) = turned_cuts(sector, pitch)
-        waves = np.exp(1j * pitch * np.arange(z // 2 + 1))
-        load = np.fft.rfft(one + np.roll(two, 1, axis=1), axis=1).T
-        waved = np.empty_like(load)
-        for k, wave in enumerate(waves):
-            system = left_left + right_right + left_right * wave + right_left / wave
-            waved[k] = np.linalg.solve(system, load[k])
-        on_left = np.fft.irfft(waved, n=z, axis=0)
-        on_right = np.roll(on_left, -1, axis=0).reshape(z, m // COMPONENTS, COMPONENTS).copy()
-        on_right[..., :2] = turned(on_right[..., :2], pitch)
-        on_cuts = np.concatenate([on_left.T, on_right.reshape(z, m).T])
-        return self.recovery.displacements(kept, on_cuts, len(mesh.nodes))
+        on_cuts = ring_displacements(replace(self.sector, carried=(carried,)), self.mesh.teeth)
+        return self.recovery.displacements(kept, on_cuts, len(self.mesh.nodes))
 
     def fields(self, part: SolidPart, moved: Floats) -> tuple[Floats, Floats]:
         """Displacement and stress at the points of a part, in the section turned with the helix.
@@ -275,12 +258,9 @@ def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
             recovery=recovery,
         )
     nodes, numbers = ring_of(mesh)
-    basis_of = np.zeros(len(nodes), dtype=np.int64)
-    bases: tuple[AxialBasis, ...] = (axial,)
-    if isinstance(functions, AxialRegions):
-        bases = functions.bases
-        basis_of[numbers] = functions.of_node
-    parts = _parts(mesh, regions or (0,) * len(mesh.cells), bases, numbers)
+    basis_of = np.empty(len(nodes), dtype=np.int64)
+    bases, basis_of[numbers] = functions.of_nodes(np.arange(len(mesh.nodes)))
+    parts = _parts(mesh, regions, bases, numbers)
     return LoadedPrism(body, prism, nodes, numbers, basis_of, parts, sector, recovery)
 
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.elasticity.loaded_body import loaded_body, turned
+from flankload.base.turn import turned
+from flankload.elasticity.loaded_body import loaded_body
 from flankload.elasticity.prism.loaded_prism import loaded_prism
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.loaded_solids import SolidBody
