@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.turn import directions
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.involute.sector_breaks import FIRST_ROW, GROWTH
 from flankload.bodies.involute.sector_mesh import inverted_element
@@ -22,7 +23,7 @@ from flankload.meshes.blocks import BlockMesh, coons, even_breaks, growing_break
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.mechanisms.belt.pulley import ElasticPulley
+    from flankload.mechanisms.belt.belt import ElasticPulley
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
@@ -56,12 +57,7 @@ class PulleyMesh:
 
 
 def mesh_pulley(pulley: ElasticPulley, flank_elements: int = FLANK_ELEMENTS) -> PulleyMesh:
-    """Mesh of one sector.
-
-    Parameters
-    ----------
-    flank_elements : int
-        On the part that a belt's tooth touches: as many as on the tooth.
+    """Mesh of one sector, with as many elements beside a belt's tooth as on it.
 
     Raises
     ------
@@ -71,7 +67,7 @@ def mesh_pulley(pulley: ElasticPulley, flank_elements: int = FLANK_ELEMENTS) -> 
     size = pulley.touched_mm / flank_elements
     half = even_breaks(0.0, pulley.half_land_rad, size / pulley.land_radius_mm, LEAST_LAND)
     turns = with_middles(np.concatenate([-half[:0:-1], half]))[::-1]
-    land = pulley.land_radius_mm * _ways(turns)
+    land = pulley.land_radius_mm * directions(turns)
     plain = pulley.groove is None
     mesh = _plain(pulley, land, size) if plain else _grooved(pulley, land, flank_elements, size)
     _, found = inverted_element(mesh.sector)
@@ -102,7 +98,7 @@ def _grooved(pulley: ElasticPulley, land: Floats, flank_elements: int, size: flo
     flank, touched = _flank(pulley, flank_elements, size)
     corner = flank[-1]
     angle, radius = atan2(corner[1], corner[0]), float(np.hypot(*corner))
-    foot = radius * _ways(angle * (1.0 - 2.0 * columns))
+    foot = radius * directions(angle * (1.0 - 2.0 * columns))
     up = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(flank[::-1], axis=0).T))])
     up /= up[-1]
     across, high = np.stack([columns] * 2), np.stack([up] * 2)
@@ -110,7 +106,7 @@ def _grooved(pulley: ElasticPulley, land: Floats, flank_elements: int, size: flo
     tooth = mesh.add(coons(foot, land, *sides, across, high), {})
     rows = with_middles(_rows(pulley, radius - pulley.bore_radius_mm, size))[::-1]
     shaft = corner * (1.0 - rows[:, None]) + pulley.bore_radius_mm / radius * corner * rows[:, None]
-    bore = pulley.bore_radius_mm * _ways(angle * (1.0 - 2.0 * columns))
+    bore = pulley.bore_radius_mm * directions(angle * (1.0 - 2.0 * columns))
     sides, high = (shaft, shaft * MIRROR), np.stack([1.0 - rows] * 2)
     middle = mesh.add(coons(bore, foot, *sides, across, high), {"top": tooth[0]})
     grid = _side_grid(pulley, shaft, rows, size)
@@ -140,7 +136,7 @@ def _side_grid(pulley: ElasticPulley, shaft: Floats, rows: Floats, size: float) 
     top = pulley.bottom(parts)
     angles = np.arctan2(top[:, 1], top[:, 0])
     across = (angles[0] - angles) / (angles[0] - angles[-1])
-    bore = pulley.bore_radius_mm * _ways(angles)
+    bore = pulley.bore_radius_mm * directions(angles)
     cut = bore[0] * rows[:, None] + top[0] * (1.0 - rows[:, None])
     return coons(bore, top, cut, shaft, np.stack([across] * 2), np.stack([1.0 - rows] * 2))
 
@@ -176,8 +172,3 @@ def _sector(
         right_nodes=right,
         teeth=pulley.teeth,
     )
-
-
-def _ways(angles: Floats) -> Floats:
-    """(n, 2) Unit vectors at polar angles."""
-    return np.column_stack([np.cos(angles), np.sin(angles)])

@@ -14,6 +14,7 @@ import numpy as np
 
 from flankload.base.rounding import round_down
 from flankload.cost import Account, held_bytes
+from flankload.mechanisms.belt.contact import state_under
 from flankload.mechanisms.belt.drive import (
     assemble,
     land_columns_of,
@@ -23,9 +24,9 @@ from flankload.mechanisms.belt.drive import (
     solved_pulley,
     work_of_pulley,
 )
+from flankload.mechanisms.belt.drive_result import sites_of
 from flankload.mechanisms.belt.pulley_compliance import rest_on
 from flankload.mechanisms.belt.row import BeltRow
-from flankload.mechanisms.belt.states import sites_of, state_under
 from flankload.mechanisms.element_rates import load_packages
 from flankload.mechanisms.premises import Torque, broken_by_turn, held
 from flankload.mechanisms.screening import Screening

@@ -83,14 +83,8 @@ def solve_piece(
 ) -> Piece:
     """Solve the finite elements of a piece of belt once.
 
-    Parameters
-    ----------
-    mesh : BeltMesh
-        Mesh of the piece, N nodes.
-    cuts : (bool, bool)
-        Whether another piece adjoins at its left and its right face.
-    sliding, lifting : bool
-        Whether the columns of sliding and lifting lands are included.
+    `cuts` are whether another piece adjoins at its left and its right face; `sliding` and `lifting`
+    whether the columns of such lands are included.
     """
     flanks, pairs = flank_columns(strip, mesh)
     lands = land_columns(mesh)
@@ -162,20 +156,11 @@ def _stiffness(strip: Strip, mesh: BeltMesh) -> csc_array:
 
 
 def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_array:
-    """Stiffness of quadratic bars along the cord, and of the tension that holds them straight.
+    """Stiffness (2N, 2N) of quadratic bars along the cord, and of the tension in them.
 
-    The tension resists the slope of the radial displacement alone: the slope of the bar's own
-    normal would resist sliding around the pulley, too. Only on the pulley: nothing pulls the rest.
-
-    Parameters
-    ----------
-    mesh : BeltMesh
-        N nodes.
-
-    Returns
-    -------
-    csc_array, (2N, 2N)
-        Per mm of width.
+    Per mm of width. The tension resists the slope of the radial displacement alone: the slope of
+    the bar's own normal would resist sliding around the pulley, too. Only on the pulley: nothing
+    pulls the rest.
     """
     cord = mesh.cord
     bars = np.stack([cord[:-2:2], cord[1:-1:2], cord[2::2]], axis=1)

@@ -21,8 +21,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.contact import solve_contact_general
-from flankload.mechanisms.chain.planes import Planes, in_pocket, nearest_planes, seat_planes
-from flankload.mechanisms.chain.wrap import Wrap, cross
+from flankload.mechanisms.chain.wrap import (
+    Planes,
+    Wrap,
+    cross,
+    in_pocket,
+    nearest_planes,
+    seat_planes,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,7 +36,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.contact import ContactState
-    from flankload.mechanisms.chain.chain import Chain
+    from flankload.mechanisms.chain.wrap import Chain
 
     Floats = NDArray[np.float64]
 
@@ -126,18 +132,10 @@ def solve_wrap(
     large_displacement: bool,
     with_compliance: bool = True,
 ) -> WrapState:
-    """State of the rollers at a position.
+    """State of the rollers at a position under a torque and the tension of the slack strand.
 
-    Parameters
-    ----------
-    torque_Nmm : float
-        Torque on the sprocket.
-    slack_N : float
-        Tension of the slack strand.
-    large_displacement : bool
-        Whether to iterate until convergence; otherwise one linear state.
-    with_compliance : bool
-        Whether to compute the derivative of the rotation with respect to the torque.
+    With large displacements iterated until convergence, otherwise one linear state; with its
+    compliance also the derivative of the rotation with respect to the torque.
 
     Raises
     ------

@@ -79,20 +79,7 @@ class Sprocket:
         return sin(theta) / sin(theta + 2 * self.half_pitch_rad)
 
     def jump_tension(self, tight_N: Floats, wrap_angle_rad: float) -> Floats:
-        """T1 q^n, the slack tension below which a worn chain climbs the flanks.
-
-        Parameters
-        ----------
-        tight_N : array
-            Tension of the tight strand.
-        wrap_angle_rad : float
-            Angle of n pitches.
-
-        Returns
-        -------
-        array
-            N.
-        """
+        """T1 q^n, the slack tension (N) below which a worn chain climbs the flanks of n pitches."""
         return tight_N * self.tension_ratio ** (0.5 * wrap_angle_rad / self.half_pitch_rad)
 
     @cached_property
@@ -129,50 +116,29 @@ class Sprocket:
         return float(place[1] - self.pitch_radius_mm)
 
     def seat_planes(self, angles_rad: Floats, place: Floats) -> tuple[Floats, Floats]:
-        """Planes tangent to the seat arc.
+        """Planes tangent to the seat arc at angles (m,) from the outward direction.
 
-        Parameters
-        ----------
-        angles_rad : (m,) array
-            Angles of the normals from the outward direction, positive in the direction of rotation.
-        place : (n, 2) array
-            Places of the rollers' centres in the frames of their pockets, mm.
-
-        Returns
-        -------
-        normals : (m, 2) array
-            Pointing out of the sprocket.
-        gaps : (n, m) array
-            Gap of each roller to each plane, mm.
+        Angles are positive in the direction of rotation. Returns the normals (m, 2) out of the
+        sprocket and the gaps (n, m), mm, of rollers with their centres at places (n, 2) in the
+        frames of their pockets.
         """
         normals = np.column_stack([np.sin(angles_rad), np.cos(angles_rad)])
         return normals, (place - [0.0, self.seat_radius_mm]) @ normals.T + self.seat_radius_mm
 
     def flank_gaps(self, place: Floats) -> tuple[Floats, Floats]:
-        """Gaps of rollers to the arcs of both flanks.
+        """Normals (2, n, 2) out of the sprocket and gaps (2, n), mm, of rollers to both flanks.
 
-        Parameters
-        ----------
-        place : (n, 2) array
-
-        Returns
-        -------
-        normals : (2, n, 2) array
-            Pointing out of the sprocket, at the nearest points.
-        gaps : (2, n) array
-            mm.
+        At the nearest points; the rollers' centres are at places (n, 2) in the frames of their
+        pockets.
         """
         away = place[None] - self.flank_centers[:, None]
         distance = np.hypot(away[..., 0], away[..., 1])
         return away / distance[..., None], distance - self.flank_radius_mm
 
     def outline(self, n: int = 24) -> Floats:
-        """Contour of one tooth space from tip to tip, counter-clockwise, for drawings.
+        """Contour (k, 2) of one tooth space from tip to tip, counter-clockwise, for drawings.
 
-        Returns
-        -------
-        (k, 2) array
-            In the frame of the sprocket, with the pocket of roller 0 on the x axis.
+        In the frame of the sprocket, with the pocket of roller 0 on the x axis.
         """
         a = self.seat_half_angle_rad
         ball = 0.5 * self.roller_diameter_mm
