@@ -23,23 +23,11 @@ if TYPE_CHECKING:
 def growth_loads(
     matrix: csc_array, mesh: SectorMesh | WholeMesh, growth: Growth | None, *, lumped: bool = False
 ) -> dict[str, NDArray[np.float64]]:
-    """Nodal loads of an expansion relative to the support, by cause.
+    """Nodal loads (2N,) of an expansion relative to the support, N per mm of width, by cause.
 
     The displacement is e_s x plus the response to these loads with the held surface at rest. The
-    stiffness matrix times the coordinates of the nodes is the load of a strain of 1 in the plane.
-    The body expands freely along its axis, in plane strain as well.
-
-    Parameters
-    ----------
-    matrix : csc_array, (2N, 2N)
-        Stiffness, per mm of width.
-    lumped : bool
-        As in `place_load`.
-
-    Returns
-    -------
-    dict of str to (2N,) array
-        "temperature" and "speed", as far as they act; N per mm of width.
+    stiffness matrix (2N, 2N), per mm of width, times the coordinates of the nodes is the load of a
+    strain of 1 in the plane. The body expands freely along its axis, in plane strain as well.
     """
     loads: dict[str, NDArray[np.float64]] = {}
     if growth is None:
@@ -63,10 +51,9 @@ def growth_of_flanks(
 
     Parameters
     ----------
-    body : Body
-        With a mesh of f flanks.
     moved : mapping of str to (f, p) array
-        Readings of the modes on each flank under each of `growth_loads`, pressure modes first, mm².
+        Readings of the modes on each of f flanks under each of `growth_loads`, pressure modes
+        first, mm².
 
     Returns
     -------

@@ -73,22 +73,14 @@ class _Element:
 def missed_compliance(
     nodes: Floats, cells: Cells, material: Material, plane: str, moved: Floats
 ) -> Floats:
-    """Estimated error of a compliance from finite elements.
+    """Estimated error (p, p) of the compliance between p loads, positive semidefinite.
 
     Parameters
     ----------
-    nodes : (N, 2) array
-        mm.
-    cells : ((kind, (E, n) array), ...)
-        "quad9" or "triangle6" in meshio's node order.
-    plane : {"strain", "stress"}
+    nodes, cells
+        As in `finite_elements.stiffness`, of quadratic elements.
     moved : (2N, p) array
-        Displacements under p loads, per mm of width; degree of freedom 2*node + component.
-
-    Returns
-    -------
-    (p, p) array
-        Positive semidefinite, to be added to the compliance between the loads.
+        Displacements under the loads, per mm of width; degree of freedom 2*node + component.
     """
     lame_lambda, lame_mu = lame_parameters(material, plane)
     elastic = np.array(
@@ -121,15 +113,7 @@ def missed_compliance(
 def recovered_strains(nodes: Floats, cells: Cells, moved: Floats) -> Floats:
     """Strains at the nodes: those at the superconvergent points, extrapolated and averaged.
 
-    Parameters
-    ----------
-    nodes, cells, moved
-        As in `missed_compliance`.
-
-    Returns
-    -------
-    (N, 3 p) array
-        e_xx, e_yy and twice e_xy, each of all p loads.
+    Arguments as of `missed_compliance`; (N, 3 p): e_xx, e_yy and twice e_xy, each of all p loads.
     """
     p = moved.shape[1]
     displaced = moved.reshape(len(nodes), 2 * p)

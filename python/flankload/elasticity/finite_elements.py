@@ -35,16 +35,9 @@ MANY_KEPT = 150
 
 
 def lame_parameters(material: Material, plane: str) -> tuple[float, float]:
-    """Lamé's lambda and mu (MPa) of a plane problem.
+    """Lamé's lambda and mu (MPa) in plane "strain" or "stress".
 
-    Parameters
-    ----------
-    plane : {"strain", "stress"}
-
-    Returns
-    -------
-    lame_lambda, lame_mu : float
-        In plane stress lambda is 2 lambda mu / (lambda + 2 mu).
+    In plane stress lambda is 2 lambda mu / (lambda + 2 mu).
     """
     modulus, ratio = material.young_modulus_MPa, material.poisson_ratio
     lame_mu = modulus / (2 * (1 + ratio))
@@ -115,18 +108,7 @@ def assembled(
     columns: NDArray[np.int64],
     shape: tuple[int, int],
 ) -> csc_array:
-    """Sparse matrix of entries; duplicates are summed.
-
-    Parameters
-    ----------
-    values, rows, columns : (n,) arrays
-    shape : (int, int)
-
-    Returns
-    -------
-    csc_array
-        With the 32-bit indices of SuperLU.
-    """
+    """Sparse matrix of entries (n,) with the 32-bit indices of SuperLU; duplicates are summed."""
     places = (rows.astype(np.int32), columns.astype(np.int32))
     return coo_array((values, places), shape=shape).tocsc()
 
@@ -144,19 +126,10 @@ def linear_cells(
 def linear_edges(
     nodes: NDArray[np.float64], cells: tuple[tuple[str, NDArray[np.int64]], ...]
 ) -> csc_array:
-    """Displacements of all nodes from those of the corners, for linear elements.
+    """Displacements (2N, 2N) of all nodes from those of the corners, for linear elements: T.
 
-    A quarter of the unknowns remains; T' reduces the loads of all nodes to the corners.
-
-    Parameters
-    ----------
-    nodes, cells
-        As in `stiffness`.
-
-    Returns
-    -------
-    csc_array, (2N, 2N)
-        T; columns of nodes that are no corners are empty.
+    A quarter of the unknowns remains; T' reduces the loads of all nodes to the corners. Columns of
+    nodes that are no corners are empty.
     """
     rows, columns, parts = [], [], []
     for kind, connectivity in cells:
@@ -185,17 +158,9 @@ def place_load(
 ) -> NDArray[np.float64]:
     """Consistent nodal loads of a force per area equal to the coordinates: centrifugal force.
 
-    Parameters
-    ----------
-    nodes, cells
-        As in `stiffness`.
-    lumped : bool
-        The force of an element acts in equal parts on its corners; its edges are straight.
-
-    Returns
-    -------
-    (2N,) array
-        Integral of N_q x, mm³; times density and the square of the speed a force per mm of width.
+    Integral of N_q x, (2N,), mm³; times density and the square of the speed a force per mm of
+    width. If lumped, the force of an element acts in equal parts on its corners; its edges are
+    straight.
     """
     loads = np.zeros_like(nodes)
     for kind, connectivity in cells:
@@ -240,18 +205,9 @@ def degrees_of(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
 def factored(
     matrix: csc_array, account: Account | None = None
 ) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    """Factorise a symmetric positive definite matrix once.
+    """Factorise a symmetric positive definite matrix (n, n) once.
 
-    Parameters
-    ----------
-    matrix : csc_array, (n, n)
-    account : Account, optional
-        Account for the factorisation and its solutions.
-
-    Returns
-    -------
-    callable
-        Right-hand sides (n, k) to solutions (n, k).
+    Returns the solutions (n, k) of right-hand sides (n, k) as a function; the account counts both.
     """
     if account is None:
         account = Account()

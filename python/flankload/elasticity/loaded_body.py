@@ -146,14 +146,7 @@ class LoadedBody:
 
 
 def loaded_body(body: Body, plane: str) -> LoadedBody:
-    """Factorise the elements of a body for forces on its flanks.
-
-    Parameters
-    ----------
-    body : Body
-        Plane, elastic, with a mesh.
-    plane : {"strain", "stress"}
-    """
+    """Factorise the elements of a plane elastic body for forces on its flanks."""
     body = body.for_elements()
     mesh = body.mesh
     assert mesh is not None

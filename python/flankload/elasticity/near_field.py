@@ -42,14 +42,7 @@ MORE_POINTS = 14
 def logarithm_strength(material: Material, plane: str) -> float:
     """c0 (mm²/N): normal displacement of a half-plane is -c0 ln(distance) per force and width.
 
-    Parameters
-    ----------
-    plane : {"strain", "stress"}
-
-    Returns
-    -------
-    float
-        2 (1 - nu²)/(pi E) in plane strain, 2/(pi E) in plane stress.
+    2 (1 - nu²)/(pi E) in plane strain, 2/(pi E) in plane stress.
     """
     factor = 1.0 - material.poisson_ratio**2 if plane == "strain" else 1.0
     return 2.0 * factor / (np.pi * material.young_modulus_MPa)
@@ -59,17 +52,8 @@ def jump_strength(material: Material, plane: str) -> float:
     """j (mm²/N): normal displacement of a half-plane beside a load along its surface.
 
     Out of the material it is -j in front of the load and j behind it, per force and width, at any
-    distance.
-
-    Parameters
-    ----------
-    plane : {"strain", "stress"}
-
-    Returns
-    -------
-    float
-        (1 - 2 nu)(1 + nu)/(2 E) in plane strain, (1 - nu)/(2 E) in plane stress; K. L. Johnson,
-        Contact Mechanics, (2.23).
+    distance: (1 - 2 nu)(1 + nu)/(2 E) in plane strain, (1 - nu)/(2 E) in plane stress; K. L.
+    Johnson, Contact Mechanics, (2.23).
     """
     ratio = material.poisson_ratio
     factor = (1.0 - 2.0 * ratio) * (1.0 + ratio) if plane == "strain" else 1.0 - ratio
@@ -123,19 +107,10 @@ def to_coefficients(
     closed: bool = False,
     tip: Tip | None = None,
 ) -> NDArray[np.float64]:
-    """Coefficients of functions from their integrals with the modes.
+    """Coefficients (n_modes, …) of functions from their integrals with the modes.
 
-    Parameters
-    ----------
-    moments : (n_modes, …) array
-        Integrals over the range, and over the tip behind it.
-    mode_range_mm : (float, float)
-    closed : bool
-        The range is a turn.
-
-    Returns
-    -------
-    (n_modes, …) array
+    The integrals are those over the range of the modes, a turn if closed, and over the tip behind
+    it.
     """
     n_modes = len(moments)
     if tip is None:
@@ -180,23 +155,12 @@ def mode_loads(
     """Consistent nodal loads of the modes, along the outward normal or the tangent.
 
     B_qa = integral of N_q P_a n ds over the mesh's flank edges, with the edges' own quadratic
-    geometry and shape functions; s is interpolated like the place.
-
-    Parameters
-    ----------
-    mode_range_mm : (float, float)
-    along : {"normal", "tangent"}
-        The tangent points to growing arc length.
-    closed : bool
-        The range is a turn.
-    tip : Tip, optional
-        Behind the range; its edges are loaded, too.
-    twist : float, optional
-        As in `consistent_loads`.
+    geometry and shape functions; s is interpolated like the place. The tangent points to growing
+    arc length. Behind the range of the modes, a turn if closed, the edges of a tip are loaded, too.
 
     Returns
     -------
-    (2 N, n_modes) array, (3 N, n_modes) with a twist
+    (2 N, n_modes) array, (3 N, n_modes) with a twist (`consistent_loads`)
         Per mm of width, degree of freedom 2*node + component.
     """
     turn = mode_range_mm[1] - mode_range_mm[0] if closed else None
@@ -239,8 +203,6 @@ def consistent_loads(
     ----------
     values : callable
         Arc lengths (k,) to pressures (k, count).
-    count : int
-        Number of loads.
     along : {"normal", "tangent"}
         Out of the material, or towards growing arc length.
     turn : float, optional
@@ -292,21 +254,11 @@ def consistent_loads(
 def mirrored_loads(
     mesh: SectorMesh, loads: NDArray[np.float64], center_rad: float
 ) -> tuple[NDArray[np.float64], int]:
-    """Loads of the other flank in the sector, whose halves are mirror images.
+    """Loads of the other flank in the sector, whose halves are mirror images, and its tooth.
 
-    Parameters
-    ----------
-    loads : (2 N, p) array
-        Of the flank that the mesh names, that of tooth 0.
-    center_rad : float
-        Polar angle of the centre of tooth 0 (of the space, where teeth stand inwards).
-
-    Returns
-    -------
-    loads : (2 N, p) array
-        Each force at the mirrored node, mirrored.
-    tooth : int
-        Tooth of this coast flank: a sector may contain a tooth or a space.
+    Each force (2 N, p) on the flank of tooth 0 acts mirrored at the mirrored node. The coast flank
+    belongs to another tooth where a sector contains a space. `center_rad` is the polar angle of the
+    centre of tooth 0 (of the space, where teeth stand inwards).
 
     Raises
     ------
@@ -333,24 +285,12 @@ def mirrored_loads(
 def projected_logarithm(
     n_modes: int, length_mm: float, *, closed: bool = False
 ) -> NDArray[np.float64]:
-    """<P_a, ln|s - s'| P_b> over a flank, in closed form.
+    """<P_a, ln|s - s'| P_b> over a flank, in closed form: (n_modes, n_modes), mm².
 
     With x in [-1, 1] and Legendre functions of the second kind, for n >= 1
     int P_n(y) ln|x - y| dy = 2 (Q_(n+1) - Q_(n-1))/(2n + 1), and
     int P_m Q_n = (1 - (-1)^(m+n))/((m - n)(m + n + 1)) for m != n, else 0. Of the chord on a
     closed flank: ln|2 sin(t/2)| = -sum cos(k t)/k leaves a diagonal.
-
-    Parameters
-    ----------
-    length_mm : float
-        Length of the modes' range.
-    closed : bool
-        The range is a turn.
-
-    Returns
-    -------
-    (n_modes, n_modes) array
-        mm².
     """
     if closed:
         order = np.arange(1, n_modes + 1) // 2
@@ -377,24 +317,11 @@ def projected_logarithm(
 
 
 def projected_image(n_modes: int, length_mm: float, *, at_high_end: bool) -> NDArray[np.float64]:
-    """<P_a, ln(d + d') P_b> over a flank, with d the distance from one of its ends.
+    """<P_a, ln(d + d') P_b>, mm², d the distance from one end of the flank, where a corner is.
 
-    On both halves of the square, with x and x' = x t in [0, 1] from that end, ln(x + x') =
-    ln x + ln(1 + t). The first term times a polynomial is integrated by its shifted Legendre
-    coefficients, int P~_n ln x = (-1)^(n+1)/(n (n + 1)), and -1 for n = 0; the second by Gauss
-    quadrature.
-
-    Parameters
-    ----------
-    length_mm : float
-        Length of the modes' range.
-    at_high_end : bool
-        The corner is at the greatest arc length.
-
-    Returns
-    -------
-    (n_modes, n_modes) array
-        mm², symmetric.
+    On both halves of the square, with x and x' = x t in [0, 1] from that end,
+    ln(x + x') = ln x + ln(1 + t). The first term times a polynomial is integrated by its shifted Legendre coefficients,
+    int P~_n ln x = (-1)^(n+1)/(n (n + 1)), and -1 for n = 0; the second by Gauss quadrature.
     """
     degree = np.arange(2 * n_modes)  # of two modes and x itself
     x, weights = (0.5 * part for part in leggauss(2 * n_modes))
@@ -423,7 +350,7 @@ def projected_near_field(
     closed: bool = False,
     tip: Tip | None = None,
 ) -> NDArray[np.float64]:
-    """<P_a, K P_b> over a flank for the near field K of strength c0 = -1.
+    """<P_a, K P_b> over a flank for the near field K of strength c0 = -1: mm².
 
     Parameters
     ----------
@@ -431,15 +358,8 @@ def projected_near_field(
         Length of the modes' range.
     wedge : (float, float)
         Strengths psi of the mirror images behind its low and its high end.
-    closed : bool
-        The range is a turn.
     tip : Tip, optional
         Behind the range, measured from the low end of the range. The high end then has no image.
-
-    Returns
-    -------
-    (n_modes, n_modes) array
-        mm².
     """
     if tip is not None:
         span = (0.0, length_mm)
@@ -458,22 +378,11 @@ def projected_near_field(
 def projected_sign(
     n_modes: int, length_mm: float, *, tip: Tip | None = None
 ) -> NDArray[np.float64]:
-    """<P_a, sign(s - s') P_b> over a flank, in closed form; antisymmetric.
+    """<P_a, sign(s - s') P_b> over a flank, in closed form: antisymmetric, mm².
 
     With x in [-1, 1], int P_n(y) sign(x - y) dy = 2 (P_(n+1) - P_(n-1))/(2n + 1) for n >= 1 and
-    2 P_1 for n = 0: only modes of neighbouring degrees are coupled.
-
-    Parameters
-    ----------
-    length_mm : float
-        Length of the modes' range.
-    tip : Tip, optional
-        As in `projected_near_field`.
-
-    Returns
-    -------
-    (n_modes, n_modes) array
-        mm².
+    2 P_1 for n = 0: only modes of neighbouring degrees are coupled. The tip is that of
+    `projected_near_field`.
     """
     if tip is not None:
         return joined(

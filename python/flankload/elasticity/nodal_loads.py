@@ -24,13 +24,7 @@ if TYPE_CHECKING:
 
 
 def flank_nodes(flank: SectorMesh | MeshedFlank) -> Floats:
-    """Arc lengths of the nodes that carry unit loads.
-
-    Returns
-    -------
-    (n,) array
-        Arc lengths of the ends of the edges, ascending, mm.
-    """
+    """Arc lengths (n,) of the ends of a flank's edges, which carry unit loads, ascending, mm."""
     _, s = carrying_edges(flank)
     return np.append(s[:, 0], s[-1, 1])
 
@@ -66,18 +60,10 @@ def hat_loads(
     *,
     along: Literal["normal", "tangent"] = "normal",
 ) -> Floats:
-    """Consistent loads of a unit force at each node, out of the material or along the flank.
+    """Loads (2 N, n) of a unit force at each node (n,), out of the material or along the flank.
 
-    Parameters
-    ----------
-    nodes : (n,) array
-        Arc lengths, mm; the same on every flank of a body.
-    along : {"normal", "tangent"}
-
-    Returns
-    -------
-    (2 N, n) array
-        Per mm of width, degree of freedom 2*node + component.
+    Consistent, per mm of width, degree of freedom 2*node + component; arc lengths of the nodes are
+    the same on every flank of a body, mm.
     """
     widths = hat_widths(nodes)
     return consistent_loads(
@@ -90,19 +76,10 @@ def hat_loads(
 
 
 def every_second(nodes: Floats) -> tuple[Floats, Floats]:
-    """Half as many nodes, and their unit forces as sums of those of all nodes.
+    """Half as many nodes (m,), and their unit forces as sums of those of all nodes (n,).
 
-    Parameters
-    ----------
-    nodes : (n,) array
-        Arc lengths, mm.
-
-    Returns
-    -------
-    fewer : (m,) array
-        Every second node and the last.
-    parts : (n, m) array
-        Forces at all nodes that replace the unit force at each of these; columns sum to 1.
+    Every second node and the last remain; the columns (n, m) are the forces at all nodes that
+    replace the unit force at each of these, and sum to 1.
     """
     fewer = nodes[::2] if nodes.size % 2 else np.append(nodes[::2], nodes[-1])
     return fewer, hat_values(nodes, fewer) * hat_widths(nodes)[:, None] / hat_widths(fewer)

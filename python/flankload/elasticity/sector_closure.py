@@ -151,19 +151,9 @@ def close_ring(sector: CondensedSector, teeth: int) -> Floats:
 
 
 def ring_displacements(sector: CondensedSector, teeth: int) -> Floats:
-    """Displacements of the cuts of all sectors of a closed ring under known forces.
+    """Displacements (2 m, z) of the cuts of all sectors of a closed ring, in the sectors' frames.
 
-    Parameters
-    ----------
-    sector : CondensedSector
-        `carried` has the forces on the cuts of each sector, (2 m, z).
-    teeth : int
-        Number z of sectors.
-
-    Returns
-    -------
-    (2 m, z) array
-        In the frames of the sectors.
+    `sector.carried` has the known forces on the cuts of each sector, (2 m, z).
     """
     pitch = 2 * np.pi / teeth
     (left_left, left_right, right_left, right_right), ((one, two),) = turned_cuts(sector, pitch)
@@ -179,17 +169,9 @@ def ring_displacements(sector: CondensedSector, teeth: int) -> Floats:
 
 
 def alike_response(sector: CondensedSector, teeth: int) -> Floats:
-    """Response of any tooth of a closed ring under the same loads on all teeth: harmonic 0.
+    """Response (r, p) of any tooth of a ring under the same loads on all teeth: harmonic 0.
 
-    Parameters
-    ----------
-    teeth : int
-        Number z of sectors.
-
-    Returns
-    -------
-    (r, p) array
-        The sum over the teeth of `close_ring`.
+    The sum over the teeth of `close_ring`.
     """
     stiffness, carried = turned_cuts(sector, 2 * np.pi / teeth)
     reads = [left + right for left, right in carried]
@@ -231,17 +213,8 @@ def row_response(cells: Sequence[RowCell]) -> Floats:
 
     Interface k lies between cells k and k + 1. The stiffness of the interfaces is block-tridiagonal
     and is eliminated from one end to the other. Supports and loads at the two ends of the row are
-    part of the first and the last cell.
-
-    Parameters
-    ----------
-    cells : sequence of RowCell
-        Their loads and readings may differ.
-
-    Returns
-    -------
-    (sum of r, sum of p) array
-        Readings of the first cell first; loads likewise.
+    part of the first and the last cell. Cells may differ in loads and readings; the response (sum
+    of r, sum of p) has those of the first cell first.
     """
     loads = [cell.loads for cell in cells]
     ends = np.concatenate([[0], np.cumsum(loads)])
@@ -277,17 +250,9 @@ def row_response(cells: Sequence[RowCell]) -> Floats:
 def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
     """Response of all sectors of an open row with held ends to the loads on each.
 
-    Parameters
-    ----------
-    cells : int
-        Number n of sectors.
-    turn_rad : float
-        Rotation of each sector relative to the previous one, counter-clockwise.
-
-    Returns
-    -------
-    (n, n, r, p) array
-        [i, j]: response of the readings on sector i to the loads on sector j, each in its frame.
+    Each sector is turned counter-clockwise by `turn_rad` relative to the previous one. (n, n, r,
+    p): [i, j] is the response of the readings on sector i to the loads on sector j, each in its
+    frame.
     """
     stiffness, carried = turned_cuts(sector, turn_rad)
     cell = RowCell(sector.local, carried, stiffness)
@@ -304,17 +269,7 @@ def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:
     two such pairs. It is symmetric (Betti) and depends on the distance of the teeth only. Teeth at
     a greater distance than the length of the segment do not affect each other.
 
-    Parameters
-    ----------
-    teeth : int
-        Number z of sectors of the whole body.
-    cells : int
-        Number of sectors of the segment, odd, at most z.
-
-    Returns
-    -------
-    (z, r, p) array
-        As in `close_ring`.
+    The segment has an odd number of cells, at most that of all teeth; (z, r, p) as in `close_ring`.
     """
     row = open_row(sector, cells, 2 * np.pi / teeth)
     response = np.zeros((teeth, *row.shape[2:]))
@@ -336,19 +291,9 @@ def tooth_response(
 ) -> tuple[Floats, int]:
     """Response of a single tooth whose cuts are held while all other teeth are at rest.
 
-    Parameters
-    ----------
-    matrix, loads, mesh, log
-        As in `condense`.
-    readings : sequence of (2N, q) arrays
-        By kind, columns that read the displacements; they need no solutions here.
-
-    Returns
-    -------
-    response : (z, r, p) array
-        As in `close_ring`; 0 except for the tooth itself.
-    degrees_of_freedom : int
-        Number of unknowns that are not held.
+    Arguments as of `condense`; `readings` are columns (2N, q) by kind, which need no solutions
+    here. (z, r, p) as in `close_ring`, 0 except for the tooth itself, and the number of unknowns
+    not held.
     """
     log = JobLog() if log is None else log
     held = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes, mesh.fixed_nodes]))

@@ -112,12 +112,8 @@ def size_of(
 ) -> Size:
     """Size of an effect at the torque at which it is largest.
 
-    Parameters
-    ----------
-    with_it, without, base : sequences of States
-        One for each torque, at the same positions; `base` is the unchanged scene.
-    unloaded_rad : (P,) array
-        Rotation of the unchanged scene without torque.
+    States are one for each torque, at the same positions; `base` is the unchanged scene,
+    `unloaded_rad` (P,) its rotation without torque.
     """
     sizes = [
         _size(one, other, scene.rotation_rad - unloaded_rad, reference_radius_mm)

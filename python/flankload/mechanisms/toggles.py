@@ -70,17 +70,7 @@ class Toggle:
 
 
 def toggles(scene: Scene, names: Iterable[str]) -> dict[str, Toggle]:
-    """Scenes with each of some effects switched, except effects that no key switches.
-
-    Parameters
-    ----------
-    names : iterable of str
-        Rows of the table of effects.
-
-    Returns
-    -------
-    dict of str to Toggle
-    """
+    """Scenes with each of some rows of the table of effects switched, unless no key does that."""
     switches, found = switches_of(scene), {}
     for name in names:
         try:
@@ -93,19 +83,9 @@ def toggles(scene: Scene, names: Iterable[str]) -> dict[str, Toggle]:
 
 
 def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
-    """A scene with one effect switched.
+    """A scene with one row of the table of effects switched, which it has or has not.
 
-    Parameters
-    ----------
-    name : str
-        Row of the table of effects.
-    on : bool
-        Whether the scene has the effect.
-
-    Returns
-    -------
-    Toggle or None
-        None if the switched scene is undefined.
+    None if the switched scene is undefined.
 
     Raises
     ------

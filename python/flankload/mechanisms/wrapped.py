@@ -121,14 +121,9 @@ def wrapped_result(
     warnings: tuple[str, ...],
     **own: Any,
 ) -> Result:
-    """Result of all positions under one torque; `own` are the fields of belts or chains.
+    """Result of all positions under the torque with this index.
 
-    Parameters
-    ----------
-    number : int
-        Index of the torque.
-    force_N : P arrays
-        Forces of the sites of each position.
+    `force_N` are the forces of the sites of each position, `own` the fields of belts or chains.
     """
     force, pitches = sites.spread(force_N, nothing=0.0), assembly.pitches
     return Result(

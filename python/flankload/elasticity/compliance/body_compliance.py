@@ -101,18 +101,9 @@ class BodyCompliance:
     def block_of(
         self, displaced: NDArray[np.int64], loaded: NDArray[np.int64], teeth: int
     ) -> NDArray[np.int64]:
-        """Indices in `smooth` of the response of teeth to loads on teeth.
+        """Indices in `smooth` of the response of teeth to loads on teeth, arrays that broadcast.
 
-        Parameters
-        ----------
-        displaced, loaded : arrays that broadcast
-            Teeth of the body, from 0.
-        teeth : int
-            Number of teeth of the body.
-
-        Returns
-        -------
-        array
+        Teeth count from 0; `teeth` is their number.
         """
         if self.is_rigid:
             return np.zeros_like(displaced - loaded)
@@ -187,12 +178,8 @@ class BodyCompliance:
     def with_blocks(self, change: Blocks, of_coast: Blocks | None = None) -> BodyCompliance:
         """The same with other responses.
 
-        Parameters
-        ----------
-        change : callable
-            Maps each of smooth, tangential, along and turned, as far as they exist.
-        of_coast : callable, optional
-            Maps the responses of the coast flanks; by default `change`.
+        `change` maps each of smooth, tangential, along and turned, as far as they exist, `of_coast`
+        the responses of the coast flanks; by default `change`.
         """
         names = ("smooth", "tangential", "along", "turned")
         blocks = {name: getattr(self, name) for name in names}

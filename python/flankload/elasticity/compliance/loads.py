@@ -90,12 +90,8 @@ class ModeLoads:
     ) -> None:
         """Subtract the near field from a response and convert it to mode coefficients, in place.
 
-        Parameters
-        ----------
-        response : (k, p, p) array
-            Projected on the modes; overwritten.
-        own : array
-            Indices of the responses of flanks to loads on themselves.
+        The response (k, p, p) is projected on the modes; `own` are the indices of the responses of
+        flanks to loads on themselves.
         """
         low, high = self.body.mode_range_mm
         n, tip = self.count, self.tip

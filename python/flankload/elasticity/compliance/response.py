@@ -102,17 +102,9 @@ class Response:
 
 
 def of_whole(job: Job, mesh: WholeMesh) -> Response:
-    """Response of a body that is meshed as a whole: its flanks are loaded one after the other.
+    """Response of a body that is meshed as a whole: its f flanks are loaded one after the other.
 
-    Parameters
-    ----------
-    mesh : WholeMesh
-        With f flanks.
-
-    Returns
-    -------
-    Response
-        response[i * f + j] is that of flank i to the loads on flank j.
+    response[i * f + j] is that of flank i to the loads on flank j.
     """
     log, unknowns = job.log, job.matrix.shape[0]
     log.end_step("assembly")
@@ -154,19 +146,10 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
 def of_sector(
     job: Job, mesh: SectorMesh, sectors: Sequence[int | None], *, coast_flanks: bool
 ) -> dict[int | None, Response]:
-    """Response of a body of equal sectors, from the elements of one.
+    """Response of a body of equal sectors, from the elements of one, by number of sectors to build.
 
-    Parameters
-    ----------
-    sectors : sequence of int or None
-        Numbers of sectors to build: an odd number for a segment, 1 for a single tooth, None for
-        the whole ring.
-    coast_flanks : bool
-        Whether displacements of the coast flanks are read.
-
-    Returns
-    -------
-    dict of int or None to Response
+    An odd number for a segment, 1 for a single tooth, None for the whole ring. Displacements of the
+    coast flanks are read if requested.
     """
     log, loads = job.log, job.unit_loads(mesh)
     readings, tooth = {}, 0

@@ -42,19 +42,9 @@ def has_turned_forces(body: Body) -> bool:
 
 
 def turned_columns(body: Body, flank: int) -> Floats:
-    """Loads of a unit force along a flank at its sharp tip.
+    """Loads (2 N, 1) of a unit force along a flank of the mesh at its sharp tip.
 
-    Parameters
-    ----------
-    body : Body
-        With a mesh.
-    flank : int
-        Number of the flank in the mesh.
-
-    Returns
-    -------
-    (2 N, 1) array
-        Per mm of width, on the last edge, increasing linearly from 0 to the tip.
+    Per mm of width, on the last edge, increasing linearly from 0 to the tip.
     """
     mesh = _flank_of(body, flank)
     start, end = last_edge(mesh)
@@ -69,20 +59,10 @@ def turned_columns(body: Body, flank: int) -> Floats:
 
 
 def turned_coefficients(body: Body, moments: Floats, own: NDArray[np.int64], plane: str) -> Floats:
-    """Displacements of the flanks by a force along the flank at the tip, as mode coefficients.
+    """Displacements (k, p) of the flanks by a force along the flank at the tip.
 
-    Parameters
-    ----------
-    moments : (k, p) array
-        Readings of the force under p modes; of k teeth or pairs of flanks.
-    own : array
-        Indices of the responses of flanks to loads on themselves.
-    plane : {"strain", "stress"}
-
-    Returns
-    -------
-    (k, p) array
-        mm²/N, without jump and images.
+    Mode coefficients, mm²/N, without jump and images, from the readings (k, p) of the force under p
+    modes, of k teeth or pairs of flanks; `own` are the indices of flanks under loads on themselves.
     """
     low, high = body.mode_range_mm
     start, end = last_edge(_flank_of(body, 0))

@@ -57,12 +57,8 @@ class AxialFunctions(ABC):
     def products(self, section: SectionStiffness) -> tuple[Numbers, Floats]:
         """Axial matrices of each pair of nodes of a section, over the width of the pair's region.
 
-        Returns
-        -------
-        number : (n,) array
-            Of the matrices of a pair; pairs of equal number are different pairs of nodes.
-        terms : (k, 4, p + 1, p + 1) array
-            As `AxialBasis.terms`.
+        Returns the number (n,) of each pair's matrices, equal for different pairs of nodes, and the
+        matrices (k, 4, p + 1, p + 1), each as `AxialBasis.terms`.
         """
         bases, row = self.of_nodes(section.rows)
         _, column = self.of_nodes(section.columns)
@@ -164,18 +160,9 @@ class AxialRegions(AxialFunctions):
 
 
 def cross_terms(one: AxialBasis, two: AxialBasis, over: AxialBasis) -> Floats:
-    """Integrals of a b, a b', a' b and a' b' over a width: a of one basis, b of another.
+    """Integrals of a b, a b', a' b and a' b' over a width: (4, p + 1, p + 1).
 
-    Parameters
-    ----------
-    one, two : AxialBasis
-        Of rows and of columns.
-    over : AxialBasis
-        Over whose width is integrated.
-
-    Returns
-    -------
-    (4, p + 1, p + 1) array
+    a are functions of one basis, of the rows, b of another; the width is that of a third.
     """
     if one.range_mm == two.range_mm == over.range_mm:
         return one.terms
@@ -197,21 +184,9 @@ def functions_of(
 ) -> tuple[tuple[int, ...], AxialFunctions]:
     """Region of each entry of the mesh's cells, and the functions of its nodes.
 
-    A node of several regions has the functions of the widest one.
-
-    Parameters
-    ----------
-    axial : AxialBasis
-        Over the width of the teeth.
-    extents_mm : mapping of str to (float, float)
-        Extent along the axis of named regions; others are as wide as the teeth. Of two regions
-        that share nodes, one contains the other.
-
-    Returns
-    -------
-    numbers : tuple of int
-        By entry of `mesh.cells`.
-    functions : AxialFunctions
+    A node of several regions has the functions of the widest one. `axial` covers the width of the
+    teeth, `extents_mm` are those of named regions; others are as wide as the teeth. Of two regions
+    that share nodes, one contains the other.
     """
     of_cells = [extents_mm.get(name, axial.range_mm) for name in mesh.regions]
     if all(extent == axial.range_mm for extent in of_cells):

@@ -88,15 +88,7 @@ class CarriedBore:
         twist: float,
         regions: Sequence[int] = (),
     ) -> CarriedBore:
-        """The bore of a sector.
-
-        Parameters
-        ----------
-        twist : float
-            kappa, rad/mm.
-        regions : sequence of int, optional
-            As in `section_stiffness`.
-        """
+        """The bore of a sector; `twist` is kappa, rad/mm, `regions` as in `section_stiffness`."""
         bases, of_node = functions.of_nodes(np.arange(len(mesh.nodes)))
         basis = bases[of_node[mesh.fixed_nodes[0]]]  # the bore belongs to one region
         degree = min(SECTION_DEGREE, basis.degree)
@@ -187,13 +179,9 @@ class CarriedBore:
         )
 
     def _springs(self, k: int) -> tuple[Complexes, Floats]:
-        """Forces of the shaft beyond the ends in harmonic 0 or 1, and their compliances.
+        """Forces (12, n) of the shaft beyond the ends in a harmonic, and their compliances (n,).
 
-        Returns
-        -------
-        forces : (12, n) array
-        compliances : (n,) array
-            0: the section where the torque enters does not turn.
+        A compliance of 0: the section where the torque enters does not turn.
         """
         forces, compliances = [], []
         own = TURNING if k == 1 else STRAIGHT
@@ -258,12 +246,8 @@ def _face_loads(
 ) -> tuple[Floats, Floats]:
     """How the shaft beyond an end is joined to the end face around the bore, and to the beam.
 
-    Returns
-    -------
-    loads : (N, 3, 6) array
-        On the face of a sector by unit forces and moments (over R) of the shaft.
-    shares : (6,) array
-        Part of them on the beam in the bore.
+    Loads (N, 3, 6) on the face of a sector by unit forces and moments (over R) of the shaft, and
+    the part (6,) of these on the beam in the bore.
     """
     inner, bore, outer = shaft.inner_radius_mm, shaft.radius_mm, shaft.end_radii_mm[end]
     loads = np.zeros_like(motions)
@@ -293,21 +277,10 @@ def _face_loads(
 
 
 def beam_stiffness(shaft: CarryingShaft, basis: AxialBasis, degree: int, twist: float) -> Floats:
-    """Beam in the bore, and the bearings there, Eq. (B2).
+    """Beam in the bore, and the bearings there, Eq. (B2): (6 (q_b + 1), 6 (q_b + 1)).
 
-    Parameters
-    ----------
-    basis : AxialBasis
-        Functions of the bore, over its width.
-    degree : int
-        q_b.
-    twist : float
-        kappa, rad/mm.
-
-    Returns
-    -------
-    (6 (q_b + 1), 6 (q_b + 1)) array
-        By d, motion; N/mm, rotations times R.
+    By d, motion; N/mm, rotations times R. `basis` are the functions of the bore over its width,
+    `degree` is q_b and `twist` kappa, rad/mm.
     """
     push, bend, shear, turn = shaft.stiffness
     low, high = basis.range_mm

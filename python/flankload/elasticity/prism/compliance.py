@@ -328,15 +328,7 @@ def _with_reading(
 
 
 def prism_unknowns(body: Body, degree: int) -> int:
-    """Number of unknowns of the elements of a sector with displacements of a degree along z.
-
-    Parameters
-    ----------
-    body : Body
-        With the mesh of a sector.
-    degree : int
-        p.
-    """
+    """Number of unknowns of the elements of a sector with displacements of a degree along z."""
     mesh = _sector_of(body)
     held = np.unique(np.concatenate([mesh.fixed_nodes, mesh.right_nodes])).size
     return COMPONENTS * (degree + 1) * (len(mesh.nodes) - held)

@@ -186,10 +186,7 @@ def _eliminated(
 ) -> Floats:
     """So many kept nodes, in their order, and the loads after the elimination of all inner nodes.
 
-    Returns
-    -------
-    (m, m) array
-        Symmetric.
+    Symmetric (m, m).
     """
     left: dict[int, _Remainder] = {}
     bytes_held = most = 0

@@ -75,7 +75,7 @@ def dissect(
     -------
     fronts : list of Front
     position : (N,) array
-        When a node is eliminated; kept nodes stand behind all others in their order, others are -1.
+        When a node is eliminated; kept nodes are behind all others in their order, others are -1.
     """
     sizes = np.concatenate([np.full(len(part), part.shape[1]) for part in cells])
     element = np.repeat(np.arange(sizes.size), sizes)

@@ -93,17 +93,8 @@ def projected_tangential(
 ) -> Floats:
     """<P, near field P> for displacements along the normal under loads along the profile.
 
-    Parameters
-    ----------
-    surface, n_modes, degree_z, finer
-        As in `projected_potential`.
-    kernel, jump : float
-        c0 = 2 k and j, mm²/N.
-
-    Returns
-    -------
-    (p, p) array
-        Rows: displacement; with area elements ds dz/cos(beta), mm⁵/N.
+    Arguments as of `projected_potential`, with c0 = 2 k and j, mm²/N. (p, p), rows of
+    displacements; with area elements ds dz/cos(beta), mm⁵/N.
     """
     rule = _Rule(surface, n_modes, degree_z, finer)
     direct, images = rule.direct(turned=True), np.zeros([n_modes] * 2 + [degree_z + 1] * 2)

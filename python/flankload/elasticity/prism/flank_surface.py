@@ -198,13 +198,7 @@ def _tabled_turning(
 
 
 def end_strength(angle_deg: float, poisson_ratio: float) -> float:
-    """Strength psi of the image behind a free end.
-
-    Parameters
-    ----------
-    angle_deg : float
-        Between flank and end face, inside the metal.
-    """
+    """Strength psi of the image behind a free end at an angle to the flank, inside the metal."""
     at_right_angle, at_steel = np.interp([poisson_ratio, STEEL_RATIO], *RIGHT_ANGLE)
     by_angle = AT_STEEL * np.exp(-DECAY_PER_DEGREE * (angle_deg - 90.0))
     return float(by_angle * at_right_angle / at_steel)
@@ -215,16 +209,7 @@ def edge_angles(body: Body, twist: float) -> tuple[float, float]:
 
     They are 90 +- asin(n.e) with e the direction out of the end: obtuse where the flank's normal
     leans out of it. n.e = -+ kappa l cos(beta_b), l the lever of the transverse normal about the
-    axis, in the middle of the flank; tan(beta_b) = |kappa l|.
-
-    Parameters
-    ----------
-    twist : float
-        kappa, rad/mm.
-
-    Returns
-    -------
-    (float, float)
+    axis, in the middle of the flank; tan(beta_b) = |kappa l|. `twist` is kappa, rad/mm.
 
     Raises
     ------

@@ -176,16 +176,9 @@ class LoadedPrism:
         return found
 
     def solved(self, forces: Floats) -> Floats:
-        """Displacements of all sectors of the ring under nodal forces.
+        """Displacements of all sectors of the ring under nodal forces (N, 3 (p + 1), z).
 
-        Parameters
-        ----------
-        forces : (N, 3 (p + 1), z) array
-            By node, unknown and sector, in the frames of the sectors.
-
-        Returns
-        -------
-        array of that shape
+        Both by node, unknown and sector, in the frames of the sectors.
         """
         kept, carried = self.recovery.reduced(forces)
         on_cuts = ring_displacements(replace(self.sector, carried=(carried,)), self.mesh.teeth)
@@ -234,13 +227,7 @@ class LoadedPrism:
 
 
 def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
-    """Factorise the elements of a body for forces on its flanks.
-
-    Parameters
-    ----------
-    body : Body
-        Elastic, with the mesh of a sector.
-    """
+    """Factorise the elements of an elastic body of equal sectors for forces on its flanks."""
     body = body.for_elements()
     mesh = body.mesh
     assert isinstance(mesh, SectorMesh)

@@ -62,18 +62,11 @@ def section_stiffness(
     twist: float,
     regions: Sequence[int] = (),
 ) -> SectionStiffness:
-    """Section matrices of a plane mesh.
+    """Section matrices of a plane mesh with the axis at the origin.
 
-    Parameters
-    ----------
-    nodes : (N, 2) array
-        mm, the axis at the origin.
-    cells : ((kind, (E, k) array), ...)
-        As in `finite_elements.stiffness`.
-    twist : float
-        kappa, rad/mm, counter-clockwise with growing z.
-    regions : sequence of int, optional
-        Number of the region of each entry of `cells`; one region by default.
+    Nodes and cells are those of `finite_elements.stiffness`; `twist` is kappa, rad/mm,
+    counter-clockwise with growing z; `regions` number the region of each entry of `cells`, by
+    default one.
     """
     places, parts, count = [], [], len(nodes)
     for number, (kind, connectivity) in zip(regions or [0] * len(cells), cells, strict=True):

@@ -77,12 +77,7 @@ def files_of_deck(folder: Path) -> tuple[Path, ...]:
 
 
 def find_program(program: str) -> str:
-    """Full path of the program.
-
-    Parameters
-    ----------
-    program : str
-        Its name or path.
+    """Full path of a program by its name or path.
 
     Raises
     ------
@@ -111,16 +106,7 @@ def version_of(program: str) -> str:
 
 
 def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | None) -> Answer:
-    """Run CalculiX on folder/deck.inp and read its solution.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of all its files, including deck.log.
-    deck : Deck
-        Content of the input file.
-    time_limit_s : float or None
-        Wall-clock seconds after which the run is stopped.
+    """Run CalculiX on folder/deck.inp and read its solution; all its files stay in the folder.
 
     Raises
     ------

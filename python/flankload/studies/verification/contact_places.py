@@ -77,9 +77,6 @@ def contact_places(
     reach : float
         Flanks are omitted if their gap exceeds this multiple of the rotation after the first
         contact.
-    elements_per_half_width : float
-        Elements on the half-width of a Hertz contact under that force.
-    plane : {"strain", "stress"}
 
     Returns
     -------
@@ -155,13 +152,7 @@ class Meeting:
 
 
 def meetings(pair: BodyPair, turns: tuple[float, float]) -> list[Meeting]:
-    """The pairs of flanks that have opposite points, by ascending pair number.
-
-    Parameters
-    ----------
-    turns : (float, float)
-        Rotations of both bodies' frames, rad.
-    """
+    """Pairs of flanks with opposite points, by ascending number; the bodies are turned, rad."""
     pairing = pair.pairing
     found = []
     for number, site in enumerate(pairing.sites.tolist()):

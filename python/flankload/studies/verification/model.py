@@ -127,13 +127,8 @@ def model_of(
 ) -> Model:
     """Deck of one position.
 
-    Parameters
-    ----------
-    result : Result
-        Flankload's result: only determines the element size and the range of the search for
-        contacts.
-    elements_per_half_width : float
-        Elements on the half-width of a Hertz contact.
+    Flankload's result only determines the element size, by the number of elements on the half-width
+    of a Hertz contact, and the range of the search for contacts.
 
     Raises
     ------
@@ -172,11 +167,7 @@ def model_of(
 def friction_of_deck(
     scene: Scene, pair: BodyPair, places: tuple[Place, ...]
 ) -> DeckFriction | None:
-    """Friction of the pairs in the deck.
-
-    Returns
-    -------
-    DeckFriction, or None without friction or sliding
+    """Friction of the pairs in the deck; None without friction or sliding.
 
     Raises
     ------
@@ -204,10 +195,7 @@ def friction_of_deck(
 def coarse_bodies(scene: Scene, part: float | None = None) -> BodyPair:
     """Both bodies, with coarse elements on the true flanks if flankload makes their meshes.
 
-    Parameters
-    ----------
-    part : float, optional
-        Element length along the flanks in modules.
+    `part` is the length of the elements along the flanks in modules.
     """
     accuracy = structs.replace(scene.accuracy, unmodified_elements=False)
     scene = replace(scene, accuracy=accuracy)

@@ -31,10 +31,7 @@ LEAST_JACOBIAN = 0.4
 def refined(mesh: Triangles, size_at: Callable[[Floats], Floats]) -> Triangles:
     """Refine until no side is longer than wanted and no border side is bent too much.
 
-    Parameters
-    ----------
-    size_at : callable
-        Function from places (m, 2) to the largest allowed side of a triangle there (m,), mm.
+    `size_at` maps places (m, 2) to the largest allowed side of a triangle there (m,), mm.
     """
     for _ in range(MOST_HALVINGS):
         places = mesh.vertices[mesh.corners]

@@ -69,17 +69,7 @@ class Layers:
 
 
 def layers_of(low_mm: float, high_mm: float, count: int) -> Floats:
-    """Ends (count + 1,) of layers that are thin at both ends of a width, mm.
-
-    Parameters
-    ----------
-    count : int
-        >= 1.
-
-    Returns
-    -------
-    (count + 1,) array
-    """
+    """Ends (count + 1,) of layers that are thin at both ends of a width, mm."""
     from_end = np.minimum(np.arange(count), np.arange(count)[::-1])
     thickness = np.minimum(GROWTH**from_end, MIDDLE)
     inside = np.concatenate([[0.0], np.cumsum(thickness)]) / thickness.sum()
@@ -87,19 +77,7 @@ def layers_of(low_mm: float, high_mm: float, count: int) -> Floats:
 
 
 def beyond(edges_mm: Floats, range_mm: tuple[float, float]) -> Floats:
-    """The layers of the common width continued to the ends of a wider body.
-
-    Parameters
-    ----------
-    edges_mm : (L + 1,) array
-    range_mm : (float, float)
-        Ends of the body.
-
-    Returns
-    -------
-    array
-        Ends of all layers of the body, which include the edges.
-    """
+    """Ends of the layers of a body: those of the common width, continued to the body's own ends."""
     step = float(np.diff(edges_mm).min())
 
     def outer(rest: float) -> Floats:
@@ -120,20 +98,8 @@ def beyond(edges_mm: Floats, range_mm: tuple[float, float]) -> Floats:
 def modification_turn(body: Body, tooth: int, s_mm: Floats, z_mm: Floats) -> Floats:
     """Turn (m, n) of the points of a flank about the axis by the metal removed, rad.
 
-    Parameters
-    ----------
-    body : Body
-        Three-dimensional.
-    tooth : int
-        Number of the tooth in the order of pitch errors.
-    s_mm : (n,) array
-        Arc lengths on the flank.
-    z_mm : (m,) array
-
-    Returns
-    -------
-    (m, n) array
-        Counter-clockwise.
+    Counter-clockwise, at arc lengths (n,) and places (m,) along z, of the tooth with this number in
+    the order of pitch errors.
     """
     axial = body.axial
     assert axial is not None
@@ -157,17 +123,7 @@ def solid_part(
     layers: Layers,
     stand: Stand,
 ) -> Part:
-    """A body of the deck.
-
-    Parameters
-    ----------
-    body : Body
-        Three-dimensional.
-    mesh : Triangles
-        Its section in its own frame.
-    teeth : tuple of int
-        Tooth of each flank of the mesh.
-    """
+    """A body of the deck, from its section in its own frame and the tooth of each of its flanks."""
     plane, triangles, border = quadratic(mesh)
     fine, coarse = layers.edges_mm, layers.edges_mm[layers.coarse]
     corners = np.arange(len(plane)) < len(mesh.vertices)

@@ -85,12 +85,8 @@ def solid_model_of(
 ) -> Model:
     """Deck of one position.
 
-    Parameters
-    ----------
-    result : Result
-        Determines only the element size and the range of the search for contacts.
-    elements_per_half_width : float
-        Elements on the half-width of a contact; all others and the layers follow.
+    The result only determines the element size and the range of the search for contacts. All
+    elements and the layers follow from the number of elements on the half-width of a contact.
 
     Raises
     ------

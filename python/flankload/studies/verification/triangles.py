@@ -77,18 +77,8 @@ class Triangles:
 def whole_body(body: Body, flanks: tuple[tuple[int, float], ...]) -> Triangles:
     """Mesh of a whole body, in the body's own frame.
 
-    Parameters
-    ----------
-    body : Body
-        With a mesh.
-    flanks : tuple of (int, float)
-        Tooth and angle (rad) of each flank that may touch; a flank with pitch error moves the
-        border with it.
-
-    Returns
-    -------
-    Triangles
-        `curves` in the order of `flanks`.
+    Each flank that may touch has its tooth and its angle (rad); a flank with pitch error moves the
+    border with it. `curves` follow the order of the flanks.
     """
     mesh = body.mesh
     assert mesh is not None
@@ -167,14 +157,8 @@ def without(mesh: Triangles, dropped: NDArray[np.bool_]) -> Triangles:
 def quadratic(mesh: Triangles) -> tuple[Floats, Numbers, Numbers]:
     """Six-node triangles.
 
-    Returns
-    -------
-    nodes : (N, 2) array
-        The vertices first, then the middles.
-    cells : (m, 6) array
-        Corners, then the middles of the sides 0-1, 1-2, 2-0.
-    border : (k,) array
-        Middle nodes of the border's sides.
+    Returns the nodes (N, 2), vertices first, then middles; the cells (m, 6), corners, then middles
+    of the sides 0-1, 1-2, 2-0; and the middle nodes (k,) of the border's sides.
     """
     numbers, ends = sides(mesh.corners)
     n = len(mesh.vertices)
