@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.base.turn import turned
+from flankload.base.rotation import turned
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance

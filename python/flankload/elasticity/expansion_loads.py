@@ -6,30 +6,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies.body import WholeMesh
 from flankload.elasticity.finite_elements import place_load
 from flankload.elasticity.near_field import mode_loads, to_coefficients
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
-    from flankload.bodies.body import Body, SectorMesh
+    from flankload.base.arrays import Floats
+    from flankload.bodies.body import Body, SectorMesh, WholeMesh
     from flankload.pairing.expansion import Growth
 
 
 def growth_loads(
     matrix: csc_array, mesh: SectorMesh | WholeMesh, growth: Growth | None, *, lumped: bool = False
-) -> dict[str, NDArray[np.float64]]:
+) -> dict[str, Floats]:
     """Nodal loads (2N,) of an expansion relative to the support, N per mm of width, by cause.
 
     The displacement is e_s x plus the response to these loads with the held surface at rest. The
     stiffness matrix (2N, 2N), per mm of width, times the coordinates of the nodes is the load of a
     strain of 1 in the plane. The body expands freely along its axis, in plane strain as well.
     """
-    loads: dict[str, NDArray[np.float64]] = {}
+    loads: dict[str, Floats] = {}
     if growth is None:
         return loads
     if growth.strain != growth.held_strain:
@@ -41,8 +40,8 @@ def growth_loads(
 
 
 def growth_of_flanks(
-    body: Body, growth: Growth | None, n_modes: int, moved: Mapping[str, NDArray[np.float64]]
-) -> tuple[float, dict[str, NDArray[np.float64]]]:
+    body: Body, growth: Growth | None, n_modes: int, moved: Mapping[str, Floats]
+) -> tuple[float, dict[str, Floats]]:
     """Uniform expansion of a body, and the displacements of its flanks beyond that.
 
     Displacements are known along the normal only, as gaps require; at an edge this is not enough: a
@@ -66,11 +65,10 @@ def growth_of_flanks(
     mesh, closed = body.mesh, body.curve.closed
     if mesh is None or not moved:
         return growth.held_strain, {}
-    flanks = mesh.flanks if isinstance(mesh, WholeMesh) else (mesh,)
     span, tip = body.mode_range_mm, body.tip
-    read = [mode_loads(flank, span, n_modes, closed=closed, tip=tip) for flank in flanks]
+    read = [mode_loads(flank, span, n_modes, closed=closed, tip=tip) for flank in mesh.flanks]
 
-    def settled(moments: NDArray[np.float64]) -> NDArray[np.float64]:
+    def settled(moments: Floats) -> Floats:
         return to_coefficients(moments.T, span, closed=closed, tip=tip).T
 
     evenly = np.array([columns.T @ mesh.nodes.ravel() for columns in read])

@@ -31,12 +31,8 @@ from flankload.elasticity.finite_elements import lame_parameters
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
-
-    Floats = NDArray[np.float64]
-    Cells = tuple[tuple[str, NDArray[np.int64]], ...]
 
 #: Elements times loads in a block: its arrays fit the cache.
 BLOCK = 320
@@ -140,7 +136,7 @@ def _blocks(n_elements: int, n_loads: int) -> Iterator[slice]:
         yield slice(start, start + size)
 
 
-def _to_nodes(connectivity: NDArray[np.int64], outward: Floats, n_nodes: int) -> csr_array:
+def _to_nodes(connectivity: Numbers, outward: Floats, n_nodes: int) -> csr_array:
     """Sum at the nodes (N) of the values extrapolated from the recovery points (E b)."""
     n_elements, n = connectivity.shape
     n_best = outward.shape[1]

@@ -17,9 +17,9 @@ from flankload.cost import Account
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
     from skfem import Basis
 
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
 
 #: Degree of exactness of the quadrature; degree 6 changes the compliance of a gear by 1e-9.
@@ -47,12 +47,7 @@ def lame_parameters(material: Material, plane: str) -> tuple[float, float]:
     return lame_lambda, lame_mu
 
 
-def stiffness(
-    nodes: NDArray[np.float64],
-    cells: tuple[tuple[str, NDArray[np.int64]], ...],
-    material: Material,
-    plane: str,
-) -> csc_array:
+def stiffness(nodes: Floats, cells: Cells, material: Material, plane: str) -> csc_array:
     """Stiffness of a mesh of quadratic elements, or of linear ones, per mm of width.
 
     Parameters
@@ -77,11 +72,7 @@ def stiffness(
 
 
 def _block_stiffness(
-    nodes: NDArray[np.float64],
-    kind: str,
-    connectivity: NDArray[np.int64],
-    material: Material,
-    plane: str,
+    nodes: Floats, kind: str, connectivity: Numbers, material: Material, plane: str
 ) -> csc_array:
     basis = block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE[kind])
     gradients = np.stack([shape[0].grad for shape in basis.basis])  # (k, 2, E, points)
@@ -102,20 +93,13 @@ def _block_stiffness(
     return assembled(blocks.ravel(), rows, columns, (2 * len(nodes), 2 * len(nodes)))
 
 
-def assembled(
-    values: NDArray[np.float64],
-    rows: NDArray[np.int64],
-    columns: NDArray[np.int64],
-    shape: tuple[int, int],
-) -> csc_array:
+def assembled(values: Floats, rows: Numbers, columns: Numbers, shape: tuple[int, int]) -> csc_array:
     """Sparse matrix of entries (n,) with the 32-bit indices of SuperLU; duplicates are summed."""
     places = (rows.astype(np.int32), columns.astype(np.int32))
     return coo_array((values, places), shape=shape).tocsc()
 
 
-def linear_cells(
-    cells: tuple[tuple[str, NDArray[np.int64]], ...],
-) -> tuple[tuple[str, NDArray[np.int64]], ...]:
+def linear_cells(cells: Cells) -> Cells:
     """Linear elements with the corners of the given cells."""
     linear = {"quad9": "quad4", "triangle6": "triangle3"}
     return tuple(
@@ -123,9 +107,7 @@ def linear_cells(
     )
 
 
-def linear_edges(
-    nodes: NDArray[np.float64], cells: tuple[tuple[str, NDArray[np.int64]], ...]
-) -> csc_array:
+def linear_edges(nodes: Floats, cells: Cells) -> csc_array:
     """Displacements (2N, 2N) of all nodes from those of the corners, for linear elements: T.
 
     A quarter of the unknowns remains; T' reduces the loads of all nodes to the corners. Columns of
@@ -150,12 +132,7 @@ def linear_edges(
     return coo_array((weights, degrees), shape=(2 * len(nodes),) * 2).tocsc()
 
 
-def place_load(
-    nodes: NDArray[np.float64],
-    cells: tuple[tuple[str, NDArray[np.int64]], ...],
-    *,
-    lumped: bool = False,
-) -> NDArray[np.float64]:
+def place_load(nodes: Floats, cells: Cells, *, lumped: bool = False) -> Floats:
     """Consistent nodal loads of a force per area equal to the coordinates: centrifugal force.
 
     Integral of N_q x, (2N,), mm³; times density and the square of the speed a force per mm of
@@ -179,9 +156,7 @@ def place_load(
     return loads.ravel()
 
 
-def block_basis(
-    nodes: NDArray[np.float64], kind: str, connectivity: NDArray[np.int64], degree: int
-) -> Basis:
+def block_basis(nodes: Floats, kind: str, connectivity: Numbers, degree: int) -> Basis:
     """scikit-fem's basis of a block; shape k of an element belongs to its node k."""
     import skfem
 
@@ -197,14 +172,12 @@ def block_basis(
     return skfem.Basis(mesh, element, intorder=degree)
 
 
-def degrees_of(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
+def degrees_of(nodes: Numbers) -> Numbers:
     """Degrees of freedom of nodes, x and y alternating."""
     return (2 * np.asarray(nodes)[:, None] + np.arange(2)).ravel()
 
 
-def factored(
-    matrix: csc_array, account: Account | None = None
-) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+def factored(matrix: csc_array, account: Account | None = None) -> Callable[[Floats], Floats]:
     """Factorise a symmetric positive definite matrix (n, n) once.
 
     Returns the solutions (n, k) of right-hand sides (n, k) as a function; the account counts both.
@@ -215,11 +188,8 @@ def factored(
 
 
 def condensed(
-    matrix: csc_array,
-    inner: NDArray[np.int64],
-    kept: NDArray[np.int64],
-    account: Account | None = None,
-) -> tuple[Callable[[NDArray[np.float64]], NDArray[np.float64]], NDArray[np.float64]]:
+    matrix: csc_array, inner: Numbers, kept: Numbers, account: Account | None = None
+) -> tuple[Callable[[Floats], Floats], Floats]:
     """Factorise the inner part of a symmetric positive definite matrix and condense it to the rest.
 
     A few kept unknowns need a solution each. For many, a second factorisation with the kept
@@ -261,10 +231,8 @@ def _factor(matrix: csc_array, order: str, account: Account) -> SuperLU:
     return factor
 
 
-def _in_blocks(
-    factor: SuperLU, account: Account
-) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    def solve(right: NDArray[np.float64]) -> NDArray[np.float64]:
+def _in_blocks(factor: SuperLU, account: Account) -> Callable[[Floats], Floats]:
+    def solve(right: Floats) -> Floats:
         account.count(fe_solutions=right.shape[1])
         solved = np.empty_like(right)
         for first in range(0, right.shape[1], BLOCK):
@@ -276,11 +244,8 @@ def _in_blocks(
 
 
 def _last_block(
-    matrix: csc_array,
-    inner: NDArray[np.int64],
-    kept: NDArray[np.int64],
-    account: Account,
-) -> NDArray[np.float64] | None:
+    matrix: csc_array, inner: Numbers, kept: Numbers, account: Account
+) -> Floats | None:
     """L22 U22 of the factors with the kept unknowns last; None if pivoting mixes them."""
     order = np.concatenate([inner, kept])
     factor = _factor(matrix[order][:, order].tocsc(), "NATURAL", account)

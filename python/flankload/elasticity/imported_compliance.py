@@ -25,8 +25,7 @@ from flankload.errors import ComplianceFileError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
 
 #: Largest difference between a response and its transpose, relative to the largest response.
@@ -153,7 +152,7 @@ def _of_modes(
     return found.fewer_modes(spare) if spare > 0 else found
 
 
-def _least_eigenvalue(whole: NDArray[np.float64], flanks: int) -> float:
+def _least_eigenvalue(whole: Floats, flanks: int) -> float:
     """Least eigenvalue of the matrix of all flanks, from blocks by tooth or by pairs of flanks."""
     if flanks:
         p = whole.shape[1]
@@ -189,9 +188,7 @@ def _of_nodes(body: Body, given: NodalCompliance, n_modes: int, plane: str) -> B
     )
 
 
-def _responses(
-    body: Body, given: NodalCompliance, loads: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _responses(body: Body, given: NodalCompliance, loads: Floats) -> Floats:
     """Response (z, p, p) of all teeth to p loads on tooth 0, read by the same loads."""
     response = np.zeros((body.teeth, loads.shape[1], loads.shape[1]))
     for offset, block in zip(given.offsets.tolist(), given.matrix, strict=True):
@@ -205,7 +202,7 @@ def _tables(body: Body, given: NodalCompliance, plane: str) -> BodyCompliance:
     """Tables between nodes; of quadratic elements only the ends of edges (see `nodal_loads`)."""
     nodes = given.arc_length_mm[:: 2 if given.quadratic else 1]
 
-    def pressures(s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def pressures(s: Floats) -> Floats:
         return hat_values(s, nodes) / hat_widths(nodes)
 
     if given.of_pressures:
@@ -222,14 +219,12 @@ def _tables(body: Body, given: NodalCompliance, plane: str) -> BodyCompliance:
 
 def nodal_mode_forces(
     given: NodalCompliance, mode_range_mm: tuple[float, float], n_modes: int
-) -> NDArray[np.float64]:
+) -> Floats:
     """Consistent nodal forces (n, n_modes) of the pressure modes along the normal, mm."""
     return consistent_forces(given, lambda s: mode_values(s, mode_range_mm, n_modes))
 
 
-def consistent_forces(
-    given: NodalCompliance, pressures: Callable[[NDArray[np.float64]], NDArray[np.float64]]
-) -> NDArray[np.float64]:
+def consistent_forces(given: NodalCompliance, pressures: Callable[[Floats], Floats]) -> Floats:
     """Consistent nodal forces (n, p) along the normal of p pressures over the arc length."""
     places, weights, shapes = gauss_places(given.arc_length_mm, quadratic=given.quadratic)
     return np.asarray(shapes.T @ (weights[:, None] * pressures(places)))

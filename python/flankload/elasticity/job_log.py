@@ -13,7 +13,7 @@ from flankload.cost import Account
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats, Numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +54,7 @@ class JobLog:
     """
 
     def __init__(
-        self,
-        account: Account | None = None,
-        on_solution: Callable[[NDArray[np.float64]], None] | None = None,
+        self, account: Account | None = None, on_solution: Callable[[Floats], None] | None = None
     ) -> None:
         self.account = Account() if account is None else account
         self._on_solution = on_solution
@@ -74,7 +72,7 @@ class JobLog:
         tangential = columns // 2 if friction else 0
         self.account.count(unit_loads_normal=columns - tangential, unit_loads_tangential=tangential)
 
-    def solution(self, free: NDArray[np.int64], moved: NDArray[np.float64], unknowns: int) -> None:
+    def solution(self, free: Numbers, moved: Floats, unknowns: int) -> None:
         """Report a solution (n, p) under the unit loads of a flank; all but `free` (n,) are 0."""
         if self._on_solution is None:
             return

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.turn import turned
+from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import (
@@ -30,13 +30,8 @@ from flankload.elasticity.sector_closure import CondensedSector, ring_displaceme
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Body, WholeMesh
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
-    Cells = tuple[tuple[str, Numbers], ...]
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,8 +29,7 @@ from flankload.bodies.tip_modes import Tip, joined, joined_image, on_tip, tip_mo
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Material, SectorMesh
 
 #: Distance between a node and the mirror image of another one, relative to the size of the mesh.
@@ -61,13 +60,13 @@ def jump_strength(material: Material, plane: str) -> float:
 
 
 def mode_values(
-    s: NDArray[np.float64],
+    s: Floats,
     mode_range_mm: tuple[float, float],
     n_modes: int,
     *,
     closed: bool = False,
     tip: Tip | None = None,
-) -> NDArray[np.float64]:
+) -> Floats:
     """Legendre polynomials P_0 … P_(n_modes - 1) over the range of the modes.
 
     Parameters
@@ -101,12 +100,12 @@ def mode_values(
 
 
 def to_coefficients(
-    moments: NDArray[np.float64],
+    moments: Floats,
     mode_range_mm: tuple[float, float],
     *,
     closed: bool = False,
     tip: Tip | None = None,
-) -> NDArray[np.float64]:
+) -> Floats:
     """Coefficients (n_modes, …) of functions from their integrals with the modes.
 
     The integrals are those over the range of the modes, a turn if closed, and over the tip behind
@@ -121,9 +120,7 @@ def to_coefficients(
     return np.asarray(found.reshape(moments.shape), dtype=np.float64)
 
 
-def mode_products(
-    mode_range_mm: tuple[float, float], n_modes: int, tip: Tip
-) -> NDArray[np.float64]:
+def mode_products(mode_range_mm: tuple[float, float], n_modes: int, tip: Tip) -> Floats:
     """<P_a, P_b> over flank and tip, mm; those of the flank alone are orthogonal."""
     high, flank = mode_range_mm[1], n_modes - tip_modes(n_modes)
     parts = on_tip(n_modes, tip)
@@ -132,9 +129,7 @@ def mode_products(
     return np.asarray(products)
 
 
-def mode_norms(
-    mode_range_mm: tuple[float, float], n_modes: int, *, closed: bool = False
-) -> NDArray[np.float64]:
+def mode_norms(mode_range_mm: tuple[float, float], n_modes: int, *, closed: bool = False) -> Floats:
     """D_a = integral of P_a² over the range, mm: length/(2a + 1); of a harmonic length/2."""
     low, high = mode_range_mm
     if closed:
@@ -151,7 +146,7 @@ def mode_loads(
     closed: bool = False,
     tip: Tip | None = None,
     twist: float | None = None,
-) -> NDArray[np.float64]:
+) -> Floats:
     """Consistent nodal loads of the modes, along the outward normal or the tangent.
 
     B_qa = integral of N_q P_a n ds over the mesh's flank edges, with the edges' own quadratic
@@ -176,9 +171,7 @@ def mode_loads(
     )
 
 
-def carrying_edges(
-    flank: SectorMesh | MeshedFlank,
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def carrying_edges(flank: SectorMesh | MeshedFlank) -> tuple[Numbers, Floats]:
     """Nodes (m, 3) and arc lengths (mm) of the loaded edges, including those of tip roundings."""
     edges, s = flank.flank_edges, flank.flank_arc_length[flank.flank_edges]
     if isinstance(flank, MeshedFlank) or not flank.tip_edges.size:
@@ -188,15 +181,15 @@ def carrying_edges(
 
 def consistent_loads(
     mesh: SectorMesh | MeshedFlank,
-    values: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    values: Callable[[Floats], Floats],
     *,
     count: int,
     along: Literal["normal", "tangent"] = "normal",
     turn: float | None = None,
     gauss_points: int = 6,
-    edges: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None,
+    edges: tuple[Numbers, Floats] | None = None,
     twist: float | None = None,
-) -> NDArray[np.float64]:
+) -> Floats:
     """Consistent nodal loads of pressures along a flank.
 
     Parameters
@@ -251,9 +244,7 @@ def consistent_loads(
     return loads.reshape(-1, count)
 
 
-def mirrored_loads(
-    mesh: SectorMesh, loads: NDArray[np.float64], center_rad: float
-) -> tuple[NDArray[np.float64], int]:
+def mirrored_loads(mesh: SectorMesh, loads: Floats, center_rad: float) -> tuple[Floats, int]:
     """Loads of the other flank in the sector, whose halves are mirror images, and its tooth.
 
     Each force (2 N, p) on the flank of tooth 0 acts mirrored at the mirrored node. The coast flank
@@ -282,9 +273,7 @@ def mirrored_loads(
     return mirrored.reshape(loads.shape), tooth
 
 
-def projected_logarithm(
-    n_modes: int, length_mm: float, *, closed: bool = False
-) -> NDArray[np.float64]:
+def projected_logarithm(n_modes: int, length_mm: float, *, closed: bool = False) -> Floats:
     """<P_a, ln|s - s'| P_b> over a flank, in closed form: (n_modes, n_modes), mm².
 
     With x in [-1, 1] and Legendre functions of the second kind, for n >= 1
@@ -316,12 +305,13 @@ def projected_logarithm(
     return result
 
 
-def projected_image(n_modes: int, length_mm: float, *, at_high_end: bool) -> NDArray[np.float64]:
+def projected_image(n_modes: int, length_mm: float, *, at_high_end: bool) -> Floats:
     """<P_a, ln(d + d') P_b>, mm², d the distance from one end of the flank, where a corner is.
 
     On both halves of the square, with x and x' = x t in [0, 1] from that end,
-    ln(x + x') = ln x + ln(1 + t). The first term times a polynomial is integrated by its shifted Legendre coefficients,
-    int P~_n ln x = (-1)^(n+1)/(n (n + 1)), and -1 for n = 0; the second by Gauss quadrature.
+    ln(x + x') = ln x + ln(1 + t). The first term times a polynomial is integrated by its shifted
+    Legendre coefficients, int P~_n ln x = (-1)^(n+1)/(n (n + 1)), and -1 for n = 0; the second by
+    Gauss quadrature.
     """
     degree = np.arange(2 * n_modes)  # of two modes and x itself
     x, weights = (0.5 * part for part in leggauss(2 * n_modes))
@@ -349,7 +339,7 @@ def projected_near_field(
     wedge: tuple[float, float] = (0.0, 0.0),
     closed: bool = False,
     tip: Tip | None = None,
-) -> NDArray[np.float64]:
+) -> Floats:
     """<P_a, K P_b> over a flank for the near field K of strength c0 = -1: mm².
 
     Parameters
@@ -375,9 +365,7 @@ def projected_near_field(
     return near
 
 
-def projected_sign(
-    n_modes: int, length_mm: float, *, tip: Tip | None = None
-) -> NDArray[np.float64]:
+def projected_sign(n_modes: int, length_mm: float, *, tip: Tip | None = None) -> Floats:
     """<P_a, sign(s - s') P_b> over a flank, in closed form: antisymmetric, mm².
 
     With x in [-1, 1], int P_n(y) sign(x - y) dy = 2 (P_(n+1) - P_(n-1))/(2n + 1) for n >= 1 and

@@ -16,11 +16,8 @@ from flankload.bodies.body import MeshedFlank, WholeMesh
 from flankload.elasticity.near_field import carrying_edges, consistent_loads
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import SectorMesh
-
-    Floats = NDArray[np.float64]
 
 
 def flank_nodes(flank: SectorMesh | MeshedFlank) -> Floats:
@@ -31,7 +28,7 @@ def flank_nodes(flank: SectorMesh | MeshedFlank) -> Floats:
 
 def nodes_of(mesh: SectorMesh | WholeMesh) -> Floats:
     """Arc lengths of the nodes of the first flank; they apply to all flanks of the body."""
-    return flank_nodes(mesh.flanks[0] if isinstance(mesh, WholeMesh) else mesh)
+    return flank_nodes(mesh.flanks[0])
 
 
 def hat_values(s: Floats, nodes: Floats) -> Floats:

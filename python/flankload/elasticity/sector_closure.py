@@ -17,19 +17,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.turn import turned
+from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import condensed, degrees_of, factored
 from flankload.elasticity.job_log import JobLog
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import SectorMesh
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -309,7 +307,7 @@ def tooth_response(
     return response, inside.size
 
 
-def made_symmetric(response: Floats, across: NDArray[np.int64]) -> tuple[Floats, float]:
+def made_symmetric(response: Floats, across: Numbers) -> tuple[Floats, float]:
     """Mean of responses (k, p, p) and the same with load and reading exchanged, and their change.
 
     Both are equal but for rounding (Betti): the largest difference, relative to the largest

@@ -18,12 +18,9 @@ from flankload.scene.usual import questions
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.result import Result
     from flankload.scene import Scene
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,7 @@ from flankload.scene.effects import EFFECTS
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.cost import Account
     from flankload.mechanisms.effect_size import Size, States
     from flankload.mechanisms.toggles import Toggle
@@ -39,7 +37,7 @@ class Screening(ABC):
     rows: tuple[str, ...]
     toggles: Mapping[str, Toggle]
     base: list[States]
-    unloaded_rad: NDArray[np.float64]
+    unloaded_rad: Floats
     reference_radius_mm: float
 
     @abstractmethod

@@ -17,16 +17,13 @@ from flankload.scene.usual import question_notes
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.cost import Account
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Rows
     from flankload.scene import Scene
     from flankload.scene.discretization import Discretization
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.base.turn import turned
+from flankload.base.rotation import turned
 from flankload.bodies import SectorMesh, WholeMesh
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.fe_error import recovered_strains

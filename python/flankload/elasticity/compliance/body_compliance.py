@@ -23,12 +23,11 @@ from flankload.elasticity.nodal_loads import every_second
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body
     from flankload.pairing.expansion import Growth
 
-    Blocks = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    Blocks = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,17 +62,17 @@ class BodyCompliance:
         `smooth`, followed by that of `tangential`. None without an estimate.
     """
 
-    smooth: NDArray[np.float64]
+    smooth: Floats
     near: NearField
     modes: FlankModes
     flanks: tuple[int, ...] = ()
-    tangential: NDArray[np.float64] | None = None
-    along: NDArray[np.float64] | None = None
-    turned: NDArray[np.float64] | None = None
+    tangential: Floats | None = None
+    along: Floats | None = None
+    turned: Floats | None = None
     coast: CoastCompliance | None = None
     expansion: Expansion = field(default_factory=Expansion)
     root: RootResponse | None = None
-    missed: NDArray[np.float64] | None = None
+    missed: Floats | None = None
     job: JobCost = field(default_factory=JobCost)
 
     @property
@@ -93,14 +92,12 @@ class BodyCompliance:
         return n if self.modes.tip is None else n - tip_modes(n)
 
     @property
-    def own_blocks(self) -> NDArray[np.int64]:
+    def own_blocks(self) -> Numbers:
         """Indices in `smooth` of flanks under loads on themselves."""
         f = len(self.flanks)
         return np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
 
-    def block_of(
-        self, displaced: NDArray[np.int64], loaded: NDArray[np.int64], teeth: int
-    ) -> NDArray[np.int64]:
+    def block_of(self, displaced: Numbers, loaded: Numbers, teeth: int) -> Numbers:
         """Indices in `smooth` of the response of teeth to loads on teeth, arrays that broadcast.
 
         Teeth count from 0; `teeth` is their number.
@@ -112,7 +109,7 @@ class BodyCompliance:
         place = np.searchsorted(self.flanks, np.arange(teeth))
         return place[displaced] * len(self.flanks) + place[loaded]
 
-    def shift_of(self, at: NDArray[np.int64]) -> NDArray[np.float64]:
+    def shift_of(self, at: Numbers) -> Floats:
         """Displacement of flanks by all loads of the expansion together.
 
         Parameters
@@ -133,9 +130,7 @@ class BodyCompliance:
             return np.broadcast_to(total, (at.size, total.shape[1]))
         return np.asarray(total[np.searchsorted(self.flanks, at)])
 
-    def blocks_of_sites(
-        self, teeth_at: NDArray[np.int64], n_working: int, teeth: int
-    ) -> NDArray[np.int64]:
+    def blocks_of_sites(self, teeth_at: Numbers, n_working: int, teeth: int) -> Numbers:
         """Blocks of `all_blocks` for displacements at sites (rows) under loads at sites.
 
         Parameters
@@ -160,7 +155,7 @@ class BodyCompliance:
         block = np.where(coast[None, :], self.block_of(loaded, displaced, teeth), block)
         return block + teeth * (coast[:, None] != coast[None, :])
 
-    def all_blocks(self) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    def all_blocks(self) -> tuple[Floats, Floats | None]:
         """`smooth` and `tangential`, each followed by the response of the coast flanks, if any."""
         coast, tangential = self.coast, self.tangential
         if coast is None:
@@ -169,7 +164,7 @@ class BodyCompliance:
             tangential = np.concatenate([tangential, coast.tangential])
         return np.concatenate([self.smooth, coast.normal]), tangential
 
-    def turned_blocks(self) -> NDArray[np.float64] | None:
+    def turned_blocks(self) -> Floats | None:
         """`turned`, with a row for each of `all_blocks`: 0 for coast flanks."""
         if self.turned is None or self.coast is None:
             return self.turned
@@ -217,7 +212,7 @@ class BodyCompliance:
             products = np.kron(mode_products(self.modes.range_mm, n // each, tip), along_axis)
             parts = np.asarray(np.linalg.solve(parts @ products @ parts.T, parts @ products))
 
-        def projected(blocks: NDArray[np.float64]) -> NDArray[np.float64]:
+        def projected(blocks: Floats) -> Floats:
             if blocks.ndim == 2:  # `turned`, without a tip
                 return blocks[:, :kept]
             if tip is None:
@@ -294,10 +289,10 @@ class BodyCompliance:
     def without_coupling(self) -> BodyCompliance:
         """The same, but a load on a tooth deforms and stresses no other tooth."""
 
-        def alone(blocks: NDArray[np.float64]) -> NDArray[np.float64]:
+        def alone(blocks: Floats) -> Floats:
             return _only(blocks, self.own_blocks)
 
-        def alone_across(blocks: NDArray[np.float64]) -> NDArray[np.float64]:
+        def alone_across(blocks: Floats) -> Floats:
             # an internal tooth is between two spaces: its coast flank belongs to the next one
             assert self.coast is not None
             own = np.atleast_1d(np.abs(self.coast.normal[:, 0, 0]).argmax())
@@ -310,7 +305,7 @@ class BodyCompliance:
         )
 
 
-def _only(blocks: NDArray[np.float64], kept: NDArray[np.int64]) -> NDArray[np.float64]:
+def _only(blocks: Floats, kept: Numbers) -> Floats:
     """Blocks of which all but some are zero."""
     alone = np.zeros_like(blocks)
     alone[kept] = blocks[kept]

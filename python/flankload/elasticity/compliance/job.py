@@ -39,14 +39,12 @@ from flankload.elasticity.sector_closure import made_symmetric
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body, SectorMesh
     from flankload.bodies.root_fillet import RootFillets
     from flankload.pairing.expansion import Growth
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from flankload.bodies.body import WholeMesh
 from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.tip_modes import Tip
 from flankload.elasticity.compliance.parts import NearField
@@ -22,12 +21,9 @@ from flankload.elasticity.near_field import (
 from flankload.elasticity.nodal_loads import hat_loads
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body, MeshedFlank, SectorMesh
     from flankload.cost import Account
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,12 +78,7 @@ class ModeLoads:
         ]
         return np.concatenate(found).swapaxes(0, 1)
 
-    def settle(
-        self,
-        response: Floats,
-        own: NDArray[np.int64],
-        account: Account,
-    ) -> None:
+    def settle(self, response: Floats, own: Numbers, account: Account) -> None:
         """Subtract the near field from a response and convert it to mode coefficients, in place.
 
         The response (k, p, p) is projected on the modes; `own` are the indices of the responses of
@@ -156,13 +147,7 @@ class NodeLoads:
         """Nodal forces (2 N, n) of unit forces along the normal or the tangent of a flank."""
         return hat_loads(flank, self.nodes, along=along)
 
-    def settle(
-        self,
-        response: Floats,
-        own: NDArray[np.int64],
-        account: Account,
-    ) -> None:
+    def settle(self, response: Floats, own: Numbers, account: Account) -> None:
         """Count the unit forces; the response is left as it is (see `ModeLoads.settle`)."""
-        mesh = self.body.mesh
-        flanks = len(mesh.flanks) if isinstance(mesh, WholeMesh) else 1
-        account.count(unit_loads_nodal=response.shape[2] * flanks)
+        assert self.body.mesh is not None
+        account.count(unit_loads_nodal=response.shape[2] * len(self.body.mesh.flanks))

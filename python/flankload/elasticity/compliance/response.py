@@ -22,13 +22,11 @@ from flankload.elasticity.sector_closure import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body, MeshedFlank, SectorMesh, WholeMesh
     from flankload.elasticity.job_log import JobLog
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +91,8 @@ class Response:
     """
 
     response: Floats
-    own: NDArray[np.int64]
-    across: NDArray[np.int64]
+    own: Numbers
+    across: Numbers
     by_force: Floats
     degrees_of_freedom: int
     flanks: tuple[int, ...] = ()
@@ -222,7 +220,7 @@ def _coast_taken(response: Floats, modes: ModeLoads, tooth: int) -> tuple[Floats
     return np.delete(response, slice(first, first + n), axis=1), crossing
 
 
-def _nonzero(columns: Floats) -> tuple[NDArray[np.int64], Floats]:
+def _nonzero(columns: Floats) -> tuple[Numbers, Floats]:
     """Rows with a value that is not zero, and these rows."""
     rows = np.flatnonzero(columns.any(axis=1))
     return rows, columns[rows]

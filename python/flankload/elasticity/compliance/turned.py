@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legint, legval
 
-from flankload.bodies.body import WholeMesh
 from flankload.bodies.free_corner import along_strengths, image_strength, tip_angle
 from flankload.bodies.tip_modes import graded
 from flankload.elasticity.near_field import (
@@ -26,11 +25,8 @@ from flankload.elasticity.near_field import (
 )
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body, MeshedFlank, SectorMesh
-
-    Floats = NDArray[np.float64]
 
 #: Gauss points: exact for a quadratic edge times a linear function and modes up to degree 20.
 POINTS = 12
@@ -58,7 +54,7 @@ def turned_columns(body: Body, flank: int) -> Floats:
     )
 
 
-def turned_coefficients(body: Body, moments: Floats, own: NDArray[np.int64], plane: str) -> Floats:
+def turned_coefficients(body: Body, moments: Floats, own: Numbers, plane: str) -> Floats:
     """Displacements (k, p) of the flanks by a force along the flank at the tip.
 
     Mode coefficients, mm²/N, without jump and images, from the readings (k, p) of the force under p
@@ -93,6 +89,5 @@ def last_edge(mesh: SectorMesh | MeshedFlank) -> tuple[float, float]:
 
 
 def _flank_of(body: Body, flank: int) -> SectorMesh | MeshedFlank:
-    mesh = body.mesh
-    assert mesh is not None
-    return mesh.flanks[flank] if isinstance(mesh, WholeMesh) else mesh
+    assert body.mesh is not None
+    return body.mesh.flanks[flank]

@@ -24,13 +24,9 @@ from flankload.bodies.axial_shape import share_middle
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import SectorMesh
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 
 class AxialFunctions(ABC):

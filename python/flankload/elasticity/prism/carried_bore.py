@@ -34,16 +34,12 @@ from flankload.elasticity.sector_closure import close_ring, turned_cuts
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Complexes, Floats
     from flankload.bodies.body import SectorMesh
     from flankload.bodies.carrying_shaft import CarryingShaft
     from flankload.elasticity.prism.axial_basis import AxialBasis, AxialFunctions
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
     from flankload.elasticity.sector_closure import CondensedSector
-
-    Floats = NDArray[np.float64]
-    Complexes = NDArray[np.complex128]
 
 #: Motions of a section: displacements and rotations about x, y, z.
 MOTIONS = 6

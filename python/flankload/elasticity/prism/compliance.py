@@ -49,15 +49,12 @@ from flankload.elasticity.sector_closure import close_ring, made_symmetric
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.carrying_shaft import CarryingShaft
     from flankload.bodies.root_fillet import RootFillets
     from flankload.elasticity.prism.flank_surface import FlankSurface
     from flankload.elasticity.sector_closure import CondensedSector
-
-    Floats = NDArray[np.float64]
 
 #: Degrees of displacements above those of loads in z: four miss 0.06 % of the highest mode, two
 #: 0.5 to 2 %, and modes above p meet nothing at all.

@@ -30,14 +30,11 @@ from flankload.elasticity.sector_closure import CondensedSector
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.bodies.body import SectorMesh
     from flankload.elasticity.prism.axial_basis import AxialFunctions
     from flankload.elasticity.prism.recovery import Independent, Recovery
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
-
-    Floats = NDArray[np.float64]
 
 #: Components of a displacement.
 COMPONENTS = 3
@@ -112,7 +109,7 @@ def condense_prism(
     )
 
 
-def _independent(functions: int, *, coupled: bool) -> list[NDArray[np.int64]]:
+def _independent(functions: int, *, coupled: bool) -> list[Numbers]:
     """Unknowns of a node in sets that do not meet each other."""
     unknowns = np.arange(COMPONENTS * functions)
     if coupled:
@@ -128,10 +125,10 @@ class _Pencil:
     def __init__(
         self,
         section: SectionStiffness,
-        products: tuple[NDArray[np.int64], Floats],
-        unknowns: NDArray[np.int64],
-        of_cut: NDArray[np.int64],
-        position: NDArray[np.int64],
+        products: tuple[Numbers, Floats],
+        unknowns: Numbers,
+        of_cut: Numbers,
+        position: Numbers,
     ) -> None:
         self.unknowns, self.of_cut, self.position = unknowns, of_cut, position
         self._section, (self._number, self._terms) = section, products
@@ -140,23 +137,21 @@ class _Pencil:
         self._pairs = lower[np.argsort(column[lower], kind="stable")]
         self._first = np.searchsorted(column[self._pairs], np.arange(position.max() + 2))
 
-    def pairs(self, first: int, last: int) -> NDArray[np.int64]:
+    def pairs(self, first: int, last: int) -> Numbers:
         """Pairs of nodes, row not before column, whose columns have these positions."""
         return self._pairs[self._first[first] : self._first[last]]
 
-    def alike(self, pairs: NDArray[np.int64]) -> Iterator[NDArray[np.bool_]]:
+    def alike(self, pairs: Numbers) -> Iterator[Flags]:
         """Pairs with one set of axial matrices, in turn: different pairs of nodes each time."""
         number = self._number[pairs]
         for one in np.unique(number):
             yield number == one
 
-    def ends(self, pairs: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def ends(self, pairs: Numbers) -> tuple[Numbers, Numbers]:
         """Rows and columns of pairs."""
         return self._section.rows[pairs], self._section.columns[pairs]
 
-    def blocks(
-        self, pairs: NDArray[np.int64], rows: NDArray[np.int64], columns: NDArray[np.int64]
-    ) -> Floats:
+    def blocks(self, pairs: Numbers, rows: Numbers, columns: Numbers) -> Floats:
         """Stiffness (n, rows, columns) between these unknowns of pairs that are alike."""
         (a, c), (b, d) = (np.divmod(part, COMPONENTS) for part in (rows, columns))
         of_section = self._section.blocks[pairs]
@@ -172,7 +167,7 @@ class _Remainder:
     """What a front leaves: lower triangle of its boundary's matrix, loads behind the nodes."""
 
     front: Front
-    sizes: NDArray[np.int64]
+    sizes: Numbers
     matrix: Floats
 
 
@@ -272,11 +267,7 @@ def _assemble(front: Front, pencil: _Pencil, pivot: Floats, below: Floats) -> No
 
 
 def _extend(
-    front: Front,
-    sizes: NDArray[np.int64],
-    n: int,
-    part: _Remainder,
-    target: tuple[Floats, Floats, Floats],
+    front: Front, sizes: Numbers, n: int, part: _Remainder, target: tuple[Floats, Floats, Floats]
 ) -> None:
     """Add what a part leaves, run by run of unknowns that are neighbours in both."""
     pivot, below, remainder = target

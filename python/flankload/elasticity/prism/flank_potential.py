@@ -37,9 +37,7 @@ from flankload.elasticity.prism.flank_surface import DIRECTION_POINTS, FlankSurf
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from flankload.base.arrays import Floats, Numbers
 
 #: Gauss points along the profile beside those that the degrees of the modes need.
 MIDDLE_POINTS = 4
@@ -129,7 +127,7 @@ class _Lines:
     modes : two (m, g, n) arrays
     """
 
-    index: NDArray[np.int64]
+    index: Numbers
     spare: Floats
     slope: Floats
     secant: Floats

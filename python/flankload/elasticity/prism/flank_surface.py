@@ -21,13 +21,10 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.tip_modes import Tip
     from flankload.elasticity.prism.compliance import Prism
-
-    Floats = NDArray[np.float64]
 
 #: psi at a right angle, measured, by Poisson's ratio.
 RIGHT_ANGLE = ((0.0, 0.2, 0.3, 0.4, 0.45), (0.94, 1.13, 1.30, 1.53, 1.69))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.blas_threads import one_blas_thread
-from flankload.base.turn import turned
+from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import lame_parameters
@@ -27,14 +27,9 @@ from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import CondensedSector, ring_displacements
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Body
     from flankload.elasticity.prism.compliance import Prism
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
-    Cells = tuple[tuple[str, Numbers], ...]
 
 #: Solid elements of three stations of a plane element, in meshio's names.
 SOLIDS = {"quad9": "hexahedron27", "triangle6": "wedge18"}

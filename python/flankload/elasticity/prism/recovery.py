@@ -20,12 +20,8 @@ from scipy.linalg.blas import dtrsm
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.elasticity.prism.dissection import Front
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +58,7 @@ class Independent:
     unknowns: Numbers
     of_cut: Numbers
     columns: Numbers
-    needed: NDArray[np.bool_]
+    needed: Flags
     fronts: list[KeptFront] = field(default_factory=list)
 
     def keep(self, number: int, front: Front, factor: Floats, below: Floats) -> None:

@@ -24,13 +24,10 @@ import numpy as np
 from flankload.elasticity.prism.axial_basis import cross_terms
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Material
     from flankload.bodies.root_fillet import FilletNodes
     from flankload.elasticity.prism.axial_basis import AxialBasis, AxialFunctions
-
-    Floats = NDArray[np.float64]
 
 
 def root_surface_stress(

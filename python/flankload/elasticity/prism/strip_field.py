@@ -16,11 +16,8 @@ from numpy.polynomial.legendre import legint, legval
 from flankload.elasticity.near_field import mode_values
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.elasticity.compliance import BodyCompliance
-
-    Floats = NDArray[np.float64]
 
 #: From so many lengths of segments on their second moments are enough, to 1e-5 of the mean.
 FAR = 10.0
@@ -54,12 +51,7 @@ class StripField:
 
     @classmethod
     def of(
-        cls,
-        compliance: BodyCompliance,
-        teeth: int,
-        s_mm: Floats,
-        strip_mm: float,
-        edges_mm: Floats,
+        cls, compliance: BodyCompliance, teeth: int, s_mm: Floats, strip_mm: float, edges_mm: Floats
     ) -> StripField:
         """Field of a body.
 
@@ -115,7 +107,7 @@ class StripField:
         found += np.einsum("cihjk,j,k->ih", self.corners, self.weight, self.weight)
         return np.asarray(found)
 
-    def between_sites(self, spread: Floats, teeth: NDArray[np.int64]) -> Floats:
+    def between_sites(self, spread: Floats, teeth: Numbers) -> Floats:
         """Compliance (S, J, S, J) between slices whose forces are spread over the strips."""
         modes = np.einsum("a,jb->jab", spread @ self.along, self.over)
         modes = modes.reshape(len(self.over), -1)

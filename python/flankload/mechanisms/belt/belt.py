@@ -19,16 +19,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.turn import turned
+from flankload.base.rotation import turned
 from flankload.bodies.body import Material
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.scene import Belt as BeltKeys
     from flankload.scene import Pulley as PulleyKeys
-
-    Floats = NDArray[np.float64]
 
 #: Angle at which the side of a round tooth ends and its tip begins, from the circumferential
 #: direction.

@@ -21,10 +21,8 @@ from flankload.meshes.blocks import BlockMesh, coons, even_breaks, with_middles
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.mechanisms.belt.belt import Strip
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Elements on the flank of a tooth; along the strip they have the same length.
 FLANK_ELEMENTS = 6
@@ -68,7 +66,7 @@ class BeltMesh:
 
     nodes: Floats
     turns_rad: Floats
-    cells: tuple[tuple[str, Numbers], ...]
+    cells: Cells
     cord: Numbers
     flanks: dict[int, Numbers]
     lands: dict[int, Numbers]

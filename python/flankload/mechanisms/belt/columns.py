@@ -13,19 +13,15 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from scipy.sparse import csc_array, hstack
 
-from flankload.base.turn import turned
+from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import assembled, degrees_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.belt_mesh import BeltMesh
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Moments below this part of a shape function's own moment are roundoff.
 NO_MOMENT = 1e-12

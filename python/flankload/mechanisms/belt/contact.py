@@ -25,16 +25,13 @@ from flankload.mechanisms.belt.strip import Kind
 from flankload.mechanisms.wrapped import slack_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.contact import ContactState
     from flankload.cost import Account
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.columns import Flanks
     from flankload.mechanisms.belt.row import StripResponse
     from flankload.scene import Scene
-
-    Floats = NDArray[np.float64]
 
 #: Number of halvings and doublings in the search for the slack tension at which a belt jumps.
 STEPS = 20
@@ -287,7 +284,7 @@ def _with_lift(held: Problem, response: StripResponse) -> Problem:
     )
 
 
-def _sums(number: NDArray[np.int64], values: Floats, count: int) -> Floats:
+def _sums(number: Numbers, values: Floats, count: int) -> Floats:
     """Sums of values by index."""
     return np.bincount(number, values, count).astype(np.float64)
 
@@ -335,7 +332,7 @@ def state_under(
     return state
 
 
-def lands_in_words(sites: NDArray[np.int64], some: NDArray[np.bool_]) -> str:
+def lands_in_words(sites: Numbers, some: Flags) -> str:
     """Names of some lands by the teeth (S,): one before each, and one behind the last.
 
     `some` (S + 1,) selects lands, from the tight strand.

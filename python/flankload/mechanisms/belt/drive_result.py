@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.turn import directions
+from flankload.base.rotation import directions
 from flankload.mechanisms.belt.contact import lands_in_words
 from flankload.mechanisms.wrapped import Sites, slack_of, wrapped_result
 from flankload.result.belt import BeltDrive
@@ -16,16 +16,13 @@ from flankload.result.pairs import PairDrawing, PairTable, PairTables
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.contact import BeltState, SpringRow
     from flankload.mechanisms.belt.drive import BeltAssembly, BeltStates
     from flankload.result.result import Result
     from flankload.scene import Scene
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 UM_PER_MM = 1000.0
 

@@ -28,11 +28,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.mechanisms.belt.contact import BeltState
-
-    Floats = NDArray[np.float64]
 
 #: Remaining element error, relative to the change between elements of double length and those of
 #: the run.

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
-from flankload.base.turn import turned
+from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.sector_closure import close_ring, condense
@@ -36,15 +36,11 @@ from flankload.mechanisms.belt.row import Columns, made_symmetric
 from flankload.mechanisms.belt.strip import Kind
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.cost import Account
     from flankload.mechanisms.belt.belt import ElasticPulley, Strip
     from flankload.mechanisms.belt.pulley_mesh import PulleyMesh
     from flankload.mechanisms.belt.row import StripResponse
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -83,10 +79,7 @@ class PulleyResponse:
 
 
 def solve_pulley(
-    mesh: PulleyMesh,
-    *,
-    sliding: bool = False,
-    account: Account | None = None,
+    mesh: PulleyMesh, *, sliding: bool = False, account: Account | None = None
 ) -> PulleyResponse:
     """Solve the finite elements of one sector and close the ring.
 

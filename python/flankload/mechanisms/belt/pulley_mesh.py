@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.turn import directions
+from flankload.base.rotation import directions
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.involute.sector_breaks import FIRST_ROW, GROWTH
 from flankload.bodies.involute.sector_mesh import inverted_element
@@ -21,12 +21,9 @@ from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS
 from flankload.meshes.blocks import BlockMesh, coons, even_breaks, growing_breaks, with_middles
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.mechanisms.belt.belt import ElasticPulley
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 MIRROR = np.array([1.0, -1.0])
 #: Least number of elements between land and bore of a ring without grooves, and on a half land.

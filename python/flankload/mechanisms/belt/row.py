@@ -23,15 +23,10 @@ from flankload.mechanisms.belt.strip import Kind, Piece, solve_piece
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.cost import Account
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.belt_mesh import BeltMesh
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
-
 
 #: Parts of a land that are shorter than this part of an element are omitted.
 SLIVER = 0.3

@@ -35,14 +35,11 @@ from flankload.mechanisms.toggles import Toggle, toggles, with_keys, without_key
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.row import PieceSize
     from flankload.mechanisms.effect_size import States
     from flankload.scene import Scene
-
-    Floats = NDArray[np.float64]
 
 #: Elements on a flank of the screening, and least number of a second piece; that one has two
 #: thirds as many as the run, so that it costs a third of a piece of the run.
@@ -223,7 +220,7 @@ def _bytes(scene: Scene, row: BeltRow, sizes: Sequence[PieceSize]) -> tuple[int,
     return BYTES * (response + lines + 8 * n), BYTES * state, BYTES * 8 * n
 
 
-def _tried(strip: Strip, position_rad: Floats) -> NDArray[np.int64]:
+def _tried(strip: Strip, position_rad: Floats) -> Numbers:
     """A few positions, and the first at which another tooth has engaged."""
     few = np.arange(position_rad.size)[:: max(1, -(-position_rad.size // POSITIONS))]
     first = round_down(position_rad / strip.pitch_rad + 0.5)

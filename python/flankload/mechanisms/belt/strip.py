@@ -26,14 +26,10 @@ from flankload.elasticity.sector_closure import RowCell
 from flankload.mechanisms.belt.columns import Flanks, flank_columns, land_columns
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.cost import Account
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.belt_mesh import BeltMesh
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 
 class Kind(IntEnum):

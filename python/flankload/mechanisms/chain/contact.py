@@ -33,12 +33,9 @@ from flankload.mechanisms.chain.wrap import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.contact import ContactState
     from flankload.mechanisms.chain.wrap import Chain
-
-    Floats = NDArray[np.float64]
 
 #: Planes of a seat in a linear state: 17 give an error of the tensions of 1.3 % of the tight
 #: tension in the widest seat, 9 give 4.7 %.

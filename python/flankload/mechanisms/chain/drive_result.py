@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.turn import directions
+from flankload.base.rotation import directions
 from flankload.mechanisms.chain.contact import WrapState, work_of
 from flankload.mechanisms.chain.wrap import in_world
 from flankload.mechanisms.wrapped import Sites, wrapped_result
@@ -18,16 +18,13 @@ from flankload.result.pairs import PairDrawing, PairTable, PairTables
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.mechanisms.chain.drive import ChainAssembly
     from flankload.mechanisms.chain.sprocket import Sprocket
     from flankload.mechanisms.chain.wrap import Chain, Wrap
     from flankload.mechanisms.wrapped import WrappedStates
     from flankload.result.result import Result
     from flankload.scene import Scene
-
-    Floats = NDArray[np.float64]
 
 #: Up to this wear the error of a linear state is about 1 % of the tight tension.
 LINEAR_WEAR = 0.01

@@ -18,11 +18,8 @@ import numpy as np
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.scene import Sprocket as SprocketKeys
-
-    Floats = NDArray[np.float64]
 
 #: ISO 606: least and largest roller seating radius, r_i = 0.505 d1 (+ 0.069 d1^(1/3)).
 SEAT_PART, SEAT_ROOT = 0.505, 0.069

@@ -17,15 +17,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.base.rounding import round_down, round_up
-from flankload.base.turn import directions
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.mechanisms.chain.sprocket import Sprocket
-
-    Floats = NDArray[np.float64]
 
 #: Number of planes beside that of the nearest point, and their least distance from it, rad.
 BESIDE, APART = 5, 0.05
@@ -158,7 +155,7 @@ def cross(a: Floats, b: Floats) -> Floats:
 class Planes:
     """Planes of the pockets: (k,) rollers, (k, 2) normals in the world, gaps, curvatures."""
 
-    roller: NDArray[np.int64]
+    roller: Numbers
     normal: Floats
     gap: Floats
     curvature: Floats

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.turn import turned
+from flankload.base.rotation import turned
 from flankload.elasticity.loaded_body import loaded_body
 from flankload.elasticity.prism.loaded_prism import loaded_prism
 from flankload.mechanisms.flank_pair.assembly import build_bodies

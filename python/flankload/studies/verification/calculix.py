@@ -18,11 +18,8 @@ from flankload.errors import OtherProgramError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.studies.verification.deck import Deck
-
-    Floats = NDArray[np.float64]
 
 #: Name of the job: deck.inp, deck.dat, deck.sta.
 JOB = "deck"

@@ -27,13 +27,12 @@ from flankload.studies.verification.solid_model import solid_model_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.result import Result
     from flankload.result.slices import SliceLoads
     from flankload.scene import Scene, SceneLike
     from flankload.studies.verification.deck import Deck
     from flankload.studies.verification.model import Model
-
-    Floats = NDArray[np.float64]
 
 #: Elements on the half-width of a contact by default, in the plane and of solids.
 ELEMENTS, SOLID_ELEMENTS = 6.0, 1.0
@@ -109,11 +108,11 @@ class Verification(Card):
     torque_Nm: float
     face_width_mm: float
     reference_radius_mm: float
-    sites: NDArray[np.int64]
+    sites: Numbers
     rotation_rad: float
     site_force_N: Floats
     peak_pressure_MPa: Floats
-    corner_contact: NDArray[np.bool_]
+    corner_contact: Flags
     job_cpu_s: float
     position_cpu_s: float
     positions: int

@@ -14,13 +14,10 @@ import numpy as np
 from flankload.errors import FlankloadError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies import Material
     from flankload.flank import FlankCurve
     from flankload.pairing.body_pair import BodyPair
-
-    Floats = NDArray[np.float64]
 
 #: Number of sample points on a flank for the gap.
 SAMPLES = 600

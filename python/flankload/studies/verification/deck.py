@@ -17,12 +17,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies import Material
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Contact pressure per mm of overlap, MPa/mm: 1000 MPa cause an overlap of 0.01 um.
 PENALTY = 1e8

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import structs
 
-from flankload.base.turn import turned
+from flankload.base.rotation import turned
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.effects import is_spatial
@@ -27,15 +27,12 @@ from flankload.studies.verification.triangles import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies import Body
     from flankload.pairing.body_pair import BodyPair
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.verification.contact_places import Place
-
-    Floats = NDArray[np.float64]
 
 #: Element length of the coarse mesh along the flanks in modules, and on splines; kept on far teeth.
 COARSE_PART, COARSE_SPLINE_PART = 0.35, 0.25

@@ -16,11 +16,7 @@ from flankload.studies.verification.triangles import Border, Triangles, find_sid
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
-    Flags = NDArray[np.bool_]
+    from flankload.base.arrays import Flags, Floats, Numbers
 
 #: Largest number of bisections of a triangle: from a body's size to a ten-thousandth of it.
 MOST_HALVINGS = 60

@@ -12,11 +12,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.studies.verification.comparison import Layers, Verification
-
-    Floats = NDArray[np.float64]
 
 
 def json_of(v: Verification) -> str:

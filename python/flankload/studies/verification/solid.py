@@ -12,13 +12,9 @@ from flankload.studies.verification.deck import Part, Ties
 from flankload.studies.verification.triangles import border_owners, held_nodes, quadratic, sides
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Complexes, Flags, Floats, Numbers
     from flankload.bodies import Body
     from flankload.studies.verification.triangles import Triangles
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Each layer from an end of the width is so many times as thick as the one before, and the layers
 #: in the middle so many times as thick as those at the ends.
@@ -65,7 +61,7 @@ class Layers:
     edges_mm: Floats
     coarse: Numbers
     common: tuple[int, int]
-    near: NDArray[np.bool_]
+    near: Flags
 
 
 def layers_of(low_mm: float, high_mm: float, count: int) -> Floats:
@@ -117,11 +113,7 @@ def modification_turn(body: Body, tooth: int, s_mm: Floats, z_mm: Floats) -> Flo
 
 
 def solid_part(
-    body: Body,
-    mesh: Triangles,
-    teeth: tuple[int, ...],
-    layers: Layers,
-    stand: Stand,
+    body: Body, mesh: Triangles, teeth: tuple[int, ...], layers: Layers, stand: Stand
 ) -> Part:
     """A body of the deck, from its section in its own frame and the tooth of each of its flanks."""
     plane, triangles, border = quadratic(mesh)
@@ -159,7 +151,7 @@ def solid_part(
     )
 
 
-def _used(triangles: Numbers, count: int) -> NDArray[np.bool_]:
+def _used(triangles: Numbers, count: int) -> Flags:
     used = np.zeros(count, dtype=bool)
     used[triangles] = True
     return used
@@ -180,10 +172,7 @@ def _wedges(triangles: Numbers, edge: Numbers, between: Numbers) -> Numbers:
 
 
 def _ties(
-    triangles: Numbers,
-    layers: Layers,
-    numbers: tuple[Numbers, Numbers, Numbers],
-    shared: NDArray[np.bool_],
+    triangles: Numbers, layers: Layers, numbers: tuple[Numbers, Numbers, Numbers], shared: Flags
 ) -> Ties:
     """Ties of thin layers to thick ones, by the functions of the faces of the latter."""
     edge, between, wide = numbers
@@ -270,5 +259,5 @@ def _faces(mesh: Triangles, n_flanks: int, layers: Layers) -> tuple[Numbers, ...
     )
 
 
-def _complex(points: Floats) -> NDArray[np.complex128]:
+def _complex(points: Floats) -> Complexes:
     return np.asarray(points[..., 0] + 1j * points[..., 1])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.turn import turned
+from flankload.base.rotation import turned
 from flankload.errors import FlankloadError
 from flankload.studies.verification.contact_places import Place, half_plane, meetings
 from flankload.studies.verification.deck import Deck, Part
@@ -17,17 +17,15 @@ from flankload.studies.verification.solid import Layers, Stand, beyond, layers_o
 from flankload.studies.verification.triangles import whole_body, without
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from scipy.spatial import cKDTree
 
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.bodies import Body
     from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.slices import Slices
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.verification.triangles import Triangles
-
-    Floats = NDArray[np.float64]
 
 #: Element length of the coarse mesh along the flanks in modules: the coarsest that can be meshed.
 COARSE_PART = 5.0
@@ -219,7 +217,7 @@ def _part(
     return solid_part(body, mesh, teeth, layers, stand)
 
 
-def _far_teeth(body: Body, mesh: Triangles, tree: cKDTree) -> NDArray[np.bool_]:
+def _far_teeth(body: Body, mesh: Triangles, tree: cKDTree) -> Flags:
     """Triangles beyond the root circle far from all contacts: they carry nothing."""
     root = float(np.linalg.norm(body.curve.point([0.0])[0])) * (1.0 - SAME_RADIUS)
     teeth = (np.linalg.norm(mesh.vertices, axis=1)[mesh.corners] >= root).all(axis=1)
@@ -228,13 +226,13 @@ def _far_teeth(body: Body, mesh: Triangles, tree: cKDTree) -> NDArray[np.bool_]:
     return np.asarray(teeth & (distance > TEETH_REACH * body.curve.length_mm))
 
 
-def _thick(edges: Floats) -> NDArray[np.int64]:
+def _thick(edges: Floats) -> Numbers:
     """Ends of thick layers, about equal in width, among those of thin layers."""
     wanted = np.linspace(edges[0], edges[-1], min(THICK_LAYERS, edges.size - 1) + 1)
     return np.unique(np.abs(edges[:, None] - wanted).argmin(axis=0))
 
 
-def _on_flanks(mesh: Triangles) -> NDArray[np.bool_]:
+def _on_flanks(mesh: Triangles) -> Flags:
     """Triangles with a side or a vertex on a flank."""
     on = np.zeros(len(mesh.vertices), dtype=bool)
     on[mesh.border.ends[mesh.border.flank >= 0]] = True

@@ -11,18 +11,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.turn import turned
+from flankload.base.rotation import turned
 from flankload.bodies import SectorMesh
 from flankload.meshes.plane_mesh import boundary_edges
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Cells, Flags, Floats, Numbers
     from flankload.bodies import Body, WholeMesh
     from flankload.flank import FlankCurve
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Nodes closer to each other than this part of the shortest edge are merged.
 SAME_NODE = 0.05
@@ -51,7 +47,7 @@ class Border:
     middles: Floats
     flank: Numbers
     s: Floats
-    held: NDArray[np.bool_]
+    held: Flags
 
 
 @dataclass(frozen=True)
@@ -128,7 +124,7 @@ def moved(mesh: Triangles, turn_rad: float, shift_mm: float) -> Triangles:
     return Triangles(turned(mesh.vertices, turn_rad) + shift, mesh.corners, border, ())
 
 
-def without(mesh: Triangles, dropped: NDArray[np.bool_]) -> Triangles:
+def without(mesh: Triangles, dropped: Flags) -> Triangles:
     """The same body without some triangles (m,); new sides of its border are straight."""
     corners = mesh.corners[~dropped]
     numbers, ends = sides(corners)
@@ -202,9 +198,7 @@ def held_nodes(mesh: Triangles, middles: Numbers) -> Numbers:
     return np.unique(np.concatenate([mesh.border.ends[held].ravel(), middles[held]]))
 
 
-def _all_sectors(
-    mesh: SectorMesh,
-) -> tuple[Floats, tuple[tuple[str, Numbers], ...], Numbers]:
+def _all_sectors(mesh: SectorMesh) -> tuple[Floats, Cells, Numbers]:
     """All sectors of a body, with merged nodes on the cuts."""
     from scipy.spatial import cKDTree
 
@@ -258,7 +252,7 @@ def _arc_lengths(curve: FlankCurve, nodes: Floats, edges: Numbers, known: Floats
     return s
 
 
-def _triangles(nodes: Floats, cells: tuple[tuple[str, Numbers], ...]) -> Numbers:
+def _triangles(nodes: Floats, cells: Cells) -> Numbers:
     """Corners of triangles: quadrilaterals are split along their shorter diagonal."""
     parts = []
     for kind, data in cells:
