@@ -24,7 +24,7 @@ from flankload.elasticity.finite_elements import (
     lame_parameters,
     stiffness,
 )
-from flankload.elasticity.near_field import SAME_NODE, carrying_edges, mirrored_loads
+from flankload.elasticity.near_field import carrying_edges, mirrored_loads
 from flankload.elasticity.sector_closure import CondensedSector, ring_displacements
 
 if TYPE_CHECKING:
@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Body, WholeMesh
+
+#: Largest distance of fixed nodes on both cuts, relative to the size of the mesh.
+SAME_CUT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,11 +149,7 @@ def loaded_body(body: Body, plane: str) -> LoadedBody:
     mesh = body.mesh
     assert mesh is not None
     if isinstance(mesh, SectorMesh):
-        nodes, numbers = ring_of(mesh)
-        cells = tuple(
-            (kind, numbers[:, connectivity].reshape(-1, connectivity.shape[1]))
-            for kind, connectivity in mesh.cells
-        )
+        nodes, cells, numbers = ring_of(mesh)
         return LoadedBody(body, plane, nodes, cells, numbers, _ring_solver(body, plane, numbers))
     numbers = np.arange(len(mesh.nodes))[None]
     solve = _whole_solver(body, mesh, plane)
@@ -182,20 +181,21 @@ def node_widths(edges: Numbers, s: Floats) -> tuple[Numbers, Floats]:
     return nodes, np.asarray(np.bincount(place.ravel(), weights=parts.ravel()), dtype=float)
 
 
-def ring_of(mesh: SectorMesh) -> tuple[Floats, Numbers]:
-    """Nodes (M, 2) of all sectors of a ring and their numbers (z, N) by sector."""
+def ring_of(mesh: SectorMesh) -> tuple[Floats, Cells, Numbers]:
+    """Nodes (M, 2) and elements of all sectors of a ring, and numbers (z, N) of its nodes."""
     z, n = mesh.teeth, len(mesh.nodes)
     pitch = 2 * np.pi / z
     fixed = mesh.nodes[mesh.fixed_nodes]
     apart = np.linalg.norm(turned(fixed, pitch)[:, None] - fixed, axis=2)
-    left, right = np.nonzero(apart < SAME_NODE * float(np.abs(mesh.nodes).max()))
+    left, right = np.nonzero(apart < SAME_CUT * float(np.abs(mesh.nodes).max()))
     left = np.concatenate([mesh.left_nodes, mesh.fixed_nodes[left]])
     right = np.concatenate([mesh.right_nodes, mesh.fixed_nodes[right]])
     own = np.setdiff1d(np.arange(n), right)
     numbers = np.empty((z, n), dtype=np.int64)
     numbers[:, own] = np.arange(z * own.size).reshape(z, own.size)
     numbers[:, right] = np.roll(numbers, -1, axis=0)[:, left]
-    return np.concatenate([turned(mesh.nodes[own], k * pitch) for k in range(z)]), numbers
+    cells = tuple((kind, numbers[:, data].reshape(-1, data.shape[1])) for kind, data in mesh.cells)
+    return np.concatenate([turned(mesh.nodes[own], k * pitch) for k in range(z)]), cells, numbers
 
 
 def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats], Floats]:

@@ -239,26 +239,22 @@ def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
             twisted=prism.twist != 0.0,
             recovery=recovery,
         )
-    nodes, numbers = ring_of(mesh)
+    nodes, whole, numbers = ring_of(mesh)
     basis_of = np.empty(len(nodes), dtype=np.int64)
     bases, basis_of[numbers] = functions.of_nodes(np.arange(len(mesh.nodes)))
-    parts = _parts(mesh, regions, bases, numbers)
+    parts = _parts(whole, regions, bases)
     return LoadedPrism(body, prism, nodes, numbers, basis_of, parts, sector, recovery)
 
 
 def _parts(
-    mesh: SectorMesh, regions: tuple[int, ...], bases: tuple[AxialBasis, ...], numbers: Numbers
+    whole: Cells, regions: tuple[int, ...], bases: tuple[AxialBasis, ...]
 ) -> tuple[SolidPart, ...]:
     """Parts of equal width of the whole body."""
     found = []
     for region in sorted(set(regions)):
         low, high = bases[region].range_mm
         z = np.linspace(low, high, 2 * -(-bases[region].degree // 2) + 1)
-        cells = [
-            (kind, numbers[:, data].reshape(-1, data.shape[1]))
-            for own, (kind, data) in zip(regions, mesh.cells, strict=True)
-            if own == region
-        ]
+        cells = [block for own, block in zip(regions, whole, strict=True) if own == region]
         nodes = np.unique(np.concatenate([data.ravel() for _, data in cells]))
         found.append(
             SolidPart(

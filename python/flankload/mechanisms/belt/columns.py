@@ -15,6 +15,7 @@ from scipy.sparse import csc_array, hstack
 
 from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import assembled, degrees_of
+from flankload.elasticity.nodal_loads import hat_values
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -183,7 +184,7 @@ def _on_edges(places: Floats) -> tuple[Floats, Floats, Floats]:
     line = np.arange(len(places), dtype=np.float64)
     at, weight = gauss_points(line[::2])
     shapes, slopes = quadratic(at, line)
-    return shapes, linear(at, line[::2]), weight[:, None] * (slopes @ places)
+    return shapes, hat_values(at, line[::2]), weight[:, None] * (slopes @ places)
 
 
 def gauss_points(breaks: Floats) -> tuple[Floats, Floats]:
@@ -191,11 +192,6 @@ def gauss_points(breaks: Floats) -> tuple[Floats, Floats]:
     points, weights = leggauss(GAUSS_POINTS)
     steps = 0.5 * np.diff(breaks)[:, None]
     return (breaks[:-1, None] + steps * (1.0 + points)).ravel(), (steps * weights).ravel()
-
-
-def linear(at: Floats, nodes: Floats) -> Floats:
-    """(g, c) Functions at places `at` that are 1 at one of the nodes (c,) and 0 at all others."""
-    return np.column_stack([np.interp(at, nodes, own) for own in np.eye(nodes.size)])
 
 
 def quadratic(at: Floats, nodes: Floats) -> tuple[Floats, Floats]:

@@ -30,8 +30,10 @@ from scipy.linalg import lu_factor, lu_solve
 from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.job_log import JobLog
+from flankload.elasticity.nodal_loads import hat_values
 from flankload.elasticity.sector_closure import close_ring, condense
-from flankload.mechanisms.belt.columns import gauss_points, linear, quadratic
+from flankload.mechanisms.belt.columns import gauss_points, quadratic
+from flankload.mechanisms.belt.pulley_mesh import PulleyMesh, fractions
 from flankload.mechanisms.belt.row import Columns, made_symmetric
 from flankload.mechanisms.belt.strip import Kind
 
@@ -39,7 +41,6 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
     from flankload.cost import Account
     from flankload.mechanisms.belt.belt import ElasticPulley, Strip
-    from flankload.mechanisms.belt.pulley_mesh import PulleyMesh
     from flankload.mechanisms.belt.row import StripResponse
 
 
@@ -203,10 +204,10 @@ def flank_forces(mesh: PulleyMesh, flank: Floats, rows: int) -> Floats:
     flank are in the frame of the sector, from the land on. The forces (r, c), as combinations of r
     unit forces, point out of the belt; each is a unit force distributed as a shape function.
     """
-    own = _parts(mesh.sector.nodes[mesh.flank])
-    parts = _parts(flank)
+    own = fractions(mesh.sector.nodes[mesh.flank])
+    parts = fractions(flank)
     at, weight = gauss_points(_breaks(parts[::2], own[::2]))
-    hats = linear(at, parts[::2])
+    hats = hat_values(at, parts[::2])
     along = weight[:, None] * (quadratic(at, parts)[1] @ flank)
     out = np.column_stack([-along[:, 1], along[:, 0]])
     lengths = hats.T @ np.linalg.norm(along, axis=1)
@@ -228,7 +229,7 @@ def land_forces(mesh: PulleyMesh, ends_rad: Floats, rows: int) -> tuple[Floats, 
     ends = np.clip(ends_rad, nodes[0], nodes[-1])
     at, weight = gauss_points(_breaks(ends, nodes[::2]))
     weight = weight * mesh.pulley.land_radius_mm
-    hats = linear(at, ends)
+    hats = hat_values(at, ends)
     spread = quadratic(at, nodes)[0].T @ (weight[:, None] * hats)
     held = np.zeros((rows, ends.size))
     held[first:last] = np.linalg.solve(hats.T @ (weight[:, None] * hats), spread.T).T
@@ -237,12 +238,6 @@ def land_forces(mesh: PulleyMesh, ends_rad: Floats, rows: int) -> tuple[Floats, 
     along = np.zeros_like(held)
     along[last:] = spread / (weight @ hats)
     return held, along
-
-
-def _parts(places: Floats) -> Floats:
-    """Fractions of the length of a line of nodes."""
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))])
-    return np.asarray(way / way[-1])
 
 
 def _breaks(ends: Floats, nodes: Floats) -> Floats:

@@ -96,8 +96,7 @@ def _grooved(pulley: ElasticPulley, land: Floats, flank_elements: int, size: flo
     corner = flank[-1]
     angle, radius = atan2(corner[1], corner[0]), float(np.hypot(*corner))
     foot = radius * directions(angle * (1.0 - 2.0 * columns))
-    up = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(flank[::-1], axis=0).T))])
-    up /= up[-1]
+    up = fractions(flank[::-1])
     across, high = np.stack([columns] * 2), np.stack([up] * 2)
     sides = flank[::-1], flank[::-1] * MIRROR
     tooth = mesh.add(coons(foot, land, *sides, across, high), {})
@@ -157,8 +156,7 @@ def _sector(
     """The mesh as a general sector, with its flank from the groove to the land."""
     nodes = np.concatenate(mesh.places)
     along = np.full(len(nodes), np.nan)
-    steps = np.hypot(*np.diff(nodes[flank], axis=0).T)
-    along[flank] = np.concatenate([[0.0], np.cumsum(steps)])[: flank.size]
+    along[flank] = _lengths(nodes[flank])[: flank.size]
     return SectorMesh(
         nodes=nodes,
         cells=(("quad9", np.concatenate(mesh.cells)),),
@@ -169,3 +167,13 @@ def _sector(
         right_nodes=right,
         teeth=pulley.teeth,
     )
+
+
+def _lengths(places: Floats) -> Floats:
+    """Lengths along a line of nodes (n, 2) from the first one, mm."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))])
+
+
+def fractions(places: Floats) -> Floats:
+    """Fractions of the length of a line of nodes (n, 2)."""
+    return np.asarray(_lengths(places) / _lengths(places)[-1])

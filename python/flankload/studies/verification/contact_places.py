@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.elasticity.near_field import logarithm_strength
 from flankload.errors import FlankloadError
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
-    from flankload.bodies import Material
     from flankload.flank import FlankCurve
     from flankload.pairing.body_pair import BodyPair
 
@@ -85,7 +85,9 @@ def contact_places(
     FlankloadError
         If no flanks meet.
     """
-    compliance = sum(half_plane(body.material, plane) for body in (pair.body_1, pair.body_2))
+    compliance = sum(
+        logarithm_strength(body.material, plane) for body in (pair.body_1, pair.body_2)
+    )
     found = meetings(pair, turns)
     if not found:
         raise FlankloadError("no flanks meet at this position")
@@ -141,7 +143,8 @@ class Meeting:
         """Element size and zone from the force times the compliance of both half-planes, mm."""
         best = int(self.gaps_rad.argmin())
         s_1, middle = self.arc_mm[best], self.points[best]
-        lever = abs(float(_cross(middle, self.curve_1.normal([s_1])[0])))
+        n_x, n_y = self.curve_1.normal([s_1])[0]
+        lever = abs(float(middle[0] * n_y - middle[1] * n_x))
         longest = LARGEST_PART * min(self.curve_1.length_mm, self.curve_2.length_mm)
         size = min(self.half_width_mm(force_compliance) / elements_per_half_width, longest)
         near = (self.gaps_rad - self.gap_rad) * lever <= ZONE_HALF_WIDTHS**2 * force_compliance
@@ -163,16 +166,6 @@ def meetings(pair: BodyPair, turns: tuple[float, float]) -> list[Meeting]:
         if gaps is not None:
             found.append(Meeting(site, curve_1, curve_2, pairing.center_distance_mm, *gaps))
     return found
-
-
-def half_plane(material: Material, plane: str) -> float:
-    """Compliance c0 of a half-plane, mm²/N."""
-    ratio = material.poisson_ratio if plane == "strain" else 0.0
-    return 2 * (1 - ratio**2) / (np.pi * material.young_modulus_MPa)
-
-
-def _cross(a: Floats, b: Floats) -> float:
-    return float(a[0] * b[1] - a[1] * b[0])
 
 
 def _gaps(

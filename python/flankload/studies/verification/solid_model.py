@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rotation import turned
+from flankload.elasticity.near_field import logarithm_strength
 from flankload.errors import FlankloadError
-from flankload.studies.verification.contact_places import Place, half_plane, meetings
+from flankload.studies.verification.contact_places import Place, meetings
 from flankload.studies.verification.deck import Deck, Part
 from flankload.studies.verification.model import Model, coarse_bodies, flanks_of, turns_of
 from flankload.studies.verification.refine import refined
@@ -139,7 +140,9 @@ def _places(
     assert result.slices is not None
     turns = turns_of(pair, float(result.position_rad[position]))
     largest = float(result.slices.line_load_N_per_mm[position].max())
-    compliance = sum(half_plane(body.material, "strain") for body in (pair.body_1, pair.body_2))
+    compliance = sum(
+        logarithm_strength(body.material, "strain") for body in (pair.body_1, pair.body_2)
+    )
     rotation, distance = float(result.rotation_rad[position]), pair.pairing.center_distance_mm
     rows: list[tuple[Place, tuple[float, float], float]] = []
     for j in range(slices.count):

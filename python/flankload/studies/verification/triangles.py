@@ -12,16 +12,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rotation import turned
-from flankload.bodies import SectorMesh
+from flankload.bodies import SectorMesh, WholeMesh
+from flankload.elasticity.loaded_body import ring_of
 from flankload.meshes.plane_mesh import boundary_edges
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Flags, Floats, Numbers
-    from flankload.bodies import Body, WholeMesh
+    from flankload.bodies import Body
     from flankload.flank import FlankCurve
 
-#: Nodes closer to each other than this part of the shortest edge are merged.
-SAME_NODE = 0.05
 #: Border nodes closer to a flank curve than this part of its length lie on it.
 ON_CURVE = 1e-4
 
@@ -79,19 +78,23 @@ def whole_body(body: Body, flanks: tuple[tuple[int, float], ...]) -> Triangles:
     mesh = body.mesh
     assert mesh is not None
     if isinstance(mesh, SectorMesh):
-        nodes, cells, held = _all_sectors(mesh)
+        nodes, cells, numbers = ring_of(mesh)
+        held = numbers[:, mesh.fixed_nodes]
     else:
-        nodes, cells, held = mesh.nodes, mesh.cells, mesh.fixed_nodes
+        nodes, cells, held = mesh.nodes.copy(), mesh.cells, mesh.fixed_nodes
     edges = boundary_edges(cells)
     curves = tuple(body.curve.rotated(angle) for _, angle in flanks)
-    nodes = nodes.copy()
     flank = np.full(len(edges), -1)
     s_ends = np.full((len(edges), 2), np.nan)
-    known = _given_arc_lengths(body, mesh, nodes)
     for k, (tooth, angle) in enumerate(flanks):
-        share = 2 * np.pi * tooth / body.teeth
-        standing = angle if not isinstance(mesh, SectorMesh) else share
-        s = _arc_lengths(body.curve.rotated(standing), nodes, edges, known.get(tooth))
+        standing, known = angle, np.full(len(nodes), np.nan)
+        if isinstance(mesh, SectorMesh):
+            standing = 2 * np.pi * tooth / body.teeth
+            known[numbers[tooth]] = mesh.flank_arc_length
+        for given in mesh.flanks if isinstance(mesh, WholeMesh) else ():
+            if given.tooth == tooth:
+                known = given.flank_arc_length
+        s = _arc_lengths(body.curve.rotated(standing), nodes, edges, known)
         ours = ~np.isnan(s[edges]).any(axis=1)
         on = np.unique(edges[ours])
         nodes[on] = curves[k].point(s[on])
@@ -198,45 +201,8 @@ def held_nodes(mesh: Triangles, middles: Numbers) -> Numbers:
     return np.unique(np.concatenate([mesh.border.ends[held].ravel(), middles[held]]))
 
 
-def _all_sectors(mesh: SectorMesh) -> tuple[Floats, Cells, Numbers]:
-    """All sectors of a body, with merged nodes on the cuts."""
-    from scipy.spatial import cKDTree
-
-    n = len(mesh.nodes)
-    angles = 2 * np.pi * np.arange(mesh.teeth) / mesh.teeth
-    nodes = np.concatenate([turned(mesh.nodes, angle) for angle in angles])
-    ends = np.concatenate([data[:, :2] for _, data in mesh.cells])
-    shortest = float(np.linalg.norm(np.diff(mesh.nodes[ends], axis=1), axis=2).min())
-    number = np.arange(len(nodes))
-    for a, b in cKDTree(nodes).query_pairs(SAME_NODE * shortest, output_type="ndarray"):
-        number[max(a, b)] = min(number[a], number[b])
-    number = number[number]
-    offsets = n * np.arange(mesh.teeth)[:, None, None]
-    cells = tuple(
-        (kind, number[(data[None] + offsets).reshape(-1, data.shape[1])])
-        for kind, data in mesh.cells
-    )
-    held = np.unique(number[(mesh.fixed_nodes[None] + offsets[:, 0]).ravel()])
-    return nodes, cells, held
-
-
-def _given_arc_lengths(
-    body: Body, mesh: SectorMesh | WholeMesh, nodes: Floats
-) -> dict[int, Floats]:
-    """Arc lengths stored in the mesh, over all nodes, by tooth."""
-    if not isinstance(mesh, SectorMesh):
-        return {flank.tooth: flank.flank_arc_length for flank in mesh.flanks}
-    n = len(mesh.nodes)
-    found = {}
-    for tooth in range(body.teeth):
-        s = np.full(len(nodes), np.nan)
-        s[n * tooth : n * (tooth + 1)] = mesh.flank_arc_length
-        found[tooth] = s
-    return found
-
-
-def _arc_lengths(curve: FlankCurve, nodes: Floats, edges: Numbers, known: Floats | None) -> Floats:
-    """Arc lengths (N,) of the border nodes on a flank; NaN elsewhere."""
+def _arc_lengths(curve: FlankCurve, nodes: Floats, edges: Numbers, known: Floats) -> Floats:
+    """Arc lengths (N,) of the border nodes on a flank, known ones as they are; NaN elsewhere."""
     border = np.unique(edges)
     samples = curve.point(np.linspace(0.0, curve.length_mm, 64))
     low, high = samples.min(axis=0), samples.max(axis=0)
@@ -247,9 +213,7 @@ def _arc_lengths(curve: FlankCurve, nodes: Floats, edges: Numbers, known: Floats
         places, distance = curve.arc_length_of(nodes[near])
         on = distance <= ON_CURVE * curve.length_mm
         s[near[on]] = places[on]
-    if known is not None:
-        s = np.where(np.isnan(known), s, known)
-    return s
+    return np.where(np.isnan(known), s, known)
 
 
 def _triangles(nodes: Floats, cells: Cells) -> Numbers:
