@@ -608,7 +608,7 @@ _PYTHON = (
         ("middle = 0.5 * (range_mm[0] + range_mm[1]) + offset_mm", "middle = offset_mm"),
     ),
     *_in(
-        "elasticity/expansion_loads.py",
+        "elasticity/compliance/job.py",
         "unit/pairing/test_growth.py",
         ("growth.strain - growth.held_strain", "growth.strain + growth.held_strain"),
         ("growth.speed_rad_per_s**2", "growth.speed_rad_per_s"),

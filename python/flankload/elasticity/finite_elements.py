@@ -48,21 +48,16 @@ def lame_parameters(material: Material, plane: str) -> tuple[float, float]:
 
 
 def stiffness(nodes: Floats, cells: Cells, material: Material, plane: str) -> csc_array:
-    """Stiffness of a mesh of quadratic elements, or of linear ones, per mm of width.
+    """Stiffness (2N, 2N) of a mesh of quadratic elements, or of linear ones, N/mm per mm of width.
 
     Parameters
     ----------
     nodes : (N, 2) array
-        mm.
+        mm; degree of freedom 2*node + component.
     cells : ((kind, (E, k) array), ...)
         "quad9" or "triangle6" in meshio's node order, or "quad4" and "triangle3" (`linear_cells`);
         blocks of both kinds may share nodes.
     plane : {"strain", "stress"}
-
-    Returns
-    -------
-    csc_array, (2N, 2N)
-        N/mm per mm of width; degree of freedom 2*node + component.
     """
     size = 2 * len(nodes)
     total = csc_array((size, size))
@@ -194,15 +189,7 @@ def condensed(
 
     A few kept unknowns need a solution each. For many, a second factorisation with the kept
     unknowns last is cheaper: its last block is the Schur complement (588 of 21044 unknowns: a sixth
-    of the time).
-
-    Parameters
-    ----------
-    matrix : csc_array, (n, n)
-    inner, kept : arrays
-        Unknowns; others are held.
-    account : Account, optional
-        Account for factorisations and solutions.
+    of the time). Unknowns that are neither inner nor kept are held.
 
     Returns
     -------

@@ -66,22 +66,11 @@ class LoadedBody:
     def nodal_forces(
         self, tooth: Numbers, s_mm: Floats, force: Floats, *, coast: bool = False
     ) -> Floats:
-        """Consistent nodal forces of point forces on flanks.
+        """Consistent nodal forces (2M,) of point forces (n, 2) on flanks, per mm of width.
 
-        Parameters
-        ----------
-        tooth : (n,) array
-            Teeth of the body, from 0.
-        s_mm : (n,) array
-            Arc lengths on the flank; beyond its elements, the last node carries the force.
-        force : (n, 2) array
-            In the frame of the body, per mm of width.
-        coast : bool
-            On the coast flanks of these teeth; of bodies of equal sectors with involutes only.
-
-        Returns
-        -------
-        (2M,) array
+        In the frame of the body, on teeth (n,) from 0, at arc lengths (n,); beyond the elements of
+        a flank its last node carries the force. Coast flanks exist on bodies of equal sectors with
+        involutes only.
         """
         total = np.zeros((len(self.nodes), 2))
         for each in np.unique(tooth):
@@ -96,17 +85,9 @@ class LoadedBody:
         return node_widths(*self._edges(tooth, coast=coast))
 
     def stress_MPa(self, moved: Floats) -> Floats:
-        """Stress at the nodes, recovered and averaged over the elements of a node.
+        """Stress (M, 4) at the nodes: xx, yy, zz and xy in the frame of the body.
 
-        Parameters
-        ----------
-        moved : (2M,) array
-            Displacements, mm.
-
-        Returns
-        -------
-        (M, 4) array
-            xx, yy, zz and xy in the frame of the body.
+        Recovered from the displacements (2M,), mm, and averaged over the elements of a node.
         """
         strain = recovered_strains(self.nodes, self.cells, moved[:, None])
         lame_lambda, lame_mu = lame_parameters(self.body.material, self.plane)

@@ -67,22 +67,11 @@ def mode_values(
     closed: bool = False,
     tip: Tip | None = None,
 ) -> Floats:
-    """Legendre polynomials P_0 … P_(n_modes - 1) over the range of the modes.
+    """Legendre polynomials P_0 … P_(n_modes - 1) at arc lengths (n,), mm: (n, n_modes).
 
-    Parameters
-    ----------
-    s : (n,) array
-        Arc lengths, mm.
-    mode_range_mm : (float, float)
-    closed : bool
-        The range is a turn: 1, cos t, sin t, cos 2t, … instead, t from 0 to 2 pi.
-    tip : Tip, optional
-        Behind the range: the last modes are the tip's own (`tip_modes`), the others keep their end
-        values.
-
-    Returns
-    -------
-    (n, n_modes) array
+    Over the range of the modes; if closed, it is a turn, t from 0 to 2 pi, with 1, cos t, sin t,
+    cos 2t, … instead. With a tip behind the range the last modes are its own (`tip_modes`), and the
+    others keep their end values there.
     """
     low, high = mode_range_mm
     if tip is not None:
@@ -251,10 +240,7 @@ def mirrored_loads(mesh: SectorMesh, loads: Floats, center_rad: float) -> tuple[
     belongs to another tooth where a sector contains a space. `center_rad` is the polar angle of the
     centre of tooth 0 (of the space, where teeth stand inwards).
 
-    Raises
-    ------
-    ValueError
-        If a node of the flank has no mirror image.
+    Raises ValueError if a node of the flank has no mirror image.
     """
     cuts = np.concatenate([mesh.left_nodes, mesh.right_nodes])
     axis = np.arctan2(*mesh.nodes[cuts].sum(axis=0)[::-1])

@@ -109,22 +109,12 @@ def condense(
 
 
 def close_ring(sector: CondensedSector, teeth: int) -> Floats:
-    """Response of all teeth of a closed ring to the loads on tooth 0.
+    """Response (z, r, p) of all teeth of a closed ring to the loads on tooth 0.
 
     The left cut of sector k is the right cut of sector k - 1; its unknowns are in the frame of
     sector k, so the right cut of sector k - 1 is rotated by one pitch. The ring is block-circulant:
-    a Fourier transform over the sectors separates its harmonics.
-
-    Parameters
-    ----------
-    teeth : int
-        Number z of sectors.
-
-    Returns
-    -------
-    (z, r, p) array
-        Response of the readings on tooth t, in its frame, to the loads on tooth 0; the first p
-        readings are those of the loads.
+    a Fourier transform over the sectors separates its harmonics. [t] are the readings on tooth t,
+    in its frame; the first p are those of the loads.
     """
     pitch = 2 * np.pi / teeth
     (left_left, left_right, right_left, right_right), carried = turned_cuts(sector, pitch)

@@ -67,16 +67,10 @@ class ElementRates:
         return cls(body, linear_s * quadratic / linear, job)
 
     def price(self, counters: Mapping[str, int], *, places: int = 0, finer: float = 1.0) -> Account:
-        """CPU seconds and bytes of the finite elements.
+        """CPU seconds and bytes of the finite elements, from the counters of the stage.
 
-        Parameters
-        ----------
-        counters : mapping of str to int
-            Counters of the stage.
-        places : int
-            Number of evaluation points in the root fillets of a tooth.
-        finer : float
-            Unknowns relative to the mesh of the body.
+        `places` is the number of evaluation points in the root fillets of a tooth, `finer` that of
+        the unknowns relative to the mesh of the body.
         """
         job, steps = self.job, self.job.seconds
         unknowns = finer * unknowns_of(self.body)

@@ -78,13 +78,7 @@ class Broken:
 
 
 def held(scene: Scene, broken: Sequence[Broken]) -> tuple[Broken, ...]:
-    """Refuse a scene that violates premises, unless it allows that.
-
-    Raises
-    ------
-    PremiseError
-        Names the first violated premise.
-    """
+    """Raise a PremiseError for the first violated premise, unless the scene allows it."""
     if broken and not scene.effects.beyond_limits:
         raise broken[0].error(scene)
     return tuple(broken)

@@ -87,10 +87,7 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
 
     None if the switched scene is undefined.
 
-    Raises
-    ------
-    SceneError
-        If the switched scene is impossible.
+    Raises SceneError if the switched scene is impossible.
     """
     # numbers that are assumed for an effect whose number the scene does not set
     taken = RECORDS[name].numbers if name in RECORDS and not on else {}

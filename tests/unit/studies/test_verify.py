@@ -25,8 +25,13 @@ from flankload.studies.verification.calculix import read_answer, run_deck, versi
 from flankload.studies.verification.contact_places import Place, contact_places
 from flankload.studies.verification.deck import Deck, DeckFriction, Part, deck_text
 from flankload.studies.verification.model import friction_of_deck, model_of
-from flankload.studies.verification.refine import refined
-from flankload.studies.verification.triangles import Triangles, quadratic, sides, whole_body
+from flankload.studies.verification.triangles import (
+    Triangles,
+    quadratic,
+    refined,
+    sides,
+    whole_body,
+)
 from tests.support.paths import CALCULIX_OUTPUT, SCENES
 from tests.support.tolerances import ROUND_OFF, SOLVER
 

@@ -110,17 +110,9 @@ class BodyCompliance:
         return place[displaced] * len(self.flanks) + place[loaded]
 
     def shift_of(self, at: Numbers) -> Floats:
-        """Displacement of flanks by all loads of the expansion together.
+        """Displacement of flanks by all loads of the expansion: mode coefficients (n, p), mm.
 
-        Parameters
-        ----------
-        at : (n,) array
-            Teeth of the body, from 0.
-
-        Returns
-        -------
-        (n, p) array
-            Mode coefficients, mm; (0, p) without such loads.
+        `at` (n,) are teeth of the body, from 0; (0, p) without such loads.
         """
         shifts = list(self.expansion.shifts.values())
         if not shifts:
@@ -131,20 +123,10 @@ class BodyCompliance:
         return np.asarray(total[np.searchsorted(self.flanks, at)])
 
     def blocks_of_sites(self, teeth_at: Numbers, n_working: int, teeth: int) -> Numbers:
-        """Blocks of `all_blocks` for displacements at sites (rows) under loads at sites.
+        """Blocks (S, S) of `all_blocks` for displacements at sites (rows) under loads at sites.
 
-        Parameters
-        ----------
-        teeth_at : (S,) array
-            Tooth of the body at each site; sites of coast flanks come last.
-        n_working : int
-            Number of sites of working flanks.
-        teeth : int
-            Number of teeth of the body.
-
-        Returns
-        -------
-        (S, S) array
+        `teeth_at` (S,) are the teeth of the body at the sites, those of working flanks first, and
+        `teeth` is their number in the body.
         """
         displaced, loaded = teeth_at[:, None], teeth_at[None, :]
         block = self.block_of(displaced, loaded, teeth)

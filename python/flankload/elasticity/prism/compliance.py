@@ -96,12 +96,7 @@ class Prism:
     shaft: CarryingShaft | None = None
 
     def check(self) -> None:
-        """Refuse degrees that do not resolve each other.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise a SceneError for degrees that do not resolve each other."""
         low, high = self.range_mm
         if not low < high:
             raise SceneError(key="face_width_mm", expected="above 0", found=f"{high - low:g}")

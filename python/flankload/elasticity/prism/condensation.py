@@ -55,8 +55,6 @@ def condense_prism(
 
     Parameters
     ----------
-    axial : AxialFunctions
-        Of degree p.
     loads : (N, 3 (p + 1), r) array
         Columns by node and unknown; they read, too.
     cut_degree : int

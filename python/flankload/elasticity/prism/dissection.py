@@ -53,22 +53,9 @@ def dissect(
 ) -> tuple[list[Front], Numbers]:
     """Fronts of a mesh, each after its parts; the last one has no boundary but the kept nodes.
 
-    Parameters
-    ----------
-    places : (N, 2) array
-        Of the nodes, mm.
-    cells : sequence of (E, k) arrays
-        Nodes of the elements, kind by kind.
-    inner, loaded : (N,) arrays
-        Whether a node is eliminated; whether it carries loads.
-    kept : (c,) array
-        Nodes that stay.
-
-    Returns
-    -------
-    fronts : list of Front
-    position : (N,) array
-        When a node is eliminated; kept nodes are behind all others in their order, others are -1.
+    From the places (N, 2) of the nodes, mm, the cells (E, k) kind by kind, the nodes (c,) that
+    stay, and whether a node is eliminated or carries loads (N,). Returns also when a node is
+    eliminated (N,): kept nodes are behind all others in their order, others are -1.
     """
     sizes = np.concatenate([np.full(len(part), part.shape[1]) for part in cells])
     element = np.repeat(np.arange(sizes.size), sizes)

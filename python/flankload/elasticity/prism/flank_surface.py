@@ -135,10 +135,7 @@ class FlankSurface:
 def flank_surface(body: Body, prism: Prism) -> FlankSurface:
     """The working flank of tooth 0 as its near field sees it.
 
-    Raises
-    ------
-    SceneError
-        If an edge between flank and end face is sharper than 50 degrees.
+    Raises SceneError if an edge between flank and end face is sharper than 50 degrees.
     """
     ratio, twist = body.material.poisson_ratio, prism.twist
     low, high = (end_strength(angle, ratio) for angle in edge_angles(body, twist))

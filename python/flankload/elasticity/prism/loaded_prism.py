@@ -132,22 +132,11 @@ class LoadedPrism:
     def displacements(
         self, tooth: Numbers, s_mm: Floats, spans_mm: Floats, force_N: Floats
     ) -> Floats:
-        """Displacements under forces on flanks, each even over a span along the axis.
+        """Displacements (M, p + 1, 3) under forces (n, 3), N, on flanks, each even over a span.
 
-        Parameters
-        ----------
-        tooth : (n,) array
-        s_mm : (n,) array
-            Arc lengths on the flank.
-        spans_mm : (n, 2) array
-            Their ends along the axis.
-        force_N : (n, 3) array
-            In the section turned with the helix, in the frame of the body.
-
-        Returns
-        -------
-        (M, p + 1, 3) array
-            By node and function of z; the same frame.
+        Forces act on teeth (n,) at arc lengths (n,) between the ends (n, 2) of their spans along
+        the axis. Both are in the section turned with the helix, in the frame of the body;
+        displacements by node and function of z.
         """
         mesh, count = self.mesh, self.prism.degree + 1
         z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
@@ -180,19 +169,10 @@ class LoadedPrism:
         return self.recovery.displacements(kept, on_cuts, len(self.mesh.nodes))
 
     def fields(self, part: SolidPart, moved: Floats) -> tuple[Floats, Floats]:
-        """Displacement and stress at the points of a part, in the section turned with the helix.
+        """Displacement (n, J, 3), mm, and stress (n, J, 6), MPa, at the points of a part.
 
-        Parameters
-        ----------
-        moved : (M, p + 1, 3) array
-            Of `displacements`.
-
-        Returns
-        -------
-        displacement : (n, J, 3) array
-            mm.
-        stress : (n, J, 6) array
-            MPa: xx, yy, zz, xy, yz, xz; recovered and averaged over the elements of a node.
+        In the section turned with the helix, from the result of `displacements`. The stress xx, yy,
+        zz, xy, yz, xz is recovered and averaged over the elements of a node.
         """
         own, basis, twist = moved[part.nodes], self.basis_of[part.nodes], self.prism.twist
         v, by_z = (

@@ -37,22 +37,11 @@ def root_surface_stress(
     material: Material,
     twist: float,
 ) -> Floats:
-    """Stress across the root line at the points of fillets, from displacements of their nodes.
+    """Stress s_11 across the root line at the points of fillets, from displacements of their nodes.
 
-    Parameters
-    ----------
-    functions : AxialFunctions
-        In which the displacements of the nodes are written.
-    axial : AxialBasis
-        Over the width of the teeth, of the same degree: of the stress.
-    twist : float
-        kappa, rad/mm.
-
-    Returns
-    -------
-    (q (p + 1), 3 m (p + 1)) array
-        MPa/mm: s_11 by point and function of z, from the unknowns of the nodes by node, function of
-        z and component.
+    (q (p + 1), 3 m (p + 1)), MPa/mm: by point and function of z, from the unknowns of the nodes by
+    node, function of z and component. The displacements are written in `functions`, the stress in
+    `axial` of the same degree, over the width of the teeth; `twist` is kappa, rad/mm.
     """
     count = axial.count
     x, y = fillet.places.T

@@ -53,18 +53,10 @@ class StripField:
     def of(
         cls, compliance: BodyCompliance, teeth: int, s_mm: Floats, strip_mm: float, edges_mm: Floats
     ) -> StripField:
-        """Field of a body.
+        """Field of a body in three dimensions.
 
-        Parameters
-        ----------
-        compliance : BodyCompliance
-            In three dimensions.
-        s_mm : (N,) array
-            Arc lengths of the middles of the strips.
-        strip_mm : float
-            Their width.
-        edges_mm : (J + 1,) array
-            Ends of the slices.
+        At strips with the middles (N,) along the profile and one width, in slices between edges (J
+        + 1,).
         """
         modes, s = compliance.modes, s_mm
         width, z = np.diff(edges_mm), 0.5 * (edges_mm[1:] + edges_mm[:-1])

@@ -144,18 +144,9 @@ def solve_belt(
 ) -> BeltState:
     """State of a belt under a torque divided by the pitch radius, per mm of width.
 
-    Parameters
-    ----------
-    response : StripResponse
-        With the columns of sliding and lifting lands, if requested.
-    land_friction : float
-        Coefficient on the lands; positive if friction acts with the teeth, negative if against
-        them.
-
-    Raises
-    ------
-    ContactError
-        If no state exists.
+    The response has the columns of sliding and lifting lands, if requested. The coefficient of
+    friction on the lands is positive if friction acts with the teeth, negative if against them.
+    Raises ContactError if no state exists.
     """
     problem = contact_problem(strip, response, force_N_per_mm, slack_N_per_mm, land_friction)
     if land_lift:
@@ -294,11 +285,8 @@ def state_under(
 ) -> BeltState:
     """State of a belt under a torque; its work is counted.
 
-    Raises
-    ------
-    NoContactState
-        If none exists: friction on the lands turns the pulley further than the torque, or the belt
-        jumps.
+    Raises NoContactState if none exists: friction on the lands turns the pulley further than the
+    torque, or the belt jumps.
     """
     slack = slack_of(scene)
     where = f"{torque_Nm:g} N m, slack strand {slack:g} N"

@@ -108,10 +108,7 @@ def land_columns_of(scene: Scene) -> dict[str, bool]:
 def pulley_mesh(scene: Scene, elements: int | None = None) -> PulleyMesh:
     """Mesh of an elastic pulley; by default with as many elements beside a tooth as on it.
 
-    Raises
-    ------
-    SceneError
-        If no valid mesh can be made.
+    Raises SceneError if no valid mesh can be made.
     """
     keys, belt = bodies_of(scene)
     strip = build_strip(keys, belt)

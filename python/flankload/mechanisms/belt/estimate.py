@@ -51,15 +51,9 @@ def estimate_belt(
 ) -> dict[str, object]:
     """Estimated errors under a torque and all contributions by source, as a result shows them.
 
-    Parameters
-    ----------
-    compared : sequence of (str, sequence of (BeltState, BeltState))
-        Sources, each with states at some positions and the states there with longer elements. The
-        largest change with the same source counts.
-    states : sequence of BeltState
-        At all positions.
-    phases : (P,) array or None
-        Of `row.phases`; None for single angles.
+    Each source that is compared has states at some positions and the states there with longer
+    elements; the largest change with the same source counts. `states` are at all positions, with
+    `phases` (P,) as of `row.phases`; None for single angles.
     """
     rotation = np.array([state.rotation_rad for state in states])
     by_source: dict[str, dict[str, float]] = {}

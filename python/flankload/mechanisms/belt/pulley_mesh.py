@@ -56,10 +56,7 @@ class PulleyMesh:
 def mesh_pulley(pulley: ElasticPulley, flank_elements: int = FLANK_ELEMENTS) -> PulleyMesh:
     """Mesh of one sector, with as many elements beside a belt's tooth as on it.
 
-    Raises
-    ------
-    SceneError
-        If no valid mesh can be made.
+    Raises SceneError if no valid mesh can be made.
     """
     size = pulley.touched_mm / flank_elements
     half = even_breaks(0.0, pulley.half_land_rad, size / pulley.land_radius_mm, LEAST_LAND)

@@ -134,10 +134,7 @@ def solve_wrap(
     With large displacements iterated until convergence, otherwise one linear state; with its
     compliance also the derivative of the rotation with respect to the torque.
 
-    Raises
-    ------
-    ContactError
-        If the contact problem has no solution.
+    Raises ContactError if the contact problem has no solution.
     """
     found = _follow(
         _Problem.of(wrap, chain, torque_Nmm, slack_N), large_displacement=large_displacement

@@ -103,10 +103,7 @@ def error_estimate(
 def build_drive(scene: Scene) -> tuple[Sprocket, Chain, float]:
     """Sprocket, chain and wrap angle (rad) of a scene.
 
-    Raises
-    ------
-    SceneError
-        If the rollers do not fit.
+    Raises SceneError if the rollers do not fit.
     """
     from flankload.scene import Chain as ChainKeys
     from flankload.scene import Sprocket as SprocketKeys
@@ -131,10 +128,8 @@ def build_drive(scene: Scene) -> tuple[Sprocket, Chain, float]:
 def solve_position(scene: Scene, assembly: ChainAssembly, torque_Nm: float, p: int) -> WrapState:
     """State of a position.
 
-    Raises
-    ------
-    NoContactState
-        If there is none; the message names the tension below which the chain jumps.
+    Raises NoContactState if there is none; the message names the tension below which the chain
+    jumps.
     """
     slack = slack_of(scene)
     wrap, large = assembly.wraps[p], scene.effects.large_displacement

@@ -157,25 +157,13 @@ class Sprocket:
 
 
 def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
-    """Build a sprocket from its keys.
+    """Build a sprocket from the keys of its table; a SceneError if a roller does not fit.
 
-    Parameters
-    ----------
-    key : str
-        Key of its table, for messages.
-
-    Raises
-    ------
-    SceneError
-        If a roller does not fit the pockets.
-
-    Notes
-    -----
     ISO 606: the roller seating radius lies between 0.505 d1 and 0.505 d1 + 0.069 d1^(1/3), the
-    flank radius between 0.12 d1 (z + 2) and 0.008 d1 (z² + 180), the seating angle between
-    140° - 90°/z and 120° - 90°/z; the tight form has the first of each, the wide one the second,
-    except for the seating angle, which is 120° - 90°/z by default. The tip diameter is the mean of
-    its limits, or less if both flanks of a tooth meet below it.
+    flank radius between 0.12 d1 (z + 2) and 0.008 d1 (z² + 180), the seating angle between 140° -
+    90°/z and 120° - 90°/z; the tight form has the first of each, the wide one the second, except
+    for the seating angle, which is 120° - 90°/z by default. The tip diameter is the mean of its
+    limits, or less if both flanks of a tooth meet below it.
     """
     built = _proportions(spec)
     _check(built, spec, key)

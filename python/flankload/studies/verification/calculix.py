@@ -76,10 +76,7 @@ def files_of_deck(folder: Path) -> tuple[Path, ...]:
 def find_program(program: str) -> str:
     """Full path of a program by its name or path.
 
-    Raises
-    ------
-    OtherProgramError
-        If it is not found; the message names the package that contains it.
+    Raises OtherProgramError if it is not found; the message names the package that contains it.
     """
     found = shutil.which(program)
     if found is None:
@@ -105,10 +102,7 @@ def version_of(program: str) -> str:
 def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | None) -> Answer:
     """Run CalculiX on folder/deck.inp and read its solution; all its files stay in the folder.
 
-    Raises
-    ------
-    OtherProgramError
-        If it does not converge, does not end in time or writes no solution.
+    Raises OtherProgramError if it does not converge, does not end in time or writes no solution.
     """
     for old in files_of_deck(folder):
         if old.suffix != ".inp":
@@ -144,10 +138,7 @@ def read_answer(
 ) -> Answer:
     """Read deck.dat and deck.sta of a successful run.
 
-    Raises
-    ------
-    OtherProgramError
-        If data are missing in them.
+    Raises OtherProgramError if data are missing in them.
     """
     try:
         text = (folder / f"{JOB}.dat").read_text(encoding="utf-8", errors="replace")

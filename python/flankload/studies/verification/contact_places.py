@@ -63,27 +63,11 @@ def contact_places(
 ) -> tuple[Place, ...]:
     """Places at which flanks can touch before body 1 has turned far beyond its rotation.
 
-    Parameters
-    ----------
-    turns : (float, float)
-        Rotations of both bodies' frames, rad.
-    force_N_per_mm : dict of int to float
-        Approximate force of each pair; determines the element size.
-    rotation_rad : float
-        Approximate rotation of body 1.
-    reach : float
-        Flanks are omitted if their gap exceeds this multiple of the rotation after the first
-        contact.
-
-    Returns
-    -------
-    tuple of Place
-        By ascending pair number.
-
-    Raises
-    ------
-    FlankloadError
-        If no flanks meet.
+    By ascending pair number, from the rotations of both bodies' frames, rad, the approximate
+    rotation of body 1 and the approximate force of each pair, which determines the element size: so
+    many on the half-width of a Hertz contact under that force. Flanks are omitted if their gap
+    exceeds `reach` times the rotation after the first contact. Raises FlankloadError if no flanks
+    meet.
     """
     compliance = sum(
         logarithm_strength(body.material, plane) for body in (pair.body_1, pair.body_2)

@@ -15,12 +15,12 @@ from flankload.scene.effects import is_spatial
 from flankload.scene.refusal import shown
 from flankload.studies.verification.contact_places import contact_places
 from flankload.studies.verification.deck import Deck, DeckFriction, Part
-from flankload.studies.verification.refine import refined
 from flankload.studies.verification.triangles import (
     border_owners,
     held_nodes,
     moved,
     quadratic,
+    refined,
     whole_body,
 )
 
@@ -70,12 +70,7 @@ class Model:
 
 
 def check_bodies(scene: Scene) -> None:
-    """Refuse bodies without finite elements, and what decks do not contain.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Raise a SceneError for bodies without finite elements and for what decks do not contain."""
     for key, expected, found in _refusals(scene):
         raise SceneError(file=scene.file, key=key, expected=expected, found=found)
 
@@ -127,10 +122,7 @@ def model_of(
     Flankload's result only determines the element size, by the number of elements on the half-width
     of a Hertz contact, and the range of the search for contacts.
 
-    Raises
-    ------
-    SceneError, FlankloadError
-        If a body cannot be meshed or no flanks meet.
+    Raises SceneError or FlankloadError if a body cannot be meshed or no flanks meet.
     """
     pair = coarse_bodies(scene)
     plane = scene.accuracy.plane
@@ -166,10 +158,7 @@ def friction_of_deck(
 ) -> DeckFriction | None:
     """Friction of the pairs in the deck; None without friction or sliding.
 
-    Raises
-    ------
-    SceneError
-        If a coefficient varies along a flank.
+    Raises SceneError if a coefficient varies along a flank.
     """
     friction, pairing = pair.friction, pair.pairing
     if friction is None or pairing.center_distance_mm == 0.0:

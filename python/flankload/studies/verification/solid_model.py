@@ -13,9 +13,8 @@ from flankload.errors import FlankloadError
 from flankload.studies.verification.contact_places import Place, meetings
 from flankload.studies.verification.deck import Deck, Part
 from flankload.studies.verification.model import Model, coarse_bodies, flanks_of, turns_of
-from flankload.studies.verification.refine import refined
 from flankload.studies.verification.solid import Layers, Stand, beyond, layers_of, solid_part
-from flankload.studies.verification.triangles import whole_body, without
+from flankload.studies.verification.triangles import refined, whole_body, without
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -87,10 +86,7 @@ def solid_model_of(
     The result only determines the element size and the range of the search for contacts. All
     elements and the layers follow from the number of elements on the half-width of a contact.
 
-    Raises
-    ------
-    SceneError, FlankloadError
-        If a body cannot be meshed or no flanks meet.
+    Raises SceneError or FlankloadError if a body cannot be meshed or no flanks meet.
     """
     pair = coarse_bodies(scene, COARSE_PART)
     assert pair.slices is not None
