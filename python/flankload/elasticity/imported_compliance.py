@@ -41,12 +41,10 @@ def given_compliance(
     tangential: str | None = None,
     nodal: bool = False,
 ) -> BodyCompliance:
-    """Compliance of a body from its compliance file.
+    """Compliance of a body from its compliance file, `body.given`; no finite elements are counted.
 
     Parameters
     ----------
-    body : Body
-        With `given`.
     modes : int or None
         Number of pressure modes set by the scene; at most that of a file with modes.
     default_modes : int
@@ -58,11 +56,6 @@ def given_compliance(
         Key of the scene that needs the response to loads along the flank.
     nodal : bool
         Tables between the nodes of the file instead of pressure modes.
-
-    Returns
-    -------
-    BodyCompliance
-        No finite elements are counted.
 
     Raises
     ------

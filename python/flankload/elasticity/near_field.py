@@ -179,7 +179,10 @@ def consistent_loads(
     edges: tuple[Numbers, Floats] | None = None,
     twist: float | None = None,
 ) -> Floats:
-    """Consistent nodal loads of pressures along a flank.
+    """Consistent nodal loads of pressures along a flank, per mm of width.
+
+    (2 N, count), degree of freedom 2*node + component; with a twist (3 N, count), 3*node +
+    component.
 
     Parameters
     ----------
@@ -189,19 +192,12 @@ def consistent_loads(
         Out of the material, or towards growing arc length.
     turn : float, optional
         Length of a closed flank, mm.
-    gauss_points : int
-        On each edge.
     edges : (m, 3) arrays, optional
         Nodes and arc lengths of the loaded edges; by default those of the flank.
     twist : float, optional
         kappa, rad/mm, by which the section turns along the axis. A pressure on the flank of a prism
         then has an axial component: (n, -kappa l) per arc length and width, l the lever of n. A
         load along the profile is 1/cos(beta) = hypot(1, kappa l) of its tangent there.
-
-    Returns
-    -------
-    (2 N, count) array, (3 N, count) with a twist
-        Per mm of width, degree of freedom 2*node + component, or 3*node + component.
     """
     points, weights = leggauss(gauss_points)
     shape = np.stack(

@@ -48,15 +48,7 @@ class Earlier:
 def prepare(scene: Scene, parts: Parts) -> None:
     """Build the bodies of a scene and solve their elements, for runs of similar scenes.
 
-    Parameters
-    ----------
-    parts : Parts
-        Bodies and compliances are added.
-
-    Raises
-    ------
-    SceneError
-        If the scene is impossible.
+    Bodies and compliances are added to `parts`. Raises SceneError if the scene is impossible.
     """
     mechanism = mechanism_of(scene)
     clock = StageClock(None, mechanism.sweeps(scene), {})
@@ -76,7 +68,7 @@ def run_once(
     on_states: Callable[[States], None] | None = None,
     earlier: Earlier | None = None,
 ) -> tuple[Result, ...]:
-    """Solve a scene at the discretization that it names, or at the default one.
+    """One result per torque of a scene, at the discretization that it names or at the default one.
 
     Parameters
     ----------
@@ -89,15 +81,9 @@ def run_once(
         Predictions by stage, which the result shows beside the actual cost.
     discretization : Discretization, optional
         Replaces the discretization of the scene.
-    on_assembly : callable, optional
-        Called with the assembly before finite elements are solved.
-    on_states : callable, optional
-        Called with the states of the run, which `Earlier.similar` takes.
-
-    Returns
-    -------
-    tuple of Result
-        One per torque.
+    on_assembly, on_states : callables, optional
+        Called with the assembly before finite elements are solved, and with the states of the run,
+        which `Earlier.similar` takes.
 
     Raises
     ------

@@ -122,20 +122,10 @@ def prism_compliance(
 ) -> BodyCompliance:
     """Compliance of a body's flanks in three dimensions; a rigid body has none.
 
-    Parameters
-    ----------
-    body : Body
-        With the mesh of a sector, whose fixed nodes are held over all their width or follow a shaft
-        (`carried_bore`).
-    n_modes : int
-        Pressure modes along s; their degree should be at most half the number of flank elements.
-        A tip rounding or chamfer has half as many more.
-    friction : bool
-        Loads along the profile are solved, as many as along the normal.
-    fillets : RootFillets, optional
-        Where stress is read.
-    estimate : bool
-        Whether the discretization error of the plane elements is estimated.
+    The fixed nodes of the sector are held over all their width or follow a shaft (`carried_bore`).
+    The degree of the pressure modes along s should be at most half the number of flank elements; a
+    tip rounding or chamfer has half as many more. With friction as many loads along the profile are
+    solved. Stress is read in `fillets`; `estimate` is that of the error of the plane elements.
 
     Returns
     -------
@@ -153,8 +143,7 @@ def prism_compliance(
     if body.rigid or body.mesh is None:
         return no_compliance(body)
     mesh, log, modes_s = _sector_of(body), JobLog(account), n_modes
-    if body.tip is not None:
-        n_modes = with_tip(n_modes)
+    n_modes = n_modes if body.tip is None else with_tip(n_modes)
     response, of_roots = _ring_response(
         body, mesh, prism, n_modes, log, friction=friction, fillets=fillets
     )
@@ -168,8 +157,7 @@ def prism_compliance(
     missed = None
     if estimate:
         options = JobOptions(n_modes=modes_s, plane="strain", friction=friction, estimate=True)
-        missed = _missed(body, options, surface, prism.load_degree, log.account)
-        log.end_step("estimate")
+        missed = _missed(body, options, surface, prism.load_degree, log)
     axial = AxialModes(
         prism.range_mm, prism.load_degree, prism.twist, surface.cos_base_helix, surface.end
     )
@@ -226,7 +214,7 @@ def _to_coefficients(
 
 
 def _missed(
-    body: Body, options: JobOptions, surface: FlankSurface, load_degree: int, account: Account
+    body: Body, options: JobOptions, surface: FlankSurface, load_degree: int, log: JobLog
 ) -> Floats:
     """Estimated error of the response of a flank to loads on itself: `BodyCompliance.missed`.
 
@@ -238,11 +226,12 @@ def _missed(
     section = flank_compliance(body, options, sectors=1)
     assert section.missed is not None
     counted = ("fe_factorisations", "fe_solutions")
-    account.count(**{name: section.job.counters[name] for name in counted})
+    log.account.count(**{name: section.job.counters[name] for name in counted})
     along = np.diag(1.0 / mode_norms_z(surface.width_mm, load_degree))
     cosine = surface.cos_base_helix
     missed = cosine**2 * np.kron(section.missed[0], along)
     missed[:, len(missed) :] /= cosine  # loads along the profile lie in the section
+    log.end_step("estimate")
     return np.asarray(missed[None])
 
 

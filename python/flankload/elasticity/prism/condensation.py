@@ -58,16 +58,12 @@ def condense_prism(
     loads : (N, 3 (p + 1), r) array
         Columns by node and unknown; they read, too.
     cut_degree : int
-        q <= p: the displacements of the cuts are polynomials of this degree in z.
+        q <= p: the displacements of the cuts are polynomials of this degree in z. Their unknowns
+        are by node, axial function, component.
     twisted : bool
         False allows the two problems of half the size if the functions of z are even or odd.
     recovery : Recovery, optional
         Keeps the fronts for displacements inside the sector.
-
-    Returns
-    -------
-    CondensedSector
-        Unknowns of the cuts by node, axial function, component.
     """
     account = Account() if account is None else account
     cut = np.concatenate([mesh.left_nodes, mesh.right_nodes])
@@ -81,8 +77,7 @@ def condense_prism(
         loaded=np.asarray(loads.any(axis=(1, 2))),
     )
     per_cut = COMPONENTS * (cut_degree + 1)
-    count = loads.shape[2]
-    size = cut.size * per_cut
+    count, size = loads.shape[2], cut.size * per_cut
     whole = np.zeros((size + count, size + count))
     products = axial.products(section)
     if recovery is not None:
