@@ -70,9 +70,9 @@ MODES_WITH_IMAGES = Rule(0.4, 0.7, 1.0, 1.0, 0.4, doubt_share=1.7)
 #: Error of peak pressures, relative to the largest change of the load share. The change of the
 #: peaks by the two highest modes is a poor measure, since the curvature of these near the ends of a
 #: flank is not that of the omitted modes (112 gears and rings: correlation of the logarithms 0.45
-#: with the share, 0.29 with the peak's own change). On roundings and chamfers, which have modes of
-#: their own, it is the other way round: the error was 1 to 3.5 times the peak's own change and up
-#: to 30 times that of the share (5 of 35 gears and rings), so the larger one of both counts.
+#: with the share, 0.29 with the peak's own change, which adds no information). On roundings and
+#: chamfers, which have modes of their own, neither bounds the error: it was up to 40 times the
+#: peak's own change and 30 times that of the share (7 of 60 gears and rings).
 SHARE_TO_PEAK = 3.0
 #: Half as many nodes: if the error is only proportional to their distance, it equals the change.
 NODES = Rule(0.5, 0.5, 0.5, 0.5)
@@ -305,13 +305,9 @@ def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> Left:
     part = peak / largest if largest > 0 else np.zeros_like(peak)
     # the peak of a line contact is proportional to the root of its force: for a pair that has just
     # begun to carry load, the true peak may be a multiple
-    share, whole = np.maximum(_shares(found), np.finfo(float).tiny), MODES.part + MODES.doubt
-    begun = np.sqrt(1.0 + whole * changes / share) - 1.0
-    # on a rounding or a chamfer the peak changes with the modes of the tip at an equal share
-    own = whole * np.abs(_peak_change(found, base, other)) / (largest or 1.0)
-    return Left(
-        np.zeros_like(part), np.maximum(np.maximum(SHARE_TO_PEAK * change, begun) * part, own)
-    )
+    share = np.maximum(_shares(found), np.finfo(float).tiny)
+    begun = np.sqrt(1.0 + (MODES.part + MODES.doubt) * changes / share) - 1.0
+    return Left(np.zeros_like(part), np.maximum(SHARE_TO_PEAK * change, begun) * part)
 
 
 def peak_of_cells(found: Sweep, coarse: Sweep) -> Left:
