@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: Positions of the screening; of these so many with the run's own cells, and with finite forces.
-MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 8, 8, 4
+MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 8, 4, 4
 #: Final number of adaptive positions relative to the first round, approximately.
 ADAPTIVE_PART = 3.0
 #: Effects that are not tried while off, unless `levels` is set: coarser contact models, which are
