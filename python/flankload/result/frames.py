@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.base.optional import optional
-from flankload.result.export import OVER_SITES, along_positions, more_arrays
-from flankload.result.friction import ALONG_POSITIONS as FRICTION
+from flankload.result.quantities import (
+    ALONG_POSITIONS,
+    along_positions,
+    column,
+    over_sites,
+    units_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -88,30 +93,24 @@ def summary_frame(results: Sequence[Result]) -> Any:
 
 def _positions(result: Result) -> dict[str, Any]:
     """Columns of the positions of one torque."""
+    along = along_positions(result)
     columns: dict[str, Any] = {"torque_Nm": np.full(result.position_rad.size, result.torque_Nm)}
-    for key in along_positions(result):
-        columns[key] = getattr(result, key)
-        if key.endswith("_rad") and "_per_" not in key:
+    for key, unit in units_of([along], ALONG_POSITIONS).items():
+        columns[key] = column(result, along, key)
+        if unit == "rad":
             columns[key.removesuffix("rad") + "deg"] = np.degrees(columns[key])
-    if result.friction is not None:
-        columns |= {f"friction_{key}": getattr(result.friction, key) for key in FRICTION}
-    if result.drive is not None:
-        columns |= {key: getattr(result.drive, key) for key in result.drive.along}
     return columns
 
 
 def _pairs(result: Result) -> dict[str, Any]:
     """Columns of the flank pairs of one torque."""
     count, sites = result.position_rad.size, result.sites.size
-    over = {key: getattr(result, key) for key in OVER_SITES}
-    over["line_load_N_per_mm"] = result.site_force_N / result.face_width_mm  # not by slices
-    over |= {key: values for key, (values, _) in more_arrays(result).items()}
     return {
         "torque_Nm": np.full(count * sites, result.torque_Nm),
         "position_rad": np.repeat(result.position_rad, sites),
         "position_deg": np.repeat(result.position_deg, sites),
         "pair": np.tile(result.sites, count),
-        **{key: np.ravel(values) for key, values in over.items()},
+        **{key: np.ravel(values) for key, (values, _) in over_sites(result).items()},
     }
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from flankload.result.contact_quantities import frozen
-from flankload.result.export import ONLY_LOADED
+from flankload.result.quantities import UNLOADED
 from flankload.result.result import Result
 from flankload.result.warning_lines import warning_lines
 
@@ -46,8 +46,6 @@ SHARED = frozenset(
 )
 #: Entries of the cost that each torque has for itself.
 COST_OF_TORQUE = ("of_this_torque", "largest_backward_error", "largest_condition")
-#: Values of a pair at a torque that never loads it, where they are not 0.
-UNLOADED = {**dict.fromkeys(ONLY_LOADED, np.nan), "flank_face_load_factor": 1.0}
 NO_TUPLE = (
     "the result of a list of torques is no tuple any more (its access ends with 1.0): use "
     "result.by_torque, result.at(torque_Nm), or the first axis of its arrays"
@@ -199,7 +197,7 @@ def _at_sites(series: TorqueSeries, one: Result, name: str) -> NDArray[Any]:
     if values.ndim < 2 or np.array_equal(one.sites, series.sites):
         return np.asarray(values)
     shape = (values.shape[0], series.sites.size, *values.shape[2:])
-    whole = np.full(shape, UNLOADED.get(name, 0), dtype=values.dtype)
+    whole = np.full(shape, UNLOADED.get(name, np.nan), dtype=values.dtype)
     whole[:, np.searchsorted(series.sites, one.sites)] = values
     return whole
 
