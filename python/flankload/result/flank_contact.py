@@ -67,7 +67,6 @@ def flank_contacts(
             found[0, p, s] = max(_half_width(table, part) for part in _slices(table, laid))
             weight = table.force_N[own] / table.force_N[own].sum()
             found[1:, p, s] = [weight @ velocity[own] for velocity in motion]
-    found.setflags(write=False)
     return FlankContacts(*found)
 
 

@@ -16,7 +16,7 @@ of each slice.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -39,8 +39,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-#: Stresses that differ by less, relative to the largest, are equal.
-SAME = 1e-12
 #: Gauss points along the profile of the cell of a slice, which is the height of a spline's flank.
 CELL_POINTS = 4
 
@@ -238,7 +236,6 @@ def root_stress(
         degree, z_mm = by_function.shape[2] - 1, over_width.z_mm
         values = AxialBasis(over_width.range_mm, degree).values(z_mm)
         stress = by_slice = np.einsum("jk,pikq->pijq", values, by_function) + 0.0
-    stress.setflags(write=False)
     points = reading.points
     largest, least = (_extremes(points, by_slice, sign) for sign in (1.0, -1.0))
     return RootStress(
@@ -320,8 +317,6 @@ def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
         np.degrees(along["slant_rad"]),
         working,
     )
-    for array in arrays:
-        array.setflags(write=False)
     return Extremes(*arrays)
 
 
@@ -334,8 +329,6 @@ def _over_slices(found: Extremes, sign: float, z_mm: Floats | None) -> Extremes:
     ]
     if z_mm is not None:
         arrays.append(z_mm[at])
-    for array in arrays:
-        array.setflags(write=False)
     return Extremes(*arrays)
 
 
@@ -358,54 +351,6 @@ def _peak(s: Floats, values: Floats) -> tuple[Floats, Floats]:
     return np.where(inside, v_1 + 0.5 * slope * shift, largest), np.where(
         inside, s_1 + shift, s[at]
     )
-
-
-def root_summary(
-    stress: RootStress,
-    position_rad: Floats,
-    sites: NDArray[np.int64],
-    site_force_N: Floats,
-) -> dict[str, Any]:
-    """Largest tension and compression over the positions, with their places.
-
-    Parameters
-    ----------
-    stress : RootStress
-    position_rad : (P,) array
-    sites : (S,) array
-    site_force_N : (P, S) array
-        Of sites with the same tooth, a loaded one is reported.
-
-    Returns
-    -------
-    dict
-        `tension` and `compression`, each with `stress_MPa`, `position_rad`, `pair`,
-        `arc_length_mm`, `radius_mm`, `slant_deg`, `side` ("working" or "coast"), in three
-        dimensions `z_mm`, and `range_MPa`: the largest stress range at one point over all
-        positions and pairs.
-    """
-    found: dict[str, Any] = {}
-    for name, extremes, sign in (
-        ("tension", stress.tension, 1.0),
-        ("compression", stress.compression, -1.0),
-    ):
-        values = sign * extremes.stress_MPa
-        places = np.argwhere(values >= values.max() - SAME * np.abs(values).max())
-        p, s = places[site_force_N[tuple(places.T)].argmax()]
-        found[name] = {
-            "stress_MPa": float(extremes.stress_MPa[p, s]),
-            "position_rad": float(position_rad[p]),
-            "pair": int(sites[s]),
-            "arc_length_mm": float(extremes.arc_length_mm[p, s]),
-            "radius_mm": float(extremes.radius_mm[p, s]),
-            "slant_deg": float(extremes.slant_deg[p, s]),
-            "side": "working" if extremes.working[p, s] else "coast",
-        }
-        if extremes.z_mm is not None:
-            found[name]["z_mm"] = float(extremes.z_mm[p, s])
-    span = stress.stress_MPa.max(axis=(0, 1)) - stress.stress_MPa.min(axis=(0, 1))
-    found["range_MPa"] = float(span.max())
-    return found
 
 
 def root_arrays(stress: RootStress, z: int) -> dict[str, tuple[Floats, str]]:

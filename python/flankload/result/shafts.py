@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
+    import numpy as np
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
@@ -45,29 +42,3 @@ class ShaftLoads(KeepsReadOnly, Card):
         """Forces on the bearings of the shafts with known bearings, by name."""
         names = ("bearing_force_1_N", "bearing_force_2_N")
         return {name: getattr(self, name) for name in names if getattr(self, name).size}
-
-
-def shaft_summary(
-    shafts: ShaftLoads | None, mean: Callable[[Floats], float | None]
-) -> Mapping[str, Any]:
-    """Entries of the summary; none without shafts.
-
-    Parameters
-    ----------
-    shafts : ShaftLoads or None
-    mean : callable
-        Mean over the positions.
-
-    Returns
-    -------
-    mapping
-        `tilt_mean_um_per_mm`, the largest force on each bearing, N, and `k_h_beta_iso`.
-    """
-    if shafts is None:
-        return {}
-    largest = {
-        name.replace("_N", "_max_N"): np.linalg.norm(force, axis=2).max(axis=0).tolist()
-        for name, force in shafts.bearing_forces.items()
-    }
-    compared = {} if shafts.k_h_beta_iso is None else {"k_h_beta_iso": shafts.k_h_beta_iso}
-    return {"tilt_mean_um_per_mm": mean(shafts.tilt_um_per_mm), **largest, **compared}

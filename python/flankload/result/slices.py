@@ -9,12 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.card import Card
-from flankload.base.read_only import KeepsReadOnly
-from flankload.result.contact_quantities import frozen
+from flankload.base.read_only import KeepsReadOnly, frozen
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
@@ -47,12 +44,6 @@ class SliceLoads(KeepsReadOnly, Card):
     tangent_helix_base: float
     cosine_helix_base: float
     directions: Floats | None = None
-
-    def __post_init__(self) -> None:
-        for array in (self.z_mm, self.width_mm, self.force_N, self.peak_pressure_MPa):
-            frozen(array)
-        if self.directions is not None:
-            frozen(self.directions)
 
     @cached_property
     def line_load_N_per_mm(self) -> Floats:
@@ -149,16 +140,3 @@ def face_load_factors(force_N: Floats, width_mm: Floats, *, each: bool = False) 
     factors = np.ones_like(mean)
     np.divide(largest, mean, out=factors, where=mean > 0)
     return factors
-
-
-def slice_summary(slices: SliceLoads | None) -> Mapping[str, float]:
-    """Entries of the summary; none in a plane scene."""
-    if slices is None:
-        return {}
-    _, _, j = np.unravel_index(slices.line_load_N_per_mm.argmax(), slices.force_N.shape)
-    return {
-        "face_load_factor": slices.face_load_factor,
-        "peak_line_load_z_mm": float(slices.z_mm[j]),
-        "axial_force_N": float(np.abs(slices.axial_force_N).max()),
-        "tilting_moment_Nm": float(np.abs(slices.tilting_moment_Nm).max()),
-    }

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from flankload.result.contact_quantities import frozen
+from flankload.base.read_only import frozen
+from flankload.result.course import Motion
 from flankload.result.quantities import UNLOADED
 from flankload.result.result import Result
 from flankload.result.warning_lines import warning_lines
@@ -19,37 +20,25 @@ if TYPE_CHECKING:
 
     from flankload.result.pairs import PairTable
 
-#: Attributes that all torques have in common.
-SHARED = frozenset(
-    {
-        "name",
-        "position_rad",
-        "position_deg",
-        "reference_radius_mm",
-        "face_width_mm",
-        "pitch_rad",
-        "pitch_deg",
-        "period_rad",
-        "period_deg",
-        "period_pitches",
-        "closed",
-        "whole_circle",
-        "has_cam",
-        "stands_alike",
-        "follower_angle_rad",
-        "follower_angle_deg",
-        "slice_z_mm",
-        "geometry",
-        "drawing",
-        "accuracy",
-    }
-)
 #: Entries of the cost that each torque has for itself.
 COST_OF_TORQUE = ("of_this_torque", "largest_backward_error", "largest_condition")
 NO_TUPLE = (
     "the result of a list of torques is no tuple any more (its access ends with 1.0): use "
     "result.by_torque, result.at(torque_Nm), or the first axis of its arrays"
 )
+
+
+def _attributes(kind: type) -> Iterator[str]:
+    """Public names of fields and properties of a class."""
+    for name in dict.fromkeys([*kind.__dataclass_fields__, *dir(kind)]):  # type: ignore[attr-defined]
+        value = getattr(kind, name, None)
+        is_field = name in kind.__dataclass_fields__  # type: ignore[attr-defined]
+        if not name.startswith("_") and (is_field or isinstance(value, property | cached_property)):
+            yield name
+
+
+#: Attributes that all torques have in common.
+SHARED = frozenset({*_attributes(Motion), "slice_z_mm", "accuracy"})
 
 
 class TorqueSeries(Result):
@@ -211,15 +200,6 @@ def _merged(values: Sequence[Mapping[str, Any] | None]) -> dict[str, Any]:
         nested = any(isinstance(one, Mapping) for one in found)
         merged[key] = _merged(found) if nested else tuple(found)
     return merged
-
-
-def _attributes(kind: type) -> Iterator[str]:
-    """Public names of fields and properties of a class."""
-    for name in dict.fromkeys([*kind.__dataclass_fields__, *dir(kind)]):  # type: ignore[attr-defined]
-        value = getattr(kind, name, None)
-        is_field = name in kind.__dataclass_fields__  # type: ignore[attr-defined]
-        if not name.startswith("_") and (is_field or isinstance(value, property | cached_property)):
-            yield name
 
 
 # every attribute of one torque, also one that a later version adds, has its form for several,

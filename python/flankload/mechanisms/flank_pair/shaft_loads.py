@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.result.contact_quantities import frozen
+from flankload.base.read_only import frozen
 from flankload.result.shafts import ShaftLoads
 
 if TYPE_CHECKING:
