@@ -58,6 +58,11 @@ class StiffnessTable(Card):
     closed: bool
     values: dict[str, NDArray[np.float64]]
 
+    @property
+    def rotation_rad(self) -> NDArray[np.float64]:
+        """(N, T) Rotation of body 1 beyond ideal, rigid flanks."""
+        return self.values["transmission_error_um"] / (1000.0 * self.reference_radius_mm)
+
     def to_csv(self, path: str | Path | None = None, form: CsvForm | None = None) -> str:
         """Return the table as CSV; write it to `path`.
 
@@ -84,13 +89,11 @@ class StiffnessTable(Card):
             "# angle of body 1; per torque on body 1 (N m, after the @): quantity_unit\n"
         )
         names = [f"{key}@{torque:.12g}" for torque in self.torques_Nm for key in QUANTITIES]
+        by_torque = np.stack([self.values[key] for key in QUANTITIES], axis=2)
+        angles = np.column_stack([self.angle_rad, np.degrees(self.angle_rad)])
+        numbers = np.hstack([angles, by_torque.reshape(len(angles), -1)]).tolist()
         rows = [["angle_rad", "angle_deg", *names]]
-        for n, angle in enumerate(self.angle_rad):
-            row = [angle, np.degrees(angle)]
-            row += [
-                self.values[key][n, t] for t in range(self.torques_Nm.size) for key in QUANTITIES
-            ]
-            rows.append([form.cell(float(x)) for x in row])
+        rows += [[form.cell(x) for x in row] for row in numbers]
         text = head + form.lines(rows)
         if path is not None:
             write_atomically(path, text)
@@ -168,22 +171,13 @@ def stiffness_table(results: Sequence[Result]) -> StiffnessTable:
     if any(not np.array_equal(first.position_rad, other.position_rad) for other in results):
         raise ValueError("results at different positions make no table of angle and torque")
     over = over_positions(first)
-    order, angle = over.index, over.position_rad
-    if not (over.covers_period or first.stands_alike):
+    closed = over.covers_period or first.stands_alike
+    if closed:
+        order = np.append(over.index, over.index[0])
+        angle = np.append(over.position_rad, over.position_rad[0] + first.period_rad)
+    else:
         order = np.argsort(first.position_rad, kind="stable")
-        return _table(results, order, first.position_rad[order], closed=False)
-    order, angle = np.append(order, order[0]), np.append(angle, angle[0] + first.period_rad)
-    return _table(results, order, angle, closed=True)
-
-
-def _table(
-    results: Sequence[Result],
-    order: NDArray[np.int64],
-    angle: NDArray[np.float64],
-    *,
-    closed: bool,
-) -> StiffnessTable:
-    first = results[0]
+        angle = first.position_rad[order]
     return StiffnessTable(
         name=first.name,
         angle_rad=angle,
