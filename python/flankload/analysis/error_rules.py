@@ -8,18 +8,16 @@ are independent and are added as squares.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from flankload.analysis.sampling_error import between_positions, mean_stiffness
 from flankload.analysis.tangent import LARGEST_KINK
 from flankload.result.slices import face_load_factors
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.analysis.adaptive_positions import Window
     from flankload.contact.sweep import Sweep
 
     Floats = NDArray[np.float64]
@@ -96,8 +94,7 @@ EXTREMES = 0.35
 LARGEST_SMOOTH_CHANGE = 0.01
 
 
-@dataclass(frozen=True)
-class Left:
+class Left(NamedTuple):
     """Remaining error of one source in a quantity, or in a quantity at many places.
 
     Attributes
@@ -120,6 +117,17 @@ class Left:
         """Sum over several sources: errors with their signs, doubts as squares."""
         doubt = np.sqrt(sum(np.square(part.doubt) for part in parts))
         return cls(sum(part.error for part in parts), doubt)
+
+    @classmethod
+    def relative(cls, error: float, doubt: float, whole: float | np.floating) -> Left:
+        """Error and doubt of a number relative to its magnitude; none if that is 0."""
+        size = abs(float(whole))
+        return cls(error / size, doubt / size) if size > 0 else cls(0.0, 0.0)
+
+
+def mean_stiffness(softness: Floats) -> Floats | None:
+    """Inverse of rotation over torque; None if it is unknown at a position."""
+    return 1.0 / softness if (softness > 0).all() else None
 
 
 def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[str, Left]:
@@ -179,7 +187,7 @@ def _of_line_loads(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[
     change = change[..., _slices_around(found, other)]
     assert found.slice_corner is not None
     change = np.where(found.slice_corner > 0, 0.0, change)
-    factors = [float(_face_load_factors(part).max()) for part in (found, base, other)]
+    factors = [float(face_factors(part).max()) for part in (found, base, other)]
     return {
         LINE_LOAD: _at_each(of_loads, change, largest),
         FACE_LOAD: _at_each(of_factor, np.array([factors[2] - factors[1]]), factors[0]),
@@ -205,7 +213,8 @@ def _slices_around(part: Sweep, other: Sweep) -> NDArray[np.int64]:
     return np.asarray(np.searchsorted(other.slice_edges_mm, middle) - 1)
 
 
-def _face_load_factors(part: Sweep) -> Floats:
+def face_factors(part: Sweep) -> Floats:
+    """(P,) Largest line load of a sweep over its mean at each position."""
     return face_load_factors(_forces(part), _widths(part), each=part.conforming)
 
 
@@ -217,32 +226,6 @@ def _forces(part: Sweep) -> Floats:
 def _widths(part: Sweep) -> Floats:
     assert part.slice_edges_mm is not None
     return np.diff(part.slice_edges_mm)
-
-
-def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str, Left]:
-    """Errors of quantities that depend on the curve between the positions.
-
-    Parameters
-    ----------
-    found : Sweep
-    window : Window
-        Range of the positions.
-    position_rad : (P,) array
-
-    Returns
-    -------
-    dict
-        By quantity.
-    """
-    errors = between_positions(found, window, position_rad)
-    left = {name: Left(*both) for name, both in errors.items()}
-    if found.slice_force_N is not None and position_rad.size > 1:
-        factors = _face_load_factors(found)
-        at = int(factors.argmax())
-        # beside a kink, the largest value may lie half the step to a neighbour above the sample
-        beside = [factors[at - 1], factors[(at + 1) % factors.size]]
-        left[FACE_LOAD] = Left(0.0, 0.5 * float(1.0 - min(beside) / factors[at]))
-    return left
 
 
 def _of_shares(rule: Rule) -> Rule:
@@ -268,13 +251,10 @@ def _of_mean(rule: Rule, change: Floats, values: Floats) -> Left:
 
 def _of_peak_to_peak(rule: Rule, change: Floats, rotation: Floats) -> Left:
     whole = float(np.ptp(rotation))
-    if whole == 0:
-        return Left(0.0, 0.0)
     error = whole - float(np.ptp(rotation - rule.part * change))
     apart = np.abs(change - change.mean())
     of_extremes = apart[rotation.argmax()] + apart[rotation.argmin()]
-    doubt = EXTREMES * rule.doubt * float(of_extremes)
-    return Left(error / whole, doubt / whole)
+    return Left.relative(error, EXTREMES * rule.doubt * float(of_extremes), whole)
 
 
 def _shares(part: Sweep) -> Floats:

@@ -252,10 +252,7 @@ def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, Left]:
 
 def _left(now: float, whole: float, spread: float) -> Left:
     """Relative error of a number that has another value over the whole period."""
-    scale = abs(now)
-    if not scale > 0:
-        return Left(0.0, 0.0)
-    return Left((now - whole) / scale, float(np.hypot(DOUBT * (now - whole), spread)) / scale)
+    return Left.relative(now - whole, float(np.hypot(DOUBT * (now - whole), spread)), now)
 
 
 def _weights(position_rad: Floats, window: Window) -> Floats:

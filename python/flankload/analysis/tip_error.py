@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.analysis.error_rules import Left
-from flankload.analysis.sampling_error import mean_stiffness
+from flankload.analysis.error_rules import Left, mean_stiffness
 from flankload.elasticity.near_field import mode_values
 
 if TYPE_CHECKING:

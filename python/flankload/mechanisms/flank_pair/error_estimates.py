@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from flankload.analysis.error_rules import of_positions
 from flankload.analysis.estimate import estimate_errors
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
+from flankload.analysis.sampling_error import of_positions
 from flankload.analysis.tip_error import tip_error
 from flankload.cost import held_bytes
 from flankload.mechanisms.flank_pair.states import window_of
