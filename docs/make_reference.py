@@ -24,7 +24,8 @@ from flankload import result as result_package
 from flankload.cli import parser
 from flankload.contact.status import EXCEPTIONS, words
 from flankload.cost import COUNTERS
-from flankload.result import belt, chain, coast_contact, friction, quantities, root_stress
+from flankload.result import coast_contact, friction, quantities, root_stress
+from flankload.result.drives import BeltDrive, ChainDrive
 from flankload.scene.form import expected_of, fields_of, is_required, types_of
 from flankload.scene.scene_file import Body1, Body2, SceneFile
 from flankload.scene.table import Table
@@ -180,10 +181,10 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
         )
         for name, (attribute, unit) in arrays.items()
     ]
-    chains = group(chain.ALONG_POSITIONS, "(P,)", chain.ChainDrive)
-    chains += group(chain.OVER_SITES, "(P, S)", chain.ChainDrive)
-    belts = group(belt.BeltDrive.along, "(P,)", belt.BeltDrive)
-    belts += group(belt.BeltDrive.over_sites, "(P, S)", belt.BeltDrive)
+    chains, belts = (
+        group(drive.along, "(P,)", drive) + group(drive.over_sites, "(P, S)", drive)
+        for drive in (ChainDrive, BeltDrive)
+    )
     return [
         ("Numbers", "In every result.", group(quantities.SINGLE_NUMBERS, "")),
         ("Over the positions", "In every result.", group(quantities.ALONG_POSITIONS, "(P,)")),

@@ -29,7 +29,7 @@ from flankload.plot.wheel import (
     number_sites,
     scaled_alike,
 )
-from flankload.result.belt import BeltDrive
+from flankload.result.drives import BeltDrive
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

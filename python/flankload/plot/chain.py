@@ -19,7 +19,7 @@ from flankload.plot.wheel import (
     number_sites,
     scaled_alike,
 )
-from flankload.result.chain import ChainDrive
+from flankload.result.drives import ChainDrive
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flankload.base.read_only import frozen
-from flankload.result.belt import BeltDrive
-from flankload.result.chain import ChainDrive
 from flankload.result.coast_contact import CoastContact
 from flankload.result.course import Course
+from flankload.result.drives import BeltDrive, ChainDrive
 from flankload.result.friction import FrictionResult
 from flankload.result.root_stress import RootReading, RootStress, root_stress
 from flankload.result.shafts import ShaftLoads

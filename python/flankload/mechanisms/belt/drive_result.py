@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.mechanisms.belt.states import lands_in_words, sites_of
-from flankload.result.belt import BeltDrive
+from flankload.result.drives import BeltDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result
 from flankload.scene.usual import question_notes

@@ -10,7 +10,7 @@ import numpy as np
 
 from flankload.mechanisms.chain.contact import WrapState, work_of
 from flankload.mechanisms.wrapped import Sites
-from flankload.result.chain import ChainDrive
+from flankload.result.drives import ChainDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result
 from flankload.scene.usual import question_notes
