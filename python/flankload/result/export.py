@@ -13,6 +13,7 @@ import numpy as np
 from flankload.base.files import write_atomically
 from flankload.base.optional import optional
 from flankload.result.csv_form import CsvForm
+from flankload.result.notes import warning_lines
 from flankload.result.quantities import (
     ALONG_POSITIONS,
     OVER_SITES,
@@ -28,7 +29,6 @@ from flankload.result.quantities import (
     torques_of,
     units_of,
 )
-from flankload.result.warning_lines import warning_lines
 
 if TYPE_CHECKING:
     from flankload.result.result import Result

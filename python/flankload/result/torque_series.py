@@ -11,9 +11,9 @@ import numpy as np
 
 from flankload.base.read_only import frozen
 from flankload.result.course import Motion
+from flankload.result.notes import warning_lines
 from flankload.result.quantities import UNLOADED
 from flankload.result.result import Result
-from flankload.result.warning_lines import warning_lines
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

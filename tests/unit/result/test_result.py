@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from flankload.result import Result, results_to_csv, results_to_json, results_to_text
-from flankload.result.warning_lines import warning_lines
+from flankload.result.notes import warning_lines
 from tests.support.made_up_result import made_up_result
 from tests.support.pair_scenes import EXTERNAL, solved
 from tests.support.tolerances import ROUND_OFF
