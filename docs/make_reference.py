@@ -24,8 +24,9 @@ from flankload import result as result_package
 from flankload.cli import parser
 from flankload.contact.status import EXCEPTIONS, words
 from flankload.cost import COUNTERS
-from flankload.result import coast_contact, friction, quantities, root_stress
+from flankload.result import friction, quantities, root_stress
 from flankload.result.drives import BeltDrive, ChainDrive
+from flankload.result.parts import OVER_COAST_SITES
 from flankload.scene.form import expected_of, fields_of, is_required, types_of
 from flankload.scene.scene_file import Body1, Body2, SceneFile
 from flankload.scene.table import Table
@@ -207,7 +208,7 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
         (
             "Coast flanks",
             "With `effects.coast_flank = true`.",
-            group(coast_contact.OVER_SITES, "(P, S)"),
+            group(OVER_COAST_SITES, "(P, S)"),
         ),
         (
             "Tooth root stress",

@@ -149,24 +149,12 @@ def results_to_csv(
 
 
 def to_xarray(results: Result | Sequence[Result]) -> Any:
-    """A result, or results of single torques, as a labelled dataset.
+    """A result, or results of single torques, as a labelled `xarray.Dataset`.
 
-    Parameters
-    ----------
-    results : Result or sequence of Result
-
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions `position` (coordinate: angle of body 1, rad), `site` (pair number) and `slice`
-        (axial position, mm; one in a plane scene); units in the attributes of each variable. A list
-        of torques, or a sequence, has the dimension `torque` in front (coordinate: N m); a pair
-        that a torque never loads has the values of an open pair there.
-
-    Raises
-    ------
-    ImportError
-        If xarray is not installed.
+    Dimensions `position` (coordinate: angle of body 1, rad), `site` (pair number) and `slice`
+    (axial position, mm; one in a plane scene); units in the attributes of each variable. A list of
+    torques, or a sequence, has the dimension `torque` in front (coordinate: N m); a pair that a
+    torque never loads has the values of an open pair there.
     """
     xarray = optional("xarray", "to_xarray")
     if not isinstance(results, Sequence) and not results.has_torque_list:

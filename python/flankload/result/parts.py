@@ -2,22 +2,85 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flankload.base.read_only import frozen
-from flankload.result.coast_contact import CoastContact
+from flankload.base.card import Card
+from flankload.base.read_only import KeepsReadOnly, frozen
 from flankload.result.course import Course
 from flankload.result.drives import BeltDrive, ChainDrive
 from flankload.result.friction import FrictionResult
+from flankload.result.pairs import PairTable
 from flankload.result.root_stress import RootReading, RootStress, root_stress
-from flankload.result.shafts import ShaftLoads
 from flankload.result.slices import SliceLoads
 
 Floats = NDArray[np.float64]
+
+
+#: Arrays over positions and sites that only results with coast flanks have, with their units.
+OVER_COAST_SITES = {"coast_force_N": "N", "coast_peak_pressure_MPa": "MPa"}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CoastContact(KeepsReadOnly, Card):
+    """Contact on coast flanks at P positions, for the S pair numbers of the working flanks.
+
+    Pair j is the tooth of body 1 whose working flank belongs to pair j; its coast flank faces the
+    tooth of body 2 that meets the next tooth, or, if body 2 is an internal gear, the other side of
+    its own space.
+
+    Attributes
+    ----------
+    force_N, peak_pressure_MPa : (P, S) arrays
+        Force and largest pressure; 0 if open.
+    corner_contact : (P, S) array of bool
+        Contact on a sharp corner, where the peak pressure is meaningless.
+    pair_tables : sequence of PairTable, one per position
+        Their forces turn body 1 against its torque.
+    """
+
+    force_N: Floats
+    peak_pressure_MPa: Floats
+    corner_contact: NDArray[np.bool_]
+    pair_tables: Sequence[PairTable]
+
+    @property
+    def loaded(self) -> NDArray[np.int64]:
+        """(P,) Number of coast flanks that carry load."""
+        return np.asarray((self.force_N > 0).sum(axis=1))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ShaftLoads(KeepsReadOnly, Card):
+    """Shafts and bearings of both bodies at P positions.
+
+    Attributes
+    ----------
+    tilt_um_per_mm : (P,) array
+        Slope of the gap between the flanks by both shafts, along the base tangent; positive if the
+        gap opens towards larger z, as a positive `helix_slope_um` over the face width does.
+    bearing_force_1_N, bearing_force_2_N : (P, B, 3) arrays
+        Force (x, y, z) of the shaft on each of its B bearings; x from axis 1 to axis 2, z along the
+        axes. B = 0 if the shaft is known by its compliance only, and without a shaft.
+    k_h_beta_iso : float or None
+        Face load factor by the formulas of ISO 6336-1, method C, for comparison only; None without
+        a shaft that bends and twists under the teeth of the pinion, and where they do not apply.
+    """
+
+    tilt_um_per_mm: Floats
+    bearing_force_1_N: Floats
+    bearing_force_2_N: Floats
+    k_h_beta_iso: float | None = None
+
+    @property
+    def bearing_forces(self) -> dict[str, Floats]:
+        """Forces on the bearings of the shafts with known bearings, by name."""
+        names = ("bearing_force_1_N", "bearing_force_2_N")
+        return {name: getattr(self, name) for name in names if getattr(self, name).size}
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.result.coast_contact import OVER_SITES as COAST
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
+from flankload.result.parts import OVER_COAST_SITES
 from flankload.result.root_stress import root_arrays, slice_root_arrays
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from flankload.result.forms import ResultForms
     from flankload.result.result import Result
@@ -69,7 +70,7 @@ ONLY_LOADED = (
 )
 #: Values of a pair at a torque that never loads it; NaN in all other arrays.
 UNLOADED = {
-    **dict.fromkeys((*OVER_SITES, *OVER_SLICES, *COAST), 0),
+    **dict.fromkeys((*OVER_SITES, *OVER_SLICES, *OVER_COAST_SITES), 0),
     **dict.fromkeys(ONLY_LOADED, np.nan),
     "flank_face_load_factor": 1,
 }
@@ -121,7 +122,7 @@ def over_sites(result: Result) -> Arrays:
 
 def over_some_sites(result: Result) -> Arrays:
     """Arrays (P, S) of coast flanks and of root stress, if requested."""
-    found = {} if result.coast is None else _arrays(result, COAST)
+    found = {} if result.coast is None else _arrays(result, OVER_COAST_SITES)
     for z, stress in enumerate(result.root_stress):
         if stress is not None:
             found |= root_arrays(stress, z)
@@ -154,3 +155,17 @@ def site_column(result: Result, arrays: Arrays, key: str, site: int) -> Any:
     if own.size == 0:
         return np.full(result.position_rad.size, UNLOADED.get(key, np.nan))
     return arrays[key][0][:, own[0]] if key in arrays else column(result, arrays, key)
+
+
+def by_path(
+    values: Mapping[str, Any], of_item: Callable[[int], str], before: str = ""
+) -> Iterator[tuple[str, Any]]:
+    """Entries of nested mappings and sequences by their path; `of_item`: step to the n-th item."""
+    for key, value in values.items():
+        path = f"{before}{key}"
+        if isinstance(value, Mapping):
+            yield from by_path(value, of_item, f"{path}.")
+        elif isinstance(value, list | tuple | np.ndarray):
+            yield from by_path({of_item(n): one for n, one in enumerate(value)}, of_item, path)
+        else:
+            yield path, value

@@ -9,8 +9,8 @@ import numpy as np
 
 from flankload.base.text_table import MARK, NONE, number, text_table
 from flankload.cost import COUNTERS
-from flankload.result.coast_contact import CoastContact
 from flankload.result.notes import accuracy_lines, outside_words, warning_lines
+from flankload.result.parts import CoastContact
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ from flankload.result.quantities import (
     OVER_SITES,
     SINGLE_NUMBERS,
     along_positions,
+    by_path,
     column,
     over_sites,
     over_slices,
@@ -114,7 +115,7 @@ def _summary(results: Sequence[Result]) -> Iterator[Row]:
         ("", [result.summary for result in results]),
         ("estimated error: ", [result.estimate or {} for result in results]),
     ):
-        rows = [dict(_flat(values)) for values in of_results]
+        rows = [dict(by_path(values, _item)) for values in of_results]
         for key in dict.fromkeys(key for row in rows for key in row):
             yield [f"{part}{key}", *(row.get(key) for row in rows)]
     yield []
@@ -126,16 +127,8 @@ def _summary(results: Sequence[Result]) -> Iterator[Row]:
         yield [text, *concerned]
 
 
-def _flat(values: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    """Numbers of nested mappings and lists by their path."""
-    for key, value in values.items():
-        name = f"{before}{key}"
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{name}.")
-        elif isinstance(value, (list, tuple, np.ndarray)):
-            yield from _flat({str(k + 1): item for k, item in enumerate(value)}, f"{name} ")
-        else:
-            yield name, value
+def _item(n: int) -> str:
+    return f" {n + 1}"
 
 
 def _quantities(results: Sequence[Result]) -> Iterator[tuple[str, list[Row]]]:

@@ -15,10 +15,10 @@ from flankload.contact.core_call import CORE_COUNTERS
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
 from flankload.mechanisms.flank_pair.shaft_loads import shaft_loads
 from flankload.pairing.common_height import turned
-from flankload.result.coast_contact import CoastContact
 from flankload.result.friction import FrictionResult, friction_result
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
+from flankload.result.parts import CoastContact
 from flankload.result.result import Result
 from flankload.result.root_stress import root_reading
 from flankload.result.slices import SliceLoads

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.read_only import frozen
-from flankload.result.shafts import ShaftLoads
+from flankload.result.parts import ShaftLoads
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
