@@ -67,10 +67,6 @@ class Window:
     sites: Integers
     whole_circle: bool
 
-    def curve(self, position_rad: Floats, known: _Known) -> PositionCurve:
-        """Rotation over the window."""
-        return self.curve_of(position_rad, known.rotation_rad, known.loaded)
-
     def curve_of(self, position_rad: Floats, values: Floats, loaded: Flags) -> PositionCurve:
         """Values (P,) at positions (P,) over the window; loaded (P, S): sites that carry load."""
         period = self.pitches * self.pitch_rad if self.closed else None
@@ -115,15 +111,12 @@ class AdaptiveSweep:
     found : tuple of Sweep, one per torque
     errors : tuple of PositionErrors, one per torque
     rounds : int
-    enough : bool
-        Whether the errors are within the tolerance; False if all allowed positions were used.
     """
 
     position_rad: Floats
     found: tuple[Sweep, ...]
     errors: tuple[PositionErrors, ...]
     rounds: int
-    enough: bool
 
 
 def sweep_adaptively(
@@ -160,24 +153,24 @@ def sweep_adaptively(
     position_rad, order = start_rad, np.arange(start_rad.size)
     while True:
         known = [_Known.of(parts, order) for parts in zip(*rounds, strict=True)]
-        curves = [window.curve(position_rad, part) for part in known]
+        curves = [window.curve_of(position_rad, part.rotation_rad, part.loaded) for part in known]
         errors = tuple(
             _errors(curve, part.rotation_rad, window, least_rad)
             for curve, part in zip(curves, known, strict=True)
         )
-        enough = all(error.largest <= tolerance for error in errors)
         room = most - position_rad.size
-        if enough or room <= 0:
+        if room <= 0 or all(error.largest <= tolerance for error in errors):
             break
         new = _next_positions(curves, known, errors, tolerance, window, room)
         if new.size == 0:
             break
         rounds.append(run(new, len(rounds)))
-        place = np.argsort(np.concatenate([position_rad, new]), kind="stable")
-        position_rad = np.concatenate([position_rad, new])[place]
+        position_rad = np.concatenate([position_rad, new])
+        place = np.argsort(position_rad, kind="stable")
+        position_rad = position_rad[place]
         order = np.concatenate([order, order.size + np.arange(new.size)])[place]
     found = tuple(join_sweeps(parts, order) for parts in zip(*rounds, strict=True))
-    return AdaptiveSweep(position_rad, found, errors, len(rounds), enough)
+    return AdaptiveSweep(position_rad, found, errors, len(rounds))
 
 
 @dataclass(frozen=True)

@@ -153,9 +153,7 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
         "transmission_error": _at_each(rule, change, np.abs(rotation).max()),
         "load_share": _at_each(_of_shares(rule), _shares(other) - _shares(base), 1.0),
         "peak_pressure": _at_each(
-            replace(rule, doubt=rule.doubt_pressure),
-            _peak_change(found, base, other),
-            _largest_peak(found),
+            _of_pressures(rule), _peak_change(found, base, other), _largest_peak(found)
         ),
         "transmission_error_mean": _of_mean(rule, change, rotation),
         "transmission_error_peak_to_peak": _of_peak_to_peak(rule, change, rotation),
@@ -179,26 +177,22 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
 
 def _of_line_loads(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[str, Left]:
     """Errors of the line loads and of the face load factor."""
-    of_loads, of_factor = (
-        replace(rule, doubt=part * rule.doubt_pressure) for part in (LINE_LOADS, FACE_LOADS)
-    )
-    largest = float(np.max(_line_loads(found)))
-    change = _line_loads(other) - _line_loads(base, other)
+    largest = float(np.max(_line_loads(found, found)))
+    change = _line_loads(other, other) - _line_loads(base, other)
     change = change[..., _slices_around(found, other)]
     assert found.slice_corner is not None
     change = np.where(found.slice_corner > 0, 0.0, change)
     factors = [float(face_factors(part).max()) for part in (found, base, other)]
     return {
-        LINE_LOAD: _at_each(of_loads, change, largest),
-        FACE_LOAD: _at_each(of_factor, np.array([factors[2] - factors[1]]), factors[0]),
+        LINE_LOAD: _at_each(_of_pressures(rule, LINE_LOADS), change, largest),
+        FACE_LOAD: _at_each(
+            _of_pressures(rule, FACE_LOADS), np.array([factors[2] - factors[1]]), factors[0]
+        ),
     }
 
 
-def _line_loads(part: Sweep, on: Sweep | None = None) -> Floats:
-    """(P, S, J) Force per mm of face width in the slices of a sweep, or in those of another one
-    whose edges are among them.
-    """
-    on = part if on is None else on
+def _line_loads(part: Sweep, on: Sweep) -> Floats:
+    """(P, S, J) Force per mm of face width in the slices of `on`, whose edges are among its own."""
     assert part.slice_edges_mm is not None
     assert on.slice_edges_mm is not None
     first = np.searchsorted(part.slice_edges_mm, on.slice_edges_mm[:-1])
@@ -226,6 +220,11 @@ def _forces(part: Sweep) -> Floats:
 def _widths(part: Sweep) -> Floats:
     assert part.slice_edges_mm is not None
     return np.diff(part.slice_edges_mm)
+
+
+def _of_pressures(rule: Rule, part: float = 1.0) -> Rule:
+    """The rule with its doubt for pressures, or with a part of that."""
+    return replace(rule, doubt=part * rule.doubt_pressure)
 
 
 def _of_shares(rule: Rule) -> Rule:
@@ -294,23 +293,12 @@ def _peak_change(found: Sweep, base: Sweep, other: Sweep) -> Floats:
 
 
 def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> Left:
-    """Error of the modes in the peaks off sharp corners.
-
-    Parameters
-    ----------
-    found, base, other : Sweep
-        The sweep whose errors are estimated; the comparison with all modes and with fewer modes.
-
-    Returns
-    -------
-    Left
-    """
+    """Error of the modes in the peaks off sharp corners; sweeps as in `what_is_left`."""
     changes = np.abs(_shares(other) - _shares(base))
     change = float(changes.max(initial=0.0))
     largest = _largest_peak(found)
     if change < SAME_SHARE:  # one pair carries alone throughout
-        doubt = replace(MODES, doubt=MODES.doubt_pressure)
-        return _at_each(doubt, _peak_change(found, base, other), largest)
+        return _at_each(_of_pressures(MODES), _peak_change(found, base, other), largest)
     peak = np.where(_smooth(found, base, other), found.site_peak_N_per_mm, 0.0)
     part = peak / largest if largest > 0 else np.zeros_like(peak)
     # the peak of a line contact is proportional to the root of its force: for a pair that has just
@@ -321,17 +309,7 @@ def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> Left:
 
 
 def peak_of_cells(found: Sweep, coarse: Sweep) -> Left:
-    """Error of the cells in the peaks off sharp corners.
-
-    Parameters
-    ----------
-    found, coarse : Sweep
-        The sweep whose errors are estimated, and the same with half as many cells.
-
-    Returns
-    -------
-    Left
-    """
+    """Error of the cells in the peaks off sharp corners; `coarse` has half as many cells."""
     change, largest = _peak_change(found, found, coarse), _largest_peak(found)
     left = _at_each(STRIPS, change, largest)
     rough = np.abs(change) > LARGEST_SMOOTH_CHANGE * found.site_peak_N_per_mm

@@ -210,16 +210,7 @@ def _loads(
 def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, Left]:
     """Errors of positions that do not contain all teeth, in quantities of the whole period.
 
-    Parameters
-    ----------
-    found : Sweep
-        With its pairs, under a torque.
-    others : OtherTeeth
-
-    Returns
-    -------
-    dict
-        By quantity.
+    The sweep has its pairs and a torque.
     """
     changes, rotation = others.changes_rad(found), found.rotation_rad
     known = ~np.isnan(changes)

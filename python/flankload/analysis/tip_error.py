@@ -131,16 +131,7 @@ def _answer(found: Sweep, lost: Floats, between: Floats) -> tuple[Floats, Floats
 
 @dataclass(frozen=True, eq=False)
 class _Loads:
-    """Loaded pairs of a sweep.
-
-    Attributes
-    ----------
-    at : two (n,) arrays
-        Position and site of each.
-    force : (n,) array
-    shape : (int, int)
-        Numbers of positions and sites.
-    """
+    """Positions, sites and forces of n loaded pairs; `shape`: numbers of positions and sites."""
 
     at: tuple[NDArray[np.integer], NDArray[np.integer]]
     force: Floats
@@ -163,14 +154,8 @@ class _Loads:
 def _lost_displacement(
     found: Sweep, body: Body, compliance: BodyCompliance, pairing: Pairing, z: int
 ) -> tuple[Floats, Floats]:
-    """Loss of displacement at each site under all forces, and compliance between sites.
-
-    Returns
-    -------
-    turned : (P, S) array
-        By the inclination of forces; mm² (per width).
-    between : (P, S, S) array
-        By the modes; mm²/N (per width).
+    """Loss of displacement (P, S) at each site by the inclination of all forces, mm² per width, and
+    compliance (P, S, S) between sites by the modes, mm²/N per width.
     """
     pairs = found.pairs
     loaded = pairs.column("force") > 0
