@@ -40,20 +40,7 @@ class FlankContacts(KeepsReadOnly):
 def flank_contacts(
     tables: Sequence[PairTable], sites: NDArray[np.int64], geometry: PairGeometry | None
 ) -> FlankContacts:
-    """Contacts of all positions.
-
-    Parameters
-    ----------
-    tables : sequence of PairTable
-        One per position.
-    sites : (S,) array
-    geometry : PairGeometry or None
-        Motion of the bodies.
-
-    Returns
-    -------
-    FlankContacts
-    """
+    """Contacts of all positions, with a table each, on sites (S,)."""
     found = np.full((3, len(tables), sites.size), np.nan)
     for p, table in enumerate(tables):
         motion = pair_velocities(table, geometry, p)
@@ -92,19 +79,8 @@ def pair_velocities(
 ) -> tuple[Floats, Floats]:
     """Velocities of both bodies along flank 1, towards its tip, at each pair of position p.
 
-    A body that rotates with the speed w about (c, 0) moves with w (-y, x - c).
-
-    Parameters
-    ----------
-    table : PairTable
-        Table of n pairs.
-    geometry : PairGeometry or None
-    p : int
-
-    Returns
-    -------
-    v_1, v_2 : (n,) arrays
-        mm per rad of position; NaN without geometry.
+    A body that rotates with the speed w about (c, 0) moves with w (-y, x - c). Two arrays (n,) in
+    mm per rad of position, NaN without geometry.
     """
     if geometry is None:
         unknown = np.full(len(table), np.nan)
@@ -123,17 +99,12 @@ def loaded_length(place: Floats, cell: Floats, force: Floats) -> float:
     The square of the pressure p decreases linearly to 0 at the end of a Hertz contact (p² = p_0² (1
     - x²/b²)); a line through the last two cells gives the end, limited to the centre of the next
     open cell. If the pressure increases towards the end (a sharp corner, a flat punch), the whole
-    last cell is in contact.
+    last cell is in contact. Several separate parts are added.
 
     Parameters
     ----------
     place, cell, force : (n,) arrays
         Arc length of the cells' centres, their lengths and forces.
-
-    Returns
-    -------
-    float
-        mm; the sum if several separate parts are in contact.
     """
     order = np.argsort(place)
     s, d = place[order], cell[order]

@@ -125,16 +125,7 @@ class OverPositions:
 
 
 def over_positions(result: Result) -> OverPositions:
-    """Arrangement of the positions of a result in its period.
-
-    Parameters
-    ----------
-    result : Result
-
-    Returns
-    -------
-    OverPositions
-    """
+    """Arrangement of the positions of a result in its period."""
     position, period, pitch = result.position_rad, result.period_rad, result.pitch_rad
     steps = np.diff(position)
     even = bool(
@@ -149,15 +140,15 @@ def over_positions(result: Result) -> OverPositions:
     widest = WIDEST * pitch * (1.0 + SAME)
     span, covered = np.ptp(position), bool(gaps.max() <= widest)
     # single isolated positions are no period, however many turns they are apart
-    covers = result.closed or (covered and span + gaps.max() >= period * (1.0 - SAME))
-    contiguous = not covers and span < period and bool(np.max(gaps[:-1], initial=0.0) <= widest)
+    covers = bool(result.closed or (covered and span + gaps.max() >= period * (1.0 - SAME)))
+    contiguous = bool(not covers and span < period and np.max(gaps[:-1], initial=0.0) <= widest)
     return OverPositions(
         result,
         position_rad=inside[index],
         index=index,
         periods=periods[index],
-        covers_period=bool(covers),
-        contiguous=bool(contiguous),
+        covers_period=covers,
+        contiguous=contiguous,
         even=even,
         regular=bool(np.ptp(steps) <= SAME * pitch) if steps.size else True,
     )

@@ -209,22 +209,7 @@ def root_reading(
 def root_stress(
     reading: RootReading, tables: Sequence[PairTable], sites: NDArray[np.int64], z: int
 ) -> RootStress:
-    """Stress of one body at all positions.
-
-    Parameters
-    ----------
-    reading : RootReading
-    tables : sequence of PairTable
-        One per position.
-    sites : (S,) array
-        Pair numbers.
-    z : int
-        0 or 1: which body.
-
-    Returns
-    -------
-    RootStress
-    """
+    """Stress of body z + 1 under the forces of a table per position; sites (S,): pair numbers."""
     loads = np.array([_mode_loads(reading, table, sites, z) for table in tables])
     over_width = reading.over_width
     # normalise the sign of zero
@@ -300,24 +285,13 @@ def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
     sides = [np.flatnonzero(points.working), np.flatnonzero(~points.working)]
     peaks = [_peak(points.arc_length_mm[side], sign * stress[..., side]) for side in sides]
     working = peaks[0][0] >= peaks[1][0]
-    found = np.where(working, peaks[0][0], peaks[1][0])
-    place = np.where(working, peaks[0][1], peaks[1][1])
-    along = {}
-    for key in ("radius_mm", "slant_rad"):
-        values = getattr(points, key)
-        one, two = (
-            np.interp(place.ravel(), points.arc_length_mm[side], values[side]) for side in sides
-        )
-        along[key] = np.where(working.ravel(), one, two).reshape(place.shape)
-    # normalise the sign of zero
-    arrays = (
-        sign * found + 0.0,
-        place,
-        along["radius_mm"],
-        np.degrees(along["slant_rad"]),
-        working,
+    found, place = (np.where(working, *both) for both in zip(*peaks, strict=True))
+    radius, slant = (
+        np.where(working, *(np.interp(place, points.arc_length_mm[k], values[k]) for k in sides))
+        for values in (points.radius_mm, points.slant_rad)
     )
-    return Extremes(*arrays)
+    # normalise the sign of zero
+    return Extremes(sign * found + 0.0, place, radius, np.degrees(slant), working)
 
 
 def _over_slices(found: Extremes, sign: float, z_mm: Floats | None) -> Extremes:

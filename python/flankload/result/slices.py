@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -104,14 +104,11 @@ class SliceLoads(KeepsReadOnly, Card):
 
     def at_sites(self, sites: NDArray[np.int64]) -> SliceLoads:
         """The same for some of the sites."""
-        return SliceLoads(
-            self.z_mm,
-            self.width_mm,
-            self.force_N[:, sites],
-            self.peak_pressure_MPa[:, sites],
-            self.tangent_helix_base,
-            self.cosine_helix_base,
-            None if self.directions is None else self.directions[:, sites],
+        return replace(
+            self,
+            force_N=self.force_N[:, sites],
+            peak_pressure_MPa=self.peak_pressure_MPa[:, sites],
+            directions=None if self.directions is None else self.directions[:, sites],
         )
 
 

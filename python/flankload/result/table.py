@@ -404,18 +404,7 @@ def _cost(cost: Any) -> str:
 
 
 def cost_table(cost: Mapping[str, Any]) -> str:
-    """Return a row for each quantity that a stage was predicted to use, or used.
-
-    Parameters
-    ----------
-    cost : mapping
-        Cost of a result.
-
-    Returns
-    -------
-    str
-        Lines without a final line break.
-    """
+    """A row for each quantity that a stage was predicted to use, or used."""
     rows = (row for item in cost["stages"].items() for row in _rows_of_stage(*item))
     return "\n".join(text_table([("stage", "work", "predicted", "spent"), *rows], left=2))
 
