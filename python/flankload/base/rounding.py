@@ -24,16 +24,7 @@ def round_down(quotient: float) -> int: ...
 @overload
 def round_down(quotient: NDArray[np.float64]) -> NDArray[np.int64]: ...
 def round_down(quotient: float | NDArray[np.float64]) -> int | NDArray[np.int64]:
-    """Floor; a quotient that is a whole number up to `TIE` gives that number.
-
-    Parameters
-    ----------
-    quotient : float or array
-
-    Returns
-    -------
-    int or array of int
-    """
+    """Floor of a number or an array; a whole number up to `TIE` gives that number."""
     whole = np.floor(np.asarray(quotient) + TIE).astype(np.int64)
     return int(whole) if whole.ndim == 0 else whole
 
@@ -43,14 +34,5 @@ def round_up(quotient: float) -> int: ...
 @overload
 def round_up(quotient: NDArray[np.float64]) -> NDArray[np.int64]: ...
 def round_up(quotient: float | NDArray[np.float64]) -> int | NDArray[np.int64]:
-    """Ceiling; a quotient that is a whole number up to `TIE` gives that number.
-
-    Parameters
-    ----------
-    quotient : float or array
-
-    Returns
-    -------
-    int or array of int
-    """
+    """Ceiling of a number or an array; a whole number up to `TIE` gives that number."""
     return -round_down(-np.asarray(quotient, dtype=np.float64))

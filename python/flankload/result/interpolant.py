@@ -161,22 +161,18 @@ def curve_through(
     after = _Polynomials.near(x, y, kinked + 1, start, end, x[kinked + 1])
     meeting, meets = _meeting(before, after, x[kinked], x[kinked + 1])
     chord = _chords(before, after, x, y, kinked)
-    parts = (
-        (whole, x[smooth], x[smooth + 1], smooth),
-        (before.of(meets), x[kinked[meets]], meeting[meets], kinked[meets]),
-        (after.of(meets), meeting[meets], x[kinked[meets] + 1], kinked[meets]),
-        (chord.of(~meets), x[kinked[~meets]], x[kinked[~meets] + 1], kinked[~meets]),
-    )
-    low = np.concatenate([part[1] for part in parts])
+    met, apart = kinked[meets], kinked[~meets]
+    polynomials = (whole, before.of(meets), after.of(meets), chord.of(~meets))
+    low = np.concatenate([x[smooth], x[met], meeting[meets], x[apart]])
+    high = np.concatenate([x[smooth + 1], meeting[meets], x[met + 1], x[apart + 1]])
+    interval = np.concatenate([smooth, met, met, apart])
     order = np.argsort(low, kind="stable")
+    nodes, coefficients, doubts = (
+        np.vstack([getattr(part, name) for part in polynomials])[order]
+        for name in ("nodes", "coefficients", "doubts")
+    )
     return PositionCurve(
-        low=low[order],
-        high=np.concatenate([part[2] for part in parts])[order],
-        interval=np.concatenate([part[3] for part in parts])[order] - first,
-        nodes=np.vstack([part[0].nodes for part in parts])[order],
-        coefficients=np.vstack([part[0].coefficients for part in parts])[order],
-        doubts=np.vstack([part[0].doubts for part in parts])[order],
-        n_intervals=n_intervals,
+        low[order], high[order], interval[order] - first, nodes, coefficients, doubts, n_intervals
     )
 
 
@@ -269,11 +265,11 @@ class _Polynomials:
 
 
 def _newton(nodes: Floats, coefficients: Floats, x: Floats) -> Floats:
-    """Values (K, m) at places (K, m)."""
-    values = coefficients[:, DEGREE, None]
+    """Values (…, m) at places (…, m) of polynomials (…, 4)."""
+    values = coefficients[..., DEGREE, None]
     for d in range(DEGREE - 1, -1, -1):
-        values = values * (x - nodes[:, d, None]) + coefficients[:, d, None]
-    return np.broadcast_to(values, x.shape)
+        values = values * (x - nodes[..., d, None]) + coefficients[..., d, None]
+    return values
 
 
 def _meeting(
@@ -295,9 +291,7 @@ def _meeting(
     )
     for _ in range(MEETING_STEPS):
         middle = 0.5 * (low + high)
-        values = coefficients[..., DEGREE]
-        for d in range(DEGREE - 1, -1, -1):
-            values = values * (middle[:, None] - nodes[..., d]) + coefficients[..., d]
+        values = _newton(nodes, coefficients, middle[:, None, None])[..., 0]
         beyond = (values[:, 0] - values[:, 1]) * at_low <= 0
         low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
     return 0.5 * (low + high), meets
