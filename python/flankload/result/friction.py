@@ -73,17 +73,10 @@ class FrictionResult(Card):
 
     def as_dict(self) -> dict[str, Any]:
         """Friction in the form of the files."""
-        tilting = self.tilting_moment_Nm
-        return {
-            "driver": self.driver,
-            "torque_2_Nm": self.torque_2_Nm,
-            "loss_J_per_rad": self.loss_J_per_rad,
-            "site_friction_N": self.site_friction_N,
-            "loss_work_J": self.loss_work_J,
-            "work_1_J": self.work_1_J,
-            "work_2_J": self.work_2_J,
-            "efficiency": self.efficiency,
-        } | ({} if tilting is None else {"tilting_moment_Nm": tilting})
+        works = ("loss_work_J", "work_1_J", "work_2_J", "efficiency")
+        some = ("tilting_moment_Nm",) if self.tilting_moment_Nm is not None else ()
+        keys = ("driver", *ALONG_POSITIONS, "site_friction_N", *works, *some)
+        return {key: getattr(self, key) for key in keys}
 
 
 def friction_result(

@@ -19,18 +19,10 @@ OUTSIDE = "outside the model's limits"
 
 
 def warning_lines(results: Sequence[Result]) -> list[str]:
-    """Warnings of the results of a scene, without repetition.
+    """Warnings of the results of a scene, one per torque, without repetition.
 
-    Parameters
-    ----------
-    results : sequence of Result
-        One per torque.
-
-    Returns
-    -------
-    list of str
-        Warnings that differ only in their numbers are merged, in the words of the largest torque; a
-        warning that does not apply to all torques names its torques.
+    Warnings that differ only in their numbers are merged, in the words of the largest torque; a
+    warning that does not apply to all torques names its torques.
     """
     groups: dict[str, dict[float, str]] = {}
     for result in results:
@@ -49,35 +41,13 @@ def _line(said: dict[float, str], torques: int) -> str:
 
 
 def outside_words(names: Sequence[str]) -> str:
-    """Words that accompany an error estimate if premises are violated.
-
-    Parameters
-    ----------
-    names : sequence of str
-        `Result.outside_limits`.
-
-    Returns
-    -------
-    str
-        Empty if all premises hold.
-    """
-    if not names:
-        return ""
-    return f"; {OUTSIDE} ({', '.join(name.replace('_', ' ') for name in names)})"
+    """Words that accompany an error estimate if premises (`Result.outside_limits`) are violated."""
+    listed = ", ".join(name.replace("_", " ") for name in names)
+    return f"; {OUTSIDE} ({listed})" if names else ""
 
 
 def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
-    """Verdict, discretization, changes of the discretization, and missed limits.
-
-    Parameters
-    ----------
-    found : mapping
-        `Result.accuracy`.
-
-    Returns
-    -------
-    list of str
-    """
+    """Verdict, discretization, changes of it, and missed limits, of `Result.accuracy`."""
     lines = [f"{percent(found['tolerance'])}: {_verdict(found)}"]
     words = ", ".join(_words(knob, row) for knob, row in found["knobs"].items())
     if words:

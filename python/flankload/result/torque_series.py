@@ -139,19 +139,7 @@ class TorqueSeries(Result):
 
 
 def result_of_torques(results: Sequence[Result], *, listed: bool) -> Result:
-    """Join the results of a scene.
-
-    Parameters
-    ----------
-    results : sequence of Result
-        One per torque.
-    listed : bool
-        Whether the scene has a list of torques, even one of a single torque.
-
-    Returns
-    -------
-    Result
-    """
+    """Join the results of a scene; `listed`: it has a list of torques, even of a single one."""
     return TorqueSeries(results) if listed else results[0]
 
 

@@ -97,19 +97,15 @@ def _sources(
     sources: dict[str, Callable[[Sweep], dict[str, Left]]] = {}
     if pair.slices is None:
         sources["tip"] = partial(
-            tip_error,
-            bodies=(pair.body_1, pair.body_2),
-            compliances=compliances,
-            pairing=pair.pairing,
-            face_width_mm=face_width_mm,
+            tip_error, pair=pair, compliances=compliances, face_width_mm=face_width_mm
         )
     if pair.pitches is None:
         return sources
     window = window_of(pair)
     if not pair.adaptive:
         sources["positions"] = partial(of_positions, window=window, position_rad=pair.position_rad)
-    others = OtherTeeth.of(pair, compliances, face_width_mm, window)
-    if others is not None:
+    others = OtherTeeth(pair, compliances, face_width_mm, window)
+    if window.pitches % others.pitches != 0:
         sources["period"] = partial(of_other_teeth, others=others)
     return sources
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.read_only import frozen
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
@@ -189,9 +188,9 @@ def _coast(
 ) -> CoastContact:
     """Contact on the coast flanks of some pair numbers."""
     return CoastContact(
-        force_N=frozen(found.site_force_N[:, carries]),
-        peak_pressure_MPa=frozen(found.site_peak_N_per_mm[:, carries] / width),
-        corner_contact=frozen(found.site_corner[:, carries] > 0),
+        force_N=found.site_force_N[:, carries],
+        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / width,
+        corner_contact=found.site_corner[:, carries] > 0,
         pair_tables=PairTables(
             len(found.pairs.count),
             partial(_pair_table, pair.pairing, found.pairs, width, pair.effects.lumped_contact),

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.read_only import frozen
 from flankload.result.parts import ShaftLoads
 
 if TYPE_CHECKING:
@@ -58,7 +57,7 @@ def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoad
             across /= np.linalg.norm(across)
             tilt[p] += sign * (across[0] * turned[1] - across[1] * turned[0])
             bearings[z][p] = shaft.bearing_loads @ wrench
-    return ShaftLoads(frozen(UM_PER_MM * tilt), frozen(bearings[0]), frozen(bearings[1]))
+    return ShaftLoads(UM_PER_MM * tilt, bearings[0], bearings[1])
 
 
 def _contacts(
