@@ -763,7 +763,7 @@ _PYTHON = (
         ("*rotation += (self->torque - torque) / *stiffness;", ""),
     ),
     *_in(
-        "result/multibody.py",
+        "result/stiffness_table.py",
         "unit/result/test_files.py",
         ('np.argsort(table.torques_Nm, kind="stable")', "np.arange(table.torques_Nm.size)"),
     ),

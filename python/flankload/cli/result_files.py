@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from flankload.result import Result, StiffnessTable
-    from flankload.result.csv_form import CsvForm
+    from flankload.result.export import CsvForm
     from flankload.scene import Scene
 
 #: Options that name a file, by their names in the arguments; those that can be printed first.
@@ -91,7 +91,7 @@ def csv_form(words: str) -> CsvForm:
     SceneError
         If a word is unknown, or two name a separator.
     """
-    from flankload.result.csv_form import SEPARATORS, CsvForm
+    from flankload.result.export import SEPARATORS, CsvForm
 
     found = [word.strip() for word in words.split(",")] if words else []
     separators = [word for word in found if word in SEPARATORS]

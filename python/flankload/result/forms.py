@@ -11,8 +11,7 @@ from flankload.base.arguments import is_number
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly, frozen
 from flankload.errors import InputError
-from flankload.result.csv_form import CsvForm
-from flankload.result.export import results_to_csv, results_to_json, to_xarray
+from flankload.result.export import CsvForm, results_to_csv, results_to_json, to_xarray
 from flankload.result.frames import pairs_frame, positions_frame, summary_frame
 from flankload.result.plotting import Plots
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
