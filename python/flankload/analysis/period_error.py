@@ -44,21 +44,8 @@ def teeth_until_alike(compliance: BodyCompliance, teeth: int, part: float) -> in
     """Number of teeth after which a compliance repeats around a body.
 
     Two teeth are alike if a uniform pressure on either of them causes the same displacements of
-    that tooth and of the others.
-
-    Parameters
-    ----------
-    compliance : BodyCompliance
-    teeth : int
-        Number of teeth of the body.
-    part : float
-        Teeth whose compliances differ by less than this part of the largest are alike.
-
-    Returns
-    -------
-    int
-        1 if all teeth are alike, otherwise a divisor of their number; teeth without a flank count
-        as alike with any other.
+    that tooth and of the others, up to a part of the largest. The number is 1 if all teeth are
+    alike, otherwise a divisor of the number of teeth; teeth without a flank are like any other.
     """
     f = len(compliance.flanks)
     if f < 2:

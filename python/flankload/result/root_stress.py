@@ -168,23 +168,12 @@ def root_reading(
     sites: NDArray[np.int64],
     face_width_mm: float,
 ) -> RootReading | None:
-    """Reading of one body at some of its sites.
+    """Reading of body z + 1 at some of its sites; None if its compliance contains no stress.
 
     Parameters
     ----------
-    pair : BodyPair
-    compliance : BodyCompliance
-        Compliance of body z + 1.
-    z : int
-        0 or 1.
     sites : (S,) array
         Columns of the pairing's sites.
-    face_width_mm : float
-
-    Returns
-    -------
-    RootReading or None
-        None if the compliance contains no stress.
     """
     root = compliance.root
     if root is None:

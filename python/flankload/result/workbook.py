@@ -47,12 +47,6 @@ def results_to_xlsx(results: Result | Sequence[Result], path: str | Path) -> Non
     the heads: a row per position, a column per torque, or per torque and pair (and slice). A cell
     is empty if there is no number.
 
-    Parameters
-    ----------
-    results : Result or sequence of Result
-        Of one scene, at the same positions.
-    path : path
-
     Raises
     ------
     ImportError

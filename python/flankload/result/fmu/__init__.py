@@ -45,22 +45,10 @@ UNITS = {
 
 
 def fmu_of(table: StiffnessTable, *, binary: bool | None = None) -> tuple[bytes, bool]:
-    """Content of the FMU of a table.
+    """Content of the FMU of a checked table, and whether it contains a library for linux64.
 
-    Parameters
-    ----------
-    table : StiffnessTable
-        Checked.
-    binary : bool, optional
-        Whether it contains a library for linux64; by default if this is such a machine with a C
-        compiler ($CC, cc or gcc).
-
-    Returns
-    -------
-    bytes
-        The same for the same table and compiler.
-    bool
-        Whether it contains a library.
+    By default it does if this is such a machine with a C compiler ($CC, cc or gcc). The bytes are
+    the same for the same table and compiler.
 
     Raises
     ------
