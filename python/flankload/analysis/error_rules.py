@@ -18,7 +18,7 @@ from flankload.result.slices import face_load_factors
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.contact.sweep import Sweep
+    from flankload.contact.sweep import SliceStates, Sweep
 
     Floats = NDArray[np.float64]
 
@@ -170,7 +170,7 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
     if found.coast is not None:
         change = _coast_shares(other) - _coast_shares(base)
         left[COAST] = _at_each(_of_shares(rule), change, 1.0)
-    if found.slice_force_N is not None:
+    if found.slices is not None:
         left |= _of_line_loads(rule, found, base, other)
     return left
 
@@ -180,8 +180,7 @@ def _of_line_loads(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[
     largest = float(np.max(_line_loads(found, found)))
     change = _line_loads(other, other) - _line_loads(base, other)
     change = change[..., _slices_around(found, other)]
-    assert found.slice_corner is not None
-    change = np.where(found.slice_corner > 0, 0.0, change)
+    change = np.where(_slices(found).corner > 0, 0.0, change)
     factors = [float(face_factors(part).max()) for part in (found, base, other)]
     return {
         LINE_LOAD: _at_each(_of_pressures(rule, LINE_LOADS), change, largest),
@@ -193,33 +192,27 @@ def _of_line_loads(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[
 
 def _line_loads(part: Sweep, on: Sweep) -> Floats:
     """(P, S, J) Force per mm of face width in the slices of `on`, whose edges are among its own."""
-    assert part.slice_edges_mm is not None
-    assert on.slice_edges_mm is not None
-    first = np.searchsorted(part.slice_edges_mm, on.slice_edges_mm[:-1])
-    return np.asarray(np.add.reduceat(_forces(part), first, axis=2) / _widths(on))
+    mine, others = _slices(part), _slices(on)
+    first = np.searchsorted(mine.edges_mm, others.edges_mm[:-1])
+    return np.asarray(np.add.reduceat(mine.force_N, first, axis=2) / np.diff(others.edges_mm))
 
 
 def _slices_around(part: Sweep, other: Sweep) -> NDArray[np.int64]:
     """Slices of another sweep that contain those of a sweep."""
-    assert part.slice_edges_mm is not None
-    assert other.slice_edges_mm is not None
-    middle = 0.5 * (part.slice_edges_mm[1:] + part.slice_edges_mm[:-1])
-    return np.asarray(np.searchsorted(other.slice_edges_mm, middle) - 1)
+    edges = _slices(part).edges_mm
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    return np.asarray(np.searchsorted(_slices(other).edges_mm, middle) - 1)
 
 
 def face_factors(part: Sweep) -> Floats:
     """(P,) Largest line load of a sweep over its mean at each position."""
-    return face_load_factors(_forces(part), _widths(part), each=part.conforming)
+    slices = _slices(part)
+    return face_load_factors(slices.force_N, np.diff(slices.edges_mm), each=slices.conforming)
 
 
-def _forces(part: Sweep) -> Floats:
-    assert part.slice_force_N is not None
-    return part.slice_force_N
-
-
-def _widths(part: Sweep) -> Floats:
-    assert part.slice_edges_mm is not None
-    return np.diff(part.slice_edges_mm)
+def _slices(part: Sweep) -> SliceStates:
+    assert part.slices is not None
+    return part.slices
 
 
 def _of_pressures(rule: Rule, part: float = 1.0) -> Rule:

@@ -85,9 +85,9 @@ class OtherTeeth:
     window: Window
 
     @property
-    def teeth(self) -> tuple[int, int]:
+    def teeth(self) -> tuple[int, ...]:
         """Numbers of teeth of both bodies."""
-        return self.pair.body_1.teeth, self.pair.body_2.teeth
+        return tuple(body.teeth for body in self.pair.bodies)
 
     @property
     def pitches(self) -> int:

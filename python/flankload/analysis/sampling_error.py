@@ -44,7 +44,7 @@ HIDDEN, HIDDEN_ROTATION = 0.5, 0.06
 def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str, Left]:
     """`between_positions`, in three dimensions also the error of the face load factor."""
     left = between_positions(found, window, position_rad)
-    if found.slice_force_N is not None and position_rad.size > 1:
+    if found.slices is not None and position_rad.size > 1:
         factors = face_factors(found)
         at = int(factors.argmax())
         # beside a kink, the largest value may lie half the step to a neighbour above the sample

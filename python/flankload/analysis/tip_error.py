@@ -163,7 +163,7 @@ def _lost_displacement(
     """Loss of displacement (P, S) at each site by the inclination of all forces, mm² per width, and
     compliance (P, S, S) between sites by the modes, mm²/N per width.
     """
-    loads, body = _Loads(found), (pair.body_1, pair.body_2)[z]
+    loads, body = _Loads(found), pair.bodies[z]
     (low, high), tip = body.mode_range_mm, compliance.modes.tip
     s, n = loads.column(f"s_{z + 1}"), compliance.smooth.shape[1]
     turn = loads.mean(_turn_of_force(loads, pair, compliance, z))
@@ -188,7 +188,7 @@ def _lost_displacement(
 
 def _turn_of_force(loads: _Loads, pair: BodyPair, compliance: BodyCompliance, z: int) -> Floats:
     """k = (n'·u)/(n·u) of each loaded pair (n,); 1 where the force has the normal of the body."""
-    body, corner = (pair.body_1, pair.body_2)[z], loads.found.site_corner[loads.at]
+    body, corner = pair.bodies[z], loads.found.site_corner[loads.at]
     turned = corner == 2 - z  # the mate's corner
     if compliance.turned is None and compliance.modes.tip is None:
         turned |= corner == z + 1

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.contact.sweep import sweep
+from flankload.contact.sweep import FlankContact, sweep
 from flankload.errors import ContactError
-from flankload.pairing.coast_sites import coast_sites
+from flankload.pairing.pairing import coast_sites
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -109,17 +109,15 @@ class CoastSide:
         return self._gaps(self.position_rad)
 
     def _gaps(self, position_rad: Floats) -> Floats:
+        contact = FlankContact(
+            self.bodies,
+            compliances=self.compliances,
+            pairing=self.pairing,
+            face_width_mm=1.0,
+            grid=self.grid,
+        )
         try:
-            (found,) = sweep(
-                self.bodies,
-                compliances=self.compliances,
-                pairing=self.pairing,
-                position_rad=position_rad,
-                torques_Nmm=(0.0,),
-                face_width_mm=1.0,
-                grid=self.grid,
-                keep_pairs=False,
-            )
+            (found,) = sweep(contact, position_rad, (0.0,), keep_pairs=False)
         except ContactError:
             if position_rad.size == 1:
                 return np.full(1, np.nan)
@@ -143,7 +141,7 @@ def _coast_side(
             return None, f"the expansion of body_{z + 1} is known on the working flanks only"
     assert one is not None
     coast = CoastSide(
-        bodies=(pair.body_1, pair.body_2),
+        bodies=pair.bodies,
         pairing=_mirrored(pair.pairing, pair.body_1, pair.body_2),
         position_rad=-pair.position_rad,
         base_radius_mm=one.base_radius_mm,

@@ -94,6 +94,13 @@ class Parts(Course):
     slices: SliceLoads | None = None
     shafts: ShaftLoads | None = None
 
+    @property
+    def words_for_sites(self) -> tuple[str, str]:
+        """Words for a site, and for several: pair, tooth or roller."""
+        if self.drive is not None:
+            return self.drive.words_for_sites
+        return ("tooth", "teeth") if self.whole_circle else ("pair", "pairs")
+
     @cached_property
     def line_load_N_per_mm(self) -> Floats:
         """(P, S) Force of each pair per mm of face width; (P, S, J) in three dimensions."""

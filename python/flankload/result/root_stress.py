@@ -178,7 +178,7 @@ def root_reading(
     root = compliance.root
     if root is None:
         return None
-    body, axial, over_width = (pair.body_1, pair.body_2)[z], compliance.modes.axial, None
+    body, axial, over_width = pair.bodies[z], compliance.modes.axial, None
     if pair.slices is not None and axial is not None and root.range_mm is not None:
         over_width = OverWidth(root.range_mm, axial.degree, pair.slices.edges_mm)
     teeth = pair.pairing.site_teeth[z][sites]

@@ -38,7 +38,7 @@ def _attributes(kind: type) -> Iterator[str]:
 
 
 #: Attributes that all torques have in common.
-SHARED = frozenset({*_attributes(Motion), "slice_z_mm", "accuracy"})
+SHARED = frozenset({*_attributes(Motion), "words_for_sites", "slice_z_mm", "accuracy"})
 
 
 class TorqueSeries(Result):
