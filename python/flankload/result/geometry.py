@@ -109,13 +109,7 @@ class CoastSide:
         return self._gaps(self.position_rad)
 
     def _gaps(self, position_rad: Floats) -> Floats:
-        contact = FlankContact(
-            self.bodies,
-            compliances=self.compliances,
-            pairing=self.pairing,
-            face_width_mm=1.0,
-            grid=self.grid,
-        )
+        contact = FlankContact(self.bodies, self.compliances, self.pairing, 1.0, self.grid)
         try:
             (found,) = sweep(contact, position_rad, (0.0,), keep_pairs=False)
         except ContactError:
