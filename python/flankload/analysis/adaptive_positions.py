@@ -19,7 +19,8 @@ from flankload.result.interpolant import curve_through, loaded_pair_changes
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from flankload.result.interpolant import Flags, Floats, Integers, PositionCurve
+    from flankload.base.arrays import Flags, Floats, Numbers
+    from flankload.result.interpolant import PositionCurve
 
     Run = Callable[[Floats, int], tuple[Sweep, ...]]
 
@@ -64,7 +65,7 @@ class Window:
     pitch_rad: float
     pitches: int
     closed: bool
-    sites: Integers
+    sites: Numbers
     whole_circle: bool
 
     def curve_of(self, position_rad: Floats, values: Floats, loaded: Flags) -> PositionCurve:
@@ -184,7 +185,7 @@ class _Known:
     loaded: Flags
 
     @classmethod
-    def of(cls, parts: tuple[Sweep, ...], order: Integers) -> _Known:
+    def of(cls, parts: tuple[Sweep, ...], order: Numbers) -> _Known:
         rotation = np.concatenate([part.rotation_rad for part in parts])
         if parts[0].torque_Nmm > 0:
             carries = np.concatenate([part.site_force_N for part in parts]) != 0

@@ -16,11 +16,9 @@ from flankload.analysis.tangent import LARGEST_KINK
 from flankload.result.slices import face_load_factors
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.contact.sweep import SliceStates, Sweep
 
-    Floats = NDArray[np.float64]
 
 #: Additional quantity if coast flanks can carry load.
 COAST = "coast_force"
@@ -197,7 +195,7 @@ def _line_loads(part: Sweep, on: Sweep) -> Floats:
     return np.asarray(np.add.reduceat(mine.force_N, first, axis=2) / np.diff(others.edges_mm))
 
 
-def _slices_around(part: Sweep, other: Sweep) -> NDArray[np.int64]:
+def _slices_around(part: Sweep, other: Sweep) -> Numbers:
     """Slices of another sweep that contain those of a sweep."""
     edges = _slices(part).edges_mm
     middle = 0.5 * (edges[1:] + edges[:-1])
@@ -264,7 +262,7 @@ def _whole_force(part: Sweep) -> Floats:
     return np.asarray(np.maximum(total, np.finfo(float).tiny))
 
 
-def _smooth(*parts: Sweep) -> NDArray[np.bool_]:
+def _smooth(*parts: Sweep) -> Flags:
     """Sites that carry load in the first of several sweeps, in none of them on a sharp corner."""
     off = [part.site_corner <= 0 for part in parts]
     return np.asarray(np.logical_and.reduce(off) & (parts[0].site_peak_N_per_mm > 0))

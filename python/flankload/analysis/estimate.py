@@ -60,14 +60,11 @@ from flankload.contact.sweep import END_WOULD_TOUCH
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from numpy.typing import NDArray
-
     from flankload.analysis.adaptive_positions import PositionErrors
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.scene.discretization import Grid
 
-    Floats = NDArray[np.float64]
     Errors = dict[str, float]
 
 #: Estimated quantities: at the worst position …

@@ -23,10 +23,10 @@ from flankload.elasticity.nodal_loads import hat_values, hat_widths
 
 if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
+    from flankload.base.arrays import Floats, Numbers
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.body_pair import BodyPair
-    from flankload.result.interpolant import Floats, Integers
 
 #: Additional quantity if the positions close.
 HARMONICS_KEY = "transmission_error_harmonics"
@@ -130,8 +130,8 @@ class OtherTeeth:
 
 
 def _loads(
-    found: Sweep, compliance: BodyCompliance, site_teeth: Integers, z: int
-) -> tuple[Integers, Floats]:
+    found: Sweep, compliance: BodyCompliance, site_teeth: Numbers, z: int
+) -> tuple[Numbers, Floats]:
     """Teeth (P, L) that carry load at each position, and their loads (P, L, n) as modes, N.
 
     Positions with fewer loaded teeth have entries without load.

@@ -15,14 +15,11 @@ import numpy as np
 from flankload.analysis.error_rules import FACE_LOAD, Left, face_factors, mean_stiffness
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from flankload.analysis.adaptive_positions import Window
+    from flankload.base.arrays import Flags, Floats
     from flankload.contact.sweep import Sweep
     from flankload.result.interpolant import PositionCurve
 
-    Floats = NDArray[np.float64]
-    Flags = NDArray[np.bool_]
 
 #: Places in an interval between positions at which a curve is evaluated.
 BETWEEN = 16

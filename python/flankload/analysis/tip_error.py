@@ -26,11 +26,11 @@ from flankload.elasticity.near_field import mode_values
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Flags, Floats
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.body_pair import BodyPair
 
-    Floats = NDArray[np.float64]
 
 #: A site takes part where it takes up more than this part of what the stiffest does.
 LEAST_PART = 1e-3
@@ -128,7 +128,7 @@ class _Loads:
     found: Sweep
 
     @cached_property
-    def loaded(self) -> NDArray[np.bool_]:
+    def loaded(self) -> Flags:
         """Which of all pairs are loaded."""
         return self.found.pairs.column("force") > 0
 

@@ -20,13 +20,11 @@ from flankload.scene import scene_of
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.mechanisms.flank_pair.loaded_bodies import FieldBody, SolidBody
     from flankload.result import PairTable
     from flankload.scene import Scene, SceneLike
 
-    Floats = NDArray[np.float64]
 
 #: Name of the collection in each folder.
 COLLECTION = "loaded_pair.pvd"

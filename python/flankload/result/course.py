@@ -17,9 +17,9 @@ from flankload.result.flank_contact import FlankContacts, flank_contacts
 from flankload.result.pairs import PairDrawing, PairTable
 
 if TYPE_CHECKING:
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.result.geometry import PairGeometry
 
-Floats = NDArray[np.float64]
 
 #: Axes (P positions, S sites) and type of each array of a result.
 ARRAYS: Mapping[str, tuple[str, type]] = {
@@ -100,14 +100,14 @@ class Course(Motion):
     """
 
     torque_Nm: float
-    sites: NDArray[np.int64]
+    sites: Numbers
     rotation_rad: Floats
     site_force_N: Floats
     peak_pressure_MPa: Floats
     stiffness_tangent_Nm_per_rad: Floats
-    status: NDArray[np.int64]
+    status: Numbers
     pair_tables: Sequence[PairTable]
-    corner_contact: NDArray[np.bool_]
+    corner_contact: Flags
     unloaded_rotation_rad: Floats | None = None
 
     def __post_init__(self) -> None:
@@ -169,12 +169,12 @@ class Course(Motion):
         return frozen(share)
 
     @cached_property
-    def loaded_pairs(self) -> NDArray[np.int64]:
+    def loaded_pairs(self) -> Numbers:
         """(P,) Number of pairs (on splines: teeth) that carry load."""
         return frozen((self.site_force_N > 0).sum(axis=1))
 
     @cached_property
-    def potential_pairs(self) -> NDArray[np.int64]:
+    def potential_pairs(self) -> Numbers:
         """(P,) Number of pairs that could carry load.
 
         Those between the ends of the geometric path of contact, and those whose flanks would touch

@@ -14,11 +14,8 @@ from flankload.base.text_table import number, text_table
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.result.result import Result
-
-    Floats = NDArray[np.float64]
 
 
 #: Suffix of the row of a land that lifts.
@@ -161,7 +158,7 @@ class BeltDrive(Drive):
         return np.column_stack([self.land_before_N, self.last_land_N])
 
     @property
-    def lifting(self) -> NDArray[np.bool_]:
+    def lifting(self) -> Flags:
         """(P, S + 1) Lands that lift as a whole, or would lift if they were not fixed."""
         least = ROUNDING * self.tight_tension_N[:, None]
         lift = np.column_stack([self.land_lift_um, self.last_land_lift_um])
@@ -268,7 +265,7 @@ class ChainDrive(Drive):
     tight_tension_N: Floats
     slack_tension_N: Floats
     jump_margin_N: Floats
-    passes: NDArray[np.int64]
+    passes: Numbers
     tension_behind_N: Floats
     roller_height_um: Floats
     force_angle_deg: Floats

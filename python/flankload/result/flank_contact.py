@@ -6,17 +6,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flankload.base.read_only import KeepsReadOnly
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.result.geometry import PairGeometry
     from flankload.result.pairs import PairTable
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +36,7 @@ class FlankContacts(KeepsReadOnly):
 
 
 def flank_contacts(
-    tables: Sequence[PairTable], sites: NDArray[np.int64], geometry: PairGeometry | None
+    tables: Sequence[PairTable], sites: Numbers, geometry: PairGeometry | None
 ) -> FlankContacts:
     """Contacts of all positions, with a table each, on sites (S,)."""
     found = np.full((3, len(tables), sites.size), np.nan)
@@ -57,7 +55,7 @@ def flank_contacts(
     return FlankContacts(*found)
 
 
-def _slices(table: PairTable, laid: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
+def _slices(table: PairTable, laid: Flags) -> list[Flags]:
     """Pairs of a site, those of each loaded slice apart."""
     if table.z_mm is None:
         return [laid]
@@ -65,7 +63,7 @@ def _slices(table: PairTable, laid: NDArray[np.bool_]) -> list[NDArray[np.bool_]
     return [laid & (table.z_mm == z) for z in loaded]
 
 
-def _half_width(table: PairTable, laid: NDArray[np.bool_]) -> float:
+def _half_width(table: PairTable, laid: Flags) -> float:
     """Half of the length of flank in contact at pairs beside each other, mm."""
     if table.half_width_mm is not None:
         return float(table.half_width_mm[laid & (table.force_N > 0)].sum())

@@ -21,8 +21,7 @@ from flankload.result.workbook import results_to_xlsx
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.result.result import Result
 
 #: Relative difference between torques that counts as rounding.
@@ -43,7 +42,7 @@ class ResultForms(Card, KeepsReadOnly):
         return False
 
     @property
-    def torques_Nm(self) -> NDArray[np.float64]:
+    def torques_Nm(self) -> Floats:
         """(T,) Torques on body 1, N m; T = 1 unless the scene has a list of torques."""
         return frozen(np.array([one.torque_Nm for one in self.by_torque]))
 

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.base.arrays import Floats
 from flankload.base.card import Card
-
-Floats = NDArray[np.float64]
 
 #: Arrays over the positions, with their units.
 ALONG_POSITIONS = {"torque_2_Nm": "N m", "loss_J_per_rad": "J/rad"}

@@ -13,15 +13,12 @@ from flankload.errors import ContactError
 from flankload.pairing.pairing import coast_sites
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.pairing import Pairing
     from flankload.scene.discretization import Grid
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,8 @@ from flankload.base.rounding import round_down
 from flankload.result.interpolant import curve_through, loaded_pair_changes
 
 if TYPE_CHECKING:
-    from flankload.result.interpolant import Flags, Floats, Integers, PositionCurve
+    from flankload.base.arrays import Flags, Floats, Numbers
+    from flankload.result.interpolant import PositionCurve
     from flankload.result.result import Result
 
 #: Number of harmonics of the transmission error in the summary.
@@ -51,8 +52,8 @@ class OverPositions:
 
     result: Result
     position_rad: Floats
-    index: Integers
-    periods: Integers
+    index: Numbers
+    periods: Numbers
     covers_period: bool
     contiguous: bool
     even: bool
@@ -66,7 +67,7 @@ class OverPositions:
         curve = self.curve(values)
         return float(values.mean()) if curve is None else curve.mean()
 
-    def mean_of_steps(self, values: Floats | Integers) -> float:
+    def mean_of_steps(self, values: Floats | Numbers) -> float:
         """Mean of a number that changes where the set of loaded pairs changes.
 
         Between two positions this is at the kink of the transmission error, or half-way.

@@ -18,11 +18,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Flags, Floats, Numbers
 
-    Floats = NDArray[np.float64]
-    Integers = NDArray[np.int64]
-    Flags = NDArray[np.bool_]
 
 #: Highest degree of a piece.
 DEGREE = 3
@@ -52,7 +49,7 @@ class PositionCurve:
 
     low: Floats
     high: Floats
-    interval: Integers
+    interval: Numbers
     nodes: Floats
     coefficients: Floats
     doubts: Floats
@@ -178,11 +175,11 @@ def curve_through(
 
 def loaded_pair_changes(
     loaded: Flags,
-    sites: Integers,
+    sites: Numbers,
     *,
     pitches: int,
     whole_circle: bool = False,
-    periods: Integers | None = None,
+    periods: Numbers | None = None,
 ) -> Flags:
     """Changes of the loaded pairs between positions.
 
@@ -225,11 +222,11 @@ class _Polynomials:
     nodes: Floats
     coefficients: Floats
     doubts: Floats
-    degree: Integers
+    degree: Numbers
 
     @classmethod
     def near(
-        cls, x: Floats, y: Floats, at: Integers, start: Integers, end: Integers, reference: Floats
+        cls, x: Floats, y: Floats, at: Numbers, start: Numbers, end: Numbers, reference: Floats
     ) -> _Polynomials:
         """Through up to four points of the same smooth part around the interval after each `at`.
 
@@ -298,7 +295,7 @@ def _meeting(
 
 
 def _chords(
-    before: _Polynomials, after: _Polynomials, x: Floats, y: Floats, at: Integers
+    before: _Polynomials, after: _Polynomials, x: Floats, y: Floats, at: Numbers
 ) -> _Polynomials:
     """Lines over intervals, with an error estimate from the misfit of both curves at the ends."""
     nodes, coefficients, doubts = np.zeros((3, at.size, DEGREE + 1))

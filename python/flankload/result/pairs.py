@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from flankload.base.card import Card
 
 if TYPE_CHECKING:
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.profile_deviation import ProfileDeviation
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,7 +36,7 @@ class PairPlaces(Card):
         Unit normal out of body 1, world frame.
     """
 
-    site: NDArray[np.int64]
+    site: Numbers
     radius_mm: Floats
     arc_length_1_mm: Floats
     arc_length_2_mm: Floats

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flankload.base.arrays import Flags, Floats, Numbers
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly, frozen
 from flankload.result.course import Course
@@ -17,9 +17,6 @@ from flankload.result.friction import FrictionResult
 from flankload.result.pairs import PairTable
 from flankload.result.root_stress import RootReading, RootStress, root_stress
 from flankload.result.slices import SliceLoads
-
-Floats = NDArray[np.float64]
-
 
 #: Arrays over positions and sites that only results with coast flanks have, with their units.
 OVER_COAST_SITES = {"coast_force_N": "N", "coast_peak_pressure_MPa": "MPa"}
@@ -45,11 +42,11 @@ class CoastContact(KeepsReadOnly, Card):
 
     force_N: Floats
     peak_pressure_MPa: Floats
-    corner_contact: NDArray[np.bool_]
+    corner_contact: Flags
     pair_tables: Sequence[PairTable]
 
     @property
-    def loaded(self) -> NDArray[np.int64]:
+    def loaded(self) -> Numbers:
         """(P,) Number of coast flanks that carry load."""
         return np.asarray((self.force_N > 0).sum(axis=1))
 

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from numpy.typing import NDArray
 
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
@@ -31,13 +30,13 @@ from flankload.elasticity.prism.axial_basis import AxialBasis
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.bodies.root_fillet import RootPoints
     from flankload.bodies.tip_modes import Tip
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.pairs import PairTable
 
-Floats = NDArray[np.float64]
 
 #: Gauss points along the profile of the cell of a slice, which is the height of a spline's flank.
 CELL_POINTS = 4
@@ -131,7 +130,7 @@ class Extremes(KeepsReadOnly, Card):
     arc_length_mm: Floats
     radius_mm: Floats
     slant_deg: Floats
-    working: NDArray[np.bool_]
+    working: Flags
     z_mm: Floats | None = None
 
 
@@ -165,7 +164,7 @@ def root_reading(
     pair: BodyPair,
     compliance: BodyCompliance,
     z: int,
-    sites: NDArray[np.int64],
+    sites: Numbers,
     face_width_mm: float,
 ) -> RootReading | None:
     """Reading of body z + 1 at some of its sites; None if its compliance contains no stress.
@@ -196,7 +195,7 @@ def root_reading(
 
 
 def root_stress(
-    reading: RootReading, tables: Sequence[PairTable], sites: NDArray[np.int64], z: int
+    reading: RootReading, tables: Sequence[PairTable], sites: Numbers, z: int
 ) -> RootStress:
     """Stress of body z + 1 under the forces of a table per position; sites (S,): pair numbers."""
     loads = np.array([_mode_loads(reading, table, sites, z) for table in tables])
@@ -222,7 +221,7 @@ def root_stress(
     )
 
 
-def _mode_loads(reading: RootReading, table: PairTable, sites: NDArray[np.int64], z: int) -> Floats:
+def _mode_loads(reading: RootReading, table: PairTable, sites: Numbers, z: int) -> Floats:
     """Loads c (S, p) of the modes at one position, MPa: out of the material, then along it.
 
     In three dimensions the forces times the values of the modes, N.

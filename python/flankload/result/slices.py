@@ -12,9 +12,7 @@ from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly, frozen
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from flankload.base.arrays import Floats, Numbers
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -102,7 +100,7 @@ class SliceLoads(KeepsReadOnly, Card):
         # (x, y, z) x F n, in the plane of x and y
         return frozen(np.stack([-(along * normal_y).sum(1), (along * normal_x).sum(1)], axis=1))
 
-    def at_sites(self, sites: NDArray[np.int64]) -> SliceLoads:
+    def at_sites(self, sites: Numbers) -> SliceLoads:
         """The same for some of the sites."""
         return replace(
             self,

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.result.result import Result
 
 #: Quantities of the table for each torque.
@@ -51,15 +50,15 @@ class StiffnessTable(Card):
     """
 
     name: str
-    angle_rad: NDArray[np.float64]
-    torques_Nm: NDArray[np.float64]
+    angle_rad: Floats
+    torques_Nm: Floats
     reference_radius_mm: float
     period_rad: float
     closed: bool
-    values: dict[str, NDArray[np.float64]]
+    values: dict[str, Floats]
 
     @property
-    def rotation_rad(self) -> NDArray[np.float64]:
+    def rotation_rad(self) -> Floats:
         """(N, T) Rotation of body 1 beyond ideal, rigid flanks."""
         return self.values["transmission_error_um"] / (1000.0 * self.reference_radius_mm)
 

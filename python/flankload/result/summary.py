@@ -9,12 +9,10 @@ import numpy as np
 from flankload.result.harmonics import over_positions
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.result.result import Result
     from flankload.result.root_stress import RootStress
 
-    Floats = NDArray[np.float64]
 
 #: Stiffnesses by the names of their means.
 STIFFNESS_MEANS = {

@@ -18,6 +18,7 @@ from flankload.result.result import Result
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Numbers
     from flankload.result.pairs import PairTable
 
 #: Entries of the cost that each torque has for itself.
@@ -88,7 +89,7 @@ class TorqueSeries(Result):
         return True
 
     @cached_property
-    def sites(self) -> NDArray[np.int64]:
+    def sites(self) -> Numbers:
         """(S,) Pair numbers of all torques."""
         return frozen(np.unique(np.concatenate([one.sites for one in self.by_torque])))
 
