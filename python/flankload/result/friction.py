@@ -97,20 +97,12 @@ def friction_result(
         Columns x, y, normal_x, normal_y, force, sliding, friction of N pairs, mm, N, and numbers
         of each pair's position and site; `in_section` is the part of a normal force that lies in
         the transverse section. In three dimensions z, from the middle of the face width.
-    n_sites : int
-    n_working : int
-        Sites from this number on are those of coast flanks.
-    center_distance_mm : float
+    n_sites, n_working : int
+        Number of sites; from n_working on they are those of coast flanks.
     speeds : (2, P) array
         As in `FrictionResult`.
-    driver : str
-    torque_1_Nm : float
     over_period : callable
         Integral of a quantity (P,) over one period, None if it is unknown.
-
-    Returns
-    -------
-    FrictionResult
     """
     n, position = speeds.shape[1], pairs["position"]
     force, friction = pairs["force"], pairs["force"] * pairs["friction"]

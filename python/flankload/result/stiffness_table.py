@@ -99,16 +99,7 @@ class StiffnessTable(Card):
         return text
 
     def to_modelica(self, path: str | Path | None = None) -> str:
-        """Return the table as text for CombiTable2Ds and CombiTable1Ds; write it to `path`.
-
-        Parameters
-        ----------
-        path : path, optional
-
-        Returns
-        -------
-        str
-            As `modelica_text`.
+        """Return the table as `modelica_text`; write it to `path`.
 
         Raises
         ------
