@@ -14,15 +14,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from flankload.analysis.error_rules import FACE_LOAD, Left, face_factors, mean_stiffness
 
+if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
+    from flankload.base.arrays import Flags, Floats
     from flankload.contact.sweep import Sweep
     from flankload.result.interpolant import PositionCurve
 
-    Floats = NDArray[np.float64]
-    Flags = NDArray[np.bool_]
 
 #: Places in an interval between positions at which a curve is evaluated.
 BETWEEN = 16
@@ -41,10 +40,24 @@ LEAST_OPEN = 3
 HIDDEN, HIDDEN_ROTATION = 0.5, 0.06
 
 
+def of_positions(
+    found: Sweep, window: Window, position_rad: Floats, *, adaptive: bool = False
+) -> dict[str, Left]:
+    """`between_positions`, in three dimensions also the error of the face load factor."""
+    left = between_positions(found, window, position_rad, adaptive=adaptive)
+    if found.slices is not None and position_rad.size > 1:
+        factors = face_factors(found)
+        at = int(factors.argmax())
+        # beside a kink, the largest value may lie half the step to a neighbour above the sample
+        beside = [factors[at - 1], factors[(at + 1) % factors.size]]
+        left[FACE_LOAD] = Left(0.0, 0.5 * float(1.0 - min(beside) / factors[at]))
+    return left
+
+
 def between_positions(
     part: Sweep, window: Window, position_rad: Floats, *, adaptive: bool = False
-) -> dict[str, tuple[float, float]]:
-    """Sampling errors of quantities that depend on all positions.
+) -> dict[str, Left]:
+    """Sampling errors of quantities that depend on all positions, by quantity.
 
     Parameters
     ----------
@@ -56,11 +69,6 @@ def between_positions(
     adaptive : bool
         Whether positions were added where the rotation is in doubt: its harmonics and its peak to
         peak have an estimate of their own then, and are missing here like the tangent stiffness.
-
-    Returns
-    -------
-    dict
-        By name: relative error of the quantity from the samples, with its sign, and relative doubt.
     """
     if not window.closed:
         return {} if adaptive else _open_window(part)
@@ -69,7 +77,7 @@ def between_positions(
     rotation = part.rotation_rad
     hidden = _hidden(loaded, changes) if window.sites.size > 1 else 0.0
 
-    def of_mean(values: Floats, kinks: Flags) -> tuple[float, float]:
+    def of_mean(values: Floats, kinks: Flags) -> Left:
         through = window.curve_of(position_rad, values, kinks)
         mean = window.curve_of(position_rad, values, changes).mean() if adaptive else values.mean()
         missed = mean - through.mean()
@@ -79,7 +87,7 @@ def between_positions(
             DOUBT_KINKS * open_kinks,
             HIDDEN_ROTATION * hidden * mean,
         )
-        return _relative(missed, float(np.linalg.norm(doubts)), mean)
+        return Left.relative(missed, float(np.linalg.norm(doubts)), mean)
 
     found = {"transmission_error_mean": of_mean(rotation, changes)}
     secant = mean_stiffness(part.turned_rad)
@@ -92,7 +100,7 @@ def between_positions(
     through = window.curve_of(position_rad, rotation, changes)
     between = np.ptp(through.values(np.linspace(*through.ends, BETWEEN * rotation.size)))
     missed = float(np.ptp(rotation) - between)
-    found["transmission_error_peak_to_peak"] = _relative(
+    found["transmission_error_peak_to_peak"] = Left.relative(
         missed, DOUBT_PEAK_TO_PEAK * abs(missed), np.ptp(rotation)
     )
     tangent = mean_stiffness(part.tangent_rad_per_Nmm)
@@ -100,11 +108,11 @@ def between_positions(
         missed, doubt = _steps(tangent, position_rad, through, changes)
         mean = tangent.mean()
         doubt = float(np.hypot(doubt, HIDDEN * hidden * mean))
-        found["stiffness_tangent"] = _relative(missed, doubt, mean)
+        found["stiffness_tangent"] = Left.relative(missed, doubt, mean)
     return found
 
 
-def _open_window(part: Sweep) -> dict[str, tuple[float, float]]:
+def _open_window(part: Sweep) -> dict[str, Left]:
     """The same if curves do not close: the doubt is the contribution of the last interval."""
     rotation = part.rotation_rad
     if rotation.size < LEAST_OPEN:
@@ -117,21 +125,16 @@ def _open_window(part: Sweep) -> dict[str, tuple[float, float]]:
     ):
         if values is not None:
             missed = 0.5 * (values[0] - _next(values)) / values.size
-            found[name] = _relative(missed, abs(missed), values.mean())
+            found[name] = Left.relative(missed, abs(missed), values.mean())
     missed = float(np.ptp(rotation) - np.ptp([*rotation, _next(rotation)]))
     between = 0.5 * float(np.abs(np.diff(rotation, 2)).max())
-    found["transmission_error_peak_to_peak"] = _relative(missed, between, np.ptp(rotation))
+    found["transmission_error_peak_to_peak"] = Left.relative(missed, between, np.ptp(rotation))
     return found
 
 
 def _next(values: Floats) -> float:
     """Next value by linear extrapolation."""
     return float(2 * values[-1] - values[-2])
-
-
-def mean_stiffness(softness: Floats) -> Floats | None:
-    """Inverse of rotation over torque; None if it is unknown at a position."""
-    return 1.0 / softness if (softness > 0).all() else None
 
 
 def _steps(
@@ -153,8 +156,3 @@ def _hidden(loaded: Flags, changes: Flags) -> float:
     count = loaded.sum(axis=1)
     alike = changes & (count == np.roll(count, -1))
     return float(np.linalg.norm(1.0 / np.maximum(count[alike], 1)) / count.size)
-
-
-def _relative(error: float, doubt: float, whole: float | np.floating) -> tuple[float, float]:
-    size = abs(float(whole))
-    return (error / size, doubt / size) if size > 0 else (0.0, 0.0)

@@ -14,7 +14,7 @@ from flankload.analysis.estimate import ON_CORNERS
 from flankload.cli import main
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.notes import FEWER_DO
-from flankload.result.accuracy_lines import accuracy_lines, percent
+from flankload.result.notes import accuracy_lines, percent
 from flankload.scene.discretization import elements_for_modes
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.parameters import (

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.text_table import text_table
-from flankload.result.accuracy_lines import outside_words
+from flankload.result.notes import outside_words
 from flankload.studies.accuracy.quantities import CORNER, HEADS, MEANINGS
 from flankload.studies.accuracy.refinements import KINKS
 
