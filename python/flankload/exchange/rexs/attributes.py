@@ -79,8 +79,8 @@ TABLE = (
         ("face_width", "mm", "pair.face_width_mm, body.face_width_mm",
          "common width; own width of a gear if it is another"),
         ("support_vector", "mm", "body_2.axial_offset_mm",
-         "distance of the gears along the axis, with u_axis_vector and "
-         "reference_component_for_position"),
+         ("distance of the gears along the axis, with u_axis_vector and "
+          "reference_component_for_position")),
         ("u_axis_vector", "mm", "body_2.axial_offset_mm", "see support_vector"),
         ("reference_component_for_position", "", "body_2.axial_offset_mm", "see support_vector"),
         ("datum_face_orientation", "", "body.end_relief_um",

@@ -105,8 +105,9 @@ def _plain(stock: Stock, body: Gear, source: Source) -> None:
 
 
 def _teeth(stock: Stock, body: Gear) -> None:
-    teeth = stock.required(body.source, "number_of_teeth", "", f"{body.name}.teeth")
+    teeth = body.source.number("number_of_teeth", "")
     if teeth is None:
+        stock.missing(body.source, "number_of_teeth", f"{body.name}.teeth")
         return
     if teeth != round(teeth) or (teeth < 0 and not body.is_ring):
         body.source.refuse("number_of_teeth", "a positive integer", teeth)
@@ -115,25 +116,27 @@ def _teeth(stock: Stock, body: Gear) -> None:
 
 def _required(stock: Stock, body: Gear) -> None:
     """Refuse a gear without what every scene needs, and put in what is given otherwise."""
-    wanted = {"module_mm": "normal_module", "tip_diameter_mm": "tip_diameter"}
-    if body.is_ring:
-        wanted |= {"root_diameter_mm": "root_diameter", "outer_diameter_mm": "outer_diameter"}
-    else:
-        wanted["bore_diameter_mm"] = "inner_diameter"
-    of_flank = {"pressure_angle_deg": "normal_pressure_angle"}
-    of_flank["profile_shift"] = "addendum_modification_coefficient"
-    for key, attribute in wanted.items():
+    of_flank = body.flank or body.source
+    wanted = {
+        "module_mm": (body.source, "normal_module"),
+        "tip_diameter_mm": (body.source, "tip_diameter"),
+        "root_diameter_mm": (body.source, "root_diameter"),
+        "outer_diameter_mm": (body.source, "outer_diameter"),
+        "bore_diameter_mm": (body.source, "inner_diameter"),
+        "pressure_angle_deg": (of_flank, "normal_pressure_angle"),
+        "profile_shift": (of_flank, "addendum_modification_coefficient"),
+    }
+    for key in ("bore_diameter_mm",) if body.is_ring else ("root_diameter_mm", "outer_diameter_mm"):
+        del wanted[key]
+    for key, (source, attribute) in wanted.items():
         if key not in body.keys:
-            stock.missing(body.source, attribute, f"{body.name}.{key}")
-    for key, attribute in of_flank.items():
-        if key not in body.keys:
-            stock.missing(body.flank or body.source, attribute, f"{body.name}.{key}")
+            stock.missing(source, attribute, f"{body.name}.{key}")
     for path, value in stock.settings.items():
         table, _, key = path.partition(".")
         if table == body.name and isinstance(value, int | float):
             stock.replace(path, body.keys.get(key))
             body.keys[key] = value
-    for key in ("teeth", *wanted, *of_flank):
+    for key in ("teeth", *wanted):
         value = body.keys.get(key)
         if value is None or (key != "profile_shift" and value <= 0 and key != "bore_diameter_mm"):
             path = f"{body.name}.{key}"

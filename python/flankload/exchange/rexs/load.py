@@ -13,15 +13,9 @@ if TYPE_CHECKING:
 
 
 def model_of_case(model: Model, number: int | None, *, needed: bool) -> tuple[Model, list[str]]:
-    """The model with the attributes of a load case, and lines about the other cases.
+    """The model with the attributes of a load case (None: the only one), lines about the others.
 
-    Parameters
-    ----------
-    model : Model
-    number : int or None
-        Id of the load case; None: the only one.
-    needed : bool
-        Whether the load is needed: several cases are then refused without a number.
+    If the load is needed, several cases are refused without a number.
 
     Raises
     ------
@@ -51,13 +45,6 @@ def torque_of(
 ) -> float | None:
     """Amount of the torque on gear 1, N m; None if the file defines none.
 
-    Parameters
-    ----------
-    stock : Stock
-    stage : Stage
-    data : pair of Source or None
-        The data of both gears in this stage.
-
     Raises
     ------
     SceneError
@@ -78,10 +65,8 @@ def _torque_of_shaft(stock: Stock, gear: Component) -> float | None:
     """The only torque on the shaft of a gear that is the only one, and in one stage only."""
     model = stock.model
     shafts = model.partners("assembly", "part", gear.id, "assembly")
-    stages = [
-        *model.partners("stage", "gear_1", gear.id, "stage"),
-        *model.partners("stage", "gear_2", gear.id, "stage"),
-    ]
+    roles = ("gear_1", "gear_2")
+    stages = [part for role in roles for part in model.partners("stage", role, gear.id, "stage")]
     if len(shafts) != 1 or len(stages) != 1 or _is_coupled(model, shafts[0]):
         return None
     parts = model.partners("assembly", "assembly", shafts[0].id, "part")

@@ -113,18 +113,6 @@ class Stock:
         """The component as a source, the same one each time."""
         return self.sources.setdefault(component.id, Source(self.model, component))
 
-    def required(self, source: Source, attribute: str, unit: str, key: str) -> float | None:
-        """A number without which the scene is incomplete; None if its key is given otherwise.
-
-        Raises
-        ------
-        SceneError
-        """
-        value = source.number(attribute, unit)
-        if value is None:
-            self.missing(source, attribute, key)
-        return value
-
     def missing(self, source: Source, attribute: str, key: str) -> None:
         """Raise the error of a missing attribute, unless its key is given otherwise.
 
@@ -143,10 +131,9 @@ class Stock:
         self.lines.append(f"assumed: {component.label}: {what}")
 
     def leave(self, component: Component, attribute: str, why: str) -> None:
-        """Report an attribute, or a component as a whole, that is not taken over."""
+        """Report an attribute that is not taken over."""
         self.source(component).read.add(attribute)
-        what = f"{component.label}: {attribute}" if attribute else component.label
-        self.lines.append(f"not taken: {what}: {why}")
+        self.lines.append(f"not taken: {component.label}: {attribute}: {why}")
 
     def leave_all(self, component: Component, why: str) -> None:
         """Report a component that is not taken over with any of its attributes."""

@@ -16,18 +16,12 @@ class Stage:
     """A stage with its two gears; a ring gear is the second one."""
 
     component: Component
-    gear_1: Component
-    gear_2: Component
-
-    @property
-    def gears(self) -> tuple[Component, Component]:
-        """Both gears."""
-        return self.gear_1, self.gear_2
+    gears: tuple[Component, Component]
 
     @property
     def is_internal(self) -> bool:
         """Whether the second gear is a ring gear."""
-        return self.gear_2.type == "ring_gear"
+        return self.gears[1].type == "ring_gear"
 
 
 def stage_of(model: Model, number: int | None) -> Stage:
@@ -67,7 +61,7 @@ def _stage(model: Model, component: Component) -> Stage:
         one, two = two, one
     if one.type == "ring_gear" or one.id == two.id:
         model.refuse(component.label, "a gear and another gear or a ring gear", two.label)
-    return Stage(component, one, two)
+    return Stage(component, (one, two))
 
 
 def stage_rows(model: Model) -> list[tuple[str, ...]]:

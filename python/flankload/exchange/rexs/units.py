@@ -19,21 +19,7 @@ DIGITS = 14
 
 
 def converted(value: float, unit: str, wanted: str) -> float | None:
-    """A number in the unit of a scene.
-
-    Parameters
-    ----------
-    value : float
-    unit : str
-        As in the file.
-    wanted : str
-        Key of `FACTORS`.
-
-    Returns
-    -------
-    float or None
-        None if the unit is not one of this quantity.
-    """
+    """A number in the unit of a scene, a key of `FACTORS`; None for another kind of unit."""
     factor = FACTORS[wanted].get(" ".join(unit.split()))
     if factor is None:
         return None
