@@ -222,14 +222,14 @@ def _on_profile(source: MeshSource, spec: MeshBody, points: Floats) -> FlankFit:
             f"{PROFILE_TOLERANCE * given.module_mm:.3g} mm",
             found=f"nodes up to {worst:.3g} mm beside it",
         )
-    involute = replace(profile.involute, turn_rad=profile.involute.turn_rad + turn)
+    profile = profile.rotated(turn)
     note = (
         f"the given profile is turned by {np.degrees(turn):.6f} deg to fit {len(s)} flank nodes, "
         f"which lie within {1000 * worst:.2g} um of it"
     )
     return FlankFit(
-        curve=profile.curve.rotated(turn),
-        involute=involute,
+        curve=profile.curve,
+        involute=profile.involute,
         edges=np.empty((0, 3), dtype=np.int64),
         s=np.empty(0),
         mode_range_mm=profile.mode_range_mm,

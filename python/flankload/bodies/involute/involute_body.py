@@ -20,8 +20,7 @@ from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from flankload.bodies.body import SectorMesh
-    from flankload.bodies.profile.gear_profile import GearProfile
-    from flankload.bodies.profile.ring_profile import RingProfile
+    from flankload.bodies.profile.tooth_profile import ToothProfile
     from flankload.scene import Gear, Ring, SplineHub, SplineShaft
 
 
@@ -63,7 +62,6 @@ def build_involute_body(
     from flankload.scene.spline import SplineHub
 
     lengths = (flank_element_mm, flank_nodes_mm)
-    profile: GearProfile | RingProfile
     if isinstance(spec, Ring | SplineHub):
         profile, rim_radius, mesh = _inward(spec, key, lengths)
     else:
@@ -93,7 +91,7 @@ def _outward(
     key: str,
     lengths: tuple[float, float | None],
     regions: tuple[str, ...],
-) -> tuple[GearProfile, float, SectorMesh | None]:
+) -> tuple[ToothProfile, float, SectorMesh | None]:
     """Profile, bore radius and mesh of a body with external teeth."""
     from flankload.scene.gear import Gear
     from flankload.scene.spline import SplineShaft
@@ -123,7 +121,7 @@ def _outward(
 
 def _inward(
     spec: Ring | SplineHub, key: str, lengths: tuple[float, float | None]
-) -> tuple[RingProfile, float, SectorMesh | None]:
+) -> tuple[ToothProfile, float, SectorMesh | None]:
     """Profile, outer radius and mesh of a body with internal teeth."""
     from flankload.scene.spline import SPLINE_FILLET, SplineHub
 

@@ -20,7 +20,7 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from flankload.bodies.profile.ring_profile import RingProfile
+    from flankload.bodies.profile.tooth_profile import ToothProfile
     from flankload.flank import FlankCurve
 
     Floats = NDArray[np.float64]
@@ -102,13 +102,13 @@ def _plane(numbers: NDArray[np.complex128]) -> Floats:
 
 
 def ring_mesh(
-    profile: RingProfile, outer_radius_mm: float, lengths_mm: tuple[float, float | None], key: str
+    profile: ToothProfile, outer_radius_mm: float, lengths_mm: tuple[float, float | None], key: str
 ) -> SectorMesh:
     """Mesh one tooth of a ring and its share of the rim.
 
     Parameters
     ----------
-    profile : RingProfile
+    profile : ToothProfile
     outer_radius_mm : float
         Outside of the rim, larger than the root circle.
     lengths_mm : (float, float or None)

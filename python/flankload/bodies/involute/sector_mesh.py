@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.involute.sector_breaks import ToothCurve, ToothForm
-    from flankload.bodies.profile.gear_profile import GearProfile
+    from flankload.bodies.profile.tooth_profile import ToothProfile
 
     Floats = NDArray[np.float64]
     T = TypeVar("T", np.int64, np.float64)
@@ -35,7 +35,7 @@ SAG_PART = 0.35
 
 
 def sector_mesh(
-    profile: GearProfile,
+    profile: ToothProfile,
     bore_radius_mm: float,
     lengths_mm: tuple[float, float | None],
     key: str,
@@ -45,7 +45,7 @@ def sector_mesh(
 
     Parameters
     ----------
-    profile : GearProfile
+    profile : ToothProfile
         Profile with its tooth on the +x axis.
     bore_radius_mm : float
         Radius of the bore, smaller than the root circle.

@@ -5,7 +5,7 @@ The tooth's centre line is the body's +x axis; the working flank is at positive 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import atan2, cos, hypot, pi, radians, sqrt, tan
 from typing import TYPE_CHECKING, NoReturn
 
@@ -13,12 +13,7 @@ import numpy as np
 
 from flankload.bodies.bisection import sign_change
 from flankload.bodies.profile.basic_rack import BasicRack, basic_rack
-from flankload.bodies.profile.gear_tip import (
-    FormPoint,
-    following_fillet,
-    modifications_of,
-    profile_curve,
-)
+from flankload.bodies.profile.gear_tip import FormPoint, modifications_of
 from flankload.bodies.profile.involute import (
     Involute,
     InvoluteFlank,
@@ -26,14 +21,16 @@ from flankload.bodies.profile.involute import (
     involute_function,
     roll_of_involute_angle,
 )
+from flankload.bodies.profile.tooth_profile import ToothProfile, profile_curve
 from flankload.bodies.profile.tooth_thickness import generating_shift
 from flankload.errors import SceneError
-from flankload.flank import ACTIVE, CurvePiece, FlankCurve, Place
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.bodies.profile.gear_tip import GearGeometry
+    from flankload.flank import Place
+    from flankload.scene import SplineShaft
+    from flankload.scene.involute import Geometry
 
     Floats = NDArray[np.float64]
 
@@ -44,78 +41,14 @@ LEAST_ROLL = 3e-6
 FOOT_PLACES = 200
 
 
-@dataclass(frozen=True)
-class GearProfile:
-    """Profile of a gear's tooth.
-
-    Attributes
-    ----------
-    curve : FlankCurve
-        The working flank: fillet from the root circle, flank, tip.
-    involute : Involute
-        Radii and angles.
-    teeth : int
-    mode_range_mm : (float, float)
-        Arc lengths of the active flank, on which pressure modes are defined; without fillet and
-        tip rounding, where the normal turns and few modes could not represent the pressure.
-    root_half_angle_rad : float
-        Polar angle at which the fillet meets the root circle.
-    """
-
-    curve: FlankCurve
-    involute: Involute
-    teeth: int
-    mode_range_mm: tuple[float, float]
-    root_half_angle_rad: float
-
-    @property
-    def root_radius_mm(self) -> float:
-        """Radius of the root circle, mm."""
-        return self.involute.root_radius_mm
-
-    @property
-    def tip_radius_mm(self) -> float:
-        """Radius of the tip circle, mm."""
-        return self.involute.tip_radius_mm
-
-    def rotated(self, angle: float) -> GearProfile:
-        """Return the profile rotated counter-clockwise about the axis by an angle in rad."""
-        turn = self.involute.turn_rad + angle
-        return replace(
-            self, curve=self.curve.rotated(angle), involute=replace(self.involute, turn_rad=turn)
-        )
-
-    def outline(self) -> Floats:
-        """Outer contour (k, 2) of one sector from cut to cut, counter-clockwise, mm."""
-        s = np.concatenate(
-            [
-                start + (end - start) * np.arange(4) / 4
-                for start, end in zip(self.curve.breaks[:-1], self.curve.breaks[1:], strict=True)
-            ]
-        )
-        flank = self.curve.rotated(-self.involute.turn_rad).point(
-            np.append(s, self.curve.breaks[-1])
-        )
-        radius, tip_radius = self.involute.root_radius_mm, self.involute.tip_radius_mm
-        tip = _arc(tip_radius, 0.0, atan2(flank[-1, 1], flank[-1, 0]), 5)[:-1]
-        root = _arc(radius, self.root_half_angle_rad, pi / self.teeth, 5)[1:]
-        half = np.concatenate([tip, flank[::-1], root])
-        whole = np.concatenate([half[:0:-1] * [1.0, -1.0], half])
-        c, s_ = np.cos(self.involute.turn_rad), np.sin(self.involute.turn_rad)
-        return whole @ np.array([[c, s_], [-s_, c]])
-
-
-def _arc(radius: float, start: float, end: float, n: int) -> Floats:
-    angle = np.linspace(start, end, n)
-    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
-
-def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> GearProfile:
+def gear_profile(
+    spec: Geometry | SplineShaft, key: str, *, teeth: int | None = None
+) -> ToothProfile:
     """Profile of a gear.
 
     Parameters
     ----------
-    spec : GearGeometry
+    spec : Geometry or SplineShaft
         Keys of a gear, or of the profile of a mesh.
     key : str
         Dotted path of these keys in the scene, for messages.
@@ -124,7 +57,7 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
 
     Returns
     -------
-    GearProfile
+    ToothProfile
 
     Raises
     ------
@@ -162,19 +95,11 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     )
     _check_tooth(involute, rack, start, spec, key)
     flank = replace(plain, modifications=modifications_of(spec, involute, start.roll, key))
-    curve = profile_curve(
-        lambda flank: _fillet_pieces(rack, flank, start), flank, involute, start, spec, key
-    )
-    return GearProfile(
-        curve=curve,
-        involute=involute,
-        teeth=z,
-        mode_range_mm=curve.range_of(*ACTIVE),
-        root_half_angle_rad=rack.root_half_angle_rad,
-    )
+    curve = profile_curve(_fillet(rack, start), flank, involute, start, spec, key)
+    return ToothProfile(curve, involute, z, rack.root_half_angle_rad)
 
 
-def _protuberance(spec: GearGeometry) -> tuple[float, float] | None:
+def _protuberance(spec: Geometry | SplineShaft) -> tuple[float, float] | None:
     """Depth below the finished flank, mm, and pressure angle, rad, of a protuberance."""
     amount = getattr(spec, "protuberance_mm", None)  # splines have none
     if amount is None:
@@ -236,22 +161,18 @@ def _refuse_protuberance(key: str, expected: str) -> NoReturn:
     )
 
 
-def _fillet_pieces(rack: BasicRack, flank: InvoluteFlank, start: FormPoint) -> list[CurvePiece]:
-    """The fillet, from the root circle to the flank."""
-    end = start.beta if start.free is None else rack.end_angle_rad
-    parts: list[tuple[Place, float, float]] = [(rack.fillet, 0.5 * pi, end)]
-    if start.free is not None:
-        x, y = rack.fillet(np.array([end]))[0][0]
-        parts.append((start.free.place, start.free.roll_at(hypot(x, y)), start.beta))
-    if flank.modifications.crowning_mm or flank.modifications.root_relief_mm:
-        place, first, last = parts[-1]
-        moved = flank.point(start.roll) - place(np.array([last]))[0][0]
-        parts[-1] = (following_fillet(place, first, last, moved), first, last)
-    return [CurvePiece("fillet", *part) for part in parts]
+def _fillet(rack: BasicRack, start: FormPoint) -> list[tuple[Place, float, float]]:
+    """Parts of the fillet from the root circle to the flank, with their parameters."""
+    if start.free is None:
+        return [(rack.fillet, 0.5 * pi, start.beta)]
+    end = rack.end_angle_rad
+    x, y = rack.fillet(np.array([end]))[0][0]
+    on_free = (start.free.place, start.free.roll_at(hypot(x, y)), start.beta)
+    return [(rack.fillet, 0.5 * pi, end), on_free]
 
 
 def _check_tooth(
-    involute: Involute, rack: BasicRack, start: FormPoint, spec: GearGeometry, key: str
+    involute: Involute, rack: BasicRack, start: FormPoint, spec: Geometry | SplineShaft, key: str
 ) -> None:
     """Check that the tooth has a flank and a foot and is not pointed."""
     if involute.base_half_angle_rad <= 0.0:

@@ -7,37 +7,17 @@ the nominal one in the thickness and in the depth of the root.
 from __future__ import annotations
 
 from math import acos, atan, cos, floor, pi, radians, sin, sqrt, tan
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from flankload.bodies.profile.involute import involute_function, roll_of_involute_angle
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from flankload.bodies.profile.involute import Involute
+    from flankload.scene.involute import InvoluteKeys
 
 #: Largest |x_E|: beyond it a measurement belongs to another gear.
 LARGEST_SHIFT = 5.0
-
-
-class ThicknessKeys(Protocol):
-    """Keys of the tooth thickness, as in the scene."""
-
-    @property
-    def module_mm(self) -> float: ...
-    @property
-    def pressure_angle_deg(self) -> float: ...
-    @property
-    def profile_shift(self) -> float: ...
-    @property
-    def tooth_thickness_allowance_um(self) -> float | None: ...
-    @property
-    def span_measurement_mm(self) -> float | None: ...
-    @property
-    def span_teeth(self) -> int | None: ...
-    @property
-    def ball_measurement_mm(self) -> float | None: ...
-    @property
-    def measuring_ball_mm(self) -> float | None: ...
 
 
 class _Gear(NamedTuple):
@@ -75,13 +55,13 @@ class _Gear(NamedTuple):
 
 
 def generating_shift(
-    spec: ThicknessKeys, teeth: int, key: str, *, helix_rad: float = 0.0, outward: int = 1
+    spec: InvoluteKeys, teeth: int, key: str, *, helix_rad: float = 0.0, outward: int = 1
 ) -> float:
     """Generating profile shift x_E of a gear.
 
     Parameters
     ----------
-    spec : ThicknessKeys
+    spec : InvoluteKeys
         Keys of the profile.
     teeth : int
     key : str
