@@ -9,6 +9,7 @@ import numpy as np
 
 from flankload.bodies.tip_modes import Tip
 from flankload.errors import SceneError
+from flankload.meshes.blocks import edges_along
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
     from flankload.bodies.imported.given import GivenCompliance
     from flankload.bodies.profile.involute import Involute
     from flankload.flank import FlankCurve
+    from flankload.meshes.blocks import BlockMesh
+
+    Floats = NDArray[np.float64]
 
 
 #: So near to the end of the modes' range, as part of it, the flank has its last direction.
@@ -121,6 +125,17 @@ class WholeMesh:
     cells: tuple[tuple[str, NDArray[np.int64]], ...]
     fixed_nodes: NDArray[np.int64]
     flanks: tuple[MeshedFlank, ...]
+
+    @classmethod
+    def of_blocks(
+        cls, blocks: BlockMesh, fixed: NDArray[np.int64], flank: NDArray[np.int64], s: Floats
+    ) -> WholeMesh:
+        """Mesh of blocks with one flank, of nodes (2 m + 1,) at arc lengths s, mm."""
+        nodes = blocks.nodes
+        arc_length = np.full(len(nodes), np.nan)
+        arc_length[flank[::-1]] = s[::-1]  # a closed flank ends at its first node
+        flanks = (MeshedFlank(0, nodes, edges_along(flank), arc_length),)
+        return cls(nodes, blocks.quads, np.unique(fixed), flanks)
 
     @property
     def flank_elements(self) -> int:

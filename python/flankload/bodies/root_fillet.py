@@ -13,12 +13,12 @@ itself is not included.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.bodies.body import WholeMesh
+from flankload.bodies.plane import turned
 from flankload.errors import SceneError
 from flankload.meshes.plane_mesh import boundary_edges
 
@@ -163,9 +163,9 @@ def _both_sides(
     """Gauss points of both fillets of the tooth rotated by `turn`, their strains and edges."""
     edges = boundary_edges(mesh.cells)
     form = curve.range_of("fillet")[1]
-    own = _turned(mesh.nodes, -turn)
+    own = turned(mesh.nodes, -turn)
     # the other side of the tooth is the working side of the mirrored tooth
-    images = (own, _turned(_turned(own, -center) * [1.0, -1.0], center))
+    images = (own, turned(turned(own, -center) * [1.0, -1.0], center))
     parts = []
     for image in images:
         on = _edges_on_fillet(image, edges, curve, form, key)
@@ -177,8 +177,8 @@ def _both_sides(
         parts.append((s[order], strains[:, order], number[order]))
     s = np.concatenate([part[0] for part in parts])
     working = np.arange(s.size) < parts[0][0].size
-    place = _turned(curve.point(s), -center)
-    along = _turned(curve.tangent(s), -center)
+    place = turned(curve.point(s), -center)
+    along = turned(curve.tangent(s), -center)
     angle = np.arctan2(place[:, 1], place[:, 0])
     points = RootPoints(
         arc_length_mm=s,
@@ -278,8 +278,3 @@ def _at_places(wanted: RootPoints, found: RootPoints, rows: Floats) -> Floats:
             part = float(np.clip((place - s[k - 1]) / (s[k] - s[k - 1]), 0.0, 1.0))
             columns.append((1 - part) * rows[:, own[k - 1]] + part * rows[:, own[k]])
     return np.stack(columns, axis=1)
-
-
-def _turned(places: Floats, angle: float) -> Floats:
-    c, s = cos(angle), sin(angle)
-    return places @ np.array([[c, s], [-s, c]])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -15,10 +15,17 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
+    T = TypeVar("T", np.int64, np.float64)
 
 
 #: Largest number of nodes of a block and of parts of a line, to limit the memory of a mesh.
 MOST_NODES, MOST_PARTS = 1_000_000, 50_000
+LOW, MIDDLE, HIGH = slice(None, -2, 2), slice(1, None, 2), slice(2, None, 2)
+#: Rows and columns of a block's nodes that are the nodes of its "quad9" elements, in their order.
+NODES_OF_QUAD = (
+    *((LOW, LOW), (LOW, HIGH), (HIGH, HIGH), (HIGH, LOW)),
+    *((LOW, MIDDLE), (MIDDLE, HIGH), (HIGH, MIDDLE), (MIDDLE, LOW), (MIDDLE, MIDDLE)),
+)
 
 
 def check_count(count: float, most: int, what: str) -> None:
@@ -37,6 +44,11 @@ def with_middles(breaks: Floats) -> Floats:
     result[::2] = breaks
     result[1::2] = 0.5 * (breaks[:-1] + breaks[1:])
     return result
+
+
+def edges_along(path: NDArray[T]) -> NDArray[T]:
+    """First, last and middle (m, 3) of each edge of a path (2 m + 1,) through ends and middles."""
+    return np.stack([path[:-2:2], path[2::2], path[1:-1:2]], axis=1)
 
 
 def even_breaks(start: float, end: float, largest: float, least_count: int = 1) -> Floats:
@@ -136,6 +148,16 @@ class BlockMesh:
     cells: list[Numbers] = field(default_factory=list)
     _count: int = 0
 
+    @property
+    def nodes(self) -> Floats:
+        """All nodes (N, 2)."""
+        return np.concatenate(self.places)
+
+    @property
+    def quads(self) -> tuple[tuple[str, Numbers], ...]:
+        """All elements, as in a mesh of a body."""
+        return (("quad9", np.concatenate(self.cells)),)
+
     def add(self, grid: Floats, known: dict[str, Numbers]) -> Numbers:
         """Add a block and return its node numbers (n, m).
 
@@ -156,21 +178,6 @@ class BlockMesh:
         numbers[new] = self._count + np.arange(int(new.sum()))
         self._count += int(new.sum())
         self.places.append(grid[new])
-        a = numbers
-        self.cells.append(
-            np.stack(
-                [
-                    a[:-2:2, :-2:2],
-                    a[:-2:2, 2::2],
-                    a[2::2, 2::2],
-                    a[2::2, :-2:2],
-                    a[:-2:2, 1::2],
-                    a[1::2, 2::2],
-                    a[2::2, 1::2],
-                    a[1::2, :-2:2],
-                    a[1::2, 1::2],
-                ],
-                axis=-1,
-            ).reshape(-1, 9)
-        )
+        quads = np.stack([numbers[row, column] for row, column in NODES_OF_QUAD], axis=-1)
+        self.cells.append(quads.reshape(-1, 9))
         return numbers

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rounding import round_up
-from flankload.bodies.body import Body, Material, MeshedFlank, WholeMesh
+from flankload.bodies.body import Body, Material, WholeMesh
 from flankload.bodies.cam.cam_profile import cam_profile
 from flankload.meshes.blocks import (
     MOST_NODES,
@@ -43,22 +43,8 @@ def build_cam(
 ) -> Body:
     """Build a cam.
 
-    Parameters
-    ----------
-    spec : Cam
-        Keys of the cam.
-    key : str
-        Key of the body in the scene, for messages.
-    folder : Path
-        Folder to which the file of the profile table is relative.
-    flank_element_mm : float or None
-        Largest length of a finite element along the profile.
-    fineness : float
-        If that is None: number of elements along the profile relative to the default.
-
-    Returns
-    -------
-    Body
+    Parameters as of `build_body`; `fineness`: number of elements along the profile relative to the
+    default, if `flank_element_mm` is None.
 
     Raises
     ------
@@ -104,17 +90,7 @@ def _elements(profile: CamProfile, bore_radius: float) -> float:
 def cam_mesh(profile: CamProfile, *, bore_radius_mm: float, flank_element_mm: float) -> WholeMesh:
     """Mesh a cam: rays from the bore to the profile, layers that grow inwards.
 
-    Parameters
-    ----------
-    profile : CamProfile
-    bore_radius_mm : float
-    flank_element_mm : float
-        Largest length of an element along the profile.
-
-    Returns
-    -------
-    WholeMesh
-        With one closed flank, that of tooth 0.
+    It has one closed flank, along which no element is longer than `flank_element_mm`.
     """
     length = profile.curve.length_mm
     parts = 0.5 * length / flank_element_mm
@@ -127,26 +103,15 @@ def cam_mesh(profile: CamProfile, *, bore_radius_mm: float, flank_element_mm: fl
     check_count(2.0 * half * up.size, MOST_NODES, "nodes")
     blocks = BlockMesh()
     ends: dict[str, NDArray[np.int64]] = {}
-    outside = []
-    for part in (0, 1):
-        s = with_middles(np.linspace(part, part + 1, half + 1)) * 0.5 * length
+    halves = [with_middles(np.linspace(k, k + 1, half + 1)) * 0.5 * length for k in (0, 1)]
+    rows, fixed = [], []
+    for s in halves:
         top = profile.curve.point(s)
         bottom = bore_radius_mm * top / np.hypot(*top.T)[:, None]
-        grid = bottom + up[:, None, None] * (top - bottom)
-        numbers = blocks.add(grid, ends)
+        numbers = blocks.add(bottom + up[:, None, None] * (top - bottom), ends)
         ends = {"left": numbers[:, -1], "right": numbers[:, 0]}
-        outside.append((numbers, s))
-    nodes = np.concatenate(blocks.places)
-    arc_length = np.full(len(nodes), np.nan)
-    edges, fixed = [], []
-    for numbers, s in outside:
-        arc_length[numbers[-1, :-1]] = s[:-1]
-        row = numbers[-1]
-        edges.append(np.stack([row[:-2:2], row[2::2], row[1::2]], axis=1))
+        rows.append(numbers[-1])
         fixed.append(numbers[0])
-    return WholeMesh(
-        nodes=nodes,
-        cells=(("quad9", np.concatenate(blocks.cells)),),
-        fixed_nodes=np.unique(np.concatenate(fixed)),
-        flanks=(MeshedFlank(0, nodes, np.concatenate(edges), arc_length),),
-    )
+    flank = np.append(rows[0], rows[1][1:])
+    s = np.append(halves[0], halves[1][1:])
+    return WholeMesh.of_blocks(blocks, np.concatenate(fixed), flank, s)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.plane import across, directions
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
 from flankload.flank.fit import TOLERANCE
@@ -142,8 +143,8 @@ def _closed_spline(angle: Floats, radius: Floats) -> Place:
     first, second = spline.derivative(1), spline.derivative(2)
 
     def place(u: Floats) -> tuple[Floats, Floats, Floats]:
-        out = np.stack([np.cos(u), np.sin(u)], axis=1)
-        along = np.stack([-out[:, 1], out[:, 0]], axis=1)
+        out = directions(u)
+        along = across(out)
         r, r_1, r_2 = (f(u)[:, None] for f in (spline, first, second))
         return r * out, r_1 * out + r * along, (r_2 - r) * out + 2 * r_1 * along
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from flankload.bodies.body import Body, Flat, Material, Roller
 from flankload.bodies.cam.follower_mesh import flat_mesh, roller_mesh
+from flankload.bodies.plane import circle, directions
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
 
@@ -66,20 +67,7 @@ def build_follower(
 ) -> Body:
     """Build a follower.
 
-    Parameters
-    ----------
-    spec : Follower
-        Keys of the follower.
-    key : str
-        Key of the body in the scene, for messages.
-    flank_element_mm : float or None
-        Largest length of a finite element along roller or flat.
-    fineness : float
-        If that is None: number of elements along the flank relative to the default.
-
-    Returns
-    -------
-    Body
+    Parameters as of `build_cam`.
 
     Raises
     ------
@@ -197,15 +185,9 @@ def _flat(spec: Follower, key: str, hub: float) -> Flat:
 
 def roller_curve(roller: Roller) -> FlankCurve:
     """The free half of a roller that faces the cam, from the arm outwards."""
-    arm, radius = roller.arm_mm, roller.radius_mm
     low, high = roller.angles_rad
-
-    def place(u: Floats) -> tuple[Floats, Floats, Floats]:
-        out = np.stack([np.cos(u), np.sin(u)], axis=1)
-        along = np.stack([-out[:, 1], out[:, 0]], axis=1)
-        return np.array([arm, 0.0]) + radius * out, radius * along, -radius * out
-
-    return fit_flank_curve([CurvePiece("flank", place, high, low)])
+    around = circle(np.array([roller.arm_mm, 0.0]), roller.radius_mm)
+    return fit_flank_curve([CurvePiece("flank", around, high, low)])
 
 
 def flat_curve(flat: Flat) -> FlankCurve:
@@ -222,11 +204,10 @@ def outline_of(lever: Lever, points: int = 121) -> Floats:
     """Contour of a lever, counter-clockwise, with the given number of points on each arc."""
     (low, high), hub, head = lever.hub_angles_rad, lever.hub_radius_mm, lever.head
     turn = np.linspace(high, low + 2 * pi, points)
-    parts = [hub * np.stack([np.cos(turn), np.sin(turn)], axis=1)]
+    parts = [hub * directions(turn)]
     if isinstance(head, Roller):
         turn = np.linspace(-head.angles_rad[1], head.angles_rad[1], points)
-        circle = head.radius_mm * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        parts.append(circle + np.array([head.arm_mm, 0.0]))
+        parts.append(head.radius_mm * directions(turn) + np.array([head.arm_mm, 0.0]))
     else:
         end = head.ends_mm[1]
         parts.append(np.array([[end, lever.arm_mm[0]], [end, lever.arm_mm[1]]]))

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rounding import round_up
-from flankload.bodies.body import MeshedFlank, WholeMesh
+from flankload.bodies.body import WholeMesh
+from flankload.bodies.plane import directions
 from flankload.meshes.blocks import BlockMesh, coons, growing_breaks, symmetric_breaks, with_middles
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) ->
         start + steps * (end - start)
         for start, end, steps in zip(angles[:-1], angles[1:], (part, even) * 2, strict=True)
     ]
-    behind = centre + radius * _around(turns[0])
+    behind = centre + radius * directions(turns[0])
     length = float(behind[0, 0]) - hub[1]
     steps = _between_corners(length, width, inner, finer)
     ends = _add_bar(blocks, hub[3], behind, steps, hub[0])[:, -1]
@@ -82,7 +83,7 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) ->
     up = (1.0 - depth[::-1])[:, None, None]
     known: dict[str, Numbers] = {"top": ends}
     for k, turn in enumerate(turns):
-        outer, within = centre + radius * _around(turn), centre + core[k]
+        outer, within = centre + radius * directions(turn), centre + core[k]
         if k == 3:
             known["right"] = rings[0][:, 0]
         numbers = blocks.add(within + up * (outer - within), known)
@@ -92,26 +93,11 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) ->
     half = turns[2].size // 2 + 1
     flank = np.concatenate([rings[1][-1], rings[2][-1][1:half]])
     turn = np.concatenate([turns[1], turns[2][1:half]])
-    return _whole(blocks, fixed, flank, radius * (turn[0] - turn))
+    return WholeMesh.of_blocks(blocks, fixed, flank, radius * (turn[0] - turn))
 
 
 def flat_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) -> WholeMesh:
-    """Mesh a lever with a flat.
-
-    Parameters
-    ----------
-    lever : Lever
-        Lever with a Flat.
-    flank_element_mm : float
-        Largest length of an element along the flat.
-    finer : float
-        Factor by which elements at sharp corners of the arm are reduced.
-
-    Returns
-    -------
-    WholeMesh
-        Its flank is the flat.
-    """
+    """Mesh a lever with a flat, which is the flank; parameters as of `roller_mesh`."""
     low, high = lever.arm_mm
     start, end = lever.head.ends_mm  # type: ignore[union-attr]
     width, inner = high - low, INNER_PART * flank_element_mm
@@ -130,11 +116,7 @@ def flat_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) -> W
     steps = _from_corner(end - start, width, flank_element_mm, finer)
     right = np.stack([np.full(up.size, end), up], axis=1)
     numbers = _add_bar(blocks, left, right, steps, ends)
-    return _whole(blocks, fixed, numbers[-1], steps * (end - start))
-
-
-def _around(turn: Floats) -> Floats:
-    return np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    return WholeMesh.of_blocks(blocks, fixed, numbers[-1], steps * (end - start))
 
 
 def _layers(thickness: float, flank_element_mm: float) -> Floats:
@@ -185,10 +167,10 @@ def _add_hub(
     parts = []
     # clockwise, so that rows go outwards
     for turn in (leaving[::-1], low + 2 * pi + rest * (high - low - 2 * pi)):
-        parts.append(blocks.add(radii[:, None, None] * _around(turn), known))
+        parts.append(blocks.add(radii[:, None, None] * directions(turn), known))
         known = {"left": parts[0][:, -1], "right": parts[0][:, 0]}
-    places = radius * _around(leaving)
-    fixed = np.unique(np.concatenate([part[0] for part in parts]))
+    places = radius * directions(leaving)
+    fixed = np.concatenate([part[0] for part in parts])
     return (parts[0][-1][::-1], float(places[0, 0]), float(places[-1, 0]), places), fixed
 
 
@@ -205,7 +187,7 @@ def _roller_core(turns: list[Floats], radius: float) -> list[Floats]:
     """Edges of the core about the roller's centre, clockwise from the one behind the arm."""
     edges = []
     for turn in turns:
-        start, end = CORE_PART * radius * _around(turn[[0, -1]])
+        start, end = CORE_PART * radius * directions(turn[[0, -1]])
         edges.append(start + np.linspace(0.0, 1.0, turn.size)[:, None] * (end - start))
     return edges
 
@@ -222,17 +204,3 @@ def _add_core(blocks: BlockMesh, edges: list[Floats], numbers: list[Numbers]) ->
         "bottom": numbers[3][::-1],
     }
     blocks.add(grid, known)
-
-
-def _whole(blocks: BlockMesh, fixed: Numbers, flank: Numbers, s: Floats) -> WholeMesh:
-    """Mesh with one flank, given by its nodes and their arc lengths."""
-    nodes = np.concatenate(blocks.places)
-    arc_length = np.full(len(nodes), np.nan)
-    arc_length[flank] = s
-    edges = np.stack([flank[:-2:2], flank[2::2], flank[1::2]], axis=1)
-    return WholeMesh(
-        nodes=nodes,
-        cells=(("quad9", np.concatenate(blocks.cells)),),
-        fixed_nodes=fixed,
-        flanks=(MeshedFlank(0, nodes, edges, arc_length),),
-    )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.body import SectorMesh, WholeMesh
+from flankload.bodies.plane import turned
 from flankload.meshes.io import write_mesh
 from flankload.meshes.plane_mesh import boundary_edges, raise_to_quadratic
 
@@ -39,10 +40,8 @@ def write_body(path: str | Path, mesh: SectorMesh | WholeMesh, *, turn_rad: floa
     MeshError
         If the suffix is unknown.
     """
-    cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
-    turned = mesh.nodes @ np.array([[cosine, sine], [-sine, cosine]])
     regions = () if isinstance(mesh, WholeMesh) else mesh.regions
-    write_mesh(path, turned, mesh.cells, _named_edges(mesh), regions)
+    write_mesh(path, turned(mesh.nodes, turn_rad), mesh.cells, _named_edges(mesh), regions)
 
 
 def _named_edges(mesh: SectorMesh | WholeMesh) -> dict[str, Numbers]:

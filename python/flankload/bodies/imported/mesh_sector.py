@@ -8,6 +8,7 @@ import numpy as np
 
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.imported.mesh_flank import in_order
+from flankload.bodies.plane import turned
 from flankload.meshes.plane_mesh import boundary_edges, chain
 
 if TYPE_CHECKING:
@@ -105,10 +106,9 @@ def _match_cuts(
             f"{first.size} and {second.size}",
         )
     pitch = 2 * np.pi / teeth
-    turn = np.array([[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]])
     best = np.inf
     for left, right in ((first, second), (second, first)):
-        distance = np.linalg.norm((nodes[left] @ turn)[:, None] - nodes[right][None], axis=2)
+        distance = np.linalg.norm(turned(nodes[left], pitch)[:, None] - nodes[right][None], axis=2)
         nearest = distance.argmin(axis=1)
         worst = float(distance.min(axis=1).max())
         best = min(best, worst)

@@ -13,6 +13,7 @@ import numpy as np
 from flankload.bodies.body import MeshedFlank, WholeMesh
 from flankload.bodies.imported.mesh_curve import carrying_edges, fitted_turn
 from flankload.bodies.imported.mesh_flank import faces_clockwise, in_order, middles_are_straight
+from flankload.bodies.plane import turned
 from flankload.meshes.plane_mesh import boundary_edges, chain
 
 if TYPE_CHECKING:
@@ -177,6 +178,5 @@ def _outline(nodes: Floats, cells: Cells, flank: Numbers, pitch: float) -> Float
     run = next(run for run in chain(edges) if (run[:, :2] == root).any())
     path = run[:, [0, 2]].ravel()
     places = nodes[np.roll(path, -int(np.flatnonzero(path == root)[0]))]
-    turned = places[0] @ np.array([[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]])
-    end = int(np.argmin(np.linalg.norm(places - turned, axis=1)))
+    end = int(np.argmin(np.linalg.norm(places - turned(places[:1], pitch), axis=1)))
     return np.asarray(places[: end + 1] if end else places)

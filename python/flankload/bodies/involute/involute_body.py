@@ -36,10 +36,8 @@ def build_involute_body(
 
     Parameters
     ----------
-    spec : Gear, Ring, SplineShaft or SplineHub
-        Keys of the body.
-    key : str
-        Key of the body in the scene, for messages.
+    spec, key
+        As for `build_body`.
     flank_element_mm : float
         Largest length of a finite element along the flank; not used for a rigid body.
     flank_nodes_mm : float, optional

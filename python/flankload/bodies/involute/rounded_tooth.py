@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.plane import directions
 from flankload.meshes.blocks import BlockMesh, coons
 
 if TYPE_CHECKING:
@@ -35,28 +36,12 @@ def rounded_tooth(
     top: tuple[Floats, Floats],
     n: int,
 ) -> tuple[Numbers, Numbers, Numbers]:
-    """Add the blocks of a tooth with rounded tips.
+    """Add the blocks of a tooth with rounded tips; returns the nodes of flank, tip and foot.
 
-    Parameters
-    ----------
-    mesh : BlockMesh
-        Mesh to which the blocks are added.
-    curve : ToothCurve
-        Curve that ends with the rounding; s_flank ends at the middle of the rounding.
-    s_flank : (r,) array
-        Arc lengths of the nodes along the flank.
-    foot : (m, 2) array, (m,) array
-        Nodes across the foot of the tooth from the working flank to its mirror image, and their
-        relative positions.
-    top : (m - 2 n, 2) array, (m - 2 n,) array
-        Nodes across the tip between the middles of the roundings, and their relative positions.
-    n : int
-        Number of nodes across the layers, without the first.
-
-    Returns
-    -------
-    flank, top, foot : (r,), (m - 2 n,), (m,) arrays
-        Node numbers.
+    The curve ends with the rounding, `s_flank` (r,) at the middle of the rounding. `foot`: nodes
+    (m, 2) across the foot of the tooth from the working flank to its mirror image, and their
+    relative positions (m,). `top`: the same across the tip between the middles of the roundings,
+    (m - 2 n). n: number of nodes across the layers, without the first.
     """
     mirror = np.array([1.0, -1.0])
     places, parts = foot
@@ -68,7 +53,7 @@ def rounded_tooth(
     layer = parts[: n + 1] / parts[n]
     inwards = flank[-1] + layer[:, None] * (peak - flank[-1])
     half_angle = atan2(peak[1], peak[0]) * (1 - 2 * top[1])
-    below = np.hypot(*peak) * np.stack([np.cos(half_angle), np.sin(half_angle)], axis=1)
+    below = np.hypot(*peak) * directions(half_angle)
     across = np.stack([(parts[n:-n] - parts[n]) / (1 - 2 * parts[n]), top[1]])
     grid = coons(places[n:-n], below, inner, inner * mirror, across, np.stack([up, up]))
     core = mesh.add(grid, {})

@@ -67,21 +67,10 @@ def gear_profile(
     z = int(teeth if teeth is not None else getattr(spec, "teeth", 0) or 0)
     if z < 3:
         raise SceneError(key=f"{key}.teeth", expected="at least 3 teeth", found=f"{z}")
-    normal_angle = radians(spec.pressure_angle_deg)
     shift = generating_shift(spec, z, key, helix_rad=spec.helix_rad)
-    rack = basic_rack(
-        teeth=z,
-        module_mm=spec.module_mm,
-        pressure_angle_rad=normal_angle,
-        profile_shift=shift,
-        dedendum_factor=spec.dedendum_factor,
-        fillet_radius_factor=spec.fillet_radius_factor,
-        key=key,
-        helix_angle_rad=spec.helix_rad,
-        protuberance=_protuberance(spec),
-    )
+    rack = basic_rack(spec, z, shift, key)
     base_radius = rack.reference_radius_mm * cos(rack.pressure_angle_rad)
-    base_half_angle = (0.5 * pi + 2 * shift * tan(normal_angle)) / z
+    base_half_angle = (0.5 * pi + 2 * shift * tan(radians(spec.pressure_angle_deg))) / z
     base_half_angle += involute_function(rack.pressure_angle_rad)
     plain = InvoluteFlank(base_radius, base_half_angle, Modifications.none())
     start = _form_point(rack, plain, key)
@@ -97,15 +86,6 @@ def gear_profile(
     flank = replace(plain, modifications=modifications_of(spec, involute, start.roll, key))
     curve = profile_curve(_fillet(rack, start), flank, involute, start, spec, key)
     return ToothProfile(curve, involute, z, rack.root_half_angle_rad)
-
-
-def _protuberance(spec: Geometry | SplineShaft) -> tuple[float, float] | None:
-    """Depth below the finished flank, mm, and pressure angle, rad, of a protuberance."""
-    amount = getattr(spec, "protuberance_mm", None)  # splines have none
-    if amount is None:
-        return None
-    stock, angle = (getattr(spec, n) for n in ("grinding_stock_mm", "protuberance_angle_deg"))
-    return amount - stock, radians(angle)
 
 
 def _form_point(rack: BasicRack, flank: InvoluteFlank, key: str) -> FormPoint:

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.plane import across, directions
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -206,8 +208,8 @@ class InvoluteFlank:
         roll = np.atleast_1d(np.asarray(roll, dtype=float))
         off, first, second = (part[:, None] for part in self.modifications.at(roll))
         angle = self.base_half_angle_rad - roll
-        radial = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        normal = np.stack([-radial[:, 1], radial[:, 0]], axis=1)
+        radial = directions(angle)
+        normal = across(radial)
         base = self.base_radius_mm
         reach = base * roll[:, None] - off
         # d e_r/dt = -e_theta, d e_theta/dt = e_r at the angle th0 - t

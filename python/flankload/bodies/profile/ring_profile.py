@@ -161,8 +161,8 @@ def _touching_arc(involute: Involute, radius: float) -> RootArc:
     along = sqrt((involute.root_radius_mm - radius) ** 2 - base**2)
     roll = (along + radius) / base
     normal = involute.base_half_angle_rad - roll
-    out, across = directions([normal, normal + 0.5 * pi])
-    center = base * out + along * across
+    radial, tangential = directions([normal, normal + 0.5 * pi])
+    center = base * radial + along * tangential
     return RootArc(radius, roll, center, atan2(center[1], center[0]))
 
 
