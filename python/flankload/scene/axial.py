@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
-from flankload.scene.refusal import refuse, shown
+from flankload.scene.refusal import refuse, refuse_absent, shown
 from flankload.scene.shaft import Shaft
 from flankload.scene.table import (
     USUAL_ERRORS,
@@ -14,14 +14,13 @@ from flankload.scene.table import (
     Deviation,
     Length,
     Relief,
-    Table,
     Text,
     about,
 )
 
 if TYPE_CHECKING:
     from flankload.scene.accuracy import Accuracy
-    from flankload.scene.pair import Pair
+    from flankload.scene.scene import Scene
     from flankload.scene.scene_file import SceneFile
 
 #: Larger helix angles have end-face edges below 50 degrees.
@@ -193,6 +192,13 @@ class AxialKeys:
         @property
         def number_of_teeth(self) -> int: ...
 
+        @property
+        def turn_per_mm(self) -> float:
+            """Rotation of the section along the axis times half the number of teeth, rad/mm."""
+
+        def helix_deg_of(self, turn_per_mm: float) -> float:
+            """The helix angle with which sections turn so fast, deg."""
+
     @property
     def helix_rad(self) -> float:
         """Helix angle on the reference cylinder, rad; positive for both hands."""
@@ -202,15 +208,6 @@ class AxialKeys:
     def hand_sign(self) -> int:
         """1 for a right-hand helix, -1 for a left-hand one, 0 without a helix."""
         return {"right": 1, "left": -1, None: 0}[self.hand]
-
-    @property
-    def turn_per_mm(self) -> float:
-        """Rotation of the section along the axis times half the number of teeth, rad/mm."""
-        raise NotImplementedError
-
-    def helix_deg_of(self, turn_per_mm: float) -> float:
-        """The helix angle with which sections turn so fast, deg."""
-        raise NotImplementedError
 
     @property
     def helix_tolerance_deg(self) -> float:
@@ -243,11 +240,7 @@ class AxialKeys:
         if self.shaft is not None:
             self.shaft.check(given["shaft"], f"{key}.shaft", helical=bool(self.helix_angle_deg))
         if self.helix_angle_deg and self.hand is None:
-            refuse(
-                f"{key}.hand",
-                f"'right' or 'left', since there is a {key}.helix_angle_deg",
-                "nothing",
-            )
+            refuse_absent(key, "hand", "'right' or 'left'", "helix_angle_deg")
         if self.hand is not None and not self.helix_angle_deg:
             refuse(f"{key}.hand", f"nothing, unless {key}.helix_angle_deg is > 0", shown(self.hand))
         slopes = self.tooth_helix_slope_um
@@ -257,15 +250,10 @@ class AxialKeys:
                 f"one entry per tooth: {self.number_of_teeth}, as in {key}.teeth",
                 f"{len(slopes)} entries",
             )
-        if (self.end_relief_um is None) != (self.end_relief_length_mm is None):
-            there, missing = "end_relief_um", "end_relief_length_mm"
-            if self.end_relief_um is None:
-                there, missing = missing, there
-            refuse(
-                f"{key}.{missing}",
-                f"a list of 2 numbers, since there is a {key}.{there}",
-                "nothing",
-            )
+        reliefs = ("end_relief_um", "end_relief_length_mm")
+        for missing, there in (reliefs, reliefs[::-1]):
+            if getattr(self, missing) is None and getattr(self, there) is not None:
+                refuse_absent(key, missing, "a list of 2 numbers", there)
 
 
 def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tuple[float, float]:
@@ -308,27 +296,15 @@ def degrees_of(accuracy: "Accuracy") -> tuple[int, int]:
     return degree, min(LOAD_DEGREE, degree - DEGREES_ABOVE_LOAD)
 
 
-def three_dimensional_key(
-    bodies: tuple[Table, Table], pair: "Pair | None", dimension: int | None
-) -> str | None:
-    """The key for which a pair of bodies needs three dimensions, with its value.
+def three_dimensional_key(scene: "Scene | SceneFile") -> str | None:
+    """The key for which a scene needs three dimensions; None if nothing varies along the axis."""
+    return "effects.dimension = 3" if scene.effects.dimension == 3 else _varying_key(scene)
 
-    Parameters
-    ----------
-    bodies : two tables of bodies
-    pair : Pair or None
-    dimension : 2, 3 or None
-        The key `effects.dimension`.
 
-    Returns
-    -------
-    str or None
-        None if nothing varies along the axis.
-    """
-    if dimension == 3:
-        return "effects.dimension = 3"
-    widths = []
-    for number, body in enumerate(bodies, start=1):
+def _varying_key(scene: "Scene | SceneFile") -> str | None:
+    """The first key that varies along the axis."""
+    pair, widths = scene.pair, []
+    for number, body in enumerate((scene.body_1, scene.body_2), start=1):
         if not isinstance(body, AxialKeys):
             continue
         for name in ("helix_angle_deg", *LEAD_KEYS, "axial_offset_mm", "shaft", *REGION_KEYS):
@@ -336,14 +312,12 @@ def three_dimensional_key(
             if any(value) if isinstance(value, tuple) else value:
                 return f"body_{number}.{name}"
         widths.append((number, body.face_width_mm))
+    if pair is None:
+        return None
     for number, width in widths:
-        if width is not None and pair is not None and width != pair.face_width_mm:
+        if width is not None and width != pair.face_width_mm:
             return f"body_{number}.face_width_mm"
-    if pair is not None:
-        for name in MISALIGNMENTS:
-            if getattr(pair, name):
-                return f"pair.{name}"
-    return None
+    return next((f"pair.{name}" for name in MISALIGNMENTS if getattr(pair, name)), None)
 
 
 def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
@@ -353,8 +327,7 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
     ------
     SceneError
     """
-    bodies, dimension = (asked.body_1, asked.body_2), asked.effects.dimension
-    needed_by = three_dimensional_key(bodies, asked.pair, None)
+    dimension, needed_by = asked.effects.dimension, _varying_key(asked)
     if dimension == 2 and needed_by is not None:
         refuse("effects.dimension", f"3 or nothing, since there is a {needed_by}", 2)
     accuracy = asked.accuracy
@@ -368,8 +341,8 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
                 )
         return
     why = needed_by or "effects.dimension = 3"
-    one, two = bodies
-    for number, body in enumerate(bodies, start=1):
+    one, two = asked.body_1, asked.body_2
+    for number, body in enumerate((one, two), start=1):
         if not isinstance(body, AxialKeys):
             refuse(
                 f"body_{number}.kind",
@@ -430,16 +403,12 @@ def check_hands(sign_1: int, sign_2: int, *, inward: bool) -> None:
     ------
     SceneError
     """
-    if sign_2 == (sign_1 if inward else -sign_1):
-        return
+    wanted, how = -sign_1, "the opposite of body_1.hand"
+    if inward:
+        wanted, how = sign_1, "as body_1.hand, since body_2 has internal teeth"
     hands = {1: "'right'", -1: "'left'", 0: "nothing"}
-    how = (
-        "as body_1.hand, since body_2 has internal teeth"
-        if inward
-        else ("the opposite of body_1.hand")
-    )
-    wanted = sign_1 if inward else -sign_1
-    refuse("body_2.hand", f"{hands[wanted]}, {how}", hands[sign_2])
+    if sign_2 != wanted:
+        refuse("body_2.hand", f"{hands[wanted]}, {how}", hands[sign_2])
 
 
 def _check_pair(one: AxialKeys, two: AxialKeys, pair_width_mm: float) -> None:

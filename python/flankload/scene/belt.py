@@ -19,6 +19,7 @@ from flankload.scene.table import (
     Length,
     Modulus,
     PoissonRatio,
+    Toothed,
     YoungModulus,
     about,
 )
@@ -35,7 +36,7 @@ LEAST_BOTTOM = 0.1
 ELASTIC = ("bore_diameter_mm", "material", "young_modulus_MPa", "poisson_ratio")
 
 
-class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
+class Pulley(Toothed, DriveTable, frozen=True, kw_only=True, tag="pulley"):
     """A pulley for timing belts: rigid, or an elastic ring fixed at its bore."""
 
     partner: ClassVar[str | None] = "belt"
@@ -102,11 +103,6 @@ class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
     def tooth_shape(self) -> str:
         """Shape of teeth and grooves: "T" or "HTD"."""
         return "HTD" if self.profile.startswith("HTD") else "T"
-
-    @property
-    def number_of_teeth(self) -> int:
-        """Number of grooves."""
-        return self.teeth
 
 
 class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):

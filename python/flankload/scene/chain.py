@@ -9,13 +9,13 @@ from msgspec import Meta
 from flankload.scene.chain_sizes import ChainName
 from flankload.scene.drive import DriveTable, WrappedTable
 from flankload.scene.refusal import refuse
-from flankload.scene.table import BY_NAME, BodyTable, Length, about
+from flankload.scene.table import BY_NAME, BodyTable, Length, Toothed, about
 
 Pitch = Annotated[Length, about("mm", "pitch", usual=(0.5, 500.0))]
 RollerDiameter = Annotated[Length, about("mm", "diameter of the rollers", usual=(0.2, 200.0))]
 
 
-class Sprocket(DriveTable, frozen=True, kw_only=True, tag="sprocket"):
+class Sprocket(Toothed, DriveTable, frozen=True, kw_only=True, tag="sprocket"):
     """A rigid sprocket for roller chains, ISO 606."""
 
     partner: ClassVar[str | None] = "chain"
@@ -52,11 +52,6 @@ class Sprocket(DriveTable, frozen=True, kw_only=True, tag="sprocket"):
             "of a tooth meet",
         ),
     ] = None
-
-    @property
-    def number_of_teeth(self) -> int:
-        """Number of teeth."""
-        return self.teeth
 
     @property
     def rigid(self) -> bool:

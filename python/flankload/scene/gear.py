@@ -44,6 +44,7 @@ from flankload.scene.table import (
     Rigid,
     Shift,
     Teeth,
+    Toothed,
     YoungModulus,
     about,
 )
@@ -52,8 +53,8 @@ from flankload.scene.table import (
 LEAST_BORE = 1e-3
 
 
-class ByNormalModule(AxialKeys):
-    """Mixin of bodies whose helix angle refers to the reference circle of the normal module."""
+class ByNormalModule(Toothed, AxialKeys):
+    """Mixin of toothed bodies whose helix angle belongs to the normal module."""
 
     __slots__ = ()
 
@@ -103,11 +104,6 @@ class Gear(RegionKeys, ByNormalModule, Geometry, BodyTable, frozen=True, kw_only
     hub_width_mm: HubWidth = None
     hub_offset_mm: HubOffset = 0.0
 
-    @property
-    def number_of_teeth(self) -> int:
-        """Number of teeth."""
-        return self.teeth
-
     def check(self, given: Mapping[str, Any], key: str) -> None:
         """Check the pitch errors, the keys of the tip, along the axis, and the bore."""
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
@@ -156,11 +152,6 @@ class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
     pitch_errors_um: PitchErrors = ()
-
-    @property
-    def number_of_teeth(self) -> int:
-        """Number of teeth."""
-        return self.teeth
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
         """Check pitch errors, the keys of the tip, along the axis, and the order of the circles."""

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta
 
-from flankload.scene.refusal import refuse
+from flankload.scene.refusal import refuse, refuse_absent
 from flankload.scene.table import (
     MOST_TEETH,
     USUAL_MODIFICATION,
@@ -222,10 +222,10 @@ def check_tip(
     body: InvoluteKeys, given: Mapping[str, Any], key: str, *, inwards: bool = False
 ) -> None:
     """Check that a tip has a rounding or a chamfer, and a relief both depth and start."""
-    check_thickness(body, key, inwards=inwards)
+    _check_thickness(body, key, inwards=inwards)
     _check_reliefs(body, given, key)
     if isinstance(body, Geometry):
-        check_protuberance(body, given, key)
+        _check_protuberance(body, given, key)
     if body.tip_radius_mm is not None and body.tip_chamfer_mm is not None:
         refuse(
             f"{key}.tip_radius_mm",
@@ -236,17 +236,9 @@ def check_tip(
     if body.tip_relief_um is None:
         for name in ("tip_relief_start_diameter_mm", "tip_relief_shape"):
             if name in given:
-                refuse(
-                    f"{key}.tip_relief_um",
-                    f"a number >= 0, since there is a {key}.{name}",
-                    "nothing",
-                )
+                refuse_absent(key, "tip_relief_um", "a number >= 0", name)
     elif start is None:
-        refuse(
-            f"{key}.tip_relief_start_diameter_mm",
-            f"a number > 0, since there is a {key}.tip_relief_um",
-            "nothing",
-        )
+        refuse_absent(key, "tip_relief_start_diameter_mm", "a number > 0", "tip_relief_um")
     elif start <= body.tip_diameter_mm if inwards else start >= body.tip_diameter_mm:
         side = "more" if inwards else "less"
         refuse(
@@ -261,12 +253,12 @@ _DOUBLE = "double_linear"
 MEASURED = {"span_measurement_mm": "span_teeth", "ball_measurement_mm": "measuring_ball_mm"}
 
 
-def check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> None:
+def _check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> None:
     """Check that a protuberance exceeds the grinding stock and has a smaller pressure angle."""
     if body.protuberance_mm is None:
         for name in ("protuberance_angle_deg", "grinding_stock_mm"):
             if name in given:
-                refuse(f"{key}.protuberance_mm", f"a number, since there is a {key}.{name}", None)
+                refuse_absent(key, "protuberance_mm", "a number", name)
         return
     if body.protuberance_mm <= body.grinding_stock_mm:
         refuse(
@@ -283,13 +275,10 @@ def check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> No
         )
 
 
-def check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
+def _check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
     """Check that there is one key of the thickness, with the one that it requires."""
-    named = [
-        name
-        for name in ("tooth_thickness_allowance_um", *MEASURED)
-        if getattr(body, name) is not None
-    ]
+    keys = ("tooth_thickness_allowance_um", *MEASURED)
+    named = [name for name in keys if getattr(body, name) is not None]
     if len(named) > 1:
         refuse(
             f"{key}.{named[1]}",
@@ -299,9 +288,9 @@ def check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
     for name, beside in MEASURED.items():
         value, other = getattr(body, name), getattr(body, beside)
         if value is not None and other is None:
-            refuse(f"{key}.{beside}", f"a number, since there is a {key}.{name}", None)
+            refuse_absent(key, beside, "a number", name)
         if value is None and other is not None:
-            refuse(f"{key}.{name}", f"a number, since there is a {key}.{beside}", None)
+            refuse_absent(key, name, "a number", beside)
     if inwards and body.span_measurement_mm is not None:
         refuse(
             f"{key}.span_measurement_mm",
@@ -322,12 +311,6 @@ def _check_reliefs(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> No
     if body.root_relief_um is None:
         for name in ("root_relief_start_diameter_mm", "root_relief_shape"):
             if name in given:
-                refuse(
-                    f"{key}.root_relief_um", f"a number >= 0, since there is a {key}.{name}", None
-                )
+                refuse_absent(key, "root_relief_um", "a number >= 0", name)
     elif body.root_relief_start_diameter_mm is None:
-        refuse(
-            f"{key}.root_relief_start_diameter_mm",
-            f"a number > 0, since there is a {key}.root_relief_um",
-            None,
-        )
+        refuse_absent(key, "root_relief_start_diameter_mm", "a number > 0", "root_relief_um")

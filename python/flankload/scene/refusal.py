@@ -28,6 +28,16 @@ def shown(value: object) -> str:
     return text if len(text) <= 80 else text[:77] + "..."
 
 
+def refuse_absent(key: str, name: str, wanted: str, beside: str) -> NoReturn:
+    """Refuse the table `key` without a key that another one of the table requires.
+
+    Raises
+    ------
+    SceneError
+    """
+    refuse(f"{key}.{name}", f"{wanted}, since there is a {key}.{beside}", None)
+
+
 def refuse(key: str, expected: str, found: object) -> NoReturn:
     """Refuse a key.
 

@@ -1,12 +1,13 @@
 """Keys of gear bodies whose web or hub has a width of its own, and their rules."""
 
 from collections.abc import Iterator
+from itertools import dropwhile
 from typing import TYPE_CHECKING, Annotated
 
 from msgspec import Meta
 
 from flankload.base.rounding import TIE
-from flankload.scene.refusal import refuse, shown
+from flankload.scene.refusal import refuse, refuse_absent, shown
 from flankload.scene.table import LARGEST_LENGTH, USUAL_SIZE, Length, Text, about
 
 if TYPE_CHECKING:
@@ -118,10 +119,7 @@ class RegionKeys:
 
     def regions_of(self, range_mm: "Extent") -> tuple[tuple[str, "Extent"], ...]:
         """Names and ends along the axis of web and hub; from outside, begins with another width."""
-        found = list(self._extents(range_mm))
-        while found and found[0][1] == range_mm:
-            del found[0]
-        return tuple(found)
+        return tuple(dropwhile(lambda found: found[1] == range_mm, self._extents(range_mm)))
 
     def _extents(self, range_mm: "Extent") -> "Iterator[tuple[str, Extent]]":
         for name, width, offset in self._regions():
@@ -189,12 +187,9 @@ def _check_both(
     """Check that a region has both a width and a place, or neither."""
     if width is not None and not places:
         place = "web_outer_diameter_mm" if name == "web" else "hub_diameter_mm"
-        there, missing = f"{name}_width_mm", place
-    elif width is None and (places or offset):
-        there, missing = (*places, f"{name}_offset_mm")[0], f"{name}_width_mm"
-    else:
-        return
-    refuse(f"{key}.{missing}", f"a number > 0, since there is a {key}.{there}", "nothing")
+        refuse_absent(key, place, "a number > 0", f"{name}_width_mm")
+    if width is None and (places or offset):
+        refuse_absent(key, f"{name}_width_mm", "a number > 0", (*places, f"{name}_offset_mm")[0])
 
 
 class MeshRegionKeys:
@@ -215,11 +210,7 @@ class MeshRegionKeys:
         """
         sets, widths = self.region_sets, self.region_widths_mm
         if widths is not None and sets is None:
-            refuse(
-                f"{key}.region_sets",
-                f"a list of names, since there is a {key}.region_widths_mm",
-                "nothing",
-            )
+            refuse_absent(key, "region_sets", "a list of names", "region_widths_mm")
         if sets is None:
             return
         if widths is None or len(widths) != len(sets):

@@ -284,7 +284,6 @@ def _with_slices(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:
     """Use lumped contact in slices for three-dimensional bodies, unless the scene has cells."""
     if "contact" in given.get("effects", {}):
         return asked
-    bodies = (asked.body_1, asked.body_2)
-    if three_dimensional_key(bodies, asked.pair, asked.effects.dimension) is None:
+    if three_dimensional_key(asked) is None:
         return asked
     return replace(asked, effects=replace(asked.effects, contact="lumped"))

@@ -42,7 +42,21 @@ PROFILE_MODIFICATIONS = ("tip_relief_um", "root_relief_um", "profile_crowning_um
 SPLINE_FILLET = 0.16
 
 
-class SplineShaft(WidthKeys, BodyTable, frozen=True, kw_only=True, tag="spline_shaft"):
+class SplineKeys:
+    """Mixin of splines."""
+
+    __slots__ = ()
+
+    def check_solid(self, key: str, why: str) -> None:
+        """Refuse profile modifications in three dimensions."""
+        for name in PROFILE_MODIFICATIONS:
+            if value := getattr(self, name):
+                expected = f"nothing, since {why} requires three dimensions: flanks of splines "
+                expected += "conform over their height there (lead modifications vary along it)"
+                refuse(f"{key}.{name}", expected, value)
+
+
+class SplineShaft(SplineKeys, WidthKeys, BodyTable, frozen=True, kw_only=True, tag="spline_shaft"):
     """An involute spline on a shaft, fixed at its bore; its root is cut by a generating rack."""
 
     partner: ClassVar[str | None] = "spline_hub"
@@ -71,11 +85,6 @@ class SplineShaft(WidthKeys, BodyTable, frozen=True, kw_only=True, tag="spline_s
     rigid: Rigid = False
     pitch_errors_um: IndexErrors = ()
 
-    @property
-    def number_of_teeth(self) -> int:
-        """Number of teeth."""
-        return self.teeth
-
     def check(self, given: Mapping[str, Any], key: str) -> None:
         """Check the pitch errors, the keys of the tip, along the axis, and the bore."""
         check_pitch_errors(self.pitch_errors_um, self.teeth, self.base_pitch_mm, key)
@@ -83,17 +92,13 @@ class SplineShaft(WidthKeys, BodyTable, frozen=True, kw_only=True, tag="spline_s
         self.check_axial(given, key)
         check_bore(self, key)
 
-    def check_solid(self, key: str, why: str) -> None:
-        """Refuse profile modifications."""
-        _refuse_modifications(self, key, why)
-
     @property
     def dedendum_factor(self) -> float:
         """Dedendum, in modules, of the rack that cuts the given root circle."""
         return 0.5 * (self.teeth - self.root_diameter_mm / self.module_mm) + self.profile_shift
 
 
-class SplineHub(RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
+class SplineHub(SplineKeys, RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
     """An involute spline in a hub, fixed at the outside of its rim."""
 
     partner: ClassVar[str | None] = "spline_shaft"
@@ -111,19 +116,3 @@ class SplineHub(RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
         ),
     ] = None
     pitch_errors_um: IndexErrors = ()
-
-    def check_solid(self, key: str, why: str) -> None:
-        """Refuse profile modifications."""
-        _refuse_modifications(self, key, why)
-
-
-def _refuse_modifications(body: SplineShaft | SplineHub, key: str, why: str) -> None:
-    """Refuse profile modifications in three dimensions."""
-    for name in PROFILE_MODIFICATIONS:
-        if getattr(body, name):
-            refuse(
-                f"{key}.{name}",
-                f"nothing, since {why} requires three dimensions: flanks of splines conform "
-                "over their height there (lead modifications vary along it)",
-                getattr(body, name),
-            )

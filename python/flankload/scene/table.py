@@ -1,7 +1,7 @@
 """Common parts of all tables of a scene file: number types, key metadata, keys of bodies."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from msgspec import UNSET, Meta, Struct
 
@@ -129,6 +129,20 @@ class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
         ------
         SceneError
         """
+
+
+class Toothed:
+    """Mixin of bodies with a key `teeth`."""
+
+    __slots__ = ()
+
+    if TYPE_CHECKING:
+        teeth: int
+
+    @property
+    def number_of_teeth(self) -> int:
+        """Number of teeth, or of grooves."""
+        return self.teeth
 
 
 class EvenBody(BodyTable, frozen=True, kw_only=True):

@@ -42,9 +42,7 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
     _check_extent(asked)
     _check_teeth(asked, given.get("effects", {}))
     _check_growth(asked)
-    spatial = three_dimensional_key(
-        (asked.body_1, asked.body_2), asked.pair, asked.effects.dimension
-    )
+    spatial = three_dimensional_key(asked)
     for effect in wanted:
         if spatial is None or effect.name != "lumped_contact":  # one of slices suits all kinds
             _check_kinds(effect, asked.body_1.kind, asked.body_2.kind, found=_value(effect, asked))
