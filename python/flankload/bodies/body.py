@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.tip_modes import Tip
-from flankload.errors import SceneError
 from flankload.meshes.blocks import edges_along
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -363,9 +363,6 @@ def checked_pitch_errors(errors_um: tuple[float, ...], teeth: int, key: str) -> 
         If there is another number of entries.
     """
     if errors_um and len(errors_um) != teeth:
-        raise SceneError(
-            key=f"{key}.pitch_errors_um",
-            expected=f"one entry per tooth: {teeth}",
-            found=f"{len(errors_um)} entries",
-        )
+        expected = f"one entry per tooth: {teeth}"
+        refuse(f"{key}.pitch_errors_um", expected, f"{len(errors_um)} entries")
     return tuple(errors_um)

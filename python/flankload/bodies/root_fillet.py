@@ -21,6 +21,7 @@ from flankload.bodies.body import WholeMesh
 from flankload.bodies.plane import turned
 from flankload.errors import SceneError
 from flankload.meshes.plane_mesh import boundary_edges
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -226,11 +227,8 @@ def _edges_on_fillet(
     lies = (away < ON_FILLET * length[:, None]).all(axis=1) & (s[:, 2] < form)
     covered = float(np.ptp(s[lies][:, :2], axis=1).sum())
     if not abs(covered / form - 1) <= 1 - LEAST_COVER:
-        raise SceneError(
-            key=KEY,
-            expected=f"a mesh of {key} that holds both root fillets of a tooth in one piece",
-            found=f"edges along {100 * covered / form:.0f} % of a fillet",
-        )
+        expected = f"a mesh of {key} that holds both root fillets of a tooth in one piece"
+        refuse(KEY, expected, f"edges along {100 * covered / form:.0f} % of a fillet")
     return candidates[lies]
 
 

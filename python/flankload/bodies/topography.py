@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.errors import SceneError
+from flankload.scene.refusal import refuse
 from flankload.scene.table import LARGEST_DEVIATION
 
 if TYPE_CHECKING:
@@ -107,11 +108,7 @@ def _check_cover(
 ) -> None:
     """Refuse a grid that ends inside the flank."""
     if values[0] > ends[0] + ROUNDED or values[-1] < ends[1] - ROUNDED:
-        raise SceneError(
-            key=key,
-            expected=wanted.format(*ends),
-            found=f"{values[0]:g} to {values[-1]:g} in {name}",
-        )
+        refuse(key, wanted.format(*ends), f"{values[0]:g} to {values[-1]:g} in {name}")
 
 
 def _read_grid(path: Path, key: str) -> tuple[Floats, Floats, Floats]:

@@ -245,11 +245,8 @@ class AxialKeys:
             refuse(f"{key}.hand", f"nothing, unless {key}.helix_angle_deg is > 0", shown(self.hand))
         slopes = self.tooth_helix_slope_um
         if slopes and len(slopes) != self.number_of_teeth:
-            refuse(
-                f"{key}.tooth_helix_slope_um",
-                f"one entry per tooth: {self.number_of_teeth}, as in {key}.teeth",
-                f"{len(slopes)} entries",
-            )
+            expected = f"one entry per tooth: {self.number_of_teeth}, as in {key}.teeth"
+            refuse(f"{key}.tooth_helix_slope_um", expected, f"{len(slopes)} entries")
         reliefs = ("end_relief_um", "end_relief_length_mm")
         for missing, there in (reliefs, reliefs[::-1]):
             if getattr(self, missing) is None and getattr(self, there) is not None:
@@ -267,11 +264,8 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
     width = body.face_width_mm or pair_width_mm
     for k, length in enumerate(body.end_relief_length_mm or ()):
         if length > width:
-            refuse(
-                f"{key}.end_relief_length_mm[{k}]",
-                f"at most the face width of the body, {width:g}",
-                length,
-            )
+            expected = f"at most the face width of the body, {width:g}"
+            refuse(f"{key}.end_relief_length_mm[{k}]", expected, length)
     ends = body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
     body.check_extents(ends, key)
     if body.shaft is not None and body.shaft.is_flexible:

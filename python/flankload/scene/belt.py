@@ -182,46 +182,28 @@ class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
 
 def _check_pitch(pulley: Pulley, belt: Belt) -> None:
     if belt.wrapped_teeth >= pulley.teeth:
-        refuse(
-            "body_2.wrapped_teeth",
-            f"less than body_1.teeth ({pulley.teeth})",
-            f"{belt.wrapped_teeth}",
-        )
+        expected = f"less than body_1.teeth ({pulley.teeth})"
+        refuse("body_2.wrapped_teeth", expected, f"{belt.wrapped_teeth}")
     difference = belt.pitch_mm - pulley.pitch_mm
     part = 100 * LARGEST_PITCH_DIFFERENCE
     if abs(difference) > LARGEST_PITCH_DIFFERENCE * pulley.pitch_mm:
-        refuse(
-            "body_2.pitch_mm",
-            f"body_1.pitch_mm ({pulley.pitch_mm:g}) to {part:g} %",
-            f"{belt.pitch_mm:g}",
-        )
+        expected = f"body_1.pitch_mm ({pulley.pitch_mm:g}) to {part:g} %"
+        refuse("body_2.pitch_mm", expected, f"{belt.pitch_mm:g}")
     whole = difference + belt.pitch_difference_um / 1000.0
     if abs(whole) > LARGEST_PITCH_DIFFERENCE * pulley.pitch_mm:
-        refuse(
-            "body_2.pitch_difference_um",
-            f"at most {part:g} % of body_1.pitch_mm ({pulley.pitch_mm:g})",
-            f"{belt.pitch_difference_um:g}",
-        )
+        expected = f"at most {part:g} % of body_1.pitch_mm ({pulley.pitch_mm:g})"
+        refuse("body_2.pitch_difference_um", expected, f"{belt.pitch_difference_um:g}")
     land = pulley.teeth * pulley.pitch_mm / (2 * pi) - belt.land_distance_mm
     if belt.land_distance_mm >= belt.back_mm:
-        refuse(
-            "body_2.land_distance_mm",
-            f"less than body_2.back_mm ({belt.back_mm:g}): the cord lies in the belt",
-            f"{belt.land_distance_mm:g}",
-        )
+        expected = f"less than body_2.back_mm ({belt.back_mm:g}): the cord lies in the belt"
+        refuse("body_2.land_distance_mm", expected, f"{belt.land_distance_mm:g}")
     if belt.tooth_height_mm >= 0.5 * land:
-        refuse(
-            "body_2.tooth_height_mm",
-            f"less than half of the pulley's radius ({0.5 * land:.4g})",
-            f"{belt.tooth_height_mm:g}",
-        )
+        expected = f"less than half of the pulley's radius ({0.5 * land:.4g})"
+        refuse("body_2.tooth_height_mm", expected, f"{belt.tooth_height_mm:g}")
     widest = WIDEST_TOOTH * 2 * pi * land / pulley.teeth
     if belt.tooth_width_mm > widest:
-        refuse(
-            "body_2.tooth_width_mm",
-            f"at most {widest:.4g}: lands between the teeth",
-            f"{belt.tooth_width_mm:g}",
-        )
+        expected = f"at most {widest:.4g}: lands between the teeth"
+        refuse("body_2.tooth_width_mm", expected, f"{belt.tooth_width_mm:g}")
 
 
 def _check_tooth(pulley: Pulley, belt: Belt) -> None:
@@ -237,11 +219,8 @@ def _check_tooth(pulley: Pulley, belt: Belt) -> None:
             refuse("body_2.flank_angle_deg", "a number with body_1.profile 'T'", "nothing")
         tip = belt.tooth_width_mm - 2 * belt.tooth_height_mm * tan(radians(belt.flank_angle_deg))
         if tip < 0.1 * belt.tooth_width_mm:
-            refuse(
-                "body_2.flank_angle_deg",
-                "so small that a tooth keeps a tenth of its width at the tip",
-                f"{belt.flank_angle_deg:g}",
-            )
+            expected = "so small that a tooth keeps a tenth of its width at the tip"
+            refuse("body_2.flank_angle_deg", expected, f"{belt.flank_angle_deg:g}")
     elif belt.tooth_height_mm < 0.4 * belt.tooth_width_mm:
         refuse(
             "body_2.tooth_height_mm",
@@ -279,15 +258,9 @@ def _check_elastic(pulley: Pulley, belt: Belt, given: Mapping[str, Any]) -> None
         angle = angle if angle is not None else belt.flank_angle_deg
         assert angle is not None
         if width - 2 * depth * tan(radians(angle)) < LEAST_BOTTOM * width:
-            refuse(
-                "body_1.groove_depth_mm",
-                "so small that a groove keeps a tenth of its width at the bottom",
-                f"{depth:g}",
-            )
+            expected = "so small that a groove keeps a tenth of its width at the bottom"
+            refuse("body_1.groove_depth_mm", expected, f"{depth:g}")
     bottom = 2 * (sqrt(land**2 - (0.5 * width) ** 2) - depth)
     if pulley.bore_diameter_mm >= bottom:
-        refuse(
-            "body_1.bore_diameter_mm",
-            f"less than the diameter below the grooves ({bottom:.4g})",
-            f"{pulley.bore_diameter_mm:g}",
-        )
+        expected = f"less than the diameter below the grooves ({bottom:.4g})"
+        refuse("body_1.bore_diameter_mm", expected, f"{pulley.bore_diameter_mm:g}")

@@ -81,11 +81,8 @@ class Cam(CamKeys, frozen=True, kw_only=True, tag="cam"):
         """Check that the cam has exactly one profile table."""
         tables = [name for name in ("profile", "profile_file") if getattr(self, name) is not None]
         if len(tables) != 1:
-            refuse(
-                f"{key}.profile",
-                f"a table of angles and radii, here or in {key}.profile_file",
-                "both" if tables else "nothing",
-            )
+            expected = f"a table of angles and radii, here or in {key}.profile_file"
+            refuse(f"{key}.profile", expected, "both" if tables else "nothing")
 
 
 Place = Annotated[float, Meta(ge=-1e5, le=1e5)]
@@ -156,11 +153,8 @@ class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
                 )
         for name in present:
             if name not in wanted:
-                refuse(
-                    f"{key}.{name}",
-                    f"nothing beside {key}.{wanted[0]}: a follower has a roller or a flat",
-                    f"{getattr(self, name):g}",
-                )
+                expected = f"nothing beside {key}.{wanted[0]}: a follower has a roller or a flat"
+                refuse(f"{key}.{name}", expected, f"{getattr(self, name):g}")
         ascending = [("bore_diameter_mm", "hub_diameter_mm")]
         ascending += (
             [("roller_radius_mm", "arm_mm")]
@@ -170,8 +164,4 @@ class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
         for small, large in ascending:
             less, more = getattr(self, small), getattr(self, large)
             if more is not None and more <= less:
-                refuse(
-                    f"{key}.{large}",
-                    f"more than {key}.{small} ({less:g})",
-                    f"{more:g}",
-                )
+                refuse(f"{key}.{large}", f"more than {key}.{small} ({less:g})", f"{more:g}")

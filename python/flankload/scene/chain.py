@@ -117,15 +117,9 @@ class Chain(WrappedTable, frozen=True, kw_only=True, tag="chain"):
         for key in ("pitch_mm", "roller_diameter_mm"):
             own, other = getattr(body_1, key), getattr(self, key)
             if own != other:
-                refuse(
-                    f"body_2.{key}",
-                    f"{own:g} as in body_1.{key} (wear goes into body_2.elongation)",
-                    f"{other:g}",
-                )
+                expected = f"{own:g} as in body_1.{key} (wear goes into body_2.elongation)"
+                refuse(f"body_2.{key}", expected, f"{other:g}")
         most = degrees(2 * pi) * (1 - 1 / body_1.teeth)
         if self.wrap_angle_deg > most:
-            refuse(
-                "body_2.wrap_angle_deg",
-                f"at most {most:g}: all teeth of body_1 but one",
-                f"{self.wrap_angle_deg:g}",
-            )
+            expected = f"at most {most:g}: all teeth of body_1 but one"
+            refuse("body_2.wrap_angle_deg", expected, f"{self.wrap_angle_deg:g}")

@@ -70,11 +70,8 @@ def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
         return
     body_2.check_around(body_1, given.get("body_1", {}))
     if slack is None:
-        refuse(
-            "load.slack_tension_N",
-            f"a number > 0: the tension of the slack strand of the {body_2.kind}",
-            "nothing",
-        )
+        expected = f"a number > 0: the tension of the slack strand of the {body_2.kind}"
+        refuse("load.slack_tension_N", expected, "nothing")
     if asked.pair is not None:
         refuse("pair", f"nothing: {body_2.no_pair}", "a table")
     for table, known in body_2.known.items():
@@ -82,8 +79,5 @@ def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
             if key == "plane" and not body_1.rigid:
                 continue  # for the elements of body 1
             if key not in known:
-                refuse(
-                    f"{table}.{key}",
-                    f"nothing: it does not apply to a {body_2.kind} and its {body_1.kind}",
-                    shown(value),
-                )
+                expected = f"nothing: it does not apply to a {body_2.kind} and its {body_1.kind}"
+                refuse(f"{table}.{key}", expected, shown(value))

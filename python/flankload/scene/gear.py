@@ -201,11 +201,8 @@ def check_bore(body: Any, key: str) -> None:
             body.bore_diameter_mm,
         )
     if body.bore_diameter_mm >= body.tip_diameter_mm:
-        refuse(
-            f"{key}.bore_diameter_mm",
-            f"less than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
-            body.bore_diameter_mm,
-        )
+        expected = f"less than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})"
+        refuse(f"{key}.bore_diameter_mm", expected, body.bore_diameter_mm)
 
 
 def _check_ring(ring: RingKeys, key: str) -> None:

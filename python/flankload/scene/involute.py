@@ -203,19 +203,13 @@ def check_pitch_errors(
 ) -> None:
     """Check that there is one pitch error per tooth and that none exceeds its limit."""
     if errors_um and len(errors_um) != teeth:
-        refuse(
-            f"{key}.pitch_errors_um",
-            f"one entry per tooth: {teeth}, as in {key}.teeth",
-            f"{len(errors_um)} entries",
-        )
+        expected = f"one entry per tooth: {teeth}, as in {key}.teeth"
+        refuse(f"{key}.pitch_errors_um", expected, f"{len(errors_um)} entries")
     most = LARGEST_PITCH_ERROR * 1000 * base_pitch_mm
     for i, error in enumerate(errors_um):
         if base_pitch_mm and abs(error) > most:
-            refuse(
-                f"{key}.pitch_errors_um[{i}]",
-                f"at most {LARGEST_PITCH_ERROR:g} of the base pitch, {most:.0f} um",
-                error,
-            )
+            expected = f"at most {LARGEST_PITCH_ERROR:g} of the base pitch, {most:.0f} um"
+            refuse(f"{key}.pitch_errors_um[{i}]", expected, error)
 
 
 def check_tip(
@@ -241,11 +235,8 @@ def check_tip(
         refuse_absent(key, "tip_relief_start_diameter_mm", "a number > 0", "tip_relief_um")
     elif start <= body.tip_diameter_mm if inwards else start >= body.tip_diameter_mm:
         side = "more" if inwards else "less"
-        refuse(
-            f"{key}.tip_relief_start_diameter_mm",
-            f"{side} than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
-            start,
-        )
+        expected = f"{side} than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})"
+        refuse(f"{key}.tip_relief_start_diameter_mm", expected, start)
 
 
 _DOUBLE = "double_linear"
@@ -268,11 +259,8 @@ def _check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> N
             body.protuberance_mm,
         )
     if body.protuberance_angle_deg >= body.pressure_angle_deg:
-        refuse(
-            f"{key}.protuberance_angle_deg",
-            f"less than {key}.pressure_angle_deg ({body.pressure_angle_deg:g})",
-            body.protuberance_angle_deg,
-        )
+        expected = f"less than {key}.pressure_angle_deg ({body.pressure_angle_deg:g})"
+        refuse(f"{key}.protuberance_angle_deg", expected, body.protuberance_angle_deg)
 
 
 def _check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
@@ -280,11 +268,8 @@ def _check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
     keys = ("tooth_thickness_allowance_um", *MEASURED)
     named = [name for name in keys if getattr(body, name) is not None]
     if len(named) > 1:
-        refuse(
-            f"{key}.{named[1]}",
-            f"nothing beside {key}.{named[0]}, which gives the tooth thickness as well",
-            getattr(body, named[1]),
-        )
+        expected = f"nothing beside {key}.{named[0]}, which gives the tooth thickness as well"
+        refuse(f"{key}.{named[1]}", expected, getattr(body, named[1]))
     for name, beside in MEASURED.items():
         value, other = getattr(body, name), getattr(body, beside)
         if value is not None and other is None:
@@ -292,11 +277,8 @@ def _check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
         if value is None and other is not None:
             refuse_absent(key, name, "a number", beside)
     if inwards and body.span_measurement_mm is not None:
-        refuse(
-            f"{key}.span_measurement_mm",
-            "nothing for internal teeth (ball_measurement_mm instead)",
-            body.span_measurement_mm,
-        )
+        expected = "nothing for internal teeth (ball_measurement_mm instead)"
+        refuse(f"{key}.span_measurement_mm", expected, body.span_measurement_mm)
 
 
 def _check_reliefs(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> None:

@@ -170,11 +170,8 @@ class MeshBody(MeshRegionKeys, AxialKeys, BodyTable, frozen=True, kw_only=True, 
         check_pitch_errors(self.pitch_errors_um, teeth, base_pitch, key)
         if profile is None:
             if self.reference_radius_mm is None:
-                refuse(
-                    f"{key}.reference_radius_mm",
-                    f"a number > 0, since there is no {key}.profile that determines it",
-                    "nothing",
-                )
+                expected = f"a number > 0, since there is no {key}.profile that determines it"
+                refuse(f"{key}.reference_radius_mm", expected, "nothing")
             return
         check_tip(profile, given["profile"], f"{key}.profile")
         if profile.teeth not in (None, teeth):
@@ -199,21 +196,15 @@ def _check_sets(body: MeshBody, given: Mapping[str, Any], key: str) -> None:
     """Check that a sector has two cut faces and a whole body one set per flank."""
     if body.flank_sets is None:
         if body.teeth is None:
-            refuse(
-                f"{key}.teeth",
-                f"an integer >= 3, since there is no {key}.flank_sets to count",
-                "nothing",
-            )
+            expected = f"an integer >= 3, since there is no {key}.flank_sets to count"
+            refuse(f"{key}.teeth", expected, "nothing")
         if body.cut_sets[0] == body.cut_sets[1]:
             refuse(f"{key}.cut_sets", "two different names", shown(list(body.cut_sets)))
         return
     for name in ("cut_sets", "flank_set"):
         if name in given:
-            refuse(
-                f"{key}.{name}",
-                f"nothing beside {key}.flank_sets: those are of a whole body",
-                shown(given[name]),
-            )
+            expected = f"nothing beside {key}.flank_sets: those are of a whole body"
+            refuse(f"{key}.{name}", expected, shown(given[name]))
     for k, name in enumerate(body.flank_sets):
         if name in body.flank_sets[:k]:
             refuse(f"{key}.flank_sets[{k}]", "each set once", shown(name))

@@ -107,11 +107,8 @@ class Pair(Table, frozen=True, kw_only=True):
         """
         distance, offset = self.center_distance_mm, self.center_offset_mm
         if body_1.conforms and distance is not None:
-            refuse(
-                "pair.center_distance_mm",
-                "nothing: splines have pair.center_offset_mm (absent = 0)",
-                distance,
-            )
+            expected = "nothing: splines have pair.center_offset_mm (absent = 0)"
+            refuse("pair.center_distance_mm", expected, distance)
         if not body_1.conforms and offset is not None:
             refuse(
                 "pair.center_offset_mm",
@@ -124,17 +121,11 @@ class Pair(Table, frozen=True, kw_only=True):
         for name in MISALIGNMENTS:
             if getattr(self, name) and body_1.conforms == (name != OF_SPLINES):
                 here = OF_SPLINES if body_1.conforms else " and ".join(MISALIGNMENTS[:2])
-                refuse(
-                    f"pair.{name}",
-                    f"nothing: a {body_1.kind} and a {body_2.kind} have pair.{here}",
-                    getattr(self, name),
-                )
+                expected = f"nothing: a {body_1.kind} and a {body_2.kind} have pair.{here}"
+                refuse(f"pair.{name}", expected, getattr(self, name))
         if self.misalignment_direction_deg and not self.misalignment_mrad:
-            refuse(
-                "pair.misalignment_direction_deg",
-                f"nothing, unless pair.{OF_SPLINES} is > 0",
-                self.misalignment_direction_deg,
-            )
+            expected = f"nothing, unless pair.{OF_SPLINES} is > 0"
+            refuse("pair.misalignment_direction_deg", expected, self.misalignment_direction_deg)
 
 
 TorqueOrTorques = Annotated[
@@ -235,11 +226,8 @@ class Positions(Table, frozen=True, kw_only=True):
         if self.angles_deg is not None:
             for key in ("count", "pitches", "adaptive", "tolerance", "max_count"):
                 if key in given:
-                    refuse(
-                        "positions.angles_deg",
-                        f"nothing beside positions.{key}: one of the two",
-                        self.angles_deg,
-                    )
+                    expected = f"nothing beside positions.{key}: one of the two"
+                    refuse("positions.angles_deg", expected, self.angles_deg)
         if not self.adaptive:
             for key in ("tolerance", "max_count"):
                 if key in given:
@@ -248,17 +236,11 @@ class Positions(Table, frozen=True, kw_only=True):
                     )
             return
         if self.count < LEAST_START:
-            refuse(
-                "positions.count",
-                f"at least {LEAST_START} to begin adaptive positions with",
-                self.count,
-            )
+            expected = f"at least {LEAST_START} to begin adaptive positions with"
+            refuse("positions.count", expected, self.count)
         if self.max_count is not None and self.max_count < self.count:
-            refuse(
-                "positions.max_count",
-                f"at least positions.count ({self.count})",
-                self.max_count,
-            )
+            expected = f"at least positions.count ({self.count})"
+            refuse("positions.max_count", expected, self.max_count)
 
 
 def check_partners(body_1: BodyTable, body_2: BodyTable) -> None:

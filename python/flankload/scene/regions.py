@@ -107,11 +107,8 @@ class RegionKeys:
         outer = {"web_outer_diameter_mm": self.web_outer_diameter_mm}
         outer["rim_thickness_mm"] = self.rim_thickness_mm
         if None not in outer.values():
-            refuse(
-                f"{key}.rim_thickness_mm",
-                f"nothing beside {key}.web_outer_diameter_mm",
-                self.rim_thickness_mm,
-            )
+            expected = f"nothing beside {key}.web_outer_diameter_mm"
+            refuse(f"{key}.rim_thickness_mm", expected, self.rim_thickness_mm)
         places = [name for name, value in outer.items() if value is not None]
         _check_both(key, "web", self.web_width_mm, places, self.web_offset_mm)
         places = ["hub_diameter_mm"] * (self.hub_diameter_mm is not None)
@@ -141,11 +138,8 @@ class RegionKeys:
         for name, own in self._extents(range_mm):
             if not _is_within(own, around) and (name == "web" or not _is_within(around, own)):
                 relation = "within" if name == "web" else "that contains or is within"
-                refuse(
-                    f"{key}.{name}_width_mm",
-                    f"a {name} {relation} the {outside} ({_shown(around)})",
-                    f"{own[1] - own[0]:g} ({_shown(own)})",
-                )
+                expected = f"a {name} {relation} the {outside} ({_shown(around)})"
+                refuse(f"{key}.{name}_width_mm", expected, f"{own[1] - own[0]:g} ({_shown(own)})")
             outside, around = name, own
 
     def region_diameter_key(self, name: str) -> str:
@@ -214,11 +208,8 @@ class MeshRegionKeys:
         if sets is None:
             return
         if widths is None or len(widths) != len(sets):
-            refuse(
-                f"{key}.region_widths_mm",
-                f"a list of {len(sets)} numbers, one for each of {key}.region_sets",
-                widths,
-            )
+            expected = f"a list of {len(sets)} numbers, one for each of {key}.region_sets"
+            refuse(f"{key}.region_widths_mm", expected, widths)
         for k, name in enumerate(sets):
             if name in sets[:k]:
                 refuse(f"{key}.region_sets[{k}]", "each set once", shown(name))

@@ -207,17 +207,11 @@ class Shaft(Table, frozen=True, kw_only=True):
         for name, other, what in pairs:
             count, values = len(getattr(self, other)), getattr(self, name)
             if values is not None and len(values) != count:
-                refuse(
-                    f"{key}.{name}",
-                    f"one entry per {what}: {count}, as in {key}.{other}",
-                    f"{len(values)} entries",
-                )
+                expected = f"one entry per {what}: {count}, as in {key}.{other}"
+                refuse(f"{key}.{name}", expected, f"{len(values)} entries")
         if self.bore_diameter_mm is not None and self.bore_diameter_mm >= min(self.diameters_mm):
-            refuse(
-                f"{key}.bore_diameter_mm",
-                f"less than the smallest of {key}.diameters_mm ({min(self.diameters_mm):g})",
-                self.bore_diameter_mm,
-            )
+            expected = f"less than the smallest of {key}.diameters_mm ({min(self.diameters_mm):g})"
+            refuse(f"{key}.bore_diameter_mm", expected, self.bore_diameter_mm)
 
     def _check_places(self, key: str) -> None:
         """Check that the gear and the bearings are on the shaft."""
@@ -271,8 +265,5 @@ def _check_compliance(rows: "NDArray[np.float64]", key: str) -> None:
     unit = rows / np.outer(np.where(scales > 0, scales, 1.0), np.where(scales > 0, scales, 1.0))
     least = float(np.linalg.eigvalsh(0.5 * (unit + unit.T))[0])
     if least < -ROUNDED:
-        refuse(
-            f"{key}.compliance",
-            "a matrix without negative eigenvalues: no load moves the shaft against itself",
-            f"one of {least:.3g} relative to the diagonal",
-        )
+        expected = "a matrix without negative eigenvalues: no load moves the shaft against itself"
+        refuse(f"{key}.compliance", expected, f"one of {least:.3g} relative to the diagonal")

@@ -13,6 +13,7 @@ from flankload.bodies.cam.follower_mesh import flat_mesh, roller_mesh
 from flankload.bodies.plane import circle, directions
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -158,11 +159,8 @@ def _roller(spec: Follower, key: str, hub: float, half_width: float) -> Roller:
     assert arm is not None
     assert radius is not None
     if arm < hub + radius:
-        raise SceneError(
-            key=f"{key}.arm_mm",
-            expected=f"more than the radii of hub and roller together, {hub + radius:g}",
-            found=f"{arm:g}",
-        )
+        expected = f"more than the radii of hub and roller together, {hub + radius:g}"
+        refuse(f"{key}.arm_mm", expected, f"{arm:g}")
     # |P x n| = arm sin(angle) compared with the distance from O1
     end = asin(LEAST_RISE * (arm + radius) / arm)
     return Roller(arm, radius, (end, pi - asin(half_width / radius)))
@@ -175,11 +173,8 @@ def _flat(spec: Follower, key: str, hub: float) -> Flat:
     assert offset is not None
     beside = sqrt(max(0.0, hub**2 - offset**2))
     if low < beside:
-        raise SceneError(
-            key=f"{key}.flat_from_mm",
-            expected=f"at least {beside:.4f}, where the arm leaves the hub of radius {hub:g}",
-            found=f"{low:g}",
-        )
+        expected = f"at least {beside:.4f}, where the arm leaves the hub of radius {hub:g}"
+        refuse(f"{key}.flat_from_mm", expected, f"{low:g}")
     return Flat(offset, (low, high))
 
 

@@ -21,8 +21,8 @@ from flankload.bodies.imported.mesh_sector import sector_of
 from flankload.bodies.imported.mesh_source import MeshSource, check_axis, read_source
 from flankload.bodies.imported.mesh_whole import whole_of
 from flankload.bodies.sketch import sketched_tooth
-from flankload.errors import SceneError
 from flankload.meshes.plane_mesh import REVERSED
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -127,13 +127,10 @@ def _reference_radius(spec: MeshBody, key: str, fit: FlankFit) -> float:
     """The given radius, or that of the base circle of the profile."""
     if spec.reference_radius_mm is not None:
         return spec.reference_radius_mm
-    if fit.involute is not None:
-        return fit.involute.base_radius_mm
-    raise SceneError(
-        key=f"{key}.reference_radius_mm",
-        expected="a radius in mm, since without a profile there is no base circle",
-        found="nothing",
-    )
+    if fit.involute is None:
+        expected = "a radius in mm, since without a profile there is no base circle"
+        refuse(f"{key}.reference_radius_mm", expected, "nothing")
+    return fit.involute.base_radius_mm
 
 
 def _is_bare(source: MeshSource, spec: MeshBody) -> bool:

@@ -16,6 +16,7 @@ from flankload.bodies.imported.mesh_flank import in_order, middles_are_straight
 from flankload.bodies.profile.gear_profile import gear_profile
 from flankload.errors import SceneError
 from flankload.flank import FlankCurve, curve_through_nodes, nodes_deviation
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -151,19 +152,13 @@ def carrying_edges(
     s, _ = curve.arc_length_of(points)
     if not (np.diff(s) > 0).all():
         x, y = points[int(np.argmin(np.diff(s)))]
-        source.refuse(
-            key,
-            "flank nodes that follow each other along the flank",
-            f"nodes that turn back at x = {x:.4f}, y = {y:.4f} mm",
-        )
+        expected = "flank nodes that follow each other along the flank"
+        source.refuse(key, expected, f"nodes that turn back at x = {x:.4f}, y = {y:.4f} mm")
     spare = END_PART * (span[1] - span[0])
     inside = np.flatnonzero((s[:-2:2] >= span[0] - spare) & (s[2::2] <= span[1] + spare))
     if inside.size < 2:
-        source.refuse(
-            key,
-            "at least 2 edges between root fillet and tip rounding of the profile",
-            f"{inside.size}",
-        )
+        expected = "at least 2 edges between root fillet and tip rounding of the profile"
+        source.refuse(key, expected, f"{inside.size}")
     first, last = int(inside[0]), int(inside[-1])
     return edges[first : last + 1], s[2 * first : 2 * last + 3]
 
@@ -171,11 +166,8 @@ def carrying_edges(
 def _through_nodes(source: MeshSource, key: str, points: Floats) -> FlankFit:
     """A smooth curve through the nodes."""
     if len(points) < 4:
-        source.refuse(
-            key,
-            "at least 4 nodes on the profile for a curve through them",
-            f"{len(points)} nodes",
-        )
+        expected = "at least 4 nodes on the profile for a curve through them"
+        source.refuse(key, expected, f"{len(points)} nodes")
     curve = curve_through_nodes(points)
     spacing = float(np.linalg.norm(np.diff(points, axis=0), axis=1).max())
     found = FlankNodes(len(points), spacing, nodes_deviation(points))
@@ -204,11 +196,8 @@ def _on_profile(source: MeshSource, spec: MeshBody, points: Floats) -> FlankFit:
     profile = gear_profile(given, f"{source.key}.profile", teeth=spec.number_of_teeth)
     tip = float(np.hypot(*source.body.nodes.T).max())
     if abs(tip - profile.involute.tip_radius_mm) > TIP_TOLERANCE * given.module_mm:
-        raise SceneError(
-            key=f"{source.key}.profile.tip_diameter_mm",
-            expected=f"the tip circle of the mesh, {2 * tip:.4f} mm",
-            found=f"{given.tip_diameter_mm:g}",
-        )
+        expected = f"the tip circle of the mesh, {2 * tip:.4f} mm"
+        refuse(f"{source.key}.profile.tip_diameter_mm", expected, f"{given.tip_diameter_mm:g}")
     radii = np.hypot(points[:, 0], points[:, 1])
     inside = np.clip(radii, profile.involute.form_radius_mm, profile.involute.tip_radius_mm)
     angles = np.arctan2(points[:, 1], points[:, 0])

@@ -64,11 +64,8 @@ def sector_of(
     left, right = _match_cuts(source, nodes, cuts, teeth)
     for side in (left, right):
         if np.isin(flank, side).any():
-            source.refuse(
-                "flank_set",
-                "a flank that stays clear of the cut faces",
-                "nodes that belong to both",
-            )
+            expected = "a flank that stays clear of the cut faces"
+            source.refuse("flank_set", expected, "nodes that belong to both")
     arc_length = np.full(len(nodes), np.nan)
     arc_length[in_order(fit.edges)] = fit.s
     mesh = SectorMesh(
@@ -100,11 +97,8 @@ def _match_cuts(
     first, second = cuts
     size = float(np.abs(nodes).max())
     if first.size != second.size or not first.size:
-        source.refuse(
-            "cut_sets",
-            "cut faces with the same number of nodes",
-            f"{first.size} and {second.size}",
-        )
+        expected = "cut faces with the same number of nodes"
+        source.refuse("cut_sets", expected, f"{first.size} and {second.size}")
     pitch = 2 * np.pi / teeth
     best = np.inf
     for left, right in ((first, second), (second, first)):

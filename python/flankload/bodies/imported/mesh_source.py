@@ -129,11 +129,8 @@ def _check_size(source: MeshSource, spec: MeshBody) -> None:
         return
     unit = unit_of(ratio) if np.isfinite(ratio) else None
     hint = f"; in {unit}? (1 = {UNITS[unit]:g} mm)" if unit else ""
-    source.refuse(
-        "file",
-        f"a mesh in millimetres about the origin, to the {name} of {wanted:g} mm",
-        f"nodes up to radius {largest:.4g}{hint}",
-    )
+    expected = f"a mesh in millimetres about the origin, to the {name} of {wanted:g} mm"
+    source.refuse("file", expected, f"nodes up to radius {largest:.4g}{hint}")
 
 
 def check_axis(source: MeshSource, fixed: Numbers) -> None:
@@ -154,8 +151,5 @@ def check_axis(source: MeshSource, fixed: Numbers) -> None:
         return
     (x, y), radius = circle
     if np.hypot(x, y) > OFF_AXIS * radius:
-        source.refuse(
-            "file",
-            "a body whose axis is the origin",
-            f"a bore about x = {x:.4f}, y = {y:.4f} mm",
-        )
+        expected = "a body whose axis is the origin"
+        source.refuse("file", expected, f"a bore about x = {x:.4f}, y = {y:.4f} mm")

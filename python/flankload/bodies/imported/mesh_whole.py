@@ -107,11 +107,8 @@ def _tooth_at(
     tooth = round(turn / pitch) % teeth
     beside = (turn - pitch * tooth + np.pi) % (2 * np.pi) - np.pi
     if abs(beside) > LARGEST_PITCH_DEVIATION * pitch:
-        source.refuse(
-            f"flank_sets[{k}]",
-            f"flanks that are whole pitches (360/{teeth} deg) from {names[0]!r}",
-            f"{names[k]!r} at {turn / pitch:.3f} pitches",
-        )
+        expected = f"flanks that are whole pitches (360/{teeth} deg) from {names[0]!r}"
+        source.refuse(f"flank_sets[{k}]", expected, f"{names[k]!r} at {turn / pitch:.3f} pitches")
     return tooth, beside
 
 
@@ -163,11 +160,8 @@ def _turn_of(
     edges, s = carrying_edges(source, key, fit.curve.rotated(turn), span, nodes, edges)
     beside = max(abs(s[0] - fit.s[0]), abs(s[-1] - fit.s[-1]))
     if beside > END_TOLERANCE * fit.curve.length_mm + allowed:
-        source.refuse(
-            key,
-            "flanks that end at the same places",
-            f"{name!r}, which ends {beside:.3g} mm beside the first one",
-        )
+        expected = "flanks that end at the same places"
+        source.refuse(key, expected, f"{name!r}, which ends {beside:.3g} mm beside the first one")
     return turn % (2 * np.pi), edges, s
 
 

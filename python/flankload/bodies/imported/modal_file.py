@@ -97,11 +97,8 @@ def read_modal(found: NamedArrays) -> Body:
     curve = _read_curve(found)
     low, high = found.numbers("mode_range_mm", 2)
     if not 0.0 <= low < high <= curve.length_mm:
-        found.refuse(
-            "mode_range_mm",
-            f"two ascending arc lengths from 0 to {curve.length_mm:g}",
-            f"{low:g} and {high:g}",
-        )
+        expected = f"two ascending arc lengths from 0 to {curve.length_mm:g}"
+        found.refuse("mode_range_mm", expected, f"{low:g} and {high:g}")
     flanks, named = _read_teeth(found, "flanks", teeth), _read_teeth(found, "named_teeth", teeth)
     if named and flanks != named:
         found.refuse("named_teeth", "none, or the teeth of flanks", f"{len(named)} others")
@@ -169,11 +166,8 @@ def _read_tip(found: NamedArrays, high: float, end: float, n_modes: int) -> Tip 
         return None
     tip, power, turn = found.numbers("tip_modes", 3)
     if not high < tip <= end * (1.0 + LARGEST_STRETCH) or power not in (0, 1) or not 0 < turn < pi:
-        found.refuse(
-            "tip_modes",
-            f"an arc length from {high:g} to {end:g}, 0 or 1, and an angle up to pi",
-            f"{tip:g}, {power:g} and {turn:g}",
-        )
+        expected = f"an arc length from {high:g} to {end:g}, 0 or 1, and an angle up to pi"
+        found.refuse("tip_modes", expected, f"{tip:g}, {power:g} and {turn:g}")
     if n_modes <= LEAST_TIP_MODES:
         found.refuse("smooth", f"more than the {LEAST_TIP_MODES} modes of the tip", f"{n_modes}")
     return Tip(float(tip), int(power), float(turn))
@@ -204,11 +198,8 @@ def _read_teeth(found: NamedArrays, name: str, teeth: int) -> tuple[int, ...]:
     numbers = found.integers(name, None)
     ascending = (np.diff(numbers) > 0).all()
     if numbers.size and not (ascending and numbers[0] == 0 and numbers[-1] < teeth):
-        found.refuse(
-            name,
-            f"nothing, or ascending numbers from 0 to at most {teeth - 1}",
-            ", ".join(f"{number}" for number in numbers[:8]),
-        )
+        expected = f"nothing, or ascending numbers from 0 to at most {teeth - 1}"
+        found.refuse(name, expected, ", ".join(f"{number}" for number in numbers[:8]))
     return tuple(numbers.tolist())
 
 
@@ -245,11 +236,8 @@ def _read_curve(found: NamedArrays) -> FlankCurve:
     speed = np.linalg.norm(curve.derivatives(breaks)[1], axis=1)
     if (np.abs(speed - 1.0) > LARGEST_STRETCH).any():
         k = int(np.abs(speed - 1.0).argmax())
-        found.refuse(
-            "curve_coefficients",
-            "a curve by its own arc length (speed 1)",
-            f"a speed of {speed[k]:.4g} at break {k}",
-        )
+        expected = "a curve by its own arc length (speed 1)"
+        found.refuse("curve_coefficients", expected, f"a speed of {speed[k]:.4g} at break {k}")
     return curve
 
 

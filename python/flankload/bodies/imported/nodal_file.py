@@ -152,11 +152,8 @@ def _read_points(found: NamedArrays, quadratic: bool, *, inwards: bool) -> Float
     if len(points) < LEAST_POINTS:
         found.refuse("points", f"at least {LEAST_POINTS}", f"{len(points)}")
     if quadratic and len(points) % 2 == 0:
-        found.refuse(
-            "points",
-            "an odd number: quadratic elements have a middle between two ends",
-            f"{len(points)}",
-        )
+        expected = "an odd number: quadratic elements have a middle between two ends"
+        found.refuse("points", expected, f"{len(points)}")
     steps = np.diff(points, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
     if not lengths.min() > 1e-9 * lengths.max():
@@ -188,11 +185,8 @@ def _read_offsets(found: NamedArrays, teeth: int) -> NDArray[np.int64]:
     offsets = found.integers("offsets", None)
     reduced = offsets % teeth
     if 0 not in reduced or np.unique(reduced).size != offsets.size:
-        found.refuse(
-            "offsets",
-            f"teeth counted from the loaded one, 0 among them and each of the {teeth} once",
-            ", ".join(f"{offset}" for offset in offsets[:8]),
-        )
+        expected = f"teeth counted from the loaded one, 0 among them and each of the {teeth} once"
+        found.refuse("offsets", expected, ", ".join(f"{offset}" for offset in offsets[:8]))
     return reduced
 
 
@@ -214,11 +208,8 @@ def _symmetric(
     asymmetry = float(np.linalg.norm(differences) / np.linalg.norm(matrix))
     if asymmetry > LARGEST_ASYMMETRY:
         k, i, j = np.unravel_index(int(differences.argmax()), differences.shape)
-        found.refuse(
-            "compliance",
-            f"a symmetric matrix (reciprocity), to {LARGEST_ASYMMETRY:g} of its norm",
-            f"{asymmetry:.3g}, most at [{k}, {i}, {j}]",
-        )
+        expected = f"a symmetric matrix (reciprocity), to {LARGEST_ASYMMETRY:g} of its norm"
+        found.refuse("compliance", expected, f"{asymmetry:.3g}, most at [{k}, {i}, {j}]")
     return 0.5 * (matrix + mirrored), asymmetry
 
 
@@ -233,8 +224,5 @@ def _check_work(found: NamedArrays, given: NodalCompliance, teeth: int) -> None:
     waves = np.fft.fft(whole, axis=0)
     least = np.linalg.eigvalsh(0.5 * (waves + waves.conj().transpose(0, 2, 1))).min(axis=1)
     if not least.min() > 0.0:
-        found.refuse(
-            "compliance",
-            "a positive definite matrix, since any load does positive work",
-            f"an eigenvalue of {least.min():.3g}",
-        )
+        expected = "a positive definite matrix, since any load does positive work"
+        found.refuse("compliance", expected, f"an eigenvalue of {least.min():.3g}")

@@ -17,6 +17,7 @@ from flankload.bodies.involute.sector_mesh import sector_mesh
 from flankload.bodies.profile.gear_profile import gear_profile
 from flankload.bodies.profile.ring_profile import ring_profile
 from flankload.errors import SceneError
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from flankload.bodies.body import SectorMesh
@@ -98,11 +99,8 @@ def _outward(
         _check_root(spec, key)
     profile, bore_radius = gear_profile(spec, key), 0.5 * spec.bore_diameter_mm
     if bore_radius >= profile.involute.root_radius_mm:
-        raise SceneError(
-            key=f"{key}.bore_diameter_mm",
-            expected=f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}",
-            found=f"{spec.bore_diameter_mm:g}",
-        )
+        expected = f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}"
+        refuse(f"{key}.bore_diameter_mm", expected, f"{spec.bore_diameter_mm:g}")
     if not isinstance(spec, Gear):
         mesh = None if spec.rigid else sector_mesh(profile, bore_radius, lengths, key)
         return profile, bore_radius, mesh

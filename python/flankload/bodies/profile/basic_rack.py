@@ -20,6 +20,7 @@ import numpy as np
 
 from flankload.bodies.plane import across, directions
 from flankload.errors import SceneError
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -289,8 +290,5 @@ def _check_tip(
         )
     largest = room * cos(pressure_angle_rad) / (1.0 - sin(pressure_angle_rad))
     if fillet_radius_factor > largest:
-        raise SceneError(
-            key=f"{key}.fillet_radius_factor",
-            expected=f"at most {largest:.6f}, the full rounding of a rack with this dedendum",
-            found=f"{fillet_radius_factor:g}",
-        )
+        expected = f"at most {largest:.6f}, the full rounding of a rack with this dedendum"
+        refuse(f"{key}.fillet_radius_factor", expected, f"{fillet_radius_factor:g}")

@@ -24,6 +24,7 @@ from flankload.bodies.profile.involute import (
 from flankload.bodies.profile.tooth_profile import ToothProfile, profile_curve
 from flankload.bodies.profile.tooth_thickness import generating_shift
 from flankload.errors import SceneError
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -134,11 +135,7 @@ def _on_protuberance(rack: BasicRack, flank: InvoluteFlank, low: float, key: str
 
 
 def _refuse_protuberance(key: str, expected: str) -> NoReturn:
-    raise SceneError(
-        key=f"{key}.protuberance_mm",
-        expected=expected,
-        found="one that does not, with this angle and tip radius",
-    )
+    refuse(f"{key}.protuberance_mm", expected, "one that does not, with this angle and tip radius")
 
 
 def _fillet(rack: BasicRack, start: FormPoint) -> list[tuple[Place, float, float]]:
@@ -156,19 +153,13 @@ def _check_tooth(
 ) -> None:
     """Check that the tooth has a flank and a foot and is not pointed."""
     if involute.base_half_angle_rad <= 0.0:
-        raise SceneError(
-            key=f"{key}.profile_shift",
-            expected="a profile shift that leaves the tooth some thickness at its base circle",
-            found=f"{spec.profile_shift:g}",
-        )
+        expected = "a profile shift that leaves the tooth some thickness at its base circle"
+        refuse(f"{key}.profile_shift", expected, f"{spec.profile_shift:g}")
     end = start.beta if start.free is None else rack.end_angle_rad
     foot = rack.fillet(np.linspace(0.5 * pi, end, 200))[0]
     if foot[:, 1].min() <= 0.0:
-        raise SceneError(
-            key=f"{key}.profile_shift",
-            expected="a profile shift at which the rack does not cut the tooth off its foot",
-            found=f"{spec.profile_shift:g}",
-        )
+        expected = "a profile shift at which the rack does not cut the tooth off its foot"
+        refuse(f"{key}.profile_shift", expected, f"{spec.profile_shift:g}")
     if involute.tip_radius_mm <= involute.form_radius_mm:
         raise SceneError(
             key=f"{key}.tip_diameter_mm",
@@ -179,8 +170,5 @@ def _check_tooth(
     if involute.half_angle_at(involute.tip_radius_mm) <= 0.0:
         roll = roll_of_involute_angle(involute.base_half_angle_rad)
         largest = 2 * involute.base_radius_mm * sqrt(1.0 + roll**2)
-        raise SceneError(
-            key=f"{key}.tip_diameter_mm",
-            expected=f"less than {largest:.4f}, where the teeth are pointed",
-            found=f"{spec.tip_diameter_mm:g}",
-        )
+        expected = f"less than {largest:.4f}, where the teeth are pointed"
+        refuse(f"{key}.tip_diameter_mm", expected, f"{spec.tip_diameter_mm:g}")

@@ -16,6 +16,7 @@ from flankload.bodies.plane import circle
 from flankload.bodies.profile.involute import Involute, InvoluteFlank, Modifications
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -92,11 +93,8 @@ def _with_places(
         # the start of the tip relief may be that of the root relief
         same = name == "relief_start" and 0.5 * diameter == low != form
         if not (inner < 0.5 * diameter < outer or same):
-            raise SceneError(
-                key=f"{key}.{place}",
-                expected=f"between {said} and the tip diameter {2 * tip:g}",
-                found=f"{diameter:g}",
-            )
+            expected = f"between {said} and the tip diameter {2 * tip:g}"
+            refuse(f"{key}.{place}", expected, f"{diameter:g}")
         places[name] = involute.roll_at(0.5 * diameter)
         low, said = 0.5 * diameter, f"{key}.{place} ({diameter:g})"
     if "knee_roll" in places:
@@ -151,11 +149,8 @@ def flank_and_tip(
     else:
         end = flank.roll_at(involute.tip_radius_mm)
         if not _inside_tooth(flank.point(end), involute):
-            raise SceneError(
-                key=f"{key}.tip_diameter_mm",
-                expected="less, so that the modified flanks leave a tip",
-                found=f"{2 * involute.tip_radius_mm:g}",
-            )
+            expected = "less, so that the modified flanks leave a tip"
+            refuse(f"{key}.tip_diameter_mm", expected, f"{2 * involute.tip_radius_mm:g}")
     kink = flank.modifications.relief_start
     relieved = bool(flank.modifications.tip_relief_mm) and involute.outward * (end - kink) > 0.0
     first_end = kink if relieved else end
@@ -236,11 +231,8 @@ def _tip_rounding(
             at = touching(middle)
             fits = at == at and _inside_tooth(center(at, middle), involute)
             low, high = (middle, high) if fits else (low, middle)
-        raise SceneError(
-            key=f"{key}.tip_radius_mm",
-            expected=f"less than {low:.4f}, the largest rounding that fits on the tooth",
-            found=f"{radius:g}",
-        )
+        expected = f"less than {low:.4f}, the largest rounding that fits on the tooth"
+        refuse(f"{key}.tip_radius_mm", expected, f"{radius:g}")
     place, normal = center(roll, radius), flank.normal(roll)
     first, last = atan2(normal[1], normal[0]), atan2(place[1], place[0])
     return roll, CurvePiece("tip_radius", circle(place, outward * radius), first, last)

@@ -24,6 +24,7 @@ from flankload.bodies.profile.involute import (
 from flankload.bodies.profile.tooth_profile import ToothProfile, profile_curve
 from flankload.bodies.profile.tooth_thickness import generating_shift
 from flankload.errors import SceneError
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -129,25 +130,16 @@ def _check_circles(involute: Involute, spec: Ring | SplineHub, key: str) -> None
             found=f"{spec.tip_diameter_mm:g}",
         )
     if not involute.base_half_angle_rad > 0.0:
-        raise SceneError(
-            key=f"{key}.profile_shift",
-            expected="a profile shift that leaves the space some width at the base circle",
-            found=f"{spec.profile_shift:g}",
-        )
+        expected = "a profile shift that leaves the space some width at the base circle"
+        refuse(f"{key}.profile_shift", expected, f"{spec.profile_shift:g}")
     if involute.half_angle_at(involute.root_radius_mm) <= 0.0:
         largest = _diameter_at(involute, involute.base_half_angle_rad)
-        raise SceneError(
-            key=f"{key}.root_diameter_mm",
-            expected=f"less than {largest:.4f}, where the spaces are pointed",
-            found=f"{spec.root_diameter_mm:g}",
-        )
+        expected = f"less than {largest:.4f}, where the spaces are pointed"
+        refuse(f"{key}.root_diameter_mm", expected, f"{spec.root_diameter_mm:g}")
     if involute.tooth_half_angle_at(involute.tip_radius_mm) <= 0.0:
         least = _diameter_at(involute, involute.base_half_angle_rad - 0.5 * pitch)
-        raise SceneError(
-            key=f"{key}.tip_diameter_mm",
-            expected=f"more than {least:.4f}, where the teeth are pointed",
-            found=f"{spec.tip_diameter_mm:g}",
-        )
+        expected = f"more than {least:.4f}, where the teeth are pointed"
+        refuse(f"{key}.tip_diameter_mm", expected, f"{spec.tip_diameter_mm:g}")
 
 
 def _diameter_at(involute: Involute, involute_angle: float) -> float:
@@ -180,9 +172,6 @@ def _root_arc(involute: Involute, spec: Ring | SplineHub, key: str) -> RootArc:
     if radius is None:
         return _touching_arc(involute, largest)
     if radius > largest:
-        raise SceneError(
-            key=f"{key}.root_fillet_radius_mm",
-            expected=f"at most {largest:.6f}, the largest arc that touches flank and root circle",
-            found=f"{radius:g}",
-        )
+        expected = f"at most {largest:.6f}, the largest arc that touches flank and root circle"
+        refuse(f"{key}.root_fillet_radius_mm", expected, f"{radius:g}")
     return _touching_arc(involute, radius)

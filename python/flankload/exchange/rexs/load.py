@@ -31,11 +31,8 @@ def model_of_case(model: Model, number: int | None, *, needed: bool) -> tuple[Mo
         model = model.with_load_case(number)
         rest = [case for case in cases if case != number]
     else:
-        model.refuse(
-            "--load-case",
-            f"the id of a load_case: {', '.join(map(str, cases)) or 'none in the file'}",
-            "nothing" if number is None else number,
-        )
+        expected = f"the id of a load_case: {', '.join(map(str, cases)) or 'none in the file'}"
+        model.refuse("--load-case", expected, "nothing" if number is None else number)
     lines = [f"not taken: load_case {', '.join(map(str, rest))}: another load"] if rest else []
     return model, lines
 

@@ -38,11 +38,8 @@ def stage_of(model: Model, number: int | None) -> Stage:
     if number is None and len(ids) == 1:
         number = ids[0]
     if number not in ids:
-        model.refuse(
-            "--stage",
-            f"the id of a cylindrical_stage: {', '.join(map(str, ids))}",
-            "nothing" if number is None else number,
-        )
+        expected = f"the id of a cylindrical_stage: {', '.join(map(str, ids))}"
+        model.refuse("--stage", expected, "nothing" if number is None else number)
     return _stage(model, model.components[number])
 
 

@@ -106,11 +106,8 @@ def _check_friction(asked: SceneFile) -> None:
         if not 0.0 <= coefficient <= LARGEST_COEFFICIENT:
             refuse(f"{key}[{i}][1]", f"a number from 0 to {LARGEST_COEFFICIENT:g}", coefficient)
         if i and roll <= rows[i - 1][0]:
-            refuse(
-                f"{key}[{i}][0]",
-                f"more than the roll position of the row before, {rows[i - 1][0]:g}",
-                roll,
-            )
+            expected = f"more than the roll position of the row before, {rows[i - 1][0]:g}"
+            refuse(f"{key}[{i}][0]", expected, roll)
 
 
 def _check_extent(asked: SceneFile) -> None:
