@@ -701,8 +701,11 @@ _PYTHON = (
         ("to_y[[0, 1], [1, 3]] = 1.0, -1.0", "to_y[[0, 1], [1, 3]] = 1.0, 1.0"),
         ("(2.0 - phi) * length**2", "(2.0 + phi) * length**2"),
         ("(20.0 + 12.0 * nu) * ratio", "(20.0 + 12.0 * nu) * ratio**2"),
-        ("np.round(np.concatenate([places, steps]), DECIMALS)", "np.concatenate([places, steps])"),
-        ("loads[:, 2, 2] = axial * pushed[bearings]", "loads[:, 2, 2] = pushed[bearings]"),
+        (
+            "np.round(np.concatenate([marks, places, steps]), DECIMALS)",
+            "np.concatenate([marks, places, steps])",
+        ),
+        ("forces[:, 2, 2] = beam.axial * pushed", "forces[:, 2, 2] = pushed"),
     ),
     *_in(
         "mechanisms/flank_pair/shaft_loads.py",

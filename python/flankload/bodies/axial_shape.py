@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rounding import TIE
-from flankload.bodies.carrying_shaft import carrying_shaft
-from flankload.bodies.shaft import Shaft, build_shaft
+from flankload.bodies.shaft import Shaft, build_shaft, carrying_shaft
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from flankload.bodies.carrying_shaft import CarryingShaft
     from flankload.bodies.flank_surface import FlankSurface
+    from flankload.bodies.shaft import CarryingShaft
     from flankload.scene.axial import AxialKeys
 
     Floats = NDArray[np.float64]

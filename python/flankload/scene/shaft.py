@@ -1,7 +1,7 @@
 """The table of a shaft with its bearings (`[body_1.shaft]`), and its rules."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from msgspec import Meta
@@ -29,16 +29,8 @@ Rows = Annotated[tuple[Row, ...], Meta(min_length=6, max_length=6)]
 Lengths = Annotated[tuple[Length, ...], Meta(min_length=1)]
 Place = Annotated[float, Meta(ge=0, le=1e5)]
 Stiffness = Annotated[float, Meta(ge=0, le=1e9)]
-#: Keys of a shaft that is described by its dimensions; the first ones are required.
-REQUIRED = (
-    "diameters_mm",
-    "lengths_mm",
-    "gear_position_mm",
-    "bearing_positions_mm",
-    "radial_stiffness_N_per_um",
-)
-DIMENSIONS = (
-    *REQUIRED,
+#: Keys of a shaft that is described by its dimensions beside those of `Dimensions`.
+FURTHER_KEYS = (
     *("bore_diameter_mm", "axial_stiffness_N_per_um", "tilt_stiffness_Nm_per_mrad"),
     *("young_modulus_MPa", "poisson_ratio", "under_teeth", "torque_end"),
 )
@@ -48,6 +40,16 @@ PER_BEARING = (
     "axial_stiffness_N_per_um",
     "tilt_stiffness_Nm_per_mrad",
 )
+
+
+class Dimensions(NamedTuple):
+    """Keys of a shaft that are required without a compliance."""
+
+    diameters_mm: tuple[float, ...]
+    lengths_mm: tuple[float, ...]
+    gear_position_mm: float
+    bearing_positions_mm: tuple[float, ...]
+    radial_stiffness_N_per_um: tuple[float, ...]
 
 
 class Shaft(Table, frozen=True, kw_only=True):
@@ -118,6 +120,11 @@ class Shaft(Table, frozen=True, kw_only=True):
     ] = None
 
     @property
+    def dimensions(self) -> Dimensions:
+        """The required keys of a shaft without a compliance."""
+        return Dimensions(*(getattr(self, name) for name in Dimensions._fields))
+
+    @property
     def is_flexible(self) -> bool:
         """Whether the shaft bends and twists under the teeth."""
         return self.under_teeth == "flexible"
@@ -139,12 +146,12 @@ class Shaft(Table, frozen=True, kw_only=True):
         SceneError
         """
         if self.compliance is not None:
-            for name in DIMENSIONS:
+            for name in (*Dimensions._fields, *FURTHER_KEYS):
                 if name in given:
                     refuse(f"{key}.{name}", f"nothing beside {key}.compliance", shown(given[name]))
             _check_compliance(np.array(self.compliance), key)
             return
-        for name in REQUIRED:
+        for name in Dimensions._fields:
             if getattr(self, name) is None:
                 refuse(f"{key}.{name}", f"a value, since there is no {key}.compliance", "nothing")
         self._check_sizes(key)
@@ -177,19 +184,17 @@ class Shaft(Table, frozen=True, kw_only=True):
         ------
         SceneError
         """
-        assert self.gear_position_mm is not None
-        assert self.lengths_mm is not None
-        assert self.diameters_mm is not None
+        sizes = self.dimensions
         key, bore = f"{body}.shaft", f"{body}.bore_diameter_mm ({diameter_mm:g})"
-        low, high = (end - middle_mm + self.gear_position_mm for end in ends_mm)
-        steps = np.concatenate([[0.0], np.cumsum(self.lengths_mm)])
+        low, high = (end - middle_mm + sizes.gear_position_mm for end in ends_mm)
+        steps = np.concatenate([[0.0], np.cumsum(sizes.lengths_mm)])
         if low < -SHORTEST or high > steps[-1] + SHORTEST:
             refuse(
                 f"{key}.gear_position_mm",
                 f"a position at which the shaft ({steps[-1]:g} mm long) fills all of the bore",
-                f"{self.gear_position_mm:g}: the bore is from {low:g} to {high:g} mm",
+                f"{sizes.gear_position_mm:g}: the bore is from {low:g} to {high:g} mm",
             )
-        for k, diameter in enumerate(self.diameters_mm):
+        for k, diameter in enumerate(sizes.diameters_mm):
             inside = steps[k] < high - SHORTEST and low + SHORTEST < steps[k + 1]
             if inside and diameter < (1.0 - ROUNDED) * diameter_mm:
                 expected = f"at least {bore}, which a flexible shaft fills"
@@ -199,9 +204,7 @@ class Shaft(Table, frozen=True, kw_only=True):
 
     def _check_sizes(self, key: str) -> None:
         """Check the numbers of entries and the bore."""
-        assert self.diameters_mm is not None
-        assert self.lengths_mm is not None
-        assert self.bearing_positions_mm is not None
+        smallest = min(self.dimensions.diameters_mm)
         pairs = [("lengths_mm", "diameters_mm", "step")]
         pairs += [(name, "bearing_positions_mm", "bearing") for name in PER_BEARING]
         for name, other, what in pairs:
@@ -209,29 +212,26 @@ class Shaft(Table, frozen=True, kw_only=True):
             if values is not None and len(values) != count:
                 expected = f"one entry per {what}: {count}, as in {key}.{other}"
                 refuse(f"{key}.{name}", expected, f"{len(values)} entries")
-        if self.bore_diameter_mm is not None and self.bore_diameter_mm >= min(self.diameters_mm):
-            expected = f"less than the smallest of {key}.diameters_mm ({min(self.diameters_mm):g})"
+        if self.bore_diameter_mm is not None and self.bore_diameter_mm >= smallest:
+            expected = f"less than the smallest of {key}.diameters_mm ({smallest:g})"
             refuse(f"{key}.bore_diameter_mm", expected, self.bore_diameter_mm)
 
     def _check_places(self, key: str) -> None:
         """Check that the gear and the bearings are on the shaft."""
-        assert self.lengths_mm is not None
-        assert self.bearing_positions_mm is not None
-        end = sum(self.lengths_mm)
-        places = {"gear_position_mm": self.gear_position_mm}
-        for i, place in enumerate(self.bearing_positions_mm):
+        sizes = self.dimensions
+        end = sum(sizes.lengths_mm)
+        places = {"gear_position_mm": sizes.gear_position_mm}
+        for i, place in enumerate(sizes.bearing_positions_mm):
             places[f"bearing_positions_mm[{i}]"] = place
         for name, value in places.items():
-            assert value is not None
             if value > end:
                 expected = f"at most the length of the shaft, {end:g} (sum of {key}.lengths_mm)"
                 refuse(f"{key}.{name}", expected, value)
 
     def _check_bearings(self, key: str, *, helical: bool) -> None:
         """Check that the bearings hold the shaft against forces and moments."""
-        assert self.bearing_positions_mm is not None
-        assert self.radial_stiffness_N_per_um is not None
-        stiff = zip(self.bearing_positions_mm, self.radial_stiffness_N_per_um, strict=True)
+        sizes = self.dimensions
+        stiff = zip(sizes.bearing_positions_mm, sizes.radial_stiffness_N_per_um, strict=True)
         holding = {place for place, radial in stiff if radial > 0.0}
         least = 1 if any(self.tilt_stiffness_Nm_per_mrad or ()) else 2
         if len(holding) < least:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import SectorMesh
-    from flankload.bodies.carrying_shaft import CarryingShaft
+    from flankload.bodies.shaft import CarryingShaft
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
     from flankload.elasticity.sector_closure import CondensedSector
 

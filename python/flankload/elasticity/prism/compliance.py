@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
-    from flankload.bodies.carrying_shaft import CarryingShaft
     from flankload.bodies.root_fillet import RootFillets
+    from flankload.bodies.shaft import CarryingShaft
     from flankload.elasticity.sector_closure import CondensedSector
 
     Floats = NDArray[np.float64]

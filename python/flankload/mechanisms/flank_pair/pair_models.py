@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.bodies import Body
-    from flankload.bodies.carrying_shaft import CarryingShaft
+    from flankload.bodies.shaft import CarryingShaft
     from flankload.mechanisms.toggles import Toggle
     from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
