@@ -6,13 +6,13 @@ information on the profile: the curve then uses the corner nodes only.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.bodies.body import FlankNodes
-from flankload.bodies.imported.mesh_flank import in_order, middles_are_straight
+from flankload.bodies.imported.mesh_source import in_order, middles_are_straight
 from flankload.bodies.profile.gear_profile import gear_profile
 from flankload.errors import SceneError
 from flankload.flank import FlankCurve, curve_through_nodes, nodes_deviation
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.imported.mesh_source import MeshSource
     from flankload.bodies.profile.involute import Involute
-    from flankload.scene import MeshBody
+    from flankload.scene import Profile
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
@@ -46,44 +46,31 @@ class FlankFit:
     ----------
     curve : FlankCurve
     involute : Involute or None
-    edges : (m, 3) array
-        Edges of the flank with pressure modes; with a given profile, those between its fillet and
-        its tip rounding.
-    s : (2 m + 1,) array
-        Arc lengths of their nodes in order.
     mode_range_mm : (float, float)
     misfit_mm : float
         Largest distance of the nodes from a given profile.
     nodes : FlankNodes or None
         None if the profile is given.
     notes : tuple of str
+    edges : (m, 3) array
+        Edges of the flank with pressure modes; with a given profile, those between its fillet and
+        its tip rounding.
+    s : (2 m + 1,) array
+        Arc lengths of their nodes in order.
     """
 
     curve: FlankCurve
     involute: Involute | None
-    edges: Numbers
-    s: Floats
     mode_range_mm: tuple[float, float]
     misfit_mm: float
     nodes: FlankNodes | None
     notes: tuple[str, ...]
+    edges: Numbers = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
+    s: Floats = field(default_factory=lambda: np.empty(0))
 
 
-def fit_flank(source: MeshSource, spec: MeshBody, nodes: Floats, edges: Numbers) -> FlankFit:
-    """Find the curve of the flank of tooth 0.
-
-    Parameters
-    ----------
-    source : MeshSource
-    spec : MeshBody
-    nodes : (N, 2) array
-        Mesh of the body, mirrored if necessary.
-    edges : (m, 3) array
-        Edges of the flank in order.
-
-    Returns
-    -------
-    FlankFit
+def fit_flank(source: MeshSource, edges: Numbers) -> FlankFit:
+    """Find the curve of the flank of tooth 0, whose edges (m, 3) are in order.
 
     Raises
     ------
@@ -92,16 +79,16 @@ def fit_flank(source: MeshSource, spec: MeshBody, nodes: Floats, edges: Numbers)
     SceneError
         If the given profile does not fit.
     """
+    spec, nodes = source.spec, source.body.nodes
     key = "flank_set" if spec.flank_sets is None else "flank_sets[0]"
     straight = middles_are_straight(nodes, edges)
     points = nodes[in_order(edges)]
     on_profile = points[::2] if straight else points
-    fit = (
-        _through_nodes(source, key, on_profile)
-        if spec.profile is None
-        else _on_profile(source, spec, on_profile)
-    )
-    edges, s = carrying_edges(source, key, fit.curve, fit.mode_range_mm, nodes, edges)
+    if spec.profile is None:
+        fit = _through_nodes(source, key, on_profile)
+    else:
+        fit = _on_profile(source, spec.profile, on_profile)
+    edges, s = carrying_edges(source, key, fit.curve, fit.mode_range_mm, edges)
     low, high = fit.mode_range_mm
     snap = SNAP_PART * (high - low)
     low = low if abs(s[0] - low) < snap else float(s[0])
@@ -117,38 +104,18 @@ def fit_flank(source: MeshSource, spec: MeshBody, nodes: Floats, edges: Numbers)
 
 
 def carrying_edges(
-    source: MeshSource,
-    key: str,
-    curve: FlankCurve,
-    span: tuple[float, float],
-    nodes: Floats,
-    edges: Numbers,
+    source: MeshSource, key: str, curve: FlankCurve, span: tuple[float, float], edges: Numbers
 ) -> tuple[Numbers, Floats]:
-    """Edges of a flank between two arc lengths, and the arc lengths of their nodes.
+    """Edges (k, 3) of a flank between two arc lengths, and arc lengths (2 k + 1,) of their nodes.
 
-    Parameters
-    ----------
-    source : MeshSource
-    key : str
-        Key that names the flank's set, without the body's.
-    curve : FlankCurve
-        Curve of this flank.
-    span : (float, float)
-    nodes : (N, 2) array
-    edges : (m, 3) array
-        The whole flank in order.
-
-    Returns
-    -------
-    edges : (k, 3) array
-    s : (2 k + 1,) array
+    The key names the set of this flank, to which the curve belongs; its edges are in order.
 
     Raises
     ------
     MeshError
         If the nodes turn back, or fewer than 2 edges remain.
     """
-    points = nodes[in_order(edges)]
+    points = source.body.nodes[in_order(edges)]
     s, _ = curve.arc_length_of(points)
     if not (np.diff(s) > 0).all():
         x, y = points[int(np.argmin(np.diff(s)))]
@@ -180,8 +147,6 @@ def _through_nodes(source: MeshSource, key: str, points: Floats) -> FlankFit:
     return FlankFit(
         curve=curve,
         involute=None,
-        edges=np.empty((0, 3), dtype=np.int64),
-        s=np.empty(0),
         mode_range_mm=(0.0, curve.length_mm),
         misfit_mm=0.0,
         nodes=found,
@@ -189,11 +154,9 @@ def _through_nodes(source: MeshSource, key: str, points: Floats) -> FlankFit:
     )
 
 
-def _on_profile(source: MeshSource, spec: MeshBody, points: Floats) -> FlankFit:
+def _on_profile(source: MeshSource, given: Profile, points: Floats) -> FlankFit:
     """The exact profile, rotated to fit the flank's nodes (least squares)."""
-    given = spec.profile
-    assert given is not None
-    profile = gear_profile(given, f"{source.key}.profile", teeth=spec.number_of_teeth)
+    profile = gear_profile(given, f"{source.key}.profile", teeth=source.spec.number_of_teeth)
     tip = float(np.hypot(*source.body.nodes.T).max())
     if abs(tip - profile.involute.tip_radius_mm) > TIP_TOLERANCE * given.module_mm:
         expected = f"the tip circle of the mesh, {2 * tip:.4f} mm"
@@ -219,8 +182,6 @@ def _on_profile(source: MeshSource, spec: MeshBody, points: Floats) -> FlankFit:
     return FlankFit(
         curve=profile.curve,
         involute=profile.involute,
-        edges=np.empty((0, 3), dtype=np.int64),
-        s=np.empty(0),
         mode_range_mm=profile.mode_range_mm,
         misfit_mm=worst,
         nodes=None,
@@ -229,23 +190,9 @@ def _on_profile(source: MeshSource, spec: MeshBody, points: Floats) -> FlankFit:
 
 
 def fitted_turn(curve: FlankCurve, points: Floats, start: float) -> tuple[float, Floats, float]:
-    """Rotation about the origin that brings a curve closest to points (least squares).
+    """Rotation about the origin, rad, that brings a curve closest to points (least squares).
 
-    Parameters
-    ----------
-    curve : FlankCurve
-    points : (m, 2) array
-    start : float
-        Initial rotation, rad.
-
-    Returns
-    -------
-    turn : float
-        rad.
-    s : (m,) array
-        Arc lengths of the points.
-    worst : float
-        Largest remaining distance, mm.
+    Returns also the arc lengths (m,) of the points and their largest remaining distance, mm.
     """
     turn = start
     for _ in range(12):
