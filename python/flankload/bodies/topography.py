@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from os.path import isfile
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.errors import SceneError
+from flankload.meshes.io.named_arrays import csv_rows
 from flankload.scene.refusal import refuse
 from flankload.scene.table import LARGEST_DEVIATION
 
@@ -63,22 +63,7 @@ class Topography:
 def read_topography(
     path: Path, key: str, curve: FlankCurve, range_mm: tuple[float, float], width_mm: float
 ) -> Topography:
-    """Read a topography and check that it covers the flank.
-
-    Parameters
-    ----------
-    path : Path
-    key : str
-        The scene's key that names the file, for messages.
-    curve : FlankCurve
-    range_mm : (float, float)
-        Arc lengths at the ends of the active flank.
-    width_mm : float
-        Face width of the body.
-
-    Returns
-    -------
-    Topography
+    """Read a topography; it covers the active flank, between two arc lengths, and the face width.
 
     Raises
     ------
@@ -113,29 +98,14 @@ def _check_cover(
 
 def _read_grid(path: Path, key: str) -> tuple[Floats, Floats, Floats]:
     """Diameters (m,), distances along z (k,) and metal removed (m, k) in um."""
-    if not isfile(path) or path.suffix.lower() != ".csv":
-        found = f"no file {path.name}" if not isfile(path) else path.name
-        raise SceneError(key=key, expected=WANTED, found=found)
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError):
-        raise SceneError(key=key, expected=WANTED, found="other bytes than UTF-8") from None
     rows: list[list[float]] = []
-    for number, line in enumerate(lines, start=1):
-        if line.strip().startswith("#") or not line.strip():
-            continue
-        cells = [cell.strip() for cell in line.split(",")]
+    for line in csv_rows(path, key, WANTED):
         # the first cell of the first row names the first column
-        row = _numbers(cells[1:] if not rows else cells)
-        length = len(rows[0]) + 1 if rows else max(2, len(cells) - 1)
+        row = _numbers(line.cells[1:] if not rows else line.cells)
+        length = len(rows[0]) + 1 if rows else max(2, len(line.cells) - 1)
         if row is None or len(row) != length:
             what = f"a diameter and {length - 1} values" if rows else "a name, then numbers (z)"
-            raise SceneError(
-                file=path,
-                key=f"line {number}",
-                expected=f"{what}, separated by commas",
-                found=f"'{line.strip()[:40]}'",
-            )
+            line.refuse(f"{what}, separated by commas")
         rows.append(row)
     if len(rows) < 3:
         raise SceneError(key=key, expected=WANTED, found=f"{len(rows)} rows in {path.name}")

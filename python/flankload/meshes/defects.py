@@ -17,6 +17,7 @@ from flankload.meshes.plane_mesh import (
     EDGES,
     boundary_edges,
     counter_clockwise,
+    edge_lengths,
     jacobians,
     raise_to_quadratic,
 )
@@ -153,20 +154,12 @@ def _mixed_orders(raw: RawMesh) -> Defect | None:
     return Defect("elements of one order", f"{linear} linear and {quadratic} quadratic elements")
 
 
-def _edge_lengths(nodes: Floats, cells: Cells) -> Floats:
-    """Lengths of all edges, from corner to corner."""
-    parts = []
-    for kind, data in cells:
-        corners = data[:, : 3 if kind.startswith("triangle") else 4]
-        steps = nodes[corners] - nodes[np.roll(corners, -1, axis=1)]
-        parts.append(np.linalg.norm(steps, axis=2).ravel())
-    return np.concatenate(parts)
-
-
 def _double_nodes(raw: RawMesh) -> Defect | None:
     from scipy.spatial import cKDTree
 
-    lengths = _edge_lengths(raw.nodes, raw.cells)
+    lengths = np.concatenate(
+        [edge_lengths(raw.nodes, kind, data).ravel() for kind, data in raw.cells]
+    )
     reach = SAME_PLACE * float(np.min(lengths[lengths > 0], initial=np.inf))
     if not np.isfinite(reach):
         return Defect("elements with an area", "only such that are shrunk to a point")

@@ -113,7 +113,7 @@ def jacobians(
 
 
 def counter_clockwise(nodes: NDArray[np.float64], cells: Cells) -> tuple[Cells, int]:
-    """Number elements counter-clockwise.
+    """Number elements counter-clockwise; a defective element stays defective.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def counter_clockwise(nodes: NDArray[np.float64], cells: Cells) -> tuple[Cells, 
     done = []
     turned = 0
     for kind, data in cells:
-        clockwise = (jacobians(nodes, kind, data) < 0).all(axis=1)
+        clockwise = jacobians(nodes, kind, data).sum(axis=1) < 0
         data = data.copy()
         data[clockwise] = data[clockwise][:, REVERSED[kind]]
         turned += int(clockwise.sum())
@@ -167,13 +167,20 @@ def scaled_jacobians(
     return np.asarray((area / product).min(axis=1))
 
 
+def edge_lengths(
+    nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Lengths (E, 3) or (E, 4) of the edges of elements, from corner to corner."""
+    corners = data[:, : 3 if kind.startswith("triangle") else 4]
+    steps = nodes[corners] - nodes[np.roll(corners, -1, axis=1)]
+    return np.asarray(np.linalg.norm(steps, axis=2))
+
+
 def aspect_ratios(
     nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
 ) -> NDArray[np.float64]:
     """Ratio of longest to shortest edge of elements, from corner to corner: (E,)."""
-    corners = data[:, : 3 if kind.startswith("triangle") else 4]
-    steps = nodes[corners] - nodes[np.roll(corners, -1, axis=1)]
-    lengths = np.linalg.norm(steps, axis=2)
+    lengths = edge_lengths(nodes, kind, data)
     least = np.maximum(lengths.min(axis=1), np.finfo(float).tiny)
     return np.asarray(lengths.max(axis=1) / least)
 

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.meshes.plane_mesh import (
-    REVERSED,
     aspect_ratios,
     boundary_edges,
     chain,
     circle_through,
-    jacobians,
+    counter_clockwise,
     raise_to_quadratic,
     scaled_jacobians,
 )
@@ -169,15 +168,9 @@ def hints(raw: RawMesh) -> Iterator[str]:
 
 
 def _oriented(raw: RawMesh) -> tuple[Floats, Cells]:
-    """Quadratic elements, counter-clockwise if possible; a defective mesh stays defective."""
+    """Quadratic elements, counter-clockwise if possible."""
     nodes, cells = raise_to_quadratic(raw.nodes, raw.cells)
-    done = []
-    for kind, data in cells:
-        clockwise = jacobians(nodes, kind, data).sum(axis=1) < 0
-        data = data.copy()
-        data[clockwise] = data[clockwise][:, REVERSED[kind]]
-        done.append((kind, data))
-    return nodes, tuple(done)
+    return nodes, counter_clockwise(nodes, cells)[0]
 
 
 def _shape(nodes: Floats, edges: Numbers, members: Numbers) -> str:

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import ge, gt, le
 from os.path import isdir, isfile
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,12 +89,10 @@ class NamedArrays:
     ) -> float:
         """A single number in a range."""
         value = float(self.numbers(name))
-        if above is not None and value <= above:
-            self.refuse(name, f"a number > {above:g}", f"{value:g}")
-        if least is not None and value < least:
-            self.refuse(name, f"a number >= {least:g}", f"{value:g}")
-        if most is not None and value > most:
-            self.refuse(name, f"a number <= {most:g}", f"{value:g}")
+        bounds = ((">", above, gt), (">=", least, ge), ("<=", most, le))
+        for sign, bound, holds in bounds:
+            if bound is not None and not holds(value, bound):
+                self.refuse(name, f"a number {sign} {bound:g}", f"{value:g}")
         return value
 
     def integers(self, name: str, *shape: int | None) -> NDArray[np.int64]:
@@ -224,8 +223,59 @@ def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[
     SceneError
         If the file is missing or unreadable, or a cell is not a finite number; names the line.
     """
-    path = Path(path)
-    wanted = f"a .csv file with the columns {', '.join(names)}"
+    rows: list[list[float]] = []
+    for row in csv_rows(Path(path), key, f"a .csv file with the columns {', '.join(names)}"):
+        if not rows and tuple(row.cells) == names:
+            continue
+        try:
+            values = [float(cell) for cell in row.cells]
+        except ValueError:
+            values = []
+        if len(values) != len(names) or not np.isfinite(values).all():
+            row.refuse(f"{len(names)} numbers: {', '.join(names)}")
+        rows.append(values)
+    return np.array(rows).reshape(-1, len(names))
+
+
+class CsvRow(NamedTuple):
+    """A row of a .csv file: its file, the number of its line, its text and its cells."""
+
+    file: Path
+    number: int
+    text: str
+    cells: list[str]
+
+    def refuse(self, expected: str) -> NoReturn:
+        """Raise the error of this row.
+
+        Raises
+        ------
+        SceneError
+        """
+        key, found = f"line {self.number}", f"'{self.text[:40]}'"
+        raise SceneError(file=self.file, key=key, expected=expected, found=found)
+
+
+def csv_rows(path: Path, key: str, wanted: str) -> list[CsvRow]:
+    """Rows of a .csv file, without empty lines and those that begin with #.
+
+    Parameters
+    ----------
+    path : Path
+    key : str
+        The scene's key that names the file, for messages.
+    wanted : str
+        Description of the file, for messages.
+
+    Returns
+    -------
+    list of CsvRow
+
+    Raises
+    ------
+    SceneError
+        If the file is missing or unreadable.
+    """
     if not isfile(path) or path.suffix.lower() != ".csv":
         found = f"no file {path.name}" if not isfile(path) else path.name
         raise SceneError(key=key, expected=wanted, found=found)
@@ -233,26 +283,11 @@ def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError):
         raise SceneError(key=key, expected=wanted, found="other bytes than UTF-8") from None
-    rows: list[list[float]] = []
-    for number, line in enumerate(lines, start=1):
-        cells = [cell.strip() for cell in line.split(",")]
-        if line.strip().startswith("#") or not line.strip():
-            continue
-        if not rows and tuple(cells) == names:
-            continue
-        try:
-            row = [float(cell) for cell in cells]
-        except ValueError:
-            row = []
-        if len(row) != len(names) or not np.isfinite(row).all():
-            raise SceneError(
-                file=path,
-                key=f"line {number}",
-                expected=f"{len(names)} numbers: {', '.join(names)}",
-                found=f"'{line.strip()[:40]}'",
-            )
-        rows.append(row)
-    return np.array(rows).reshape(-1, len(names))
+    return [
+        CsvRow(path, number, line.strip(), [cell.strip() for cell in line.split(",")])
+        for number, line in enumerate(lines, start=1)
+        if line.strip() and not line.strip().startswith("#")
+    ]
 
 
 def _read_csv(path: Path, key: str) -> dict[str, NDArray[Any]]:
