@@ -158,21 +158,9 @@ def axial_shape(
     reference_radius_mm: float,
     surface: FlankSurface | None = None,
 ) -> AxialShape:
-    """Shape along the axis from the keys of a body.
+    """Shape along the axis from the keys of a body, with the positions of both ends.
 
-    Parameters
-    ----------
-    keys : AxialKeys
-    range_mm : (float, float)
-        Positions of both ends.
-    reference_radius_mm : float
-        Radius of the cylinder on which the helix angle is given.
-    surface : FlankSurface, optional
-        What varies over the height of the flanks.
-
-    Returns
-    -------
-    AxialShape
+    The helix angle is that on the reference radius; `surface` varies over the height of the flanks.
     """
     one, two = keys.end_relief_um or (0.0, 0.0)
     lengths = keys.end_relief_length_mm or (1.0, 1.0)

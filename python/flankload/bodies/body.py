@@ -355,13 +355,7 @@ class Body:
 
 
 def checked_pitch_errors(errors_um: tuple[float, ...], teeth: int, key: str) -> tuple[float, ...]:
-    """Pitch errors of a body: none, or one per tooth.
-
-    Raises
-    ------
-    SceneError
-        If there is another number of entries.
-    """
+    """Pitch errors of a body: none, or one per tooth; another number is refused."""
     if errors_um and len(errors_um) != teeth:
         expected = f"one entry per tooth: {teeth}"
         refuse(f"{key}.pitch_errors_um", expected, f"{len(errors_um)} entries")

@@ -85,23 +85,9 @@ class FlankSurface:
 def flank_surface(
     keys: AxialKeys, key: str, body: Body, *, folder: Path, width_mm: float
 ) -> FlankSurface | None:
-    """Twist and topography from the keys of a body.
+    """Twist and topography from the keys of a body; None without these keys.
 
-    Parameters
-    ----------
-    keys : AxialKeys
-    key : str
-        Dotted path of the table in the scene, for messages.
-    body : Body
-    folder : Path
-        Folder to which the file of the topography is relative.
-    width_mm : float
-        Face width of the body.
-
-    Returns
-    -------
-    FlankSurface or None
-        None without these keys.
+    The file of the topography is relative to the folder; the width is that of the body.
 
     Raises
     ------

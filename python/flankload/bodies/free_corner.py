@@ -134,17 +134,7 @@ def _tip_is_sharp(body: Body) -> bool:
 
 
 def angle_at(mesh: SectorMesh | WholeMesh, node: int) -> float:
-    """Interior angle of the elements at a corner node of theirs, degrees; 180 on a cut face.
-
-    Parameters
-    ----------
-    mesh : SectorMesh or WholeMesh
-    node : int
-
-    Returns
-    -------
-    float
-    """
+    """Interior angle of the elements at a corner node of theirs, degrees; 180 on a cut face."""
     if isinstance(mesh, SectorMesh) and node in np.append(mesh.left_nodes, mesh.right_nodes):
         return SMOOTH
     whole = 0.0

@@ -233,23 +233,11 @@ def _edges_on_fillet(
 
 
 def edge_strains(nodes: Floats, image: Floats, edges: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """Strain along edges at their Gauss points.
+    """Strain along edges (m, 3) at their Gauss points.
 
-    Parameters
-    ----------
-    nodes : (N, 2) array
-        mm.
-    image : (N, 2) array
-        The same nodes, rotated or mirrored, in the frame of the returned points.
-    edges : (m, 3) array
-        First, last, middle node.
-
-    Returns
-    -------
-    places : (2 m, 2) array
-        Gauss points in the frame of `image`.
-    strains : (2N, 2 m) array
-        Columns that give t·du/ds from displacements numbered 2*node + component.
+    `image`: the same nodes (N, 2), rotated or mirrored. Returns the Gauss points (2 m, 2) in the
+    frame of `image`, and the columns (2N, 2 m) that give t·du/ds from displacements numbered
+    2*node + component.
     """
     places, strains = [], np.zeros((len(nodes), 2, 2 * len(edges)))
     for g, x in enumerate(GAUSS):

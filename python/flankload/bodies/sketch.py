@@ -13,18 +13,10 @@ if TYPE_CHECKING:
 
 
 def sketched_tooth(flank: Floats, teeth: int) -> Floats:
-    """Contour of a tooth: the flank and its mirror image, a quarter pitch apart from the centre.
+    """Contour (2 n, 2) of a tooth, counter-clockwise: the flank and its mirror image.
 
-    Parameters
-    ----------
-    flank : (n, 2) array
-        Points from root to tip, mm; the teeth are internal if the radius decreases.
-    teeth : int
-
-    Returns
-    -------
-    (2 n, 2) array
-        Counter-clockwise.
+    They are a quarter pitch apart from the centre. The points (n, 2) of the flank are from root to
+    tip, mm; the teeth are internal if the radius decreases.
     """
     root, tip = np.linalg.norm(flank[[0, -1]], axis=1)
     outward = 1 if tip > root else -1

@@ -231,12 +231,7 @@ class AxialKeys:
         """Refuse what this version has in plane scenes only."""
 
     def check_axial(self, given: Mapping[str, Any], key: str) -> None:
-        """Check that a helix has a hand, an end relief lengths, all teeth a slope, a shaft a hold.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Check helix and hand, end relief and its lengths, the slopes of all teeth, the shaft."""
         if self.shaft is not None:
             self.shaft.check(given["shaft"], f"{key}.shaft", helical=bool(self.helix_angle_deg))
         if self.helix_angle_deg and self.hand is None:
@@ -315,12 +310,7 @@ def _varying_key(scene: "Scene | SceneFile") -> str | None:
 
 
 def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
-    """Check the keys of a three-dimensional scene, and that a plane scene has none of them.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Check the keys of a three-dimensional scene, and that a plane scene has none of them."""
     dimension, needed_by = asked.effects.dimension, _varying_key(asked)
     if dimension == 2 and needed_by is not None:
         refuse("effects.dimension", f"3 or nothing, since there is a {needed_by}", 2)

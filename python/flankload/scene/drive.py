@@ -33,32 +33,13 @@ class WrappedTable(DriveTable, frozen=True, kw_only=True):
     no_pair: ClassVar[str] = ""
 
     def check_around(self, body_1: BodyTable, given: Mapping[str, Any]) -> None:
-        """Check that the chain or belt fits the wheel around which it is wrapped.
-
-        Parameters
-        ----------
-        body_1 : Sprocket or Pulley
-        given : mapping
-            Keys of body 1 that the scene sets.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Check that it fits the wheel of body 1, of which the scene sets the given keys."""
 
 
 def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
     """Refuse keys that do not apply to a drive, and keys that apply only to a drive.
 
-    Parameters
-    ----------
-    asked : SceneFile
-    given : mapping
-        The scene as in the file.
-
-    Raises
-    ------
-    SceneError
+    `given` is the scene as in the file.
     """
     body_1, body_2, slack = asked.body_1, asked.body_2, asked.load.slack_tension_N
     if not isinstance(body_2, WrappedTable):

@@ -181,18 +181,7 @@ class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
 
 
 def check_bore(body: Any, key: str) -> None:
-    """Check that the bore of a body is smaller than its tip circle and not a point.
-
-    Parameters
-    ----------
-    body : table of a gear or of a spline shaft
-    key : str
-        Its key.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Check that the bore of a gear or a spline shaft is inside its tip circle and not a point."""
     if body.bore_diameter_mm < LEAST_BORE * body.tip_diameter_mm:
         refuse(
             f"{key}.bore_diameter_mm",

@@ -99,12 +99,7 @@ class Pair(Table, frozen=True, kw_only=True):
         return self.center_distance_mm or self.center_offset_mm or 0.0
 
     def check(self, body_1: BodyTable, body_2: BodyTable) -> None:
-        """Check that splines have offset and misalignment, all other bodies a centre distance.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Check that splines have offset and misalignment, all other bodies a centre distance."""
         distance, offset = self.center_distance_mm, self.center_offset_mm
         if body_1.conforms and distance is not None:
             expected = "nothing: splines have pair.center_offset_mm (absent = 0)"
@@ -212,17 +207,7 @@ class Positions(Table, frozen=True, kw_only=True):
         return self.max_count or 8 * self.count
 
     def check(self, given: Mapping[str, Any]) -> None:
-        """Refuse keys beside explicit angles, and keys of adaptive positions without `adaptive`.
-
-        Parameters
-        ----------
-        given : mapping
-            Keys that the scene sets.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Refuse keys beside explicit angles, and keys of adaptive positions without `adaptive`."""
         if self.angles_deg is not None:
             for key in ("count", "pitches", "adaptive", "tolerance", "max_count"):
                 if key in given:
@@ -244,12 +229,7 @@ class Positions(Table, frozen=True, kw_only=True):
 
 
 def check_partners(body_1: BodyTable, body_2: BodyTable) -> None:
-    """Refuse bodies whose kind requires a partner of another kind.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Refuse bodies whose kind requires a partner of another kind."""
     kinds = body_1.kind, body_2.kind
     for wanted in ((body_1.kind, body_1.partner), (body_2.partner, body_2.kind)):
         if None not in wanted and kinds != wanted:

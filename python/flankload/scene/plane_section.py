@@ -46,15 +46,6 @@ def plane_section(scene: Scene) -> Scene:
     Its width is the one that both bodies have in common; webs and hubs are as wide. The rack of a
     helical gear has its transverse keys, so that flanks are the same; only the root fillet is that
     of a round tip of the rack in the transverse section, not of an ellipse.
-
-    Parameters
-    ----------
-    scene : Scene
-        Three-dimensional.
-
-    Returns
-    -------
-    Scene
     """
     bodies, width = (scene.body_1, scene.body_2), scene.pair.face_width_mm
     ends = [axial_range(body, width, "") for body in bodies if isinstance(body, AxialKeys)]

@@ -29,12 +29,7 @@ def shown(value: object) -> str:
 
 
 def refuse_absent(key: str, name: str, wanted: str, beside: str) -> NoReturn:
-    """Refuse the table `key` without a key that another one of the table requires.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Refuse the table `key` without a key that another one of the table requires."""
     refuse(f"{key}.{name}", f"{wanted}, since there is a {key}.{beside}", None)
 
 

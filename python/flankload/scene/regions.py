@@ -98,12 +98,7 @@ class RegionKeys:
             yield "hub", self.hub_width_mm, self.hub_offset_mm
 
     def check_regions(self, key: str) -> None:
-        """Check that web and hub have a width and a diameter each.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Check that web and hub have a width and a diameter each."""
         outer = {"web_outer_diameter_mm": self.web_outer_diameter_mm}
         outer["rim_thickness_mm"] = self.rim_thickness_mm
         if None not in outer.values():
@@ -128,12 +123,7 @@ class RegionKeys:
         return extents[-1], self.bore_diameter_mm
 
     def check_extents(self, range_mm: "Extent", key: str) -> None:
-        """Check that the web is within the face width, and that the hub's ends fit.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Check that the web is within the face width, and that the hub's ends fit."""
         outside, around = "face width", range_mm
         for name, own in self._extents(range_mm):
             if not _is_within(own, around) and (name == "web" or not _is_within(around, own)):
@@ -196,12 +186,7 @@ class MeshRegionKeys:
         region_widths_mm: RegionWidths
 
     def check_regions(self, key: str) -> None:
-        """Check that each region has one width.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Check that each region has one width."""
         sets, widths = self.region_sets, self.region_widths_mm
         if widths is not None and sets is None:
             refuse_absent(key, "region_sets", "a list of names", "region_widths_mm")

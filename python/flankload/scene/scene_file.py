@@ -43,12 +43,7 @@ class SceneFile(Table, frozen=True, kw_only=True):
     accuracy: Accuracy = Accuracy()
 
     def check(self, given: Mapping[str, Any]) -> None:
-        """Check the rules between the tables.
-
-        Parameters
-        ----------
-        given : mapping
-            The scene as in the file.
+        """Check the rules between the tables; `given` is the scene as in the file.
 
         Raises
         ------

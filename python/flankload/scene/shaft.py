@@ -169,20 +169,8 @@ class Shaft(Table, frozen=True, kw_only=True):
     ) -> None:
         """Check that a flexible shaft fills the bore over its width.
 
-        Parameters
-        ----------
-        ends_mm : (float, float)
-            Axial positions of the ends of the bore.
-        diameter_mm : float
-            Of the bore.
-        middle_mm : float
-            Axial position of the middle of the face width.
-        body : str
-            "body_1" or "body_2".
-
-        Raises
-        ------
-        SceneError
+        The bore has axial positions of its ends and a diameter, the face width that of its middle;
+        `body` is "body_1" or "body_2".
         """
         sizes = self.dimensions
         key, bore = f"{body}.shaft", f"{body}.bore_diameter_mm ({diameter_mm:g})"

@@ -124,10 +124,6 @@ class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
             Keys that the scene sets.
         key : str
             "body_1" or "body_2".
-
-        Raises
-        ------
-        SceneError
         """
 
 

@@ -54,19 +54,7 @@ class CamProfile:
 
 
 def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
-    """Profile of a cam from its table.
-
-    Parameters
-    ----------
-    spec : Cam
-    key : str
-        Key of the body in the scene, for messages.
-    folder : Path
-        Folder to which the file of the table is relative.
-
-    Returns
-    -------
-    CamProfile
+    """Profile of a cam from its table, here or in a file of the folder.
 
     Raises
     ------

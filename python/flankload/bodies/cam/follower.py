@@ -115,10 +115,7 @@ def build_follower(
 def lever_of(spec: Follower, key: str) -> Lever:
     """Shape of a follower; sizes that the scene leaves open get defaults.
 
-    Raises
-    ------
-    SceneError
-        If arm, hub and head are inconsistent; names the key.
+    Arm, hub and head that are inconsistent are refused.
     """
 
     def refuse(name: str, expected: str, found: float) -> None:

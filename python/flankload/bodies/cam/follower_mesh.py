@@ -39,21 +39,10 @@ FIRST_LAYER, GROWTH = 0.4, 1.4
 
 
 def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) -> WholeMesh:
-    """Mesh a lever with a roller.
+    """Mesh a lever with a roller; the flank runs from the arm to the outermost point of the roller.
 
-    Parameters
-    ----------
-    lever : Lever
-        Lever with a Roller.
-    flank_element_mm : float
-        Largest length of an element along the roller.
-    finer : float
-        Factor by which elements at sharp corners of the arm are reduced.
-
-    Returns
-    -------
-    WholeMesh
-        Its flank runs from the arm to the outermost point of the roller.
+    No element along the flank is longer than `flank_element_mm`; those at sharp corners of the arm
+    are smaller by the factor `finer`.
     """
     head = lever.head
     radius, (_, upper) = head.radius_mm, head.angles_rad  # type: ignore[union-attr]
@@ -149,12 +138,8 @@ def _add_hub(
 ) -> tuple[tuple[Numbers, float, float, Floats], Numbers]:
     """Ring in two parts; one has the arm's width, with nodes at `part` of the arm's height.
 
-    Returns
-    -------
-    hub : tuple
-        Nodes where the arm leaves, upwards; x of the lowest and the highest; their coordinates.
-    fixed : array
-        Nodes on the bore.
+    Returns the nodes where the arm leaves, upwards, x of the lowest and the highest, and their
+    coordinates; then the nodes on the bore.
     """
     (y_low, y_high), radius = lever.arm_mm, lever.hub_radius_mm
     leaving = np.arcsin((y_low + part * (y_high - y_low)) / radius)

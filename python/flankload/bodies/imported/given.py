@@ -136,18 +136,7 @@ GivenCompliance = ModalCompliance | NodalCompliance
 def read_corner_angles(found: NamedArrays) -> tuple[float, float]:
     """Interior angles of the metal at both ends of the flank, degrees; 180 where they are not told.
 
-    Parameters
-    ----------
-    found : NamedArrays
-
-    Returns
-    -------
-    (float, float)
-
-    Raises
-    ------
-    ComplianceFileError
-        If an angle is out of range.
+    An angle out of range is refused.
     """
     low, high = (
         found.number(name, least=LEAST_CORNER_ANGLE, most=360.0) if name in found else 180.0
@@ -157,21 +146,7 @@ def read_corner_angles(found: NamedArrays) -> tuple[float, float]:
 
 
 def read_material(found: NamedArrays) -> Material:
-    """Material of a compliance file.
-
-    Parameters
-    ----------
-    found : NamedArrays
-
-    Returns
-    -------
-    Material
-
-    Raises
-    ------
-    ComplianceFileError
-        If a number is missing or out of range.
-    """
+    """Material of a compliance file; a number that is missing or out of range is refused."""
     modulus = found.number("young_modulus_MPa", above=0.0, most=LARGEST_MODULUS)
     ratio = found.number("poisson_ratio", least=0.0)
     if ratio >= 0.5:

@@ -41,18 +41,6 @@ SAME_MATERIAL = 1e-3
 def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
     """Build a body from a mesh file.
 
-    Parameters
-    ----------
-    spec : MeshBody
-    key : str
-        "body_1" or "body_2".
-    folder : Path
-        Folder to which the file's name is relative.
-
-    Returns
-    -------
-    Body
-
     Raises
     ------
     MeshError, SceneError

@@ -78,14 +78,6 @@ LARGEST_STRETCH = 1e-3
 def read_modal(found: NamedArrays) -> Body:
     """Body of a file, checked.
 
-    Parameters
-    ----------
-    found : NamedArrays
-
-    Returns
-    -------
-    Body
-
     Raises
     ------
     ComplianceFileError

@@ -57,16 +57,7 @@ LARGEST_ASYMMETRY = 0.01
 
 
 def read_nodal(found: NamedArrays) -> Body:
-    """Body of a file, checked.
-
-    Parameters
-    ----------
-    found : NamedArrays
-
-    Returns
-    -------
-    Body
-        At the angle that its points have.
+    """Body of a file, checked, at the angle that its points have.
 
     Raises
     ------

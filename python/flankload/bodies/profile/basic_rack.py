@@ -213,21 +213,7 @@ class HelicalRack(BasicRack):
 def basic_rack(
     spec: Geometry | SplineShaft, teeth: int, profile_shift: float, key: str
 ) -> BasicRack:
-    """The generating rack of a gear, checked.
-
-    Parameters
-    ----------
-    spec : Geometry or SplineShaft
-        Keys of the gear.
-    teeth : int
-    profile_shift : float
-        Generating profile shift, in modules.
-    key : str
-        Dotted path of the keys in the scene, for messages.
-
-    Returns
-    -------
-    BasicRack
+    """The generating rack of a gear, checked; the generating profile shift is in modules.
 
     Raises
     ------

@@ -45,20 +45,9 @@ FOOT_PLACES = 200
 def gear_profile(
     spec: Geometry | SplineShaft, key: str, *, teeth: int | None = None
 ) -> ToothProfile:
-    """Profile of a gear.
+    """Profile of a gear from its keys, or from those of the profile of a mesh with other teeth.
 
-    Parameters
-    ----------
-    spec : Geometry or SplineShaft
-        Keys of a gear, or of the profile of a mesh.
-    key : str
-        Dotted path of these keys in the scene, for messages.
-    teeth : int, optional
-        Number of teeth; default: `spec.teeth`.
-
-    Returns
-    -------
-    ToothProfile
+    `key` is the dotted path of these keys in the scene.
 
     Raises
     ------

@@ -57,18 +57,7 @@ class RootArc(NamedTuple):
 
 
 def ring_profile(spec: Ring | SplineHub, key: str) -> ToothProfile:
-    """Profile of a ring.
-
-    Parameters
-    ----------
-    spec : Ring | SplineHub
-        Keys of a ring.
-    key : str
-        Dotted path of these keys in the scene, for messages.
-
-    Returns
-    -------
-    ToothProfile
+    """Profile of a ring or hub from its keys, of which `key` is the dotted path in the scene.
 
     Raises
     ------

@@ -105,16 +105,8 @@ def profile_curve(
 ) -> FlankCurve:
     """The flank with its fillet and tip as a curve.
 
-    Parameters
-    ----------
-    fillet : sequence of (callable, float, float)
-        Parts of the fillet from the root circle to the flank without modifications.
-    flank, involute, start, spec, key
-        As for `flank_and_tip`.
-
-    Returns
-    -------
-    FlankCurve
+    `fillet`: parts of the fillet from the root circle to the flank without modifications; the
+    others as for `flank_and_tip`.
     """
 
     def pieces(flank: InvoluteFlank) -> list[CurvePiece]:

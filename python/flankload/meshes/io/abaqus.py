@@ -43,14 +43,6 @@ REFUSED = {
 def read_abaqus(path: Path) -> FileMesh:
     """Read an .inp file.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FileMesh
-
     Raises
     ------
     BadFile

@@ -46,14 +46,6 @@ NAME = re.compile(r'([0-3])\s+(\d{1,9})\s+"(.*)"')
 def read_gmsh(path: Path) -> FileMesh:
     """Read a .msh file.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FileMesh
-
     Raises
     ------
     BadFile

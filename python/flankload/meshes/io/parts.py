@@ -96,17 +96,7 @@ class RawMesh:
 def disjoint_groups(groups: Mapping[str, Numbers], count: int) -> dict[str, int]:
     """Sizes of element groups that may mean materials: groups that share no element.
 
-    Parameters
-    ----------
-    groups : mapping of str to array
-        Elements of each group.
-    count : int
-        Number of elements.
-
-    Returns
-    -------
-    dict of str to int
-        Empty if a group contains all elements, or if groups overlap.
+    None if a group contains all elements, `count`, or if groups overlap.
     """
     members = {name: np.unique(elements) for name, elements in groups.items() if elements.size}
     whole = any(elements.size == count for elements in members.values())

@@ -23,18 +23,9 @@ LARGEST_STRAIN = 0.02
 
 
 def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    """Refuse meaningless combinations of effects and bodies.
+    """Refuse meaningless combinations of effects and bodies; names both keys.
 
-    Parameters
-    ----------
-    asked : SceneFile
-    given : mapping
-        The scene as in the file.
-
-    Raises
-    ------
-    SceneError
-        Names the key, and the other key in the expected value.
+    `given` is the scene as in the file.
     """
     wanted = [effect for effect in EFFECTS if effect.is_asked(asked.effects)]
     _check_known(asked, given.get("effects", {}))
