@@ -139,12 +139,7 @@ def _check_size(source: MeshSource) -> None:
 
 
 def check_axis(source: MeshSource, fixed: Numbers) -> None:
-    """Refuse a body whose bore, the fixed nodes, is a circle about another point than the origin.
-
-    Raises
-    ------
-    MeshError
-    """
+    """Refuse a body whose fixed nodes are a circle about another point than the origin."""
     circle = circle_through(source.raw.nodes[fixed[fixed < len(source.raw.nodes)]])
     if circle is None:
         return
