@@ -66,96 +66,90 @@ BothLengths = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=2)]
 
 
 HelixAngle = Annotated[
-    Annotated[float, Meta(ge=0, le=LARGEST_HELIX)],
-    about("deg", "helix angle on the reference cylinder; module_mm is then the normal module"),
+    float,
+    Meta(ge=0, le=LARGEST_HELIX),
+    about("helix angle on the reference cylinder; module_mm is then the normal module", "deg"),
 ]
 MeshHelixAngle = Annotated[
-    Annotated[float, Meta(ge=0, le=LARGEST_HELIX)],
+    float,
+    Meta(ge=0, le=LARGEST_HELIX),
     about(
-        "deg",
         "helix angle on the reference circle of the profile, without a profile on the circle of "
         "reference_radius_mm; mesh and profile are the transverse section",
+        "deg",
     ),
 ]
 Hand = Annotated[
-    Literal["right", "left"] | None, about("", "hand of the helix; required with a helix angle")
+    Literal["right", "left"] | None, about("hand of the helix; required with a helix angle")
 ]
 OwnWidth = Annotated[
     Length | None,
-    about(
-        "mm",
-        "face width of this body; absent = pair.face_width_mm",
-        usual=(0.05, 5000.0),
-    ),
+    about("face width of this body; absent = pair.face_width_mm", "mm", usual=(0.05, 5000.0)),
 ]
 AxialOffset = Annotated[
-    Annotated[float, Meta(ge=-1e5, le=1e5)],
-    about("mm", "axial position of the middle of the face width", usual=(1e-3, 5000.0)),
+    float,
+    Meta(ge=-1e5, le=1e5),
+    about("axial position of the middle of the face width", "mm", usual=(1e-3, 5000.0)),
 ]
 LeadCrowning = Annotated[
     Relief | None,
     about(
-        "um",
         "lead crowning: parabola over the face width, 0 in the middle, this amount of metal "
         "removed at both ends",
+        "um",
         usual=USUAL_MODIFICATION,
     ),
 ]
 HelixSlope = Annotated[
     Deviation | None,
     about(
+        "helix slope modification: metal removed, linear over the face width; positive: at the "
+        "end of larger z, negative: at the end of smaller z",
         "um",
-        "helix slope modification: metal removed, linear over the face width; positive: at "
-        "the end of larger z, negative: at the end of smaller z",
         usual=USUAL_MODIFICATION,
     ),
 ]
 ToothHelixSlopes = Annotated[
     tuple[Deviation, ...],
     about(
-        "um",
         "one helix slope per tooth, with the sign of helix_slope_um, which is added; in the order "
         "of pitch_errors_um: that in which the teeth come into contact, from the tooth of pair 0",
+        "um",
         usual=USUAL_ERRORS,
     ),
 ]
 ProfileTwist = Annotated[
     Deviation | None,
     about(
-        "um",
         "twist of the flank: half of a positive amount is removed at the root at the end of "
         "smaller z and at the tip at the end of larger z, half is added at the two other corners; "
         "bilinear over the arc length of the active flank and the face width",
+        "um",
         usual=USUAL_MODIFICATION,
     ),
 ]
 TopographyFile = Annotated[
     Text | None,
     about(
-        "",
         ".csv file with the metal removed in um, relative to the folder of the scene file: first "
-        "row = distances from the end of smaller z in mm, first column = diameters in mm",
+        "row = distances from the end of smaller z in mm, first column = diameters in mm"
     ),
 ]
 EndRelief = Annotated[
     BothEnds | None,
-    about("um", "end relief at the ends of smaller and of larger z", usual=USUAL_MODIFICATION),
+    about("end relief at the ends of smaller and of larger z", "um", usual=USUAL_MODIFICATION),
 ]
 EndReliefLength = Annotated[
-    BothLengths | None,
-    about("mm", "length of the end relief at both ends", usual=(0.01, 500.0)),
+    BothLengths | None, about("length of the end relief at both ends", "mm", usual=(0.01, 500.0))
 ]
 EndReliefShape = Annotated[
-    Literal["linear", "parabolic"], about("", "shape of the end relief along the axis")
+    Literal["linear", "parabolic"], about("shape of the end relief along the axis")
 ]
 
 
 OnShaft = Annotated[
     Shaft | None,
-    about(
-        "",
-        "shaft and bearings, by dimensions or by a compliance; absent = the bore does not move",
-    ),
+    about("shaft and bearings, by dimensions or by a compliance; absent = the bore does not move"),
 ]
 
 

@@ -24,7 +24,7 @@ from flankload.scene.table import (
     about,
 )
 
-Pitch = Annotated[Length, about("mm", "pitch", usual=(0.5, 500.0))]
+Pitch = Annotated[Length, about("pitch", "mm", usual=(0.5, 500.0))]
 FlankAngle = Annotated[float, Meta(ge=0, le=45)]
 #: Largest relative difference of the pitches; beyond it the belt does not fit the pulley.
 LARGEST_PITCH_DIFFERENCE = 0.02
@@ -41,57 +41,52 @@ class Pulley(Toothed, DriveTable, frozen=True, kw_only=True, tag="pulley"):
 
     partner: ClassVar[str | None] = "belt"
 
-    teeth: Annotated[
-        Annotated[int, Meta(ge=6, le=1000)],
-        about("-", "number of grooves"),
-    ]
+    teeth: Annotated[int, Meta(ge=6, le=1000), about("number of grooves", "-")]
     pitch_mm: Pitch = BY_NAME
     profile: Annotated[
         Literal["T", "HTD"] | ProfileName,
         about(
-            "",
-            "shape of belt teeth and grooves: 'T' is trapezoidal; 'HTD' has a round tip "
-            "and, if the height exceeds half the width, straight sides; or the name of a profile "
+            "shape of belt teeth and grooves: 'T' is trapezoidal; 'HTD' has a round tip and, if "
+            "the height exceeds half the width, straight sides; or the name of a profile "
             "(docs/guide/catalogues.md), which gives the pitch and the keys of the belt that the "
-            "scene does not set",
+            "scene does not set"
         ),
     ] = "T"
     groove_width_mm: Annotated[
         Length | None,
         about(
+            "width of the grooves at the land; the excess over the width of the belt's teeth is "
+            "clearance; absent = no clearance",
             "mm",
-            "width of the grooves at the land; the excess over the width of the belt's "
-            "teeth is clearance; absent = no clearance",
         ),
     ] = None
     groove_depth_mm: Annotated[
         Length | None,
         about(
+            "depth of the grooves; absent = deep enough (rigid pulley) or the height of the "
+            "belt's teeth (elastic pulley)",
             "mm",
-            "depth of the grooves; absent = deep enough (rigid pulley) or the height of "
-            "the belt's teeth (elastic pulley)",
         ),
     ] = None
     groove_angle_deg: Annotated[
         FlankAngle | None,
         about(
-            "deg",
             "angle between flank and centre line of a groove, 'T' only; absent = that of the belt",
+            "deg",
         ),
     ] = None
     rigid: Annotated[
         bool,
         about(
-            "",
             "true: rigid pulley; false: elastic pulley, as wide as the belt; requires "
-            "bore_diameter_mm",
+            "bore_diameter_mm"
         ),
     ] = True
     bore_diameter_mm: Annotated[
         Length | None,
         about(
-            "mm",
             "diameter of the bore, where the pulley is fixed; required for elastic pulleys",
+            "mm",
             usual=USUAL_SIZE,
         ),
     ] = None
@@ -116,54 +111,50 @@ class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
     no_pair: ClassVar[str] = "a belt has body_2.width_mm and lies on its pulley"
 
     pitch_mm: Pitch = BY_NAME
-    wrapped_teeth: Annotated[
-        Annotated[int, Meta(ge=1, le=200)],
-        about("-", "number of belt teeth in grooves"),
-    ]
-    width_mm: Annotated[Length, about("mm", "width of the belt", usual=(0.5, 5000.0))]
+    wrapped_teeth: Annotated[int, Meta(ge=1, le=200), about("number of belt teeth in grooves", "-")]
+    width_mm: Annotated[Length, about("width of the belt", "mm", usual=(0.5, 5000.0))]
     cord_stiffness_N_per_mm: Annotated[
-        Annotated[float, Meta(ge=1e-3, le=1e9)],
-        about("N/mm", "tension of the cord per unit of strain, per mm of width"),
+        float,
+        Meta(ge=1e-3, le=1e9),
+        about("tension of the cord per unit of strain, per mm of width", "N/mm"),
     ] = BY_NAME
     land_distance_mm: Annotated[
         Length,
         about(
-            "mm", "distance from the land between the teeth to the cord, which is the pitch line"
+            "distance from the land between the teeth to the cord, which is the pitch line", "mm"
         ),
     ] = BY_NAME
-    back_mm: Annotated[Length, about("mm", "thickness from the land to the back of the belt")] = (
+    back_mm: Annotated[Length, about("thickness from the land to the back of the belt", "mm")] = (
         BY_NAME
     )
-    tooth_height_mm: Annotated[Length, about("mm", "height of the teeth above the land")] = BY_NAME
+    tooth_height_mm: Annotated[Length, about("height of the teeth above the land", "mm")] = BY_NAME
     tooth_width_mm: Annotated[
-        Length, about("mm", "width of the teeth at the land; 'HTD': diameter of the round tip")
+        Length, about("width of the teeth at the land; 'HTD': diameter of the round tip", "mm")
     ] = BY_NAME
     flank_angle_deg: Annotated[
         FlankAngle | None,
         about(
-            "deg",
             "angle between flank and centre line of a tooth; required for 'T', not allowed for "
             "'HTD'",
+            "deg",
         ),
     ] = None
     young_modulus_MPa: Annotated[
         Modulus,
         # from soft rubber to filled polyurethane
-        about("MPa", "Young's modulus of the belt's material", usual=(1.0, 2e4)),
+        about("Young's modulus of the belt's material", "MPa", usual=(1.0, 2e4)),
     ] = BY_NAME
-    poisson_ratio: Annotated[
-        Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")
-    ] = 0.45
+    poisson_ratio: Annotated[float, Meta(ge=0, lt=0.5), about("Poisson's ratio", "-")] = 0.45
     pitch_difference_um: Annotated[
         Deviation,
-        about("um", "pitch of the unloaded belt minus body_1.pitch_mm", usual=(0.1, 2000.0)),
+        about("pitch of the unloaded belt minus body_1.pitch_mm", "um", usual=(0.1, 2000.0)),
     ] = 0.0
     prestress_N: Annotated[
         Force,
         about(
+            "mean tension of the cord, which keeps it straight; the mean of tight and slack "
+            "tension is a good value",
             "N",
-            "mean tension of the cord, which keeps it straight; the mean of tight and "
-            "slack tension is a good value",
         ),
     ] = 0.0
 

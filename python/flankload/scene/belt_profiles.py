@@ -8,17 +8,7 @@ from math import radians, tan
 from typing import Literal, NamedTuple
 
 ProfileName = Literal[
-    "T2.5",
-    "T5",
-    "T10",
-    "T20",
-    "AT5",
-    "AT10",
-    "AT20",
-    "HTD 3M",
-    "HTD 5M",
-    "HTD 8M",
-    "HTD 14M",
+    "T2.5", "T5", "T10", "T20", "AT5", "AT10", "AT20", "HTD 3M", "HTD 5M", "HTD 8M", "HTD 14M"
 ]
 
 #: Shore D hardness of the polyurethane of timing belts (92 Shore A).
@@ -125,10 +115,7 @@ BELT_PROFILES = {
         _T,
     ),
     "T5": BeltProfile(
-        5.0,
-        _trapezoid(1.2, 2.65, land_distance_mm=0.5, back_mm=1.0),
-        _printed(90000.0, 10.0),
-        _T,
+        5.0, _trapezoid(1.2, 2.65, land_distance_mm=0.5, back_mm=1.0), _printed(90000.0, 10.0), _T
     ),
     "T10": BeltProfile(
         10.0,

@@ -21,10 +21,7 @@ from flankload.scene.table import (
 ROLLER = ("arm_mm", "roller_radius_mm")
 FLAT = ("flat_offset_mm", "flat_from_mm", "flat_to_mm")
 #: One row of a cam's profile table: angle in degrees, radius in mm.
-ProfileRow = tuple[
-    Annotated[float, Meta(ge=-360, le=720)],
-    Annotated[float, Meta(ge=1e-3, le=1e5)],
-]
+ProfileRow = tuple[Annotated[float, Meta(ge=-360, le=720)], Annotated[float, Meta(ge=1e-3, le=1e5)]]
 
 
 class CamKeys(EvenBody, frozen=True, kw_only=True):
@@ -33,7 +30,7 @@ class CamKeys(EvenBody, frozen=True, kw_only=True):
     has_teeth: ClassVar[bool] = False
 
     bore_diameter_mm: Annotated[
-        Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
+        Length, about("diameter of the bore, where the body is fixed", "mm", usual=USUAL_SIZE)
     ]
     material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
@@ -54,26 +51,23 @@ class Cam(CamKeys, frozen=True, kw_only=True, tag="cam"):
     profile: Annotated[
         tuple[ProfileRow, ...] | None,
         about(
-            "",
-            "rows [angle in deg, radius in mm] around the cam, counter-clockwise, "
-            "interpolated by a smooth closed curve (periodic cubic spline). At position 0, "
-            "angle 0 points from the cam's axis to that of the follower",
+            "rows [angle in deg, radius in mm] around the cam, counter-clockwise, interpolated by "
+            "a smooth closed curve (periodic cubic spline). At position 0, angle 0 points from "
+            "the cam's axis to that of the follower"
         ),
     ] = None
     profile_file: Annotated[
         Text | None,
         about(
-            "",
-            "the same table as a .csv file with the columns angle_deg and radius_mm; "
-            "relative to the folder of the scene file",
+            "the same table as a .csv file with the columns angle_deg and radius_mm; relative to "
+            "the folder of the scene file"
         ),
     ] = None
     sense: Annotated[
         Literal["clockwise", "counter_clockwise"],
         about(
-            "",
-            "sense of rotation of the cam; clockwise: at position a, its angle a points to "
-            "the follower's axis. The follower is pressed onto the cam counter-clockwise",
+            "sense of rotation of the cam; clockwise: at position a, its angle a points to the "
+            "follower's axis. The follower is pressed onto the cam counter-clockwise"
         ),
     ] = "clockwise"
 
@@ -95,40 +89,36 @@ class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
 
     arm_mm: Annotated[
         Length | None,
-        about("mm", "distance of the roller's centre from the follower's axis", usual=USUAL_SIZE),
+        about("distance of the roller's centre from the follower's axis", "mm", usual=USUAL_SIZE),
     ] = None
     roller_radius_mm: Annotated[
         Length | None,
-        about("mm", "radius of the roller, which does not rotate on its arm", usual=USUAL_SIZE),
+        about("radius of the roller, which does not rotate on its arm", "mm", usual=USUAL_SIZE),
     ] = None
     flat_offset_mm: Annotated[
         Place | None,
         about(
-            "mm",
-            "distance of the flat's line from the follower's axis, positive towards the cam",
+            "distance of the flat's line from the follower's axis, positive towards the cam", "mm"
         ),
     ] = None
     flat_from_mm: Annotated[
         Length | None,
         about(
-            "mm",
             "beginning of the flat, along its line from the foot of the perpendicular from the "
             "axis",
+            "mm",
         ),
     ] = None
     flat_to_mm: Annotated[
-        Length | None, about("mm", "end of the flat, measured in the same way")
+        Length | None, about("end of the flat, measured in the same way", "mm")
     ] = None
     arm_width_mm: Annotated[
         Length | None,
-        about(
-            "mm",
-            "width of the arm; absent = the roller's radius, or a fifth of flat_to_mm",
-        ),
+        about("width of the arm; absent = the roller's radius, or a fifth of flat_to_mm", "mm"),
     ] = None
     hub_diameter_mm: Annotated[
         Length | None,
-        about("mm", "outer diameter of the hub; absent = as large as bore and arm require"),
+        about("outer diameter of the hub; absent = as large as bore and arm require", "mm"),
     ] = None
 
     @property

@@ -36,7 +36,7 @@ NOT_YET = {
         "shaft": "shafts of these bodies",
         **dict.fromkeys(("web_", "rim_thickness_", "hub_"), "webs and hubs of these bodies"),
         "region_": "regions of other width in these bodies",
-    },
+    }
 }
 
 

@@ -74,9 +74,9 @@ class ByNormalModule(Toothed, AxialKeys):
 class Gear(RegionKeys, ByNormalModule, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
     """An external spur or helical gear with a generated root fillet, fixed at its bore."""
 
-    teeth: Annotated[Teeth, about("-", "number of teeth")]
+    teeth: Annotated[Teeth, about("number of teeth", "-")]
     bore_diameter_mm: Annotated[
-        Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
+        Length, about("diameter of the bore, where the body is fixed", "mm", usual=USUAL_SIZE)
     ]
     material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
@@ -132,20 +132,20 @@ class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
     called: ClassVar[str] = "ring"
     inward: ClassVar[bool | None] = True
 
-    teeth: Annotated[Teeth, about("-", "number of teeth")]
+    teeth: Annotated[Teeth, about("number of teeth", "-")]
     profile_shift: Annotated[
         Shift,
         about(
+            "profile shift in modules, positive outwards: the space is as wide as the tooth of an "
+            "external gear with the same profile shift",
             "-",
-            "profile shift in modules, positive outwards: the space is as wide as the "
-            "tooth of an external gear with the same profile shift",
         ),
     ] = 0.0
     root_diameter_mm: Annotated[
-        Length, about("mm", "diameter of the root circle", usual=USUAL_SIZE)
+        Length, about("diameter of the root circle", "mm", usual=USUAL_SIZE)
     ]
     outer_diameter_mm: Annotated[
-        Length, about("mm", "outer diameter of the rim, where the body is fixed", usual=USUAL_SIZE)
+        Length, about("outer diameter of the rim, where the body is fixed", "mm", usual=USUAL_SIZE)
     ]
     material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
@@ -172,9 +172,9 @@ class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
     root_fillet_radius_mm: Annotated[
         Length | None,
         about(
+            "radius of the arc that is tangent to flank and root circle of the transverse "
+            "section; absent = the largest, which rounds the whole root",
             "mm",
-            "radius of the arc that is tangent to flank and root circle of the transverse section; "
-            "absent = the largest, which rounds the whole root",
             usual=USUAL_ROUNDING,
         ),
     ] = None

@@ -30,113 +30,103 @@ class ThicknessKeys(Table, frozen=True, kw_only=True):
     tooth_thickness_allowance_um: Annotated[
         Deviation | None,
         about(
-            "um",
             "deviation of the tooth thickness on the reference circle from that of the profile "
             "shift, in the normal section (E_sn); negative = thinner teeth; the root is cut "
             "deeper accordingly",
+            "um",
             usual=USUAL_MODIFICATION,
         ),
     ] = None
     span_measurement_mm: Annotated[
         Length | None,
         about(
-            "mm",
             "span measurement W_k of the finished teeth, in place of the allowance; requires "
             "span_teeth",
+            "mm",
             usual=USUAL_SIZE,
         ),
     ] = None
     span_teeth: Annotated[
-        Annotated[int, Meta(ge=1, le=MOST_TEETH)] | None,
-        about("-", "number of teeth spanned, k"),
+        Annotated[int, Meta(ge=1, le=MOST_TEETH)] | None, about("number of teeth spanned, k", "-")
     ] = None
     ball_measurement_mm: Annotated[
         Length | None,
         about(
+            "dimension over two balls, or between them for internal teeth (M_dK), in place of the "
+            "allowance; requires measuring_ball_mm",
             "mm",
-            "dimension over two balls, or between them for internal teeth (M_dK), in place of "
-            "the allowance; requires measuring_ball_mm",
             usual=USUAL_SIZE,
         ),
     ] = None
     measuring_ball_mm: Annotated[
-        Length | None, about("mm", "diameter of the balls", usual=(0.1, 200.0))
+        Length | None, about("diameter of the balls", "mm", usual=(0.1, 200.0))
     ] = None
 
 
 class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
     """Keys of an involute profile in the transverse section, without those of its root."""
 
-    module_mm: Annotated[Length, about("mm", "module", usual=(0.02, 100.0))]
+    module_mm: Annotated[Length, about("module", "mm", usual=(0.02, 100.0))]
     pressure_angle_deg: Annotated[
-        Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
+        float, Meta(ge=5, le=45), about("pressure angle of the basic rack", "deg")
     ] = 20.0
-    profile_shift: Annotated[Shift, about("-", "profile shift in modules")] = 0.0
-    tip_diameter_mm: Annotated[Length, about("mm", "diameter of the tip circle", usual=USUAL_SIZE)]
+    profile_shift: Annotated[Shift, about("profile shift in modules", "-")] = 0.0
+    tip_diameter_mm: Annotated[Length, about("diameter of the tip circle", "mm", usual=USUAL_SIZE)]
     tip_relief_um: Annotated[
         Relief | None,
         about(
-            "um",
-            "tip relief at the tip circle, normal to the involute",
-            usual=USUAL_MODIFICATION,
+            "tip relief at the tip circle, normal to the involute", "um", usual=USUAL_MODIFICATION
         ),
     ] = None
     tip_relief_start_diameter_mm: Annotated[
-        Length | None,
-        about("mm", "diameter at which the tip relief begins", usual=USUAL_SIZE),
+        Length | None, about("diameter at which the tip relief begins", "mm", usual=USUAL_SIZE)
     ] = None
     tip_relief_shape: Annotated[
         Literal["linear", "parabolic", "double_linear"],
         about(
-            "",
-            "shape of the tip relief over the roll angle: 'linear', as on drawings, begins "
-            "with a kink, which acts as a sharp corner; 'parabolic' begins without a kink; "
-            "'double_linear' has two straight parts that meet at tip_relief_knee_diameter_mm",
+            "shape of the tip relief over the roll angle: 'linear', as on drawings, begins with a "
+            "kink, which acts as a sharp corner; 'parabolic' begins without a kink; "
+            "'double_linear' has two straight parts that meet at tip_relief_knee_diameter_mm"
         ),
     ] = "linear"
     tip_relief_knee_um: Annotated[
         Relief | None,
         about(
-            "um",
             "tip relief at tip_relief_knee_diameter_mm, with tip_relief_shape = 'double_linear'",
+            "um",
             usual=USUAL_MODIFICATION,
         ),
     ] = None
     tip_relief_knee_diameter_mm: Annotated[
         Length | None,
-        about("mm", "diameter at which both parts of the tip relief meet", usual=USUAL_SIZE),
+        about("diameter at which both parts of the tip relief meet", "mm", usual=USUAL_SIZE),
     ] = None
     root_relief_um: Annotated[
         Relief | None,
         about(
-            "um",
-            "root relief at the form circle, normal to the involute",
-            usual=USUAL_MODIFICATION,
+            "root relief at the form circle, normal to the involute", "um", usual=USUAL_MODIFICATION
         ),
     ] = None
     root_relief_start_diameter_mm: Annotated[
-        Length | None,
-        about("mm", "diameter at which the root relief begins", usual=USUAL_SIZE),
+        Length | None, about("diameter at which the root relief begins", "mm", usual=USUAL_SIZE)
     ] = None
     root_relief_shape: Annotated[
         Literal["linear", "parabolic"],
-        about("", "shape of the root relief over the roll angle, as tip_relief_shape"),
+        about("shape of the root relief over the roll angle, as tip_relief_shape"),
     ] = "linear"
     tip_radius_mm: Annotated[
         Length | None,
-        about("mm", "radius of the arc between flank and tip circle", usual=USUAL_ROUNDING),
+        about("radius of the arc between flank and tip circle", "mm", usual=USUAL_ROUNDING),
     ] = None
     tip_chamfer_mm: Annotated[
         Length | None,
         about(
-            "mm",
-            "radial height of the chamfer between flank and tip circle",
-            usual=USUAL_ROUNDING,
+            "radial height of the chamfer between flank and tip circle", "mm", usual=USUAL_ROUNDING
         ),
     ] = None
     profile_crowning_um: Annotated[
         Relief | None,
-        about("um", "profile crowning, normal to the involute", usual=USUAL_MODIFICATION),
+        about("profile crowning, normal to the involute", "um", usual=USUAL_MODIFICATION),
     ] = None
 
     @property
@@ -168,31 +158,33 @@ class Geometry(InvoluteKeys, frozen=True, kw_only=True):
     """Keys of the profile of an external gear, whose root is cut by a generating rack."""
 
     dedendum_factor: Annotated[
-        Annotated[float, Meta(gt=0, le=5)], about("-", "dedendum of the basic rack in modules")
+        float, Meta(gt=0, le=5), about("dedendum of the basic rack in modules", "-")
     ] = 1.25
     fillet_radius_factor: Annotated[
-        Annotated[float, Meta(ge=0, le=2)],
-        about("-", "tip radius of the generating rack in modules; determines the root fillet"),
+        float,
+        Meta(ge=0, le=2.0),
+        about("tip radius of the generating rack in modules; determines the root fillet", "-"),
     ] = 0.38
     protuberance_mm: Annotated[
         ToolLength | None,
         about(
-            "mm",
             "protuberance of the rack's tip beyond its flank, normal to the flank (pr_P0): the "
             "root is cut free by protuberance_mm - grinding_stock_mm",
+            "mm",
             usual=(5e-3, 3.0),
         ),
     ] = None
     protuberance_angle_deg: Annotated[
-        Annotated[float, Meta(ge=0, lt=45)],
-        about("deg", "pressure angle of the protuberance flank, less than that of the rack"),
+        float,
+        Meta(ge=0, lt=45),
+        about("pressure angle of the protuberance flank, less than that of the rack", "deg"),
     ] = 8.0
     grinding_stock_mm: Annotated[
         ToolLength,
         about(
-            "mm",
             "stock that the rack leaves on each flank, normal to it, and that is ground off; the "
             "keys of the thickness are those of the finished teeth",
+            "mm",
             usual=(5e-3, 3.0),
         ),
     ] = 0.0

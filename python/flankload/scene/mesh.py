@@ -45,10 +45,10 @@ from flankload.scene.table import (
 class Profile(Geometry, frozen=True, kw_only=True):
     """The exact profile of a body from a mesh file, by the geometry keys of a gear."""
 
-    kind: Annotated[Literal["gear"], about("", "kind of the profile")] = "gear"
+    kind: Annotated[Literal["gear"], about("kind of the profile")] = "gear"
     teeth: Annotated[
         Teeth | None,
-        about("-", "number of teeth, equal to that of the mesh; absent = that of the mesh"),
+        about("number of teeth, equal to that of the mesh; absent = that of the mesh", "-"),
     ] = None
 
 
@@ -58,43 +58,42 @@ class MeshBody(MeshRegionKeys, AxialKeys, BodyTable, frozen=True, kw_only=True, 
     from_file: ClassVar[bool] = True
     inward: ClassVar[bool | None] = None
 
-    file: Annotated[Text, about("", "mesh file; relative to the folder of the scene file")]
+    file: Annotated[Text, about("mesh file; relative to the folder of the scene file")]
     teeth: Annotated[
         Teeth | None,
         about(
-            "-",
             "number of equal sectors of the body; for a whole body, absent = number of flank_sets",
+            "-",
         ),
     ] = None
-    flank_set: Annotated[Text, about("", "set of edges or nodes of the working flank")] = "FLANK"
+    flank_set: Annotated[Text, about("set of edges or nodes of the working flank")] = "FLANK"
     flank_sets: Annotated[
         Annotated[tuple[Text, ...], Meta(min_length=1)] | None,
         about(
-            "",
             "for a whole body: sets of its working flanks, that of pair 0 first; replaces "
-            "flank_set and cut_sets",
+            "flank_set and cut_sets"
         ),
     ] = None
-    fixed_set: Annotated[Text, about("", "set of fixed nodes (the bore)")] = "BORE"
-    cut_sets: Annotated[tuple[Text, Text], about("", "sets of the sector's two cut faces")] = (
+    fixed_set: Annotated[Text, about("set of fixed nodes (the bore)")] = "BORE"
+    cut_sets: Annotated[tuple[Text, Text], about("sets of the sector's two cut faces")] = (
         "CUT_LEFT",
         "CUT_RIGHT",
     )
     reference_radius_mm: Annotated[
         Length | None,
         about(
+            "radius that converts rotation into transmission error; required without profile; "
+            "absent = base radius of the profile",
             "mm",
-            "radius that converts rotation into transmission error; required without "
-            "profile; absent = base radius of the profile",
             usual=USUAL_SIZE,
         ),
     ] = None
     profile: Annotated[
         Profile | None,
-        about("", "the exact profile, if known; absent = the flank curve goes through the nodes"),
+        about("the exact profile, if known; absent = the flank curve goes through the nodes"),
     ] = None
     one_material: Annotated[
-        bool, about("", "true: element groups of the file are treated as one material")
+        bool, about("true: element groups of the file are treated as one material")
     ] = False
     material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
@@ -185,11 +184,10 @@ class ComplianceBody(BodyTable, frozen=True, kw_only=True, tag="compliance"):
     brings_compliance: ClassVar[bool] = True
 
     file: Annotated[
-        Text,
-        about("", "compliance file (.npz, .csv); relative to the folder of the scene file"),
+        Text, about("compliance file (.npz, .csv); relative to the folder of the scene file")
     ]
     rigid: Rigid = False
-    pitch_errors_um: Annotated[PitchErrors, about("um", "absent = those of the file")] = ()
+    pitch_errors_um: Annotated[PitchErrors, about("absent = those of the file", "um")] = ()
 
 
 def _check_sets(body: MeshBody, given: Mapping[str, Any], key: str) -> None:

@@ -34,57 +34,58 @@ class Pair(Table, frozen=True, kw_only=True):
     center_distance_mm: Annotated[
         Length | None,
         about(
+            "actual distance of the two axes, including a centre distance error, which does not "
+            "change the teeth; required, except for splines",
             "mm",
-            "actual distance of the two axes, including a centre distance error, which "
-            "does not change the teeth; required, except for splines",
             usual=USUAL_SIZE,
         ),
     ] = None
     center_offset_mm: Annotated[
         Annotated[float, Meta(ge=0, le=1e5)] | None,
         about(
-            "mm",
             "distance of the two axes of a spline; absent = 0 (common axis)",
+            "mm",
             # a hundredth is usual; ten probably means 10 um
             usual=(1e-5, 2.0),
         ),
     ] = None
     face_width_mm: Annotated[
-        Length, about("mm", "common width of the flanks in contact", usual=(0.05, 5000.0))
+        Length, about("common width of the flanks in contact", "mm", usual=(0.05, 5000.0))
     ]
 
     inclination_um_per_mm: Annotated[
         Misalignment,
         about(
-            "um/mm",
             "misalignment of axis 2 in the plane of both axes, f_Sigma_delta; positive: the gap "
             "grows with z",
+            "um/mm",
         ),
     ] = 0.0
     deviation_um_per_mm: Annotated[
         Misalignment,
         about(
-            "um/mm",
             "misalignment of axis 2 across the plane of both axes, f_Sigma_beta; positive: the "
             "gap grows with z",
+            "um/mm",
         ),
     ] = 0.0
 
     misalignment_mrad: Annotated[
-        Annotated[float, Meta(ge=0, le=100)],
+        float,
+        Meta(ge=0, le=100),
         about(
-            "mrad",
             "angle between the axes of a spline: the hub leans about the middle of the common "
             "face width",
+            "mrad",
             usual=(1e-3, 50.0),
         ),
     ] = 0.0
     misalignment_direction_deg: Annotated[
         Angle,
         about(
+            "direction in which the hub's axis leans towards larger z, counter-clockwise from "
+            "that of center_offset_mm",
             "deg",
-            "direction in which the hub's axis leans towards larger z, counter-clockwise from that "
-            "of center_offset_mm",
         ),
     ] = 0.0
 
@@ -125,11 +126,11 @@ class Pair(Table, frozen=True, kw_only=True):
 
 TorqueOrTorques = Annotated[
     Torque | Torques,
-    about("N m", "torque on body 1, or a list with one result per torque; 0 = motion without load"),
+    about("torque on body 1, or a list with one result per torque; 0 = motion without load", "N m"),
 ]
 SlackTension = Annotated[
     Annotated[float, Meta(gt=0, le=1e9)] | None,
-    about("N", "tension of the slack strand of a chain or a belt"),
+    about("tension of the slack strand of a chain or a belt", "N"),
 ]
 
 
@@ -150,55 +151,53 @@ class Positions(Table, frozen=True, kw_only=True):
     """Positions at which the pair is solved."""
 
     count: Annotated[
-        Annotated[int, Meta(ge=1, le=100000)],
+        int,
+        Meta(ge=1, le=100000),
         about(
-            "-",
             "equally spaced positions per tooth pitch of body 1 (per turn of a cam); with "
             "adaptive, the initial positions; concentric splines have one position",
+            "-",
         ),
     ] = 32
     angles_deg: Annotated[
         Angles | None,
-        about("deg", "angles of body 1 (with a cam: of the cam) from position 0, instead of count"),
+        about("angles of body 1 (with a cam: of the cam) from position 0, instead of count", "deg"),
     ] = None
     pitches: Annotated[
         Annotated[int, Meta(ge=1, le=10000)] | Literal["hunting"],
         about(
+            "tooth pitches of body 1 that the positions cover; 'hunting' = the whole period: with "
+            "pitch errors on both bodies the least common multiple of their tooth numbers, "
+            "without pitch errors one pitch",
             "-",
-            "tooth pitches of body 1 that the positions cover; 'hunting' = the whole "
-            "period: with pitch errors on both bodies the least common multiple of their "
-            "tooth numbers, without pitch errors one pitch",
         ),
     ] = 1
     adaptive: Annotated[
         bool,
         about(
-            "",
-            "true: positions are added where the transmission error is curved, the same "
-            "for all torques, until its harmonics 1 to 3 and its peak to peak meet the "
-            "tolerance",
+            "true: positions are added where the transmission error is curved, the same for all "
+            "torques, until its harmonics 1 to 3 and its peak to peak meet the tolerance"
         ),
     ] = False
     tolerance: Annotated[
         Annotated[float, Meta(ge=1e-5, le=0.1)] | None,
         about(
+            "with adaptive: relative uncertainty that the positions may leave in a harmonic (for "
+            "small ones, relative to a tenth of the largest) and in the peak to peak; absent = "
+            "0.3 of accuracy.tolerance",
             "-",
-            "with adaptive: relative uncertainty that the positions may leave in a "
-            "harmonic (for small ones, relative to a tenth of the largest) and in the peak "
-            "to peak; absent = 0.3 of accuracy.tolerance",
         ),
     ] = None
     max_count: Annotated[
         Annotated[int, Meta(ge=1, le=100000)] | None,
         about(
+            "with adaptive: largest number of positions per tooth pitch; if it does not suffice, "
+            "a warning gives the remaining uncertainty; absent = 8 count",
             "-",
-            "with adaptive: largest number of positions per tooth pitch; if it does not "
-            "suffice, a warning gives the remaining uncertainty; absent = 8 count",
         ),
     ] = None
     driver: Annotated[
-        Literal["body_1", "body_2"],
-        about("", "the driving body; determines the direction of sliding"),
+        Literal["body_1", "body_2"], about("the driving body; determines the direction of sliding")
     ] = "body_1"
 
     @property

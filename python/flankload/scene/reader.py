@@ -97,10 +97,7 @@ def read_tables(path: Path, kind: str) -> dict[str, Any]:
         ) from None
     except UnicodeDecodeError as error:
         raise SceneError(
-            file=path,
-            key="file",
-            expected="text in UTF-8",
-            found=_strange_byte(error),
+            file=path, key="file", expected="text in UTF-8", found=_strange_byte(error)
         ) from None
     except tomllib.TOMLDecodeError as error:
         raise SceneError(

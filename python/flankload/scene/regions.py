@@ -21,56 +21,55 @@ Offset = Annotated[float, Meta(ge=-LARGEST_LENGTH, le=LARGEST_LENGTH)]
 
 WebWidth = Annotated[
     Length | None,
-    about("mm", "width of the web, at most the face width; absent = no web", usual=USUAL_WIDTH),
+    about("width of the web, at most the face width; absent = no web", "mm", usual=USUAL_WIDTH),
 ]
 WebOuterDiameter = Annotated[
     Length | None,
-    about("mm", "diameter at which the web ends and the rim begins", usual=USUAL_SIZE),
+    about("diameter at which the web ends and the rim begins", "mm", usual=USUAL_SIZE),
 ]
 RimThickness = Annotated[
     Length | None,
     about(
-        "mm",
         "thickness of the rim from the root circle to the web (s_R of ISO 6336); replaces "
         "web_outer_diameter_mm",
+        "mm",
         usual=USUAL_WIDTH,
     ),
 ]
 WebOffset = Annotated[
     Offset,
     about(
-        "mm",
         "axial position of the middle of the web from the middle of the face width",
+        "mm",
         usual=USUAL_OFFSET,
     ),
 ]
-HubDiameter = Annotated[Length | None, about("mm", "outer diameter of the hub", usual=USUAL_SIZE)]
+HubDiameter = Annotated[Length | None, about("outer diameter of the hub", "mm", usual=USUAL_SIZE)]
 HubWidth = Annotated[
     Length | None,
     about(
-        "mm", "width of the hub, over which the bore is held; absent = no hub", usual=USUAL_WIDTH
+        "width of the hub, over which the bore is held; absent = no hub", "mm", usual=USUAL_WIDTH
     ),
 ]
 HubOffset = Annotated[
     Offset,
     about(
-        "mm",
         "axial position of the middle of the hub from the middle of the face width",
+        "mm",
         usual=USUAL_OFFSET,
     ),
 ]
 RegionSets = Annotated[
     Annotated[tuple[Text, ...], Meta(min_length=1)] | None,
     about(
-        "",
         "sets of elements of regions that are not as wide as the teeth: webs, hubs; groups of the "
-        "file then do not mean materials",
+        "file then do not mean materials"
     ),
 ]
 RegionWidths = Annotated[
     Annotated[tuple[Length, ...], Meta(min_length=1)] | None,
     about(
-        "mm", "width of each of region_sets, about the middle of the face width", usual=USUAL_WIDTH
+        "width of each of region_sets, about the middle of the face width", "mm", usual=USUAL_WIDTH
     ),
 ]
 

@@ -30,12 +30,11 @@ BodySpec = Body1 | Body2
 class SceneFile(Table, frozen=True, kw_only=True):
     """A scene file."""
 
-    name: Annotated[Text | None, about("", "name of the scene; absent = name of the file")] = None
-    body_1: Annotated[Body1, about("", "the body that carries the torque; free to rotate")]
-    body_2: Annotated[Body2, about("", "the body that is fixed at its kinematic angle")]
+    name: Annotated[Text | None, about("name of the scene; absent = name of the file")] = None
+    body_1: Annotated[Body1, about("the body that carries the torque; free to rotate")]
+    body_2: Annotated[Body2, about("the body that is fixed at its kinematic angle")]
     pair: Annotated[
-        Pair | None,
-        about("", "required, except for chains and belts, which do not have this table"),
+        Pair | None, about("required, except for chains and belts, which do not have this table")
     ] = None
     load: Load
     positions: Positions = Positions()

@@ -7,14 +7,7 @@ import numpy as np
 from msgspec import Meta
 
 from flankload.scene.refusal import refuse, shown
-from flankload.scene.table import (
-    USUAL_SIZE,
-    Length,
-    PoissonRatio,
-    Table,
-    YoungModulus,
-    about,
-)
+from flankload.scene.table import USUAL_SIZE, Length, PoissonRatio, Table, YoungModulus, about
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,7 +16,7 @@ if TYPE_CHECKING:
 ROUNDED = 1e-6
 #: Places on a shaft are known to so much, mm.
 SHORTEST = 1e-3
-Entry = Annotated[float, Meta(ge=-1.0, le=1.0)]
+Entry = Annotated[float, Meta(ge=-1, le=1)]
 Row = Annotated[tuple[Entry, ...], Meta(min_length=6, max_length=6)]
 Rows = Annotated[tuple[Row, ...], Meta(min_length=6, max_length=6)]
 Lengths = Annotated[tuple[Length, ...], Meta(min_length=1)]
@@ -58,64 +51,62 @@ class Shaft(Table, frozen=True, kw_only=True):
     compliance: Annotated[
         Rows | None,
         about(
-            "mm/N, rad/N, rad/(N mm)",
             "6 rows of 6 numbers: displacements and rotations (x, y, z) of the section in the "
-            "middle of the face width under forces (N) and moments (N mm) there; x from axis 1 "
-            "to axis 2, z along the axes; zeros in row and column 6, since the rotation about "
-            "the axis is that of the drive",
+            "middle of the face width under forces (N) and moments (N mm) there; x from axis 1 to "
+            "axis 2, z along the axes; zeros in row and column 6, since the rotation about the "
+            "axis is that of the drive",
+            "mm/N, rad/N, rad/(N mm)",
         ),
     ] = None
     diameters_mm: Annotated[
         Lengths | None,
-        about("mm", "outer diameters of the steps, in the order of z", usual=USUAL_SIZE),
+        about("outer diameters of the steps, in the order of z", "mm", usual=USUAL_SIZE),
     ] = None
-    lengths_mm: Annotated[Lengths | None, about("mm", "lengths of the steps", usual=USUAL_SIZE)] = (
+    lengths_mm: Annotated[Lengths | None, about("lengths of the steps", "mm", usual=USUAL_SIZE)] = (
         None
     )
     bore_diameter_mm: Annotated[
-        Length | None,
-        about("mm", "diameter of the bore of a hollow shaft", usual=USUAL_SIZE),
+        Length | None, about("diameter of the bore of a hollow shaft", "mm", usual=USUAL_SIZE)
     ] = None
     gear_position_mm: Annotated[
         Place | None,
         about(
-            "mm",
             "distance of the middle of the face width from the end of the shaft of smaller z",
+            "mm",
             usual=USUAL_SIZE,
         ),
     ] = None
     bearing_positions_mm: Annotated[
         Annotated[tuple[Place, ...], Meta(min_length=1)] | None,
-        about("mm", "distances of the bearings from the same end", usual=USUAL_SIZE),
+        about("distances of the bearings from the same end", "mm", usual=USUAL_SIZE),
     ] = None
     radial_stiffness_N_per_um: Annotated[
         tuple[Stiffness, ...] | None,
-        about("N/um", "radial stiffness of each bearing", usual=(0.1, 1e5)),
+        about("radial stiffness of each bearing", "N/um", usual=(0.1, 1e5)),
     ] = None
     axial_stiffness_N_per_um: Annotated[
         tuple[Stiffness, ...] | None,
-        about("N/um", "axial stiffness of each bearing; 0 = free", usual=(0.1, 1e5)),
+        about("axial stiffness of each bearing; 0 = free", "N/um", usual=(0.1, 1e5)),
     ] = None
     tilt_stiffness_Nm_per_mrad: Annotated[
         tuple[Stiffness, ...] | None,
-        about("N m/mrad", "tilting stiffness of each bearing; 0 = free", usual=(1e-3, 1e5)),
+        about("tilting stiffness of each bearing; 0 = free", "N m/mrad", usual=(1e-3, 1e5)),
     ] = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     under_teeth: Annotated[
         Literal["rigid", "flexible"],
         about(
-            "",
             "flexible: the shaft bends and twists inside the bore, which follows it; rigid: the "
-            "bore moves as a whole with the section in the middle of the face width",
+            "bore moves as a whole with the section in the middle of the face width"
         ),
     ] = "rigid"
     torque_end: Annotated[
         Literal["I", "II", "even"] | None,
         about(
-            "",
             "end of the bore at which the torque enters (I: smaller z, II: larger z), whose "
-            "rotation is that of the body; even: all over the bore; required with a flexible shaft",
+            "rotation is that of the body; even: all over the bore; required with a flexible "
+            "shaft"
         ),
     ] = None
 

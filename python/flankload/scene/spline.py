@@ -23,16 +23,13 @@ from flankload.scene.table import (
     about,
 )
 
-SplineAngle = Annotated[
-    Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
-]
+SplineAngle = Annotated[float, Meta(ge=5, le=45), about("pressure angle of the basic rack", "deg")]
 IndexErrors = Annotated[
     tuple[Deviation, ...],
     about(
-        "um",
         "one deviation per tooth along the base tangent, positive = excess material, early "
-        "contact; entry j is tooth j, counted in the sense of the torque from the tooth of "
-        "pair 0",
+        "contact; entry j is tooth j, counted in the sense of the torque from the tooth of pair 0",
+        "um",
         usual=USUAL_ERRORS,
     ),
 ]
@@ -62,22 +59,21 @@ class SplineShaft(SplineKeys, WidthKeys, BodyTable, frozen=True, kw_only=True, t
     partner: ClassVar[str | None] = "spline_hub"
     conforms: ClassVar[bool] = True
 
-    teeth: Annotated[Teeth, about("-", "number of teeth")]
+    teeth: Annotated[Teeth, about("number of teeth", "-")]
     pressure_angle_deg: SplineAngle = 30.0
     root_diameter_mm: Annotated[
         Length,
         about(
-            "mm",
-            "diameter of the root circle; determines the depth of the rack",
-            usual=USUAL_SIZE,
+            "diameter of the root circle; determines the depth of the rack", "mm", usual=USUAL_SIZE
         ),
     ]
     fillet_radius_factor: Annotated[
-        Annotated[float, Meta(ge=0, le=2)],
-        about("-", "tip radius of the generating rack in modules; determines the root fillet"),
+        float,
+        Meta(ge=0, le=2.0),
+        about("tip radius of the generating rack in modules; determines the root fillet", "-"),
     ] = SPLINE_FILLET
     bore_diameter_mm: Annotated[
-        Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
+        Length, about("diameter of the bore, where the body is fixed", "mm", usual=USUAL_SIZE)
     ]
     material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
@@ -109,9 +105,9 @@ class SplineHub(SplineKeys, RingKeys, frozen=True, kw_only=True, tag="spline_hub
     root_fillet_radius_mm: Annotated[
         Length | None,
         about(
-            "mm",
             f"radius of the arc that touches flank and root circle; absent = {SPLINE_FILLET} "
             "modules",
+            "mm",
             usual=USUAL_ROUNDING,
         ),
     ] = None

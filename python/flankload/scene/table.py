@@ -28,7 +28,7 @@ Shift = Annotated[float, Meta(ge=-5, le=5)]
 BY_NAME: Any = UNSET
 
 
-def about(unit: str, meaning: str, *, usual: tuple[float, float] | None = None) -> Meta:
+def about(meaning: str, unit: str = "", *, usual: tuple[float, float] | None = None) -> Meta:
     """Meaning and unit of a key ("-" for a pure number, "" for words), and its usual range.
 
     A value outside the usual range is allowed, but the user is asked about it (module `usual`).
@@ -59,17 +59,16 @@ Modulus = Annotated[float, Meta(ge=SMALLEST_MODULUS, le=LARGEST_MODULUS)]
 YoungModulus = Annotated[
     Modulus,
     # from PTFE to carbides
-    about("MPa", "Young's modulus", usual=(400.0, 1e6)),
+    about("Young's modulus", "MPa", usual=(400.0, 1e6)),
 ]
-PoissonRatio = Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")]
-Rigid = Annotated[bool, about("", "true: the body is rigid and has no finite elements")]
+PoissonRatio = Annotated[float, Meta(ge=0, lt=0.5), about("Poisson's ratio", "-")]
+Rigid = Annotated[bool, about("true: the body is rigid and has no finite elements")]
 PitchErrors = Annotated[
     tuple[Deviation, ...],
     about(
-        "um",
         "one deviation per tooth along the base tangent, positive = excess material, early "
-        "contact; in the order in which the teeth come into contact, from the tooth of "
-        "pair 0",
+        "contact; in the order in which the teeth come into contact, from the tooth of pair 0",
+        "um",
         usual=USUAL_ERRORS,
     ),
 ]

@@ -102,9 +102,7 @@ class Effects:
         **OF_SECTORS,
     )
     tooth_coupling: bool = _effect(
-        "coupling between teeth",
-        on={"tooth_coupling": True},
-        **OF_SECTORS,
+        "coupling between teeth", on={"tooth_coupling": True}, **OF_SECTORS
     )
     nodal_near_field: bool = _effect(
         "near field from nodal forces",
@@ -179,10 +177,7 @@ class Effects:
         **OF_GAPS,
     )
     pitch_errors: bool = _effect(
-        "pitch errors",
-        keys=("body_*.pitch_errors_um",),
-        called_for=is_misplaced,
-        **OF_GAPS,
+        "pitch errors", keys=("body_*.pitch_errors_um",), called_for=is_misplaced, **OF_GAPS
     )
     lead_modifications: bool = _effect(
         "lead modifications",
@@ -232,11 +227,7 @@ class Effects:
         counters=("unit_loads_tangential",),
         size_by="levers",
     )
-    power_loss: bool = _effect(
-        "power loss",
-        on={"friction_coefficient": 0.1},
-        stages=("result",),
-    )
+    power_loss: bool = _effect("power loss", on={"friction_coefficient": 0.1}, stages=("result",))
     root_stress: bool = _effect(
         "tooth root stress",
         on={"root_stress": True},
