@@ -78,19 +78,9 @@ class PlaneBody:
 
 
 def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBody:
-    """Convert a mesh to standard form.
+    """Convert a mesh to standard form; `key` is the scene's key that names the file.
 
-    Parameters
-    ----------
-    raw : RawMesh
-    key : str
-        The scene's key that names the file, for messages.
-    one_material : bool
-        Groups of elements do not mean different materials.
-
-    Returns
-    -------
-    PlaneBody
+    `one_material`: groups of elements do not mean different materials.
 
     Raises
     ------
@@ -192,23 +182,25 @@ def _double_elements(raw: RawMesh) -> Defect | None:
 
 def _middles_off(raw: RawMesh) -> Defect | None:
     """Middle nodes far from the middle of their edges: wrong node order, or moved nodes."""
-    off, total, first = 0, 0, -1
-    for kind, data in raw.cells:
-        if kind in CORNERS:
-            continue
-        for a, b, m in EDGES["triangle6" if kind == "triangle6" else "quad9"]:
-            chord = raw.nodes[data[:, b]] - raw.nodes[data[:, a]]
-            away = raw.nodes[data[:, m]] - 0.5 * (raw.nodes[data[:, a]] + raw.nodes[data[:, b]])
-            square = np.maximum((chord**2).sum(axis=1), np.finfo(float).tiny)
-            bad = np.abs((away * chord).sum(axis=1)) > MIDDLE_TOLERANCE * square
-            off, total = off + int(bad.sum()), total + len(data)
-            if bad.any() and first < 0:
-                first = int(data[np.argmax(bad), m])
-    if not off:
+    edges = [
+        data[:, edge]
+        for kind, data in raw.cells
+        if kind not in CORNERS
+        for edge in EDGES["triangle6" if kind == "triangle6" else "quad9"]
+    ]
+    if not edges:
+        return None
+    first, last, middle = np.vstack(edges).T
+    chord = raw.nodes[last] - raw.nodes[first]
+    away = raw.nodes[middle] - 0.5 * (raw.nodes[first] + raw.nodes[last])
+    square = np.maximum((chord**2).sum(axis=1), np.finfo(float).tiny)
+    bad = np.abs((away * chord).sum(axis=1)) > MIDDLE_TOLERANCE * square
+    if not bad.any():
         return None
     return Defect(
         f"middle nodes within {MIDDLE_TOLERANCE:g} of an edge's length from its middle",
-        f"{off} of {total} further off, the first at {_place(raw.nodes, first)}",
+        f"{bad.sum()} of {bad.size} further off, the first at "
+        f"{_place(raw.nodes, middle[np.argmax(bad)])}",
     )
 
 
@@ -253,9 +245,8 @@ def _loose_parts(cells: Cells) -> Defect | None:
     edges = np.vstack([data[:, edge[:2]] for kind, data in cells for edge in EDGES[kind]])
     element = np.concatenate(
         [
-            first + np.arange(len(data))
+            np.tile(first + np.arange(len(data)), len(EDGES[kind]))
             for first, (kind, data) in zip(numbers[:-1], cells, strict=True)
-            for _ in EDGES[kind]
         ]
     )
     _, edge = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
