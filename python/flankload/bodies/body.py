@@ -262,14 +262,14 @@ class Body:
     teeth: int
     material: Material
     rigid: bool
-    mesh: SectorMesh | WholeMesh | None
     mode_range_mm: tuple[float, float]
     reference_radius_mm: float
-    involute: Involute | None
-    flank_angle_known: bool
-    pitch_errors_um: tuple[float, ...]
     outline: NDArray[np.float64]
     bore_radius_mm: float
+    mesh: SectorMesh | WholeMesh | None = None
+    involute: Involute | None = None
+    flank_angle_known: bool = True
+    pitch_errors_um: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
     flank_turns_rad: tuple[float, ...] = ()
     named_teeth: tuple[int, ...] = ()

@@ -30,6 +30,16 @@ def across(vectors: Floats) -> Floats:
     return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)
 
 
+def line(start: Floats, direction: Floats) -> Place:
+    """A straight line by the distance from its start."""
+
+    def place(u: Floats) -> tuple[Floats, Floats, Floats]:
+        ones = np.ones((u.size, 1))
+        return start + u[:, None] * direction, ones * direction, 0.0 * ones * direction
+
+    return place
+
+
 def circle(center: Floats, radius: float) -> Place:
     """A circle by the polar angle about its centre; a negative radius: its opposite points."""
 

@@ -71,21 +71,16 @@ def read_topography(
         If the file is missing or faulty, or the grid ends inside the flank.
     """
     diameters, z, removed_um = _read_grid(path, key)
-    _check_cover(diameters, _ends_of(curve, range_mm), key, path.name, ON_FLANK)
-    _check_cover(z, (0.0, width_mm), key, path.name, ON_WIDTH)
     s = np.linspace(*range_mm, PLACES)
     at = 2.0 * np.hypot(*curve.point(s).T)
+    _check_cover(diameters, (at[0], at[-1]), key, path.name, ON_FLANK)
+    _check_cover(z, (0.0, width_mm), key, path.name, ON_WIDTH)
     # rows beyond the active flank only shape the spline: they keep their distance
     beyond = np.clip(diameters, at[0], at[-1]) - diameters
     rate = np.gradient(at, s)
     places = np.interp(diameters, at, s)
     places -= np.where(beyond > 0.0, beyond / rate[0], beyond / rate[-1])
     return Topography(places, z, removed_um / 1000.0)
-
-
-def _ends_of(curve: FlankCurve, range_mm: tuple[float, float]) -> tuple[float, float]:
-    low, high = (2.0 * float(np.hypot(*point)) for point in curve.point(range_mm))
-    return low, high
 
 
 def _check_cover(

@@ -74,8 +74,8 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
     _check_kinks(place, angle, name)
     # the length is that of a whole turn; the radius is closer to the size of a flank
     curve = fit_flank_curve(pieces, tolerance_mm=TOLERANCE * float(radius.max()))
-    samples = curve.point(_samples(curve))
-    least, largest = (float(f(np.hypot(*samples.T))) for f in (np.min, np.max))
+    radii = np.hypot(*curve.point(np.linspace(0.0, curve.length_mm, 8 * len(curve.labels) + 1)).T)
+    least, largest = float(radii.min()), float(radii.max())
     if 0.5 * spec.bore_diameter_mm > (1 - LEAST_WALL) * least:
         raise SceneError(
             key=f"{key}.bore_diameter_mm",
@@ -84,10 +84,6 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
             found=f"{spec.bore_diameter_mm:g}",
         )
     return CamProfile(curve, least, largest)
-
-
-def _samples(curve: FlankCurve) -> Floats:
-    return np.asarray(np.linspace(0.0, curve.length_mm, 8 * len(curve.labels) + 1))
 
 
 def _one_turn(rows: Floats, key: str) -> tuple[Floats, Floats]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from flankload.bodies.body import Body, Flat, Material, Roller
 from flankload.bodies.cam.follower_mesh import flat_mesh, roller_mesh
-from flankload.bodies.plane import circle, directions
+from flankload.bodies.plane import circle, directions, line
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
 from flankload.scene.refusal import refuse
@@ -102,9 +102,6 @@ def build_follower(
         mesh=mesh,
         mode_range_mm=(0.0, length),
         reference_radius_mm=radius,
-        involute=None,
-        flank_angle_known=True,
-        pitch_errors_um=(),
         outline=outline_of(lever),
         bore_radius_mm=lever.bore_radius_mm,
         modes_part=modes_part,
@@ -184,12 +181,8 @@ def roller_curve(roller: Roller) -> FlankCurve:
 
 def flat_curve(flat: Flat) -> FlankCurve:
     """The flat, from the axis outwards; it ends in a corner."""
-
-    def place(u: Floats) -> tuple[Floats, Floats, Floats]:
-        still = np.zeros((u.size, 2))
-        return np.stack([u, 0 * u + flat.offset_mm], axis=1), still + np.array([1.0, 0.0]), still
-
-    return fit_flank_curve([CurvePiece("flank", place, *flat.ends_mm)], corner_at_end=True)
+    along = line(np.array([0.0, flat.offset_mm]), np.array([1.0, 0.0]))
+    return fit_flank_curve([CurvePiece("flank", along, *flat.ends_mm)], corner_at_end=True)
 
 
 def outline_of(lever: Lever, points: int = 121) -> Floats:

@@ -105,7 +105,6 @@ def read_modal(found: NamedArrays) -> Body:
         teeth=teeth,
         material=read_material(found),
         rigid=False,
-        mesh=None,
         mode_range_mm=(float(low), float(high)),
         reference_radius_mm=found.number("reference_radius_mm", above=0.0, most=LARGEST_LENGTH),
         involute=_read_involute(found),

@@ -78,7 +78,6 @@ def build_involute_body(
         if spec.conforms
         else involute.base_radius_mm,
         involute=involute,
-        flank_angle_known=True,
         pitch_errors_um=checked_pitch_errors(spec.pitch_errors_um, profile.teeth, key),
         outline=profile.outline(),
         bore_radius_mm=rim_radius,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from flankload.bodies.bisection import sign_change
-from flankload.bodies.plane import circle
+from flankload.bodies.plane import circle, line
 from flankload.bodies.profile.involute import Involute, InvoluteFlank, Modifications
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece
@@ -266,9 +266,5 @@ def _tip_chamfer(
             f"({width:.4f})",
             found=f"{height:g}",
         )
-
-    def line(u: Floats) -> tuple[Floats, Floats, Floats]:
-        ones = np.ones((u.size, 1))
-        return place + u[:, None] * direction, ones * direction, 0.0 * ones * direction
-
-    return end, CurvePiece("tip_chamfer", line, 0.0, length, corner_before=True)
+    chamfer = line(place, direction)
+    return end, CurvePiece("tip_chamfer", chamfer, 0.0, length, corner_before=True)

@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from flankload.exchange.rexs.units import FACTORS
 
 GEARS = ("cylindrical_gear", "ring_gear")
-#: Database of the attributes and units below.
-DATABASE = "1.5"
 PLAIN = "as it is"
 
 
