@@ -20,24 +20,11 @@ OF_SLICES = ("slices", "axial_degree", "load_degree_z")
 OF_CELLS = ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths")
 #: Keys of a body that a plane section does not have.
 ALONG_AXIS = (
-    "helix_angle_deg",
-    "hand",
-    "face_width_mm",
-    "axial_offset_mm",
-    *LEAD_KEYS,
-    "end_relief_length_mm",
-    "end_relief_shape",
-    "shaft",
-    "web_width_mm",
-    "web_outer_diameter_mm",
-    "rim_thickness_mm",
-    "web_offset_mm",
-    "hub_diameter_mm",
-    "hub_width_mm",
-    "hub_offset_mm",
-    "region_sets",
-    "region_widths_mm",
-)
+    "helix_angle_deg", "hand", "face_width_mm", "axial_offset_mm", *LEAD_KEYS,
+    "end_relief_length_mm", "end_relief_shape", "shaft", "web_width_mm", "web_outer_diameter_mm",
+    "rim_thickness_mm", "web_offset_mm", "hub_diameter_mm", "hub_width_mm", "hub_offset_mm",
+    "region_sets", "region_widths_mm",
+)  # fmt: skip
 
 
 def plane_section(scene: Scene) -> Scene:

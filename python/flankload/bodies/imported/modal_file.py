@@ -36,36 +36,12 @@ VERSION = 3
 
 #: Names of the arrays, without those of the involute.
 NAMES = (
-    "format",
-    "version",
-    "kind",
-    "teeth",
-    "young_modulus_MPa",
-    "poisson_ratio",
-    "plane",
-    "curve_breaks",
-    "curve_coefficients",
-    "curve_labels",
-    "curve_corners",
-    "mode_range_mm",
-    *CORNER_ANGLES,
-    "tip_modes",
-    "turned",
-    "smooth",
-    "kernel",
-    "smooth_nt",
-    "kernel_nt",
-    "asymmetry",
-    "reference_radius_mm",
-    "flank_angle_known",
-    "pitch_errors_um",
-    "flanks",
-    "flank_turns_rad",
-    "named_teeth",
-    "outline",
-    "bore_radius_mm",
-    "notes",
-)
+    "format", "version", "kind", "teeth", "young_modulus_MPa", "poisson_ratio", "plane",
+    "curve_breaks", "curve_coefficients", "curve_labels", "curve_corners", "mode_range_mm",
+    *CORNER_ANGLES, "tip_modes", "turned", "smooth", "kernel", "smooth_nt", "kernel_nt",
+    "asymmetry", "reference_radius_mm", "flank_angle_known", "pitch_errors_um", "flanks",
+    "flank_turns_rad", "named_teeth", "outline", "bore_radius_mm", "notes",
+)  # fmt: skip
 #: Fields of `Involute`, by their names in the file.
 INVOLUTE = {f"involute_{field.name}": field for field in fields(Involute)}
 

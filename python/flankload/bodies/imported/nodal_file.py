@@ -32,21 +32,10 @@ FORMAT = "flankload nodal compliance"
 VERSION = 1
 
 NAMES = (
-    "format",
-    "version",
-    "teeth",
-    "points",
-    "compliance",
-    "offsets",
-    "columns",
-    "elements",
-    "young_modulus_MPa",
-    "poisson_ratio",
-    "plane",
-    "reference_radius_mm",
-    "teeth_stand",
+    "format", "version", "teeth", "points", "compliance", "offsets", "columns", "elements",
+    "young_modulus_MPa", "poisson_ratio", "plane", "reference_radius_mm", "teeth_stand",
     *CORNER_ANGLES,
-)
+)  # fmt: skip
 
 #: Least number of nodes for a curve.
 LEAST_POINTS = 6

@@ -17,26 +17,12 @@ from flankload.meshes.io.parts import BadFile, FileMesh, Numbers, disjoint_group
 
 #: gmsh's element type number → meshio's name and number of nodes.
 ELEMENTS = {
-    1: ("line", 2),
-    2: ("triangle", 3),
-    3: ("quad", 4),
-    4: ("tetra", 4),
-    5: ("hexahedron", 8),
-    6: ("wedge", 6),
-    7: ("pyramid", 5),
-    8: ("line3", 3),
-    9: ("triangle6", 6),
-    10: ("quad9", 9),
-    11: ("tetra10", 10),
-    12: ("hexahedron27", 27),
-    13: ("wedge18", 18),
-    14: ("pyramid14", 14),
-    15: ("vertex", 1),
-    16: ("quad8", 8),
-    17: ("hexahedron20", 20),
-    18: ("wedge15", 15),
-    19: ("pyramid13", 13),
-}
+    1: ("line", 2), 2: ("triangle", 3), 3: ("quad", 4), 4: ("tetra", 4),
+    5: ("hexahedron", 8), 6: ("wedge", 6), 7: ("pyramid", 5), 8: ("line3", 3),
+    9: ("triangle6", 6), 10: ("quad9", 9), 11: ("tetra10", 10), 12: ("hexahedron27", 27),
+    13: ("wedge18", 18), 14: ("pyramid14", 14), 15: ("vertex", 1), 16: ("quad8", 8),
+    17: ("hexahedron20", 20), 18: ("wedge15", 15), 19: ("pyramid13", 13),
+}  # fmt: skip
 DIMENSION_NAMES = ("point", "line", "surface", "volume")
 
 #: A line of $PhysicalNames.
