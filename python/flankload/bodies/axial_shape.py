@@ -14,13 +14,10 @@ from flankload.bodies.shaft import Shaft, build_shaft, carrying_shaft
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.flank_surface import FlankSurface
     from flankload.bodies.shaft import CarryingShaft
     from flankload.scene.axial import AxialKeys
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,15 +12,12 @@ from flankload.meshes.blocks import edges_along
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.imported.given import GivenCompliance
     from flankload.bodies.profile.involute import Involute
     from flankload.flank import FlankCurve
     from flankload.meshes.blocks import BlockMesh
-
-    Floats = NDArray[np.float64]
 
 
 #: So near to the end of the modes' range, as part of it, the flank has its last direction.
@@ -69,16 +66,16 @@ class SectorMesh:
         are.
     """
 
-    nodes: NDArray[np.float64]
-    cells: tuple[tuple[str, NDArray[np.int64]], ...]
-    flank_edges: NDArray[np.int64]
-    flank_arc_length: NDArray[np.float64]
-    fixed_nodes: NDArray[np.int64]
-    left_nodes: NDArray[np.int64]
-    right_nodes: NDArray[np.int64]
+    nodes: Floats
+    cells: tuple[tuple[str, Numbers], ...]
+    flank_edges: Numbers
+    flank_arc_length: Floats
+    fixed_nodes: Numbers
+    left_nodes: Numbers
+    right_nodes: Numbers
     teeth: int
-    tip_edges: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
-    tip_arc_length: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 3)))
+    tip_edges: Numbers = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
+    tip_arc_length: Floats = field(default_factory=lambda: np.empty((0, 3)))
     regions: tuple[str, ...] = ()
 
     @property
@@ -104,9 +101,9 @@ class MeshedFlank:
     """
 
     tooth: int
-    nodes: NDArray[np.float64]
-    flank_edges: NDArray[np.int64]
-    flank_arc_length: NDArray[np.float64]
+    nodes: Floats
+    flank_edges: Numbers
+    flank_arc_length: Floats
 
 
 @dataclass(frozen=True)
@@ -121,15 +118,13 @@ class WholeMesh:
         By ascending tooth number, tooth 0 first.
     """
 
-    nodes: NDArray[np.float64]
-    cells: tuple[tuple[str, NDArray[np.int64]], ...]
-    fixed_nodes: NDArray[np.int64]
+    nodes: Floats
+    cells: tuple[tuple[str, Numbers], ...]
+    fixed_nodes: Numbers
     flanks: tuple[MeshedFlank, ...]
 
     @classmethod
-    def of_blocks(
-        cls, blocks: BlockMesh, fixed: NDArray[np.int64], flank: NDArray[np.int64], s: Floats
-    ) -> WholeMesh:
+    def of_blocks(cls, blocks: BlockMesh, fixed: Numbers, flank: Numbers, s: Floats) -> WholeMesh:
         """Mesh of blocks with one flank, of nodes (2 m + 1,) at arc lengths s, mm."""
         nodes = blocks.nodes
         arc_length = np.full(len(nodes), np.nan)
@@ -264,7 +259,7 @@ class Body:
     rigid: bool
     mode_range_mm: tuple[float, float]
     reference_radius_mm: float
-    outline: NDArray[np.float64]
+    outline: Floats
     bore_radius_mm: float
     mesh: SectorMesh | WholeMesh | None = None
     involute: Involute | None = None

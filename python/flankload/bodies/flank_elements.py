@@ -8,9 +8,8 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats
 
-    Floats = NDArray[np.float64]
 
 GAUSS_POINTS = 8
 

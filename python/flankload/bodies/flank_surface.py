@@ -19,13 +19,11 @@ from flankload.flank import FlankCurve, turned_along
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
     from scipy.interpolate import CubicSpline
 
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.scene.axial import AxialKeys
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from flankload.base.arrays import Floats
     from flankload.flank import Place
-
-    Floats = NDArray[np.float64]
 
 
 def directions(angles_rad: ArrayLike) -> Floats:

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.profile.involute import Involute
 
-    Floats = NDArray[np.float64]
 
 #: Points in each interval of the curve.
 PLACES = 8

@@ -24,12 +24,10 @@ from flankload.meshes.plane_mesh import boundary_edges
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.bodies.body import Body, SectorMesh
     from flankload.flank import FlankCurve
 
-    Floats = NDArray[np.float64]
 
 #: Key of the scene that requests the tooth root stress.
 KEY = "effects.root_stress"
@@ -64,7 +62,7 @@ class RootPoints:
     radius_mm: Floats
     angle_rad: Floats
     slant_rad: Floats
-    working: NDArray[np.bool_]
+    working: Flags
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +78,7 @@ class FilletNodes:
         The points in the frame of the mesh, mm, and the unit tangents there.
     """
 
-    nodes: NDArray[np.int64]
+    nodes: Numbers
     shapes: Floats
     slopes: Floats
     places: Floats
@@ -103,7 +101,7 @@ class RootFillets:
     """
 
     points: RootPoints
-    degrees: tuple[NDArray[np.int64], ...]
+    degrees: tuple[Numbers, ...]
     strains: tuple[Floats, ...]
     on_elements: FilletNodes
 
@@ -160,7 +158,7 @@ def root_fillets(body: Body, key: str) -> RootFillets:
 
 def _both_sides(
     mesh: SectorMesh | WholeMesh, curve: FlankCurve, turn: float, center: float, key: str
-) -> tuple[RootPoints, Floats, NDArray[np.int64]]:
+) -> tuple[RootPoints, Floats, Numbers]:
     """Gauss points of both fillets of the tooth rotated by `turn`, their strains and edges."""
     edges = boundary_edges(mesh.cells)
     form = curve.range_of("fillet")[1]
@@ -192,7 +190,7 @@ def _both_sides(
     return points, strains, numbers
 
 
-def _on_elements(mesh: SectorMesh | WholeMesh, numbers: NDArray[np.int64]) -> FilletNodes:
+def _on_elements(mesh: SectorMesh | WholeMesh, numbers: Numbers) -> FilletNodes:
     """Shape functions of the edges (q, 3) of points, of which a fourth column has the number."""
     edges, which = numbers[:, :3], numbers[:, 3]
     shape, slope = (part[which] for part in _line_shapes(np.array(GAUSS)))
@@ -214,8 +212,8 @@ def _line_shapes(x: Floats) -> tuple[Floats, Floats]:
 
 
 def _edges_on_fillet(
-    nodes: Floats, edges: NDArray[np.int64], curve: FlankCurve, form: float, key: str
-) -> NDArray[np.int64]:
+    nodes: Floats, edges: Numbers, curve: FlankCurve, form: float, key: str
+) -> Numbers:
     """Edges on the fillet of a curve."""
     ends = curve.point([0.0, form])
     reach = float(np.linalg.norm(ends[1] - ends[0])) + form
@@ -232,7 +230,7 @@ def _edges_on_fillet(
     return candidates[lies]
 
 
-def edge_strains(nodes: Floats, image: Floats, edges: NDArray[np.int64]) -> tuple[Floats, Floats]:
+def edge_strains(nodes: Floats, image: Floats, edges: Numbers) -> tuple[Floats, Floats]:
     """Strain along edges (m, 3) at their Gauss points.
 
     `image`: the same nodes (N, 2), rotated or mirrored. Returns the Gauss points (2 m, 2) in the

@@ -19,11 +19,9 @@ from flankload.base.read_only import KeepsReadOnly
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.scene import shaft as keys
 
-    Floats = NDArray[np.float64]
     Extent = tuple[float, float]
     #: Axial stiffness; stiffness in a plane of bending: force and moment under displacement and
     #: rotation, as (force/displacement, force/rotation, moment/rotation).
@@ -184,7 +182,7 @@ class _Beam:
 
     table: keys.Shaft
     nodes: Floats
-    bearings: NDArray[np.int64]
+    bearings: Numbers
     radial: Floats
     axial: Floats
     tilt: Floats
@@ -307,7 +305,7 @@ def _beyond(table: keys.Shaft, free: float, end: float) -> Springs:
     return float(pushed[0, 0]), float(bent[0, 0]), float(bent[0, 1]), float(bent[1, 1])
 
 
-def _condensed(stiffness: Floats, kept: NDArray[np.int64]) -> Floats:
+def _condensed(stiffness: Floats, kept: Numbers) -> Floats:
     """Stiffness of some unknowns when no load acts on the others; symmetric."""
     rest = np.setdiff1d(np.arange(len(stiffness)), kept)
     scaled, scale = _scaled(stiffness)

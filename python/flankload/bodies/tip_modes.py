@@ -33,9 +33,8 @@ from numpy.polynomial.polynomial import polypow
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats
 
-    Floats = NDArray[np.float64]
 
 #: Least number of modes that a tip has of its own.
 LEAST_TIP_MODES = 2

@@ -15,11 +15,9 @@ from flankload.scene.table import LARGEST_DEVIATION
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.flank import FlankCurve
 
-    Floats = NDArray[np.float64]
 
 #: Files round: the grid may end by so much inside the flank, mm.
 ROUNDED = 1e-3

@@ -13,8 +13,8 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
+    from flankload.base.arrays import Floats, Numbers
+
     T = TypeVar("T", np.int64, np.float64)
 
 

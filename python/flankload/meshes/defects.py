@@ -25,13 +25,10 @@ from flankload.meshes.plane_mesh import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.meshes.io import RawMesh
     from flankload.meshes.plane_mesh import Cells
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Two nodes closer than this part of the shortest edge coincide.
 SAME_PLACE = 1e-3

@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats, Numbers
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
     Cells = tuple[tuple[str, Numbers], ...]
 
 #: Edges of the quadratic elements (first, last, middle), counter-clockwise, in meshio's node order.

@@ -19,13 +19,10 @@ from flankload.meshes.plane_mesh import (
 )
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.meshes.io import RawMesh
     from flankload.meshes.plane_mesh import Cells
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
     Rows = list[tuple[str, str]]
 
 #: Sizes in mm: a smaller body is probably given in metres, a larger one in micrometres.

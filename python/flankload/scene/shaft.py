@@ -10,7 +10,7 @@ from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import USUAL_SIZE, Length, PoissonRatio, Table, YoungModulus, about
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats
 
 #: Relative size of what rounding of a file may add to a compliance.
 ROUNDED = 1e-6
@@ -229,7 +229,7 @@ class Shaft(Table, frozen=True, kw_only=True):
             )
 
 
-def _check_compliance(rows: "NDArray[np.float64]", key: str) -> None:
+def _check_compliance(rows: "Floats", key: str) -> None:
     """Check that a compliance is symmetric, does not create energy and leaves the axis free."""
     for i, j in np.ndindex(6, 6):
         entry = f"{key}.compliance[{i}][{j}]"

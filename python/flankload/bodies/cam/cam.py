@@ -21,8 +21,7 @@ from flankload.meshes.blocks import (
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Numbers
     from flankload.bodies.cam.cam_profile import CamProfile
     from flankload.scene import Cam
 
@@ -99,7 +98,7 @@ def cam_mesh(profile: CamProfile, *, bore_radius_mm: float, flank_element_mm: fl
     up = 1.0 - with_middles(depth)[::-1]
     check_count(2.0 * half * up.size, MOST_NODES, "nodes")
     blocks = BlockMesh()
-    ends: dict[str, NDArray[np.int64]] = {}
+    ends: dict[str, Numbers] = {}
     halves = [with_middles(np.linspace(k, k + 1, half + 1)) * 0.5 * length for k in (0, 1)]
     rows, fixed = [], []
     for s in halves:

@@ -16,12 +16,10 @@ from flankload.meshes.io.named_arrays import read_columns
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.flank import Place
     from flankload.scene import Cam
 
-    Floats = NDArray[np.float64]
 
 LEAST_ROWS = 8
 #: Largest angle between rows, deg; with a larger one the curve between them is arbitrary.

@@ -16,11 +16,9 @@ from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.scene import Follower
 
-    Floats = NDArray[np.float64]
 
 #: Default hub radius over bore radius; least hub radius over the largest |y| of the arm.
 HUB_PART, HOLDING_PART = 1.6, 1.25

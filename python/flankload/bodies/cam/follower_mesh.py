@@ -17,12 +17,9 @@ from flankload.bodies.plane import directions
 from flankload.meshes.blocks import BlockMesh, coons, growing_breaks, symmetric_breaks, with_middles
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.cam.follower import Lever
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Half the angle of the roller's outer end, rad, and size of its core relative to its radius.
 OUTER_ANGLE = 0.9

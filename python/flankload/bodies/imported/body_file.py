@@ -14,9 +14,7 @@ from flankload.meshes.plane_mesh import boundary_edges, raise_to_quadratic
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
-    Numbers = NDArray[np.int64]
+    from flankload.base.arrays import Numbers
 
 
 def write_body(path: str | Path, mesh: SectorMesh | WholeMesh, *, turn_rad: float = 0.0) -> None:

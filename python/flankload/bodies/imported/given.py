@@ -11,9 +11,7 @@ from flankload.bodies.tip_modes import Tip
 from flankload.scene.table import LARGEST_MODULUS
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.meshes.io.named_arrays import NamedArrays
 
 
@@ -56,15 +54,15 @@ class ModalCompliance:
 
     file: Path
     plane: str
-    smooth: NDArray[np.float64]
+    smooth: Floats
     kernel: float
     asymmetry: float
     flanks: tuple[int, ...] = ()
-    tangential: NDArray[np.float64] | None = None
+    tangential: Floats | None = None
     jump: float = 0.0
     corner_angles_deg: tuple[float, float] = (180.0, 180.0)
     tip: Tip | None = None
-    turned: NDArray[np.float64] | None = None
+    turned: Floats | None = None
 
     @property
     def description(self) -> str:
@@ -100,11 +98,11 @@ class NodalCompliance:
 
     file: Path
     plane: str
-    arc_length_mm: NDArray[np.float64]
+    arc_length_mm: Floats
     quadratic: bool
     of_pressures: bool
-    offsets: NDArray[np.int64]
-    matrix: NDArray[np.float64]
+    offsets: Numbers
+    matrix: Floats
     asymmetry: float
     corner_angles_deg: tuple[float, float] = (180.0, 180.0)
 

@@ -29,8 +29,7 @@ from flankload.bodies.sketch import sketched_tooth
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.imported.mesh_curve import FlankFit
     from flankload.scene import MeshBody
 
@@ -90,7 +89,7 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
     )
 
 
-def _named_flanks(source: MeshSource) -> dict[str, NDArray[np.int64]]:
+def _named_flanks(source: MeshSource) -> dict[str, Numbers]:
     """Edges of each flank by the name of its set, tooth 0 first."""
     spec = source.spec
     names = [("flank_set", spec.flank_set)]
@@ -124,9 +123,7 @@ def _is_bare(source: MeshSource) -> bool:
     return spec.rigid and spec.flank_sets is None and missing
 
 
-def _is_ring(
-    source: MeshSource, radii: NDArray[np.float64], flank: NDArray[np.float64], *, bare: bool
-) -> bool:
+def _is_ring(source: MeshSource, radii: Floats, flank: Floats, *, bare: bool) -> bool:
     """Whether the body is fixed outside its flank; without a fixed set, whether most is outside."""
     if bare:
         return bool(radii.max() - flank.max() > flank.min() - radii.min())
@@ -134,7 +131,7 @@ def _is_ring(
     return bool(held.size and held.min() > flank.max())
 
 
-def _fixed_nodes(source: MeshSource, flanks: dict[str, NDArray[np.int64]]) -> NDArray[np.int64]:
+def _fixed_nodes(source: MeshSource, flanks: dict[str, Numbers]) -> Numbers:
     """Fixed nodes, checked: at least two, not on the flanks, about the axis."""
     spec = source.spec
     fixed = source.nodes_of("fixed_set", spec.fixed_set)

@@ -19,14 +19,11 @@ from flankload.flank import FlankCurve, curve_through_nodes, nodes_deviation
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.imported.mesh_source import MeshSource
     from flankload.bodies.profile.involute import Involute
     from flankload.scene import Profile
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Largest distance of a flank's nodes from the given profile, and largest difference of the tip
 #: radii of mesh and profile; both in modules.

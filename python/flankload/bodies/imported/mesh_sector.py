@@ -15,13 +15,10 @@ from flankload.meshes.plane_mesh import boundary_edges, chain
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.imported.mesh_curve import FlankFit
     from flankload.bodies.imported.mesh_source import MeshSource
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Largest distance of matching nodes of the cuts, relative to the size of the body.
 CUT_TOLERANCE = 1e-6

@@ -19,12 +19,9 @@ from flankload.meshes.plane_mesh import REVERSED, chain, circle_through
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.scene import MeshBody
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Units in which meshes are given by mistake, in mm.
 UNITS = {"metres": 1000.0, "inches": 25.4, "centimetres": 10.0, "micrometres": 0.001}

@@ -19,14 +19,11 @@ from flankload.meshes.plane_mesh import boundary_edges, chain
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.imported.mesh_curve import FlankFit
     from flankload.bodies.imported.mesh_source import MeshSource
     from flankload.meshes.plane_mesh import Cells
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Largest difference in shape of flanks, relative to the body's radius; five times the deviation of
 #: the curve through the nodes, or of the nodes from the profile, is added.

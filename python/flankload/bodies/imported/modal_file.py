@@ -25,8 +25,7 @@ from flankload.flank import FlankCurve
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.meshes.io.named_arrays import NamedArrays
 
 FORMAT = "flankload flank compliance"
@@ -95,7 +94,7 @@ def read_modal(found: NamedArrays) -> Body:
     )
 
 
-def _read_per_tooth(found: NamedArrays, name: str, teeth: int) -> NDArray[np.float64]:
+def _read_per_tooth(found: NamedArrays, name: str, teeth: int) -> Floats:
     """A number for each tooth, or none."""
     numbers = found.numbers(name, None)
     if numbers.size not in (0, teeth):
@@ -140,16 +139,14 @@ def _read_tip(found: NamedArrays, high: float, end: float, n_modes: int) -> Tip 
     return Tip(float(tip), int(power), float(turn))
 
 
-def _read_turned(found: NamedArrays, shape: tuple[int, ...]) -> NDArray[np.float64] | None:
+def _read_turned(found: NamedArrays, shape: tuple[int, ...]) -> Floats | None:
     """Response to a force along the flank at its sharp tip; files without it have none."""
     if "turned" not in found:
         return None
     return found.numbers("turned", shape[0], shape[1])
 
 
-def _read_tangential(
-    found: NamedArrays, shape: tuple[int, ...]
-) -> tuple[NDArray[np.float64] | None, float]:
+def _read_tangential(found: NamedArrays, shape: tuple[int, ...]) -> tuple[Floats | None, float]:
     """Response to tangential loads and coefficient of its jump, both or neither."""
     names = ("smooth_nt", "kernel_nt")
     if not any(name in found for name in names):
@@ -170,7 +167,7 @@ def _read_teeth(found: NamedArrays, name: str, teeth: int) -> tuple[int, ...]:
     return tuple(numbers.tolist())
 
 
-def _read_outline(found: NamedArrays) -> NDArray[np.float64]:
+def _read_outline(found: NamedArrays) -> Floats:
     outline = found.numbers("outline", None, 2)
     if len(outline) < 3:
         found.refuse("outline", "at least 3 places", f"{len(outline)}")

@@ -22,11 +22,9 @@ from flankload.flank import curve_through_nodes, nodes_deviation
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.meshes.io.named_arrays import NamedArrays
 
-    Floats = NDArray[np.float64]
 
 FORMAT = "flankload nodal compliance"
 VERSION = 1
@@ -155,7 +153,7 @@ def _read_points(found: NamedArrays, quadratic: bool, *, inwards: bool) -> Float
     return points
 
 
-def _read_offsets(found: NamedArrays, teeth: int) -> NDArray[np.int64]:
+def _read_offsets(found: NamedArrays, teeth: int) -> Numbers:
     """Displaced teeth, including the loaded one, each once."""
     if "offsets" not in found:
         return np.zeros(1, dtype=np.int64)
@@ -168,7 +166,7 @@ def _read_offsets(found: NamedArrays, teeth: int) -> NDArray[np.int64]:
 
 
 def _symmetric(
-    found: NamedArrays, matrix: Floats, offsets: NDArray[np.int64], teeth: int
+    found: NamedArrays, matrix: Floats, offsets: Numbers, teeth: int
 ) -> tuple[Floats, float]:
     """Mean of each response and the reciprocal one (Betti), and their relative difference."""
     row = {int(offset): k for k, offset in enumerate(offsets)}

@@ -14,11 +14,8 @@ from flankload.meshes.blocks import BlockMesh, growing_breaks, symmetric_breaks,
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from flankload.bodies.body import SectorMesh
 
-    Floats = NDArray[np.float64]
 
 #: First row beside a circle where the width jumps, relative to the flank element, and largest ratio
 #: of neighbouring rows: on a wheel of 24 teeth with a web of 0.3 of the width, rows of 1/4 that

@@ -21,10 +21,9 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.bodies.profile.tooth_profile import ToothProfile
     from flankload.flank import FlankCurve
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,9 @@ from flankload.bodies.plane import directions
 from flankload.meshes.blocks import BlockMesh, coons
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.involute.sector_breaks import ToothCurve
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Largest thickness of the layers relative to the half-width of the tip.
 LAYERS_PART = 0.6

@@ -14,8 +14,7 @@ from flankload.flank import ACTIVE
 from flankload.meshes.blocks import even_breaks, growing_breaks, symmetric_breaks
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.involute.ring_mesh import InvertedCurve, InvertedTooth
     from flankload.bodies.profile.tooth_profile import ToothProfile
     from flankload.flank import FlankCurve
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     #: An external tooth on the +x axis, and its flank.
     ToothCurve: TypeAlias = FlankCurve | InvertedCurve
     ToothForm: TypeAlias = ToothProfile | InvertedTooth
-    Floats = NDArray[np.float64]
 
 #: Angle between the fillet's tangent and the tooth's centre line at the split point.
 SPLIT_ANGLE = radians(50.0)

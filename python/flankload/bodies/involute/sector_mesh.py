@@ -23,12 +23,10 @@ from flankload.meshes.blocks import BlockMesh, coons, edges_along, even_breaks, 
 from flankload.meshes.plane_mesh import jacobians
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.involute.sector_breaks import ToothCurve, ToothForm
     from flankload.bodies.profile.tooth_profile import ToothProfile
 
-    Floats = NDArray[np.float64]
 
 #: Largest sag of the tooth's foot relative to the height of the rim.
 SAG_PART = 0.35
@@ -149,9 +147,9 @@ def _side_grid(
 def _sector(
     profile: ToothForm,
     mesh: BlockMesh,
-    outline: tuple[NDArray[np.int64], Floats],
-    fixed: NDArray[np.int64],
-    cuts: tuple[NDArray[np.int64], NDArray[np.int64]],
+    outline: tuple[Numbers, Floats],
+    fixed: Numbers,
+    cuts: tuple[Numbers, Numbers],
 ) -> SectorMesh:
     """The mesh with its edges; `outline`: nodes from the split point to the tip, arc lengths."""
     nodes = mesh.nodes

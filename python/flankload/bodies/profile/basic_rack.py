@@ -23,12 +23,9 @@ from flankload.errors import SceneError
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.scene import SplineShaft
     from flankload.scene.involute import Geometry
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

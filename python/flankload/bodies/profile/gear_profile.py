@@ -27,13 +27,10 @@ from flankload.errors import SceneError
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from flankload.flank import Place
     from flankload.scene import SplineShaft
     from flankload.scene.involute import Geometry
 
-    Floats = NDArray[np.float64]
 
 #: Least roll parameter at which an involute begins: its curvature is infinite on the base circle.
 #: The omitted piece is r_b t²/2 long, below 1e-9 mm for r_b < 200 mm.

@@ -19,11 +19,8 @@ from flankload.flank import CurvePiece
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.scene.involute import InvoluteKeys
-
-    Floats = NDArray[np.float64]
 
 
 class FormPoint(NamedTuple):

@@ -21,9 +21,7 @@ import numpy as np
 from flankload.bodies.plane import across, directions
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from flankload.base.arrays import Floats
 
 
 def involute_function(angle: float) -> float:
@@ -172,9 +170,7 @@ class Modifications:
 
 
 def _add_relief(
-    roll: Floats,
-    relief: tuple[float, float, float, int],
-    before: tuple[Floats, Floats, Floats],
+    roll: Floats, relief: tuple[float, float, float, int], before: tuple[Floats, Floats, Floats]
 ) -> tuple[Floats, Floats, Floats]:
     """Add amount x^n with x = (roll - start)/(end - start), and its first two derivatives."""
     amount, start, end, n = relief

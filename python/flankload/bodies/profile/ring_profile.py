@@ -10,8 +10,6 @@ from dataclasses import replace
 from math import atan2, cos, hypot, pi, radians, sqrt, tan
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from flankload.bodies.bisection import sign_change
 from flankload.bodies.plane import circle, directions
 from flankload.bodies.profile.gear_tip import FormPoint, modifications_of
@@ -27,11 +25,9 @@ from flankload.errors import SceneError
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.scene import Ring, SplineHub
 
-    Floats = NDArray[np.float64]
 
 #: Factor on the largest fillet radius, so that rounding errors leave the arc on its side.
 FULL = 1.0 - 1e-12

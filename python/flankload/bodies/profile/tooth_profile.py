@@ -16,13 +16,11 @@ from flankload.flank import ACTIVE, CurvePiece, FlankCurve, fit_flank_curve, fit
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.profile.gear_tip import FormPoint
     from flankload.flank import Place
     from flankload.scene.involute import InvoluteKeys
 
-    Floats = NDArray[np.float64]
     #: A part of a fillet: its points by a parameter, and the parameter at both ends.
     Part = tuple[Place, float, float]
 
@@ -118,9 +116,7 @@ def profile_curve(
     # share fillet and involute
     plain = pieces(replace(flank, modifications=Modifications.none()))
     return fit_flank_curve(
-        modified,
-        tolerance_mm=fit_tolerance_mm(plain),
-        corner_at_end=spec.tip_radius_mm is None,
+        modified, tolerance_mm=fit_tolerance_mm(plain), corner_at_end=spec.tip_radius_mm is None
     )
 
 

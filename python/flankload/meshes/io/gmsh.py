@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from flankload.base.arrays import Numbers
 from flankload.meshes.io.gmsh_stream import INT, REAL, SIZE, Stream
-from flankload.meshes.io.parts import BadFile, FileMesh, Numbers, disjoint_groups
+from flankload.meshes.io.parts import BadFile, FileMesh, disjoint_groups
 
 #: gmsh's element type number → meshio's name and number of nodes.
 ELEMENTS = {

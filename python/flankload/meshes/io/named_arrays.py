@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flankload.base.array_archive import BadArchive, Member, read_members
+from flankload.base.arrays import Flags, Floats, Numbers
 from flankload.errors import ComplianceFileError, SceneError
 
 #: Columns of a table in front of the matrix: offset of the displaced tooth, and the point.
@@ -57,7 +58,7 @@ class NamedArrays:
                     name, "an array of this format (" + ", ".join(known) + ")", "an unknown name"
                 )
 
-    def numbers(self, name: str, *shape: int | None) -> NDArray[np.float64]:
+    def numbers(self, name: str, *shape: int | None) -> Floats:
         """An array of finite numbers; None in the shape means any length up to MOST_ROWS."""
         member = self._member(name, "numbers")
         wanted = f"({', '.join('any' if n is None else str(n) for n in shape)})"
@@ -95,7 +96,7 @@ class NamedArrays:
                 self.refuse(name, f"a number {sign} {bound:g}", f"{value:g}")
         return value
 
-    def integers(self, name: str, *shape: int | None) -> NDArray[np.int64]:
+    def integers(self, name: str, *shape: int | None) -> Numbers:
         """An array of whole numbers."""
         values = self.numbers(name, *shape)
         if (values != np.round(values)).any():
@@ -128,7 +129,7 @@ class NamedArrays:
             self.refuse(name, expected, found)
         return value
 
-    def flags(self, name: str, count: int) -> NDArray[np.bool_]:
+    def flags(self, name: str, count: int) -> Flags:
         """An array of `count` truth values."""
         member = self._member(name, "true or false")
         if member.shape != (count,) or member.dtype != np.bool_:
@@ -201,7 +202,7 @@ def _held(array: NDArray[Any]) -> Member:
     return Member(array.shape, array.dtype, lambda: array)
 
 
-def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[np.float64]:
+def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> Floats:
     """Read a table of numbers.
 
     Parameters

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-Numbers = NDArray[np.int64]
+from flankload.base.arrays import Floats, Numbers
 
 #: Plane elements that can be read; linear ones are converted to quadratic ones by the body.
 PLANE_CELLS = ("triangle", "triangle6", "quad", "quad8", "quad9")
@@ -44,7 +43,7 @@ class FileMesh:
     notes : list of str
     """
 
-    points: NDArray[np.float64]
+    points: Floats
     blocks: list[tuple[str, Numbers]] = field(default_factory=list)
     sets: dict[str, list[Numbers]] = field(default_factory=dict)
     materials: dict[str, int] = field(default_factory=dict)
@@ -78,7 +77,7 @@ class RawMesh:
     """
 
     file: Path
-    nodes: NDArray[np.float64]
+    nodes: Floats
     cells: tuple[tuple[str, Numbers], ...]
     sets: Mapping[str, Numbers]
     materials: Mapping[str, int] = field(default_factory=dict)

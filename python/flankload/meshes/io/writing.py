@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     import meshio
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
+    from flankload.base.arrays import Floats, Numbers
+
 
 #: Suffixes that can be written.
 WRITERS = (".msh", ".vtu", ".inp")
