@@ -26,7 +26,7 @@ from flankload.contact.status import EXCEPTIONS, words
 from flankload.cost import COUNTERS
 from flankload.result import belt, chain, coast_contact, export, friction, root_stress
 from flankload.scene.form import expected_of, fields_of, is_required, types_of
-from flankload.scene.scene_file import Body1, Body2, SceneFile
+from flankload.scene.scene import Body1, Body2, SceneFile
 from flankload.scene.table import Table
 from flankload.scene.usual import _usual_ranges
 

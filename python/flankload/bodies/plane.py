@@ -1,4 +1,4 @@
-"""Directions, rotations and circles in the plane."""
+"""Directions, rotations, lines and circles in the plane; the contour of a tooth for pictures."""
 
 from __future__ import annotations
 
@@ -24,6 +24,12 @@ def turned(places: Floats, angle_rad: float) -> Floats:
     return np.asarray(places @ np.array([[c, s], [-s, c]]))
 
 
+def mirrored(places: Floats, axis_rad: float) -> Floats:
+    """Mirror images of places (m, 2) about a line through the origin."""
+    c, s = np.cos(2 * axis_rad), np.sin(2 * axis_rad)
+    return np.asarray(places @ np.array([[c, s], [s, -c]]))
+
+
 def across(vectors: Floats) -> Floats:
     """Vectors (m, 2) rotated by a quarter turn counter-clockwise."""
     return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)
@@ -47,3 +53,17 @@ def circle(center: Floats, radius: float) -> Place:
         return center + radius * out, radius * across(out), -radius * out
 
     return place
+
+
+def sketched_tooth(flank: Floats, teeth: int) -> Floats:
+    """Contour (2 n, 2) of a tooth, counter-clockwise: the flank and its mirror image.
+
+    They are a quarter pitch apart from the centre. The points (n, 2) of the flank are from root to
+    tip, mm; the teeth are internal if the radius decreases.
+    """
+    root, tip = np.linalg.norm(flank[[0, -1]], axis=1)
+    outward = 1 if tip > root else -1
+    middle = flank[len(flank) // 2]
+    angle = float(np.arctan2(middle[1], middle[0])) - outward * np.pi / (2 * teeth)
+    other = mirrored(flank, angle)
+    return np.concatenate([other, flank[::-1]] if outward > 0 else [flank, other[::-1]])

@@ -20,8 +20,7 @@ from flankload.scene.table import (
 
 if TYPE_CHECKING:
     from flankload.scene.accuracy import Accuracy
-    from flankload.scene.scene import Scene
-    from flankload.scene.scene_file import SceneFile
+    from flankload.scene.scene import Scene, SceneFile
 
 #: Larger helix angles have end-face edges below 50 degrees.
 LARGEST_HELIX = 40.0

@@ -9,7 +9,7 @@ from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import BodyTable, EvenBody
 
 if TYPE_CHECKING:
-    from flankload.scene.scene_file import SceneFile
+    from flankload.scene.scene import SceneFile
 
 
 class DriveTable(EvenBody, frozen=True, kw_only=True):

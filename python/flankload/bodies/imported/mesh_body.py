@@ -25,7 +25,7 @@ from flankload.bodies.imported.mesh_source import (
     read_source,
 )
 from flankload.bodies.imported.mesh_whole import whole_of
-from flankload.bodies.sketch import sketched_tooth
+from flankload.bodies.plane import sketched_tooth
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from flankload.bodies.imported.given import (
     read_corner_angles,
     read_material,
 )
-from flankload.bodies.sketch import sketched_tooth
+from flankload.bodies.plane import sketched_tooth
 from flankload.flank import curve_through_nodes, nodes_deviation
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
 

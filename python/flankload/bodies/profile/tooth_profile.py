@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies.plane import directions, turned
+from flankload.bodies.plane import directions, mirrored, turned
 from flankload.bodies.profile.gear_tip import flank_and_tip
 from flankload.bodies.profile.involute import Involute, InvoluteFlank, Modifications
 from flankload.flank import ACTIVE, CurvePiece, FlankCurve, fit_flank_curve, fit_tolerance_mm
@@ -87,9 +87,7 @@ class ToothProfile:
         half = np.concatenate(
             [self.root_radius_mm * directions(root), flank, self.tip_radius_mm * directions(tip)]
         )
-        c, s_ = np.cos(2 * center), np.sin(2 * center)
-        mirrored = half[-2::-1] @ np.array([[c, s_], [s_, -c]])
-        whole = np.concatenate([half, mirrored])[:: -involute.outward]
+        whole = np.concatenate([half, mirrored(half[-2::-1], center)])[:: -involute.outward]
         return turned(whole, involute.turn_rad)
 
 

@@ -15,7 +15,7 @@ from flankload.scene.refusal import refuse, shown
 
 if TYPE_CHECKING:
     from flankload.scene.effects.record import Effect
-    from flankload.scene.scene_file import BodySpec, SceneFile
+    from flankload.scene.scene import BodySpec, SceneFile
 
 RECORDS = {effect.name: effect for effect in EFFECTS}
 #: Largest strain for which expansion is linear; far beyond that of any machine.
