@@ -43,18 +43,9 @@ class LeadModifications:
     end_relief_power: int = 1
 
     def at(self, zeta: Floats, width_mm: float) -> Floats:
-        """Metal removed, mm.
+        """Metal removed (n,) at places zeta (n,) along the face width, mm, >= 0.
 
-        Parameters
-        ----------
-        zeta : (n,) array
-            Places along the face width: 0 at the end of smaller z, 1 at the other.
-        width_mm : float
-
-        Returns
-        -------
-        (n,) array
-            >= 0.
+        zeta is 0 at the end of smaller z, 1 at the other.
         """
         removed = self.crowning_mm * (2.0 * zeta - 1.0) ** 2
         removed += _sloped(self.slope_mm, zeta)

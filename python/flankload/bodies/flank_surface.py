@@ -51,18 +51,9 @@ class FlankSurface:
         return np.array(self.range_mm) if self.topography is None else self.topography.s_mm
 
     def at(self, zeta: Floats, width_mm: float) -> Floats:
-        """Metal removed at all places of several sections, mm.
+        """Metal removed (n, m) at all places of n sections, mm; negative where metal is added.
 
-        Parameters
-        ----------
-        zeta : (n,) array
-            Places along the face width: 0 at the end of smaller z, 1 at the other.
-        width_mm : float
-
-        Returns
-        -------
-        (n, m) array
-            Negative where metal is added.
+        `zeta` (n,): places along the face width, 0 at the end of smaller z, 1 at the other.
         """
         low, high = self.range_mm
         xi = (self.places_mm - low) / (high - low)
@@ -102,18 +93,9 @@ def flank_surface(
 
 
 def section_curves(body: Body, removed_mm: Floats) -> list[FlankCurve]:
-    """Flanks of a body in several sections, all with the same breaks.
+    """Flanks of a body with a surface in n sections, all with the same breaks.
 
-    Parameters
-    ----------
-    body : Body
-        With a surface.
-    removed_mm : (n, m) array
-        Metal removed at the places of the surface in n sections.
-
-    Returns
-    -------
-    list of n FlankCurve
+    `removed_mm`: metal removed (n, m) at the places of the surface in these sections.
     """
     from scipy.interpolate import CubicSpline
 

@@ -54,16 +54,7 @@ def image_strength(angle_deg: float) -> float:
 
 
 def image_strengths(body: Body) -> tuple[float, float]:
-    """Psi at the low and the high end of the range of a body's modes.
-
-    Parameters
-    ----------
-    body : Body
-
-    Returns
-    -------
-    (float, float)
-    """
+    """Psi at the low and the high end of the range of a body's modes."""
     low, high = corner_angles(body)
     return image_strength(low), image_strength(high)
 
@@ -96,17 +87,9 @@ def along_strengths(body: Body) -> tuple[float, float]:
 
 
 def corner_angles(body: Body) -> tuple[float, float]:
-    """Interior angles of the metal where the modes of a body end, degrees; 180 without a corner.
+    """Interior angles of the metal at the low and the high end of the modes of a body, degrees.
 
-    Parameters
-    ----------
-    body : Body
-        With elements, or with a compliance that tells the angles.
-
-    Returns
-    -------
-    (float, float)
-        At the low and the high end of the modes' range.
+    180 without a corner. The body has elements, or a compliance that tells the angles.
     """
     if body.given is not None:
         return body.given.corner_angles_deg

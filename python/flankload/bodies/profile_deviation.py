@@ -70,17 +70,7 @@ def deviation_at(involute: Involute, places: Floats) -> tuple[Floats, Floats]:
 
 
 def profile_deviation(body: Body) -> ProfileDeviation | None:
-    """Deviation of a body's flank between root fillet and tip rounding.
-
-    Parameters
-    ----------
-    body : Body
-
-    Returns
-    -------
-    ProfileDeviation or None
-        None if the involute is unknown.
-    """
+    """Deviation of a body's flank between root fillet and tip rounding; None without involute."""
     involute, curve = body.involute, body.curve
     if involute is None:
         return None

@@ -113,18 +113,9 @@ class RootFillets:
 
 
 def root_fillets(body: Body, key: str) -> RootFillets:
-    """Find both fillets of every tooth that has a flank in the mesh.
+    """Find both fillets of every tooth that has a flank in the mesh of a body.
 
-    Parameters
-    ----------
-    body : Body
-        Body with a mesh.
-    key : str
-        "body_1" or "body_2", for messages.
-
-    Returns
-    -------
-    RootFillets
+    `key` is "body_1" or "body_2", for messages.
 
     Raises
     ------

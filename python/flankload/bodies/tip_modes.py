@@ -138,18 +138,9 @@ def joined(
 def joined_image(
     of_flank: Floats, n_modes: int, mode_range_mm: tuple[float, float], tip: Tip
 ) -> Floats:
-    """<P_a, ln(d + d') P_b> over flank and tip, d the distances from the low end of the flank.
+    """<P_a, ln(d + d') P_b> over flank and tip (n_modes, n_modes) from that over the flank (p, p).
 
-    Parameters
-    ----------
-    of_flank : (p, p) array
-        The same over the flank alone.
-    n_modes, mode_range_mm, tip
-        As in `joined`.
-
-    Returns
-    -------
-    (n_modes, n_modes) array
+    d are the distances from the low end of the flank; the others as in `joined`.
     """
     length = mode_range_mm[1] - mode_range_mm[0]
     (x, before), (y, behind) = _pieces(n_modes, mode_range_mm, tip)

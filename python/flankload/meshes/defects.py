@@ -103,15 +103,7 @@ def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBo
 def find_defects(raw: RawMesh, *, one_material: bool = False) -> Iterator[Defect]:
     """All defects of a mesh; a defect that prevents further checks is the only one.
 
-    Parameters
-    ----------
-    raw : RawMesh
-    one_material : bool
-        Groups of elements do not mean different materials.
-
-    Yields
-    ------
-    Defect
+    `one_material`: groups of elements do not mean different materials.
     """
     mixed = _mixed_orders(raw)
     if mixed is not None:

@@ -40,15 +40,7 @@ WHOLE_SECTORS = 1e-3
 def quality_rows(nodes: Floats, cells: Cells) -> Rows:
     """Least scaled Jacobian with a verdict, largest aspect ratio, and their places.
 
-    Parameters
-    ----------
-    nodes : (N, 2) array
-    cells : ((kind, (E, k) array), ...)
-        Quadratic elements, counter-clockwise.
-
-    Returns
-    -------
-    list of (str, str)
+    The elements are quadratic, counter-clockwise.
     """
     rows = []
     for name, measure, worst_of in (
@@ -77,16 +69,7 @@ def verdict(scaled_jacobian: float) -> str:
 
 
 def mesh_rows(raw: RawMesh) -> Rows:
-    """Nodes, elements, size, quality and material of a mesh.
-
-    Parameters
-    ----------
-    raw : RawMesh
-
-    Returns
-    -------
-    list of (str, str)
-    """
+    """Nodes, elements, size, quality and material of a mesh."""
     low, high = raw.nodes.min(axis=0), raw.nodes.max(axis=0)
     radii = np.hypot(*raw.nodes.T)
     rows = [
@@ -105,16 +88,7 @@ def mesh_rows(raw: RawMesh) -> Rows:
 
 
 def set_rows(raw: RawMesh) -> Rows:
-    """Shape of each named set: a line of the boundary, an arc, all nodes, …
-
-    Parameters
-    ----------
-    raw : RawMesh
-
-    Returns
-    -------
-    list of (str, str)
-    """
+    """Shape of each named set: a line of the boundary, an arc, all nodes, …"""
     nodes, cells = _oriented(raw)
     edges = boundary_edges(cells)
     rows = []
@@ -131,16 +105,7 @@ def natural(name: str) -> list[tuple[str, int]]:
 
 
 def hints(raw: RawMesh) -> Iterator[str]:
-    """Properties that look wrong but may be intended.
-
-    Parameters
-    ----------
-    raw : RawMesh
-
-    Yields
-    ------
-    str
-    """
+    """Properties that look wrong but may be intended."""
     largest = float(np.hypot(*raw.nodes.T).max())
     if largest < SMALL_MM:
         yield (

@@ -54,7 +54,7 @@ def gear_profile(
     z = int(teeth if teeth is not None else getattr(spec, "teeth", 0) or 0)
     if z < 3:
         raise SceneError(key=f"{key}.teeth", expected="at least 3 teeth", found=f"{z}")
-    shift = generating_shift(spec, z, key, helix_rad=spec.helix_rad)
+    shift = generating_shift(spec, z, key)
     rack = basic_rack(spec, z, shift, key)
     base_radius = rack.reference_radius_mm * cos(rack.pressure_angle_rad)
     base_half_angle = (0.5 * pi + 2 * shift * tan(radians(spec.pressure_angle_deg))) / z

@@ -63,7 +63,7 @@ def ring_profile(spec: Ring | SplineHub, key: str) -> ToothProfile:
     z, normal_angle = spec.teeth, radians(spec.pressure_angle_deg)
     pressure_angle = spec.transverse_angle_rad
     reference_radius = 0.5 * z * spec.module_mm / cos(spec.helix_rad)
-    shift = generating_shift(spec, z, key, helix_rad=spec.helix_rad, outward=-1)
+    shift = generating_shift(spec, z, key, outward=-1)
     base_half_angle = (0.5 * pi + 2 * shift * tan(normal_angle)) / z
     involute = Involute(
         base_radius_mm=reference_radius * cos(pressure_angle),

@@ -54,9 +54,7 @@ class _Gear(NamedTuple):
         return (own * self.teeth - 0.5 * pi) / (2 * tan(self.normal_angle))
 
 
-def generating_shift(
-    spec: InvoluteKeys, teeth: int, key: str, *, helix_rad: float = 0.0, outward: int = 1
-) -> float:
+def generating_shift(spec: InvoluteKeys, teeth: int, key: str, *, outward: int = 1) -> float:
     """Generating profile shift x_E of a gear.
 
     Parameters
@@ -81,7 +79,7 @@ def generating_shift(
     SceneError
         If no gear with these teeth and this module has the measurement.
     """
-    gear = _Gear(teeth, spec.module_mm, radians(spec.pressure_angle_deg), helix_rad, outward)
+    gear = _Gear(teeth, spec.module_mm, radians(spec.pressure_angle_deg), spec.helix_rad, outward)
     if spec.tooth_thickness_allowance_um is not None:
         allowance = spec.tooth_thickness_allowance_um / 1000.0
         # x_E = x + E_sn/(2 m_n tan alpha_n) (DIN 3960)
@@ -151,18 +149,8 @@ class Measurements(NamedTuple):
 def measurements(involute: Involute, teeth: int, helix_rad: float = 0.0) -> Measurements:
     """Span measurement and measurement over balls of a finished gear.
 
-    Parameters
-    ----------
-    involute : Involute
-        Radii and angles of the transverse section.
-    teeth : int
-    helix_rad : float
-        Helix angle on the reference cylinder.
-
-    Returns
-    -------
-    Measurements
-        Planes and balls touch near the middle of the flank.
+    The involute is that of the transverse section, the helix angle that on the reference cylinder.
+    Planes and balls touch near the middle of the flank.
     """
     base, half = involute.base_radius_mm, involute.base_half_angle_rad
     # base helix: tan(b_b) = tan(b) r_b/r

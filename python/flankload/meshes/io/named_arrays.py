@@ -203,21 +203,16 @@ def _held(array: NDArray[Any]) -> Member:
 
 
 def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> Floats:
-    """Read a table of numbers.
+    """Read a table (rows, columns) of numbers from a .csv file.
 
     Parameters
     ----------
     path : path
-        .csv: rows of numbers, with or without column names in the first row; lines that begin
-        with # are skipped.
+        With or without column names in the first row; lines that begin with # are skipped.
     key : str
         The scene's key that names the file, for messages.
     names : tuple of str
         Names of the columns.
-
-    Returns
-    -------
-    (rows, columns) array
 
     Raises
     ------
@@ -260,17 +255,7 @@ class CsvRow(NamedTuple):
 def csv_rows(path: Path, key: str, wanted: str) -> list[CsvRow]:
     """Rows of a .csv file, without empty lines and those that begin with #.
 
-    Parameters
-    ----------
-    path : Path
-    key : str
-        The scene's key that names the file, for messages.
-    wanted : str
-        Description of the file, for messages.
-
-    Returns
-    -------
-    list of CsvRow
+    For messages: the scene's key that names the file, and a description of the wanted file.
 
     Raises
     ------
