@@ -34,17 +34,9 @@ SAME_PLACE = 1e-6
 
 
 def image_strength(angle_deg: float) -> float:
-    """Strength psi of the mirror image behind a corner, Eq. (W1).
+    """Strength psi of the mirror image behind a corner of an interior angle > 0, Eq. (W1).
 
-    Parameters
-    ----------
-    angle_deg : float
-        Interior angle of the metal, above 0.
-
-    Returns
-    -------
-    float
-        0 where the metal turns by less than 5 degrees, or inwards.
+    0 where the metal turns by less than 5 degrees, or inwards.
     """
     if angle_deg > SMOOTH - LEAST_TURN:
         return 0.0
@@ -63,16 +55,7 @@ def along_strength(angle_deg: float) -> float:
     """Strength psi_nt of the image of a force along the flank, towards the corner, Eq. (W3).
 
     By that force the flank moves along its normal by -c0 psi_nt ln(d + d') beside the jump.
-
-    Parameters
-    ----------
-    angle_deg : float
-        Interior angle of the metal, above 0.
-
-    Returns
-    -------
-    float
-        -pi sin^2 w/(w^2 - sin^2 w); 0 where there is no corner.
+    -pi sin^2 w/(w^2 - sin^2 w) with the interior angle w > 0 of the metal; 0 without a corner.
     """
     if not image_strength(angle_deg):
         return 0.0

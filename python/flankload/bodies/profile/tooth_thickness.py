@@ -55,24 +55,15 @@ class _Gear(NamedTuple):
 
 
 def generating_shift(spec: InvoluteKeys, teeth: int, key: str, *, outward: int = 1) -> float:
-    """Generating profile shift x_E of a gear.
+    """Generating profile shift x_E of a gear; the nominal one without a key of the thickness.
 
     Parameters
     ----------
     spec : InvoluteKeys
-        Keys of the profile.
+        Keys of the profile, of which `key` is the dotted path in the scene.
     teeth : int
-    key : str
-        Dotted path of these keys in the scene, for messages.
-    helix_rad : float
-        Helix angle on the reference cylinder.
     outward : int
         -1 for internal teeth, whose profile shift is positive outwards and widens the space.
-
-    Returns
-    -------
-    float
-        The nominal profile shift, exactly, if the scene has no key of the thickness.
 
     Raises
     ------
