@@ -512,11 +512,11 @@ _PYTHON = (
         ("by_y[..., 2] + along[..., 1],", "by_x[..., 2] + along[..., 1],"),
     ),
     *_in(
-        "mechanisms/flank_pair/loaded_solids.py",
+        "mechanisms/flank_pair/loaded_bodies.py",
         "unit/export/test_solid_fields.py physics/test_roots_over_width.py",
         ("-shape.twist_rad_per_mm * lever", "shape.twist_rad_per_mm * lever"),
-        ("half = turned_by(half, 2.0 * turns)", "half = turned_by(half, turns)"),
-        ("-(angle + self.loaded.prism.twist * z)", "-angle"),
+        ("half = turned(half, 2.0 * turns)", "half = turned(half, turns)"),
+        ("-(angle + twist * z)", "-angle"),
     ),
     *_in(
         "elasticity/prism/end_faces.py",
@@ -559,7 +559,7 @@ _PYTHON = (
         ("np.pad(secant[..., None] * tangent,", "np.pad(tangent,"),
     ),
     *_in(
-        "mechanisms/flank_pair/shaft_loads.py",
+        "mechanisms/flank_pair/from_sweep.py",
         "physics/test_friction_of_slices.py",
         ("np.column_stack([-up, across,", "np.column_stack([up, across,"),
         ("sign * (normal + rubbing)", "sign * normal"),
@@ -635,7 +635,7 @@ _PYTHON = (
         ("0.5 - (kink - start) / width", "0.4 - (kink - start) / width"),
     ),
     *_in(
-        "mechanisms/flank_pair/backlash.py",
+        "mechanisms/flank_pair/premises.py",
         "unit/mechanisms/test_coast_flank.py unit/mechanisms/test_premises.py "
         "unit/result/test_result_contacts.py unit/mechanisms/test_large_wind_up.py "
         "unit/pairing/test_spline.py::test_twice_the_offset_is_taken_off_the_backlash",
@@ -708,7 +708,7 @@ _PYTHON = (
         ("forces[:, 2, 2] = beam.axial * pushed", "forces[:, 2, 2] = pushed"),
     ),
     *_in(
-        "mechanisms/flank_pair/shaft_loads.py",
+        "mechanisms/flank_pair/from_sweep.py",
         "physics/test_shafts.py",
         ("zip(shafts, (-1.0, 1.0)", "zip(shafts, (1.0, -1.0)"),
         ("across[0] * turned[1] - across[1] * turned[0]", "across[0] * turned[1]"),
@@ -748,9 +748,9 @@ _PYTHON = (
     *_in(
         "mechanisms/flank_pair/loaded_bodies.py",
         "unit/export/test_fields.py",
-        ("* (-1.0 if coast else 1.0)", "* (1.0 if coast else -1.0)"),
+        ("*= -1.0 if coast else 1.0", "*= 1.0 if coast else -1.0"),
         ("tables.append((result.coast.pair_tables[p], True))", "pass"),
-        ("across = 2.0 * sine", "across = -2.0 * sine"),
+        ("mean + half[..., 0], mean - half", "mean - half[..., 0], mean + half"),
     ),
     *_in(
         "elasticity/loaded_body.py",

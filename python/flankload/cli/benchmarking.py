@@ -6,7 +6,7 @@ import json
 import sys
 from typing import TYPE_CHECKING
 
-from flankload.cli.outputs import STDOUT, check_file
+from flankload.cli.outputs import STDOUT, check_file, write_text
 from flankload.cli.solving import Progress
 from flankload.errors import SceneError
 
@@ -32,14 +32,10 @@ def benchmark(arguments: Namespace) -> None:
         answers = read_answers(arguments.answers)
         check_answers(answers, read_cases(arguments.folder), arguments.answers)
     if arguments.output is not None:
-        from flankload.base.files import write_atomically
-
         values = {"program": answers.program, "values": answers.values, "seconds": answers.seconds}
-        text = json.dumps(values, indent=1) + "\n"
-        if printed:
-            print(text, end="")
-            return
-        write_atomically(arguments.output, text)
+        write_text(arguments.output, json.dumps(values, indent=1) + "\n")
+    if printed:
+        return
     found = compare(cases, answers)
     if arguments.json:
         print(json.dumps(found.as_dict(), indent=1))

@@ -11,7 +11,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder
+from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder, write_text
 from flankload.cli.solving import Progress
 from flankload.errors import FlankloadError, SceneError
 
@@ -65,7 +65,10 @@ def study(arguments: Namespace) -> None:
         said = str(stop) or "interrupted"
         raise KeyboardInterrupt(f"{said}; {arguments.line} resumes") from None
     for path in outputs:
-        _write(found, path)
+        if path.lower().endswith(".parquet"):
+            found.to_parquet(path)
+        else:
+            write_text(path, found.to_csv())
     pictures = _pictures(found, arguments.plot)
     if not arguments.quiet and STDOUT not in outputs:
         print("\n".join([str(found), *pictures]))
@@ -105,15 +108,6 @@ def _outputs(paths: list[str]) -> list[str]:
             raise SceneError(key="-o", expected=expected, found=path)
         check_file("-o", Path(path))
     return list(dict.fromkeys(paths))
-
-
-def _write(found: DesignStudy, path: str) -> None:
-    if path == STDOUT:
-        print(found.to_csv(), end="")
-    elif path.lower().endswith(".parquet"):
-        found.to_parquet(path)
-    else:
-        found.to_csv(path)
 
 
 def _pictures(found: DesignStudy, folder: Path | None) -> list[str]:

@@ -54,9 +54,7 @@ def optimise(arguments: Namespace) -> None:
 def _check_output(path: Path, scene: Scene, file: Path) -> None:
     """Refuse an output that could not be written, or where the files of the scene are not found."""
     check_file("-o", path)
-    check_apart((("-o", path),), scene)
-    if path.exists() and path.samefile(file):
-        raise SceneError(key="-o", expected="a file other than the optimisation", found=path)
+    check_apart([("-o", path)], scene, {"the optimisation": file})
     if scene.files and path.resolve().parent != scene.folder.resolve():
         raise SceneError(
             key="-o",

@@ -7,7 +7,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder
+from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder, write_text
 from flankload.cli.solving import Progress
 from flankload.errors import SceneError
 
@@ -44,10 +44,8 @@ def accuracy(arguments: Namespace) -> None:
             resume=arguments.resume,
         )
     for path, text_of in ((arguments.csv, study.to_csv), (arguments.json, study.to_json)):
-        if path == STDOUT:
-            print(text_of(), end="")
-        elif path is not None:
-            text_of(path)
+        if path is not None:
+            write_text(path, text_of())
     if arguments.plot is not None:
         from flankload.plot.work_precision import write_work_precision
 

@@ -11,12 +11,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.pairing.slices import Slices
     from flankload.pairing.spline_fit import SplineFit
 
     Floats = NDArray[np.float64]
@@ -38,17 +40,12 @@ class CommonHeight:
     strip_mm : float
         Length of a strip along the profile.
     normal : (N, 2) array
-        Normals out of the shaft there, in the frame of the shaft.
-    middle_mm, middle_normal : (2,) arrays
-        Place and normal in the middle of the height, in the frame of the shaft.
-    middle_s_mm : (float, float)
-        Its arc lengths on both flanks.
-    axis_mm : (2,) array
-        Place of the hub's axis at z = `middle_z_mm`, from the shaft's.
-    tilt : (2,) array
-        Displacement of the hub's axis per length along z.
-    middle_z_mm : float
-        Middle of the common face width, where the hub's axis does not move by its tilt.
+        Normals out of the shaft there, in its frame.
+    middle_mm, middle_normal, middle_s_mm : (2,) arrays and (float, float)
+        Place, normal and arc lengths on both flanks of the middle of the height.
+    axis_mm, tilt : (2,) arrays
+        Place of the hub's axis at z = `middle_z_mm`, the middle of the common face width, from the
+        shaft's, and its displacement per length along z.
     """
 
     s_mm: tuple[Floats, Floats]
@@ -67,33 +64,15 @@ class CommonHeight:
         return self.strip_mm * self.s_mm[0].size
 
     def gap_mm(self, turn_rad: Floats, z_mm: Floats, spread: Floats) -> Floats:
-        """Gap by offset and tilt of the hub's axis, along the normals of the shaft.
+        """Gap (S, J) by offset and tilt of the hub's axis, along the normals of the shaft.
 
         A rotation vector w of the hub about the middle moves its point (x, y, z) by w x (x, y, z),
         in the section by z (w_y, -w_x): as the axis there, so that the gap is that times n.
-
-        Parameters
-        ----------
-        turn_rad : (S,) array
-            Angles of the teeth of the shaft in space.
-        z_mm : (J,) array
-            Slices.
-        spread : (N,) array
-            Part of the force on each strip.
-
-        Returns
-        -------
-        (S, J) array
+        `turn_rad` (S,) are the angles of the teeth of the shaft in space, `z_mm` (J,) the slices,
+        `spread` (N,) the part of the force on each strip.
         """
         axis = self.axis_mm + np.outer(z_mm - self.middle_z_mm, self.tilt)
         return np.asarray(turned(spread @ self.normal, turn_rad) @ axis.T)
-
-
-def turned(vector: Floats, angle_rad: Floats) -> Floats:
-    """A plane vector (2,) turned counter-clockwise by angles (...): (..., 2)."""
-    c, s = np.cos(angle_rad), np.sin(angle_rad)
-    x, y = vector
-    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 def common_height(
@@ -105,28 +84,11 @@ def common_height(
     direction_rad: float,
     middle_z_mm: float,
 ) -> CommonHeight:
-    """Common height of shaft and hub.
+    """Common height of shaft and hub, of equal involutes.
 
-    Parameters
-    ----------
-    shaft, hub : Body
-        Of equal involutes.
-    offset_mm : float
-        Distance of their axes along x.
-    misalignment_rad, direction_rad : float
-        Angle between the axes, and the polar angle of the direction in which the hub's axis leans
-        towards larger z.
-    middle_z_mm : float
-        Axial position about which it leans.
-
-    Returns
-    -------
-    CommonHeight
-
-    Raises
-    ------
-    SceneError
-        If roundings or chamfers leave no common height.
+    The axes are `offset_mm` apart along x. `misalignment_rad` is the angle between them; the hub's
+    axis leans towards larger z in the direction of the polar angle `direction_rad`, about the axial
+    position `middle_z_mm`. Raises a SceneError if roundings or chamfers leave no common height.
     """
     (s_1, r_1), (s_2, r_2) = _radii(shaft), _radii(hub)
     low, high = max(r_1.min(), r_2.min()), min(r_1.max(), r_2.max())
@@ -158,24 +120,12 @@ def common_height(
     )
 
 
-def tilt_notes(fit: SplineFit | None, height: CommonHeight | None, width_mm: float) -> list[str]:
-    """Note on coast flanks that would touch before all teeth carry.
-
-    Parameters
-    ----------
-    fit : SplineFit or None
-    height : CommonHeight or None
-        None if the pair is no spline in three dimensions.
-    width_mm : float
-        Common face width.
-
-    Returns
-    -------
-    list of str
-        Empty where the backlash is wide enough, or the axes are parallel.
-    """
+def tilt_notes(fit: SplineFit | None, slices: Slices) -> list[str]:
+    """Note on coast flanks of a spline that would touch before all teeth carry, on tilted axes."""
+    height = slices.conforming
     if fit is None or height is None or not height.tilt.any():
         return []
+    width_mm = float(slices.width_mm.sum())
     moved = fit.offset_mm + 0.5 * width_mm * float(np.hypot(*height.tilt))
     if 2.0 * moved <= fit.normal_backlash_mm:
         return []

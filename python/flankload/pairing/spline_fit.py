@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.errors import SceneError
+from flankload.pairing.interference import along
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,21 +39,11 @@ PLACES = 12
 
 @dataclass(frozen=True)
 class SplineFit:
-    """Fit of shaft and hub.
+    """Fit of shaft and hub, with offset axes.
 
-    Attributes
-    ----------
-    pressure_angle_rad : float
-        Pressure angle on the pitch circle.
-    pitch_radius_mm, base_radius_mm : float
-    active_radii_mm : (float, float)
-        Tip radii of hub and shaft, between which the flanks coincide.
-    turn_rad : float
-        Angle of the hub at which flanks without errors touch on a common axis.
-    backlash_mm : float
-        Backlash on the pitch circle.
-    offset_mm : float
-        Distance of the axes.
+    `active_radii_mm` are the tip radii of hub and shaft, between which the flanks coincide;
+    `turn_rad` is the angle of the hub at which flanks without errors touch on a common axis;
+    pressure angle and backlash are those on the pitch circle.
     """
 
     pressure_angle_rad: float
@@ -72,26 +63,10 @@ class SplineFit:
 def spline_fit(
     shaft: Body, hub: Body, offset: float, warnings: list[str], *, coast_flanks: bool = False
 ) -> SplineFit:
-    """Geometry of a shaft in its hub.
+    """Geometry of a shaft in its hub, `offset` mm apart; a SceneError names the misfit key.
 
-    Parameters
-    ----------
-    shaft, hub : Body
-    offset : float
-        Distance of their axes, mm.
-    warnings : list of str
-        Warnings for the user are appended.
-    coast_flanks : bool
-        Coast flanks can carry, too: a tooth may be wider than its space by `LARGEST_OVERLAP`.
-
-    Returns
-    -------
-    SplineFit
-
-    Raises
-    ------
-    SceneError
-        If they cannot be combined; names the key.
+    Warnings for the user are appended. If coast flanks can carry, a tooth may be wider than its
+    space by `LARGEST_OVERLAP`.
     """
     assert shaft.involute is not None
     assert hub.involute is not None
@@ -120,27 +95,20 @@ def spline_fit(
 
 def _check_teeth(shaft: Body, hub: Body) -> None:
     """Check for equal number of teeth, module and pressure angle."""
-    if shaft.teeth != hub.teeth:
-        raise SceneError(
-            key="body_2.teeth",
-            expected=f"{shaft.teeth}, as in body_1.teeth",
-            found=f"{hub.teeth}",
-        )
     (module_1, angle_1), (module_2, angle_2) = (
         _module_and_angle(body.involute, body.teeth) for body in (shaft, hub)
     )
-    if abs(module_2 / module_1 - 1) > ROUNDING:
-        raise SceneError(
-            key="body_2.module_mm",
-            expected=f"{module_1:g}, as in body_1.module_mm",
-            found=f"{module_2:g}",
-        )
-    if abs(angle_2 - angle_1) > ROUNDING:
-        raise SceneError(
-            key="body_2.pressure_angle_deg",
-            expected=f"{angle_1:g}, as in body_1.pressure_angle_deg",
-            found=f"{angle_2:g}",
-        )
+    for key, one, two, tolerance in (
+        ("teeth", shaft.teeth, hub.teeth, 0.0),
+        ("module_mm", module_1, module_2, ROUNDING * module_1),
+        ("pressure_angle_deg", angle_1, angle_2, ROUNDING),
+    ):
+        if abs(two - one) > tolerance:
+            raise SceneError(
+                key=f"body_2.{key}",
+                expected=f"{one:g}, as in body_1.{key}",
+                found=f"{two:g}",
+            )
 
 
 def _room(one: Involute, two: Involute, teeth: int, *, coast_flanks: bool) -> float:
@@ -219,9 +187,7 @@ def _check_roots(shaft: Body, hub: Body, fit: SplineFit) -> None:
 
 def _places(body: Body) -> tuple[Floats, Floats]:
     """Radii, ascending, and polar angles of points on a flank."""
-    curve = body.curve
-    ends = np.linspace(curve.breaks[:-1], curve.breaks[1:], PLACES, endpoint=False)
-    x, y = curve.point(np.append(ends.T.ravel(), curve.breaks[-1])).T
+    x, y = body.curve.point(along(body.curve, PLACES)).T
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
     order = np.argsort(radius, kind="stable")
     return radius[order], angle[order]

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib import rc_context
 
-from flankload.plot.figures import as_results, empty_figure, fit, one_panel, set_title
-from flankload.plot.style import SIZE, STYLE, torque_colours
+from flankload.plot.picture import all_torques, panels, picture
+from flankload.plot.style import SIZE, torque_colours
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -36,47 +35,31 @@ QUANTITIES: dict[str, tuple[str, str | Callable[[Result], float]]] = {
 }
 
 
-def plot_torque_sweep(results: Result | Sequence[Result], quantity: str | None = None) -> Figure:
-    """Transmission error, pressure or force, and stiffness over the torque.
-
-    Parameters
-    ----------
-    results : Result, or sequence of Result
-    quantity : str, optional
-        One of `QUANTITIES`; by default four of them, in four panels.
-    """
-    shown = as_results(results)
+@panels(all_torques, "Over the torque")
+def plot_torque_sweep(
+    figure: Figure, results: Sequence[Result], *, quantity: str | None = None
+) -> None:
+    """Draw transmission error, pressure or force, and stiffness over the torque."""
     if quantity is not None:
-        return one_panel(draw_torque_sweep, shown, "Over the torque", quantity=quantity)
-    pressed = shown[0].drive is None
-    third = "peak_pressure" if pressed else "tooth_force"
+        draw_torque_sweep(figure.add_subplot(), results, quantity=quantity)
+        return
+    third = "peak_pressure" if results[0].drive is None else "tooth_force"
     names = ("transmission_error_peak_to_peak", "transmission_error_mean", third, "stiffness")
-    with rc_context(STYLE):
-        figure = empty_figure((SIZE[0], 1.25 * SIZE[1]))
-        for axes, name in zip(figure.subplots(2, 2).flat, names, strict=True):
-            draw_torque_sweep(axes, shown, quantity=name)
-        set_title(figure, shown, "Over the torque")
-        fit(figure)
-        return figure
+    figure.set_size_inches(SIZE[0], 1.25 * SIZE[1])
+    for axes, name in zip(figure.subplots(2, 2).flat, names, strict=True):
+        draw_torque_sweep(axes, results, quantity=name)
 
 
+@picture(all_torques)
 def draw_torque_sweep(
     axes: Axes, results: Sequence[Result], *, quantity: str = "transmission_error_peak_to_peak"
 ) -> None:
     """Draw a key figure over the torque.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        One per torque, by ascending torque.
-    quantity : str
-        One of `QUANTITIES`.
-
     Raises
     ------
     ValueError
-        If the quantity is another one.
+        If the quantity is none of `QUANTITIES`.
     """
     if quantity not in QUANTITIES:
         expected = ", ".join(QUANTITIES)

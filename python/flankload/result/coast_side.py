@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.contact.sweep import sweep
+from flankload.contact.sweep import FlankContact, sweep
 from flankload.errors import ContactError
-from flankload.pairing.coast_sites import coast_sites
+from flankload.pairing.pairing import coast_sites
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -70,13 +70,15 @@ class CoastSide:
 
     def _gaps(self, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
         (found,) = sweep(
-            self.bodies,
-            compliances=self.compliances,
-            pairing=self.pairing,
-            position_rad=position_rad,
-            torques_Nmm=(0.0,),
-            face_width_mm=1.0,
-            grid=self.grid,
+            FlankContact(
+                self.bodies,
+                compliances=self.compliances,
+                pairing=self.pairing,
+                face_width_mm=1.0,
+                grid=self.grid,
+            ),
+            position_rad,
+            (0.0,),
             keep_pairs=False,
         )
         return found.rotation_rad

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.error_rules import of_positions
 from flankload.analysis.estimate import estimate_errors
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.tip_error import tip_error
 from flankload.cost import held_bytes
+from flankload.mechanisms.flank_pair.stages import swept
 from flankload.mechanisms.flank_pair.states import window_of
 
 if TYPE_CHECKING:
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 
     from flankload.analysis.error_rules import Left
     from flankload.contact.sweep import Sweep
-    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.flank_pair.states import FlankStates
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.pairing.body_pair import BodyPair
@@ -25,28 +27,11 @@ if TYPE_CHECKING:
 
 
 def error_estimates(
-    scene: Scene,
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    states: FlankStates,
-    clock: StageClock,
+    scene: Scene, pair: BodyPair, compliances: Compliances, states: FlankStates, clock: StageClock
 ) -> list[Mapping[str, object] | None]:
-    """Estimate the errors of the states.
+    """Estimate the errors of the states, one entry per torque, as the result shows it.
 
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-        At all positions.
-    compliances : two BodyCompliance
-    states : FlankStates
-    clock : StageClock
-
-    Returns
-    -------
-    list of mapping or None
-        One entry per torque, as the result shows it; None without torque, for which nothing is
-        approximated.
+    None without torque, for which nothing is approximated. `pair` has all positions.
     """
     found = states.found
     loaded = [t for t, part in enumerate(found) if part.torque_Nmm > 0]
@@ -54,10 +39,11 @@ def error_estimates(
     with clock.stage("estimate") as account:
         if loaded:
 
-            def run_again(*, part: int, **other: object) -> tuple[Sweep, ...]:
-                return states.run(
-                    **other,
-                    torques_Nmm=[found[t].torque_Nmm for t in loaded],
+            def run_again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
+                return swept(
+                    replace(states.contact, **other),
+                    states.position_rad,
+                    [found[t].torque_Nmm for t in loaded],
                     keep_pairs=False,
                     account=account,
                     progress=clock.sweep_progress("estimate", sweep=part),
@@ -80,9 +66,7 @@ def error_estimates(
     return estimates
 
 
-def _variants(
-    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> dict[str, dict[str, object]]:
+def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, dict[str, object]]:
     """Arguments of the sweeps that show the errors of degrees along the axis and of slices."""
     if pair.slices is None:
         return {}
@@ -91,14 +75,14 @@ def _variants(
 
 
 def _sources(
-    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance], face_width_mm: float
+    pair: BodyPair, compliances: Compliances, face_width_mm: float
 ) -> dict[str, Callable[[Sweep], dict[str, Left]]]:
     """Sources of errors that follow from a sweep itself: tips, positions, other teeth."""
     sources: dict[str, Callable[[Sweep], dict[str, Left]]] = {}
     if pair.slices is None:
         sources["tip"] = partial(
             tip_error,
-            bodies=(pair.body_1, pair.body_2),
+            bodies=pair.bodies,
             compliances=compliances,
             pairing=pair.pairing,
             face_width_mm=face_width_mm,
@@ -114,32 +98,19 @@ def _sources(
     return sources
 
 
-def unseen_notes(
-    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> tuple[str, ...]:
-    """Notes on bodies whose discretization error the estimate does not include.
-
-    Parameters
-    ----------
-    pair : BodyPair
-    compliances : two BodyCompliance
-
-    Returns
-    -------
-    tuple of str
-    """
+def unseen_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:
+    """Notes on bodies whose discretization error the estimate does not include."""
     if pair.slices is not None:
-        axials = (pair.body_1.axial, pair.body_2.axial)
-        slower = ", slower where widths jump" * any(axial and axial.regions for axial in axials)
+        jumps = any(body.axial and body.axial.regions for body in pair.bodies)
+        slower = ", slower where widths jump" * jumps
         note = (
             "the error estimate does not contain the error of the degree of the displacements "
             f"along the axis (accuracy.axial_degree{slower}) and of forces that turn at tip corners"
         )
         return (note,)
-    bodies = (pair.body_1, pair.body_2)
     unknown = [
         f"body_{z + 1}"
-        for z, (body, compliance) in enumerate(zip(bodies, compliances, strict=True))
+        for z, (body, compliance) in enumerate(zip(pair.bodies, compliances, strict=True))
         if body.given is not None and compliance.missed is None and compliance.modes.nodes is None
     ]
     if not unknown:

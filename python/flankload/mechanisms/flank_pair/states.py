@@ -12,19 +12,19 @@ from flankload.contact.sweep import known_contacts
 from flankload.cost import held_bytes
 from flankload.errors import ContactError
 from flankload.mechanisms.flank_pair.premises import blame_load
-from flankload.mechanisms.flank_pair.stages import sweep_of
+from flankload.mechanisms.flank_pair.stages import contact_of, swept
 from flankload.result.geometry import pair_geometry
 from flankload.scene.discretization import position_tolerance
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     import numpy as np
     from numpy.typing import NDArray
 
     from flankload.analysis.adaptive_positions import PositionErrors
-    from flankload.contact.sweep import Sweep
-    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.contact.sweep import FlankContact, Sweep
+    from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.geometry import PairGeometry
@@ -38,21 +38,10 @@ LEAST_VARIATION = 1e-7
 
 @dataclass(frozen=True)
 class FlankStates:
-    """States of a flank pair.
+    """States of a flank pair: one entry of `found` and of estimated position errors per torque.
 
-    Attributes
-    ----------
-    found : tuple of Sweep
-        One entry per torque.
-    position_errors : tuple of PositionErrors or None
-        Estimated errors of adaptive positions, one entry per torque.
-    rounds : int
-        Number of sweeps in which the positions were found.
-    geometry : PairGeometry
-        At all positions.
-    position_rad : (P,) array
-    run : callable
-        Sweeps the same positions again.
+    `rounds` is the number of sweeps in which adaptive positions (P,) were found; `geometry` is that
+    at all positions, `contact` that of both bodies.
     """
 
     found: tuple[Sweep, ...]
@@ -60,98 +49,58 @@ class FlankStates:
     rounds: int
     geometry: PairGeometry
     position_rad: NDArray[np.float64]
-    run: Run
+    contact: FlankContact
 
 
 def flank_states(
-    scene: Scene,
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    clock: StageClock,
+    scene: Scene, pair: BodyPair, compliances: Compliances, clock: StageClock
 ) -> tuple[BodyPair, FlankStates]:
-    """Sweep a flank pair under all torques.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    compliances : two BodyCompliance
-    clock : StageClock
-
-    Returns
-    -------
-    pair : BodyPair
-        At all positions.
-    states : FlankStates
+    """Sweep a flank pair under all torques; return also the pair at all positions.
 
     Raises
     ------
     ContactError
         If a position has no state; PremiseError if a part of the torque violates a premise.
     """
-    run = partial(sweep_of(scene, pair), compliances=compliances, grid=pair.discretization.grid)
+    contact = contact_of(scene, pair, compliances)
     with clock.stage("sweep") as account:
-        swept = partial(run, torques_Nmm=scene.torques_Nmm, account=account)
+        run = partial(swept, contact, torques_Nmm=scene.torques_Nmm, account=account)
         try:
-            pair, found, errors, rounds = _all_positions(scene, pair, swept, clock)
+            pair, found, errors, rounds = _all_positions(scene, pair, run, clock)
         except ContactError as error:
-            at_positions = partial(run, position_rad=pair.position_rad)
             geometry = pair_geometry(pair, compliances)
-            blame_load(
-                scene, pair, geometry, error, lambda torque: at_positions(torques_Nmm=[torque])
-            )
+            alone = partial(swept, contact, pair.position_rad)
+            blame_load(scene, pair, geometry, error, lambda torque: alone([torque]))
             raise
         account.bytes += held_bytes(found)
-    run = partial(run, position_rad=pair.position_rad)
+    again = partial(swept, contact, pair.position_rad, keep_pairs=False)
     if scene.accuracy.tangents and not pair.effects.lumped_contact:
         # the equations of a lumped contact include its tangent
         with clock.stage("tangent") as account:
-            again = partial(run, keep_pairs=False, account=account)
-            found = with_tangents(found, partial(again, progress=clock.sweep_progress("tangent")))
+            progress = clock.sweep_progress("tangent")
+            found = with_tangents(found, partial(again, account=account, progress=progress))
     with clock.account("result") as account:
-        found = with_unloaded(found, partial(run, keep_pairs=False, account=account))
+        found = with_unloaded(found, partial(again, account=account))
     for name in ("states", "slices"):  # those are of positions under a torque
         account.counters.pop(name, None)
     geometry = pair_geometry(pair, compliances)
-    return pair, FlankStates(found, errors, rounds, geometry, pair.position_rad, run)
+    return pair, FlankStates(found, errors, rounds, geometry, pair.position_rad, contact)
 
 
 def continued_states(
-    scene: Scene,
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    clock: StageClock,
-    similar: FlankStates,
+    scene: Scene, pair: BodyPair, compliances: Compliances, clock: StageClock, similar: FlankStates
 ) -> tuple[BodyPair, FlankStates]:
-    """States of a flank pair that differs by a small step from a solved one, without tangents.
-
-    Parameters
-    ----------
-    scene, pair, compliances, clock
-        As in `flank_states`.
-    similar : FlankStates
-        Of the solved pair: its positions and its pairs in contact.
-
-    Returns
-    -------
-    pair : BodyPair
-        At these positions.
-    states : FlankStates
-    """
+    """As `flank_states`, from those of a solved pair that differs by a small step; no tangents."""
     pair = replace(pair, position_rad=similar.position_rad, adaptive=False)
-    run = partial(
-        sweep_of(scene, pair),
-        compliances=compliances,
-        grid=pair.discretization.grid,
-        position_rad=pair.position_rad,
-    )
+    contact = contact_of(scene, pair, compliances)
+    run = partial(swept, contact, pair.position_rad)
     with clock.stage("sweep") as account:
         known = known_contacts(similar.found)
-        found = run(torques_Nmm=scene.torques_Nmm, known=known, account=account)
+        found = run(scene.torques_Nmm, known=known, account=account)
     with clock.account("result") as account:
         found = with_unloaded(found, partial(run, keep_pairs=False, account=account))
-    geometry = pair_geometry(pair, compliances)
-    return pair, FlankStates(found, (None,) * len(found), 1, geometry, similar.position_rad, run)
+    geometry, none = pair_geometry(pair, compliances), (None,) * len(found)
+    return pair, FlankStates(found, none, 1, geometry, similar.position_rad, contact)
 
 
 def _all_positions(
@@ -166,7 +115,7 @@ def _all_positions(
         return run(position_rad=position_rad, progress=clock.sweep_progress("sweep", number=number))
 
     window = window_of(pair)
-    swept = sweep_adaptively(
+    adapted = sweep_adaptively(
         run_round,
         pair.position_rad,
         window,
@@ -174,21 +123,12 @@ def _all_positions(
         most=scene.positions.most_per_pitch * window.pitches,
         least_rad=LEAST_VARIATION * pair.body_1.curve.length_mm / pair.body_1.reference_radius_mm,
     )
-    return replace(pair, position_rad=swept.position_rad), swept.found, swept.errors, swept.rounds
+    pair = replace(pair, position_rad=adapted.position_rad)
+    return pair, adapted.found, adapted.errors, adapted.rounds
 
 
 def window_of(pair: BodyPair) -> Window:
-    """Range of tooth pitches that the positions cover.
-
-    Parameters
-    ----------
-    pair : BodyPair
-        Its positions are not single angles.
-
-    Returns
-    -------
-    Window
-    """
+    """Range of tooth pitches that the positions cover, which are not single angles."""
     assert pair.pitches is not None
     pairing = pair.pairing
     return Window(
@@ -201,25 +141,12 @@ def window_of(pair: BodyPair) -> Window:
     )
 
 
-def position_notes(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> tuple[str, ...]:
-    """Warnings about adaptive positions whose estimated error exceeds the tolerance.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    error : PositionErrors or None
-
-    Returns
-    -------
-    tuple of str
-    """
+def position_notes(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> Iterator[str]:
+    """Warnings about adaptive positions whose estimated error exceeds the tolerance."""
     tolerance = position_tolerance(scene)
-    if error is None or error.largest <= tolerance:
-        return ()
-    note = (
-        f"{pair.position_rad.size} positions are too few for a tolerance of {tolerance:g}: "
-        f"harmonics are in doubt by {100 * error.harmonics:.2g} %, the peak to peak by "
-        f"{100 * error.peak_to_peak:.2g} % (positions.max_count, positions.tolerance)"
-    )
-    return (note,)
+    if error is not None and error.largest > tolerance:
+        yield (
+            f"{pair.position_rad.size} positions are too few for a tolerance of {tolerance:g}: "
+            f"harmonics are in doubt by {100 * error.harmonics:.2g} %, the peak to peak by "
+            f"{100 * error.peak_to_peak:.2g} % (positions.max_count, positions.tolerance)"
+        )
