@@ -85,7 +85,7 @@ def body_of(stock: Stock, gear: Component, name: str, flank: Component | None) -
     body = Gear(stock.source(gear), None if flank is None else stock.source(flank), name, {})
     body.keys["kind"] = "ring" if body.is_ring else "gear"
     _teeth(stock, body)
-    _plain(stock, body, body.source)
+    _plain(body, body.source)
     _helix(stock, body)
     _profile(stock, body)
     _required(stock, body)
@@ -95,7 +95,7 @@ def body_of(stock: Stock, gear: Component, name: str, flank: Component | None) -
     return body
 
 
-def _plain(stock: Stock, body: Gear, source: Source) -> None:
+def _plain(body: Gear, source: Source) -> None:
     """Read the attributes of a component that are keys as they are."""
     for entry in TABLE:
         if entry.how == PLAIN and source.component.type in entry.types:
@@ -165,18 +165,15 @@ def _profile(stock: Stock, body: Gear) -> None:
     flank = body.flank
     if flank is None:
         return
-    _plain(stock, body, flank)
+    _plain(body, flank)
     nominal = flank.number("addendum_modification_coefficient", "")
     finished = flank.number("addendum_modification_coefficient_after_finishing", "")
     in_mm = flank.number("addendum_modification", "mm")
     if nominal is None and in_mm is not None and body.keys.get("module_mm"):
         nominal = in_mm / body.keys["module_mm"]
     if finished is not None and nominal is not None and finished != nominal:
-        stock.leave(
-            flank.component,
-            "addendum_modification_coefficient",
-            "the coefficient after finishing is taken",
-        )
+        why = "the coefficient after finishing is taken"
+        stock.leave(flank.component, "addendum_modification_coefficient", why)
     shift = nominal if finished is None else finished
     if shift is not None:
         body.keys["profile_shift"] = shift
@@ -193,10 +190,9 @@ def _root(stock: Stock, body: Gear) -> None:
         for part in stock.model.partners(kind, role, body.component.id, wanted)
         if part.type.endswith("_tool")
     ]
-    steps = stock.model.partners(
-        "manufacturing_step", "workpiece", body.component.id, "manufacturing_step"
-    )
-    made = [stock.source(step) for step in steps]
+    step = "manufacturing_step"
+    steps = stock.model.partners(step, "workpiece", body.component.id, step)
+    made = [stock.source(part) for part in steps]
     if body.is_ring:
         for tool in tools:
             stock.leave_all(tool, "the root of a ring is given by its diameter")
@@ -208,18 +204,15 @@ def _root(stock: Stock, body: Gear) -> None:
     dedendum = None
     if racks:
         rack = stock.source(racks[0])
-        _plain(stock, body, rack)
+        _plain(body, rack)
         dedendum = rack.number("addendum_coefficient_reference_profile", "")
         _protuberance(stock, body, rack, made)
     root = body.source.number("root_diameter", "mm")
     if root is not None and body.keys.keys() >= {"teeth", "module_mm", "profile_shift"}:
         depth = 0.5 * (body.reference_mm - root) / body.keys["module_mm"]
         if dedendum is not None:
-            stock.leave(
-                racks[0],
-                "addendum_coefficient_reference_profile",
-                f"root_diameter of {body.component.label} is taken",
-            )
+            why = f"root_diameter of {body.component.label} is taken"
+            stock.leave(racks[0], "addendum_coefficient_reference_profile", why)
         # the rack cuts deeper by the share of the thickness allowance (x_E of DIN 3960)
         allowance = body.keys.get("tooth_thickness_allowance_um", 0.0) / 1000.0
         pressure = tan(radians(body.keys["pressure_angle_deg"]))
@@ -274,13 +267,10 @@ def _thickness(stock: Stock, body: Gear) -> None:
 
 
 def _material(stock: Stock, body: Gear) -> None:
-    found = [
-        part
-        for part in stock.model.partners("reference", "origin", body.component.id, "referenced")
-        if part.type == "material"
-    ]
+    parts = stock.model.partners("reference", "origin", body.component.id, "referenced")
+    found = [part for part in parts if part.type == "material"]
     if found:
-        _plain(stock, body, stock.source(found[0]))
+        _plain(body, stock.source(found[0]))
     for key in ("young_modulus_MPa", "poisson_ratio"):
         if key not in body.keys and f"{body.name}.{key}" not in stock.settings:
             stock.assume(body.component, f"default of {key}: no material with it in the file")
