@@ -1,4 +1,4 @@
-"""Directions, rotations, lines and circles in the plane; the contour of a tooth for pictures."""
+"""Directions, mirror images, lines and circles in the plane; a contour of a tooth for pictures."""
 
 from __future__ import annotations
 
@@ -16,12 +16,6 @@ if TYPE_CHECKING:
 def directions(angles_rad: ArrayLike) -> Floats:
     """Unit vectors (m, 2) at polar angles (m,)."""
     return np.stack([np.cos(angles_rad), np.sin(angles_rad)], axis=1)
-
-
-def turned(places: Floats, angle_rad: float) -> Floats:
-    """Places (m, 2) rotated counter-clockwise about the origin."""
-    c, s = np.cos(angle_rad), np.sin(angle_rad)
-    return np.asarray(places @ np.array([[c, s], [-s, c]]))
 
 
 def mirrored(places: Floats, axis_rad: float) -> Floats:

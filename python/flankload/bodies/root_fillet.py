@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import WholeMesh
-from flankload.bodies.plane import turned
 from flankload.errors import SceneError
 from flankload.meshes.plane_mesh import boundary_edges
 from flankload.scene.refusal import refuse

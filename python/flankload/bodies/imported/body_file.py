@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh, WholeMesh
-from flankload.bodies.plane import turned
 from flankload.meshes.io import write_mesh
 from flankload.meshes.plane_mesh import boundary_edges, raise_to_quadratic
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.imported.mesh_source import in_order
-from flankload.bodies.plane import turned
 from flankload.meshes.plane_mesh import boundary_edges, chain
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import MeshedFlank, WholeMesh
 from flankload.bodies.imported.mesh_curve import carrying_edges, fitted_turn
 from flankload.bodies.imported.mesh_source import faces_clockwise, in_order, middles_are_straight
-from flankload.bodies.plane import turned
 from flankload.meshes.plane_mesh import boundary_edges, chain
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.involute.sector_mesh import inverted_element, tooth_mesh
-from flankload.bodies.plane import turned
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
