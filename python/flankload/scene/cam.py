@@ -132,26 +132,14 @@ class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
         wanted = ROLLER if self.has_roller or "arm_mm" in present else FLAT
         for name in wanted:
             if name not in present:
-                refuse(
-                    f"{key}.{name}",
-                    "a number: a follower has a roller ("
-                    + ", ".join(ROLLER)
-                    + ") or a flat ("
-                    + ", ".join(FLAT)
-                    + ")",
-                    "nothing",
-                )
+                heads = f"a roller ({', '.join(ROLLER)}) or a flat ({', '.join(FLAT)})"
+                refuse(f"{key}.{name}", f"a number: a follower has {heads}", "nothing")
         for name in present:
             if name not in wanted:
                 expected = f"nothing beside {key}.{wanted[0]}: a follower has a roller or a flat"
                 refuse(f"{key}.{name}", expected, f"{getattr(self, name):g}")
-        ascending = [("bore_diameter_mm", "hub_diameter_mm")]
-        ascending += (
-            [("roller_radius_mm", "arm_mm")]
-            if wanted is ROLLER
-            else [("flat_from_mm", "flat_to_mm")]
-        )
-        for small, large in ascending:
+        sizes = ("roller_radius_mm", "arm_mm") if wanted is ROLLER else FLAT[1:]
+        for small, large in (("bore_diameter_mm", "hub_diameter_mm"), sizes):
             less, more = getattr(self, small), getattr(self, large)
             if more is not None and more <= less:
                 refuse(f"{key}.{large}", f"more than {key}.{small} ({less:g})", f"{more:g}")

@@ -11,7 +11,6 @@ import numpy as np
 from flankload.bodies.body import Body, Flat, Material, Roller
 from flankload.bodies.cam.follower_mesh import flat_mesh, roller_mesh
 from flankload.bodies.plane import circle, directions, line
-from flankload.errors import SceneError
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
 from flankload.scene.refusal import refuse
 
@@ -112,21 +111,14 @@ def lever_of(spec: Follower, key: str) -> Lever:
 
     Arm, hub and head that are inconsistent are refused.
     """
-
-    def refuse(name: str, expected: str, found: float) -> None:
-        raise SceneError(key=f"{key}.{name}", expected=expected, found=f"{found:g}")
-
     if spec.has_roller:
         assert spec.roller_radius_mm is not None
         radius = spec.roller_radius_mm
         width = spec.arm_width_mm or radius
-        if not LEAST_ARM * radius <= width <= LARGEST_ARM * radius:
-            refuse(
-                "arm_width_mm",
-                f"{LEAST_ARM:g} to {LARGEST_ARM:g} of {key}.roller_radius_mm "
-                f"({LEAST_ARM * radius:g} to {LARGEST_ARM * radius:g})",
-                width,
-            )
+        least, largest = LEAST_ARM * radius, LARGEST_ARM * radius
+        if not least <= width <= largest:
+            expected = f"{LEAST_ARM:g} to {LARGEST_ARM:g} of {key}.roller_radius_mm "
+            refuse(f"{key}.arm_width_mm", f"{expected}({least:g} to {largest:g})", f"{width:g}")
         arm = (-0.5 * width, 0.5 * width)
     else:
         assert spec.flat_to_mm is not None
@@ -136,12 +128,8 @@ def lever_of(spec: Follower, key: str) -> Lever:
     bore, held = 0.5 * spec.bore_diameter_mm, HOLDING_PART * max(map(abs, arm))
     hub = 0.5 * (spec.hub_diameter_mm or 0.0) or max(HUB_PART * bore, held)
     if hub < held:
-        refuse(
-            "hub_diameter_mm",
-            f"at least {2 * held:g}, so that the hub holds the arm (y from {arm[0]:g} to "
-            f"{arm[1]:g} mm)",
-            2 * hub,
-        )
+        expected = f"at least {2 * held:g}, so that the hub holds the arm (y from {arm[0]:g} to "
+        refuse(f"{key}.hub_diameter_mm", f"{expected}{arm[1]:g} mm)", f"{2 * hub:g}")
     head = _roller(spec, key, hub, arm[1]) if spec.has_roller else _flat(spec, key, hub)
     return Lever(bore, hub, arm, head)
 

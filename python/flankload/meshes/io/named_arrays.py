@@ -174,23 +174,20 @@ def read_arrays(path: str | Path, key: str) -> NamedArrays:
         If the file is missing, unreadable or pickled, or its rows have different lengths.
     """
     path = Path(path)
+    expected, suffix = "a .npz or .csv file", path.suffix.lower()
+    found = "" if suffix in (".npz", ".csv") else suffix or "no suffix"
     if not isfile(path):  # unlike Path.is_file, no exception for a name that is too long
         found = "a folder" if isdir(path) else "no such file"
-        raise ComplianceFileError(file=path, key=key, expected="a .npz or .csv file", found=found)
-    suffix = path.suffix.lower()
-    if suffix not in (".npz", ".csv"):
-        raise ComplianceFileError(
-            file=path, key=key, expected="a .npz or .csv file", found=suffix or "no suffix"
-        )
+    if found:
+        raise ComplianceFileError(file=path, key=key, expected=expected, found=found)
     if suffix == ".csv":
         arrays = _read_csv(path, key)
         return NamedArrays(path, {name: _held(value) for name, value in arrays.items()})
     try:
         return NamedArrays(path, read_members(path))
     except BadArchive as error:
-        raise ComplianceFileError(
-            file=path, key=error.name or key, expected=PLAIN, found=error.found
-        ) from None
+        key, found = error.name or key, error.found
+    raise ComplianceFileError(file=path, key=key, expected=PLAIN, found=found)
 
 
 def _is_text(member: Member) -> bool:
