@@ -6,8 +6,13 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from flankload.exchange.rexs.attributes import UNITS, reason_for, reason_for_type
-from flankload.exchange.rexs.units import FACTORS, converted
+from flankload.exchange.rexs.attributes import (
+    FACTORS,
+    UNITS,
+    converted,
+    reason_for,
+    reason_for_type,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
