@@ -97,7 +97,7 @@ def symmetric_breaks(width: float, first: float, growth: float, largest: float) 
 
 
 def coons(bottom: Floats, top: Floats, left: Floats, right: Floats, x: Floats, y: Floats) -> Floats:
-    """Points inside four edges (Coons patch).
+    """Points (n, m, 2) inside four edges (Coons patch).
 
     Parameters
     ----------
@@ -105,15 +105,10 @@ def coons(bottom: Floats, top: Floats, left: Floats, right: Floats, x: Floats, y
         Edges from left to right.
     left, right : (n, 2) arrays
         Edges from bottom to top.
-    x : (2, m) array
-        Relative positions along bottom and top.
-    y : (2, n) array
-        Relative positions along left and right.
-
-    Returns
-    -------
-    (n, m, 2) array
+    x, y : (2, m) or (m,) array, (2, n) or (n,) array
+        Relative positions along bottom and top, along left and right, or along both.
     """
+    x, y = (np.broadcast_to(part, (2, part.shape[-1])) for part in (x, y))
     check_count(x.shape[1] * y.shape[1], MOST_NODES, "nodes")
     # both coordinates are interpolated between opposite edges; two passes suffice
     across = np.broadcast_to(x[0], (y.shape[1], x.shape[1]))

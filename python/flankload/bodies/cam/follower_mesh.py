@@ -162,7 +162,7 @@ def _add_bar(blocks: BlockMesh, left: Floats, right: Floats, x: Floats, known: N
     bottom, top = (
         a + x[:, None] * (b - a) for a, b in ((left[0], right[0]), (left[-1], right[-1]))
     )
-    return blocks.add(coons(bottom, top, left, right, np.stack([x, x]), y), {"left": known})
+    return blocks.add(coons(bottom, top, left, right, x, y), {"left": known})
 
 
 def _roller_core(turns: list[Floats], radius: float) -> list[Floats]:
@@ -178,7 +178,7 @@ def _add_core(blocks: BlockMesh, edges: list[Floats], numbers: list[Numbers]) ->
     """Fill the core, whose edges are clockwise from the lower left."""
     left, top, right, bottom = edges
     x, y = (np.linspace(0.0, 1.0, len(edge)) for edge in (top, left))
-    grid = coons(bottom[::-1], top, left, right[::-1], np.stack([x, x]), np.stack([y, y]))
+    grid = coons(bottom[::-1], top, left, right[::-1], x, y)
     known = {
         "left": numbers[0],
         "top": numbers[1],

@@ -52,13 +52,13 @@ def rounded_tooth(
     half_angle = atan2(peak[1], peak[0]) * (1 - 2 * top[1])
     below = np.hypot(*peak) * directions(half_angle)
     across = np.stack([(parts[n:-n] - parts[n]) / (1 - 2 * parts[n]), top[1]])
-    grid = coons(places[n:-n], below, inner, inner * mirror, across, np.stack([up, up]))
+    grid = coons(places[n:-n], below, inner, inner * mirror, across, up)
     core = mesh.add(grid, {})
-    grid = coons(places[: n + 1], inwards, flank, inner, np.stack([layer] * 2), np.stack([up] * 2))
+    grid = coons(places[: n + 1], inwards, flank, inner, layer, up)
     working = mesh.add(grid, {"right": core[:, 0]})
     other = mesh.add(grid[:, ::-1] * mirror, {"left": core[:, -1]})
-    across, down = np.stack([top[1]] * 2), np.stack([1 - layer[::-1]] * 2)
-    grid = coons(below, top[0], inwards[::-1], inwards[::-1] * mirror, across, down)
+    down = inwards[::-1]
+    grid = coons(below, top[0], down, down * mirror, top[1], 1 - layer[::-1])
     tip = mesh.add(grid, {"bottom": core[-1], "left": working[-1, ::-1], "right": other[-1]})
     bottom = np.concatenate([working[0, :-1], core[0], other[0, 1:]])
     return working[:, 0], tip[-1], bottom

@@ -108,12 +108,11 @@ def tooth_mesh(
         )
     else:
         up = (s_flank - s_flank[0]) / (s_flank[-1] - s_flank[0])
-        parts = (np.stack([columns, top_parts]), np.stack([up, up]))
-        tooth = mesh.add(coons(foot, top, flank, flank * mirror, *parts), {})
+        across = np.stack([columns, top_parts])
+        tooth = mesh.add(coons(foot, top, flank, flank * mirror, across, up), {})
         on_flank, on_top, on_foot = tooth[:, 0], tooth[-1], tooth[0]
     bore = bore_radius * directions(angle * (1 - 2 * columns))
-    parts = (np.stack([columns, columns]), np.stack([1 - rows[::-1]] * 2))
-    grid = coons(bore, foot, shaft[::-1], shaft[::-1] * mirror, *parts)
+    grid = coons(bore, foot, shaft[::-1], shaft[::-1] * mirror, columns, 1 - rows[::-1])
     middle = mesh.add(grid, {"top": on_foot})
     grid = _side_grid(profile, breaks.low, rows, shaft, bore_radius)
     right = mesh.add(grid, {"right": middle[:, 0]})
@@ -134,14 +133,8 @@ def _side_grid(
     bore = bore_radius * directions(angle + (half_pitch - angle) * (1 - side_parts))
     ray = np.array([cos(half_pitch), sin(half_pitch)])
     cut = np.linalg.norm(side_top[0]) * (1 - rows) + bore_radius * rows
-    return coons(
-        bore,
-        side_top,
-        cut[::-1, None] * ray,
-        shaft[::-1],
-        np.stack([side_parts, side_parts]),
-        np.stack([1 - rows[::-1]] * 2),
-    )
+    sides = cut[::-1, None] * ray, shaft[::-1]
+    return coons(bore, side_top, *sides, side_parts, 1 - rows[::-1])
 
 
 def _sector(
