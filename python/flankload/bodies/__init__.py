@@ -100,7 +100,10 @@ def _along_axis(
     folder: Path,
     ends: tuple[float, float],
 ) -> Body:
-    """The body with its shape along the axis; a mirrored helical mesh would have another hand."""
+    """The body with its shape along the axis.
+
+    A mirrored helical mesh is refused, since its hand would be the other one.
+    """
     if isinstance(spec, MeshBody):
         radius_mm = spec.helix_radius_mm
         if body.mirrored and spec.helix_angle_deg:

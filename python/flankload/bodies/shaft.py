@@ -189,7 +189,7 @@ class _Beam:
 
     @classmethod
     def of(cls, table: keys.Shaft, marks: Sequence[float]) -> _Beam:
-        """The whole shaft, with nodes at some places more."""
+        """The whole shaft, with nodes at further places."""
         places, stiffness = _bearings(table)
         steps = np.concatenate([[0.0], np.cumsum(table.dimensions.lengths_mm)])
         # an element of rounding errors in length would be too stiff

@@ -61,7 +61,7 @@ class Topography:
 def read_topography(
     path: Path, key: str, curve: FlankCurve, range_mm: tuple[float, float], width_mm: float
 ) -> Topography:
-    """Read a topography; it covers the active flank, between two arc lengths, and the face width.
+    """Read a topography that covers the active flank, between two arc lengths, and the face width.
 
     Raises
     ------

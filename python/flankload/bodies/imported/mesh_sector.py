@@ -90,7 +90,10 @@ def _match_cuts(source: MeshSource, cuts: list[Numbers]) -> tuple[Numbers, Numbe
 
 
 def _with_regions(source: MeshSource, mesh: SectorMesh) -> SectorMesh:
-    """The sector with its elements divided by `region_sets`, which have all nodes of theirs."""
+    """The sector with its elements divided into regions.
+
+    An element belongs to one of `region_sets` if this has all its nodes.
+    """
     spec = source.spec
     if spec.region_sets is None:
         return mesh

@@ -85,7 +85,7 @@ class MeshSource:
         return np.union1d(members, edges[whole, 2])
 
     def mirrored(self) -> MeshSource:
-        """The mirror image about the x axis, with the same numbers of nodes."""
+        """The mirror image about the x axis; nodes keep their numbers."""
         cells = tuple((kind, data[:, REVERSED[kind]]) for kind, data in self.body.cells)
         body = replace(
             self.body,
@@ -113,7 +113,7 @@ def read_source(spec: MeshBody, key: str, *, folder: Path) -> MeshSource:
 
 
 def _unit_of(ratio: float) -> str | None:
-    """Unit whose length in mm is closest to expected over actual size; None if no one is close."""
+    """Unit whose length in mm is closest to expected over actual size; None if none is close."""
     name, factor = min(UNITS.items(), key=lambda unit: abs(np.log(unit[1] / ratio)))
     return name if 0.2 < factor / ratio < 5.0 else None
 

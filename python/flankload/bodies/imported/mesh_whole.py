@@ -39,10 +39,10 @@ EQUAL_SHARE = 2e-7
 def whole_of(
     source: MeshSource, flanks: list[Numbers], fixed: Numbers, fit: FlankFit
 ) -> tuple[WholeMesh, Floats, tuple[float, ...], tuple[str, ...]]:
-    """Whole mesh, the outer contour (k, 2) of one tooth, the angles of the flanks, notes.
+    """Whole mesh, outer contour (k, 2) of one tooth, angles of the flanks, rad, and notes.
 
-    The angles, rad, are those from the equal share of each tooth, or none. The edges (m, 3) of the
-    flanks are in order, tooth 0 first, whose curve is known.
+    The angles are those from the equal share of each tooth; empty if there are none. The edges
+    (m, 3) of the flanks are in order, tooth 0 first; `fit` is the curve of this one.
 
     Raises
     ------

@@ -42,9 +42,9 @@ FOOT_PLACES = 200
 def gear_profile(
     spec: Geometry | SplineShaft, key: str, *, teeth: int | None = None
 ) -> ToothProfile:
-    """Profile of a gear from its keys, or from those of the profile of a mesh with other teeth.
+    """Profile of a gear from its keys, of which `key` is the dotted path in the scene.
 
-    `key` is the dotted path of these keys in the scene.
+    The profile of a mesh may lack the number of teeth, which is then that of the mesh, `teeth`.
 
     Raises
     ------

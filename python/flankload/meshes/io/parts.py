@@ -95,7 +95,7 @@ class RawMesh:
 def disjoint_groups(groups: Mapping[str, Numbers], count: int) -> dict[str, int]:
     """Sizes of element groups that may mean materials: groups that share no element.
 
-    None if a group contains all elements, `count`, or if groups overlap.
+    Empty if a group contains all elements, of which there are `count`, or if groups overlap.
     """
     members = {name: np.unique(elements) for name, elements in groups.items() if elements.size}
     whole = any(elements.size == count for elements in members.values())
