@@ -59,10 +59,6 @@ def build_body(
     pair_width_mm : float, optional
         Face width of bodies without one of their own, in a three-dimensional scene.
 
-    Returns
-    -------
-    Body
-
     Raises
     ------
     SceneError
