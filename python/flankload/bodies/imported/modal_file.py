@@ -122,7 +122,7 @@ def _read_compliance(
         jump=jump,
         corner_angles_deg=read_corner_angles(found),
         tip=_read_tip(found, *ends_mm, smooth.shape[1]),
-        turned=_read_turned(found, smooth.shape),
+        turned=found.numbers("turned", *smooth.shape[:2]) if "turned" in found else None,
     )
 
 
@@ -137,13 +137,6 @@ def _read_tip(found: NamedArrays, high: float, end: float, n_modes: int) -> Tip 
     if n_modes <= LEAST_TIP_MODES:
         found.refuse("smooth", f"more than the {LEAST_TIP_MODES} modes of the tip", f"{n_modes}")
     return Tip(float(tip), int(power), float(turn))
-
-
-def _read_turned(found: NamedArrays, shape: tuple[int, ...]) -> Floats | None:
-    """Response to a force along the flank at its sharp tip; files without it have none."""
-    if "turned" not in found:
-        return None
-    return found.numbers("turned", shape[0], shape[1])
 
 
 def _read_tangential(found: NamedArrays, shape: tuple[int, ...]) -> tuple[Floats | None, float]:
