@@ -5,35 +5,10 @@ from itertools import pairwise
 from math import asin, degrees, sin
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from flankload.scene.axial import (
-    AxialKeys,
-    AxialOffset,
-    EndRelief,
-    EndReliefLength,
-    EndReliefShape,
-    Hand,
-    HelixAngle,
-    HelixSlope,
-    LeadCrowning,
-    OnShaft,
-    OwnWidth,
-    ProfileTwist,
-    ToothHelixSlopes,
-    TopographyFile,
-)
+from flankload.scene import axial, regions
 from flankload.scene.involute import Geometry, InvoluteKeys, check_pitch_errors, check_tip
 from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse
-from flankload.scene.regions import (
-    HubDiameter,
-    HubOffset,
-    HubWidth,
-    RegionKeys,
-    RimThickness,
-    WebOffset,
-    WebOuterDiameter,
-    WebWidth,
-)
 from flankload.scene.table import (
     USUAL_ROUNDING,
     USUAL_SIZE,
@@ -53,7 +28,7 @@ from flankload.scene.table import (
 LEAST_BORE = 1e-3
 
 
-class ByNormalModule(Toothed, AxialKeys):
+class ByNormalModule(Toothed, axial.AxialKeys):
     """Mixin of toothed bodies whose helix angle belongs to the normal module."""
 
     __slots__ = ()
@@ -71,7 +46,9 @@ class ByNormalModule(Toothed, AxialKeys):
         return degrees(asin(min(1.0, turn_per_mm * self.module_mm)))
 
 
-class Gear(RegionKeys, ByNormalModule, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
+class Gear(
+    regions.RegionKeys, ByNormalModule, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"
+):
     """An external spur or helical gear with a generated root fillet, fixed at its bore."""
 
     teeth: Annotated[Teeth, about("number of teeth", "-")]
@@ -83,26 +60,26 @@ class Gear(RegionKeys, ByNormalModule, Geometry, BodyTable, frozen=True, kw_only
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
     pitch_errors_um: PitchErrors = ()
-    helix_angle_deg: HelixAngle = 0.0
-    hand: Hand = None
-    face_width_mm: OwnWidth = None
-    axial_offset_mm: AxialOffset = 0.0
-    lead_crowning_um: LeadCrowning = None
-    helix_slope_um: HelixSlope = None
-    tooth_helix_slope_um: ToothHelixSlopes = ()
-    end_relief_um: EndRelief = None
-    end_relief_length_mm: EndReliefLength = None
-    end_relief_shape: EndReliefShape = "linear"
-    profile_twist_um: ProfileTwist = None
-    topography_file: TopographyFile = None
-    shaft: OnShaft = None
-    web_width_mm: WebWidth = None
-    web_outer_diameter_mm: WebOuterDiameter = None
-    rim_thickness_mm: RimThickness = None
-    web_offset_mm: WebOffset = 0.0
-    hub_diameter_mm: HubDiameter = None
-    hub_width_mm: HubWidth = None
-    hub_offset_mm: HubOffset = 0.0
+    helix_angle_deg: axial.HelixAngle = 0.0
+    hand: axial.Hand = None
+    face_width_mm: axial.OwnWidth = None
+    axial_offset_mm: axial.AxialOffset = 0.0
+    lead_crowning_um: axial.LeadCrowning = None
+    helix_slope_um: axial.HelixSlope = None
+    tooth_helix_slope_um: axial.ToothHelixSlopes = ()
+    end_relief_um: axial.EndRelief = None
+    end_relief_length_mm: axial.EndReliefLength = None
+    end_relief_shape: axial.EndReliefShape = "linear"
+    profile_twist_um: axial.ProfileTwist = None
+    topography_file: axial.TopographyFile = None
+    shaft: axial.OnShaft = None
+    web_width_mm: regions.WebWidth = None
+    web_outer_diameter_mm: regions.WebOuterDiameter = None
+    rim_thickness_mm: regions.RimThickness = None
+    web_offset_mm: regions.WebOffset = 0.0
+    hub_diameter_mm: regions.HubDiameter = None
+    hub_width_mm: regions.HubWidth = None
+    hub_offset_mm: regions.HubOffset = 0.0
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
         """Check the pitch errors, the keys of the tip, along the axis, and the bore."""
@@ -116,14 +93,14 @@ class Gear(RegionKeys, ByNormalModule, Geometry, BodyTable, frozen=True, kw_only
 class WidthKeys(ByNormalModule, InvoluteKeys, frozen=True, kw_only=True):
     """Keys of an involute profile, and those along the axis that rings and splines have."""
 
-    face_width_mm: OwnWidth = None
-    axial_offset_mm: AxialOffset = 0.0
-    lead_crowning_um: LeadCrowning = None
-    helix_slope_um: HelixSlope = None
-    tooth_helix_slope_um: ToothHelixSlopes = ()
-    end_relief_um: EndRelief = None
-    end_relief_length_mm: EndReliefLength = None
-    end_relief_shape: EndReliefShape = "linear"
+    face_width_mm: axial.OwnWidth = None
+    axial_offset_mm: axial.AxialOffset = 0.0
+    lead_crowning_um: axial.LeadCrowning = None
+    helix_slope_um: axial.HelixSlope = None
+    tooth_helix_slope_um: axial.ToothHelixSlopes = ()
+    end_relief_um: axial.EndRelief = None
+    end_relief_length_mm: axial.EndReliefLength = None
+    end_relief_shape: axial.EndReliefShape = "linear"
 
 
 class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
@@ -164,11 +141,11 @@ class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
 class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
     """An internal spur or helical gear, fixed at the outside of its rim."""
 
-    helix_angle_deg: HelixAngle = 0.0
-    hand: Hand = None
-    profile_twist_um: ProfileTwist = None
-    topography_file: TopographyFile = None
-    shaft: OnShaft = None
+    helix_angle_deg: axial.HelixAngle = 0.0
+    hand: axial.Hand = None
+    profile_twist_um: axial.ProfileTwist = None
+    topography_file: axial.TopographyFile = None
+    shaft: axial.OnShaft = None
     root_fillet_radius_mm: Annotated[
         Length | None,
         about(

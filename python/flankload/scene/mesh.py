@@ -6,27 +6,10 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
-from flankload.scene.axial import (
-    HELIX_TOLERANCE_OF_RADII,
-    AxialKeys,
-    AxialOffset,
-    EndRelief,
-    EndReliefLength,
-    EndReliefShape,
-    Hand,
-    HelixSlope,
-    LeadCrowning,
-    MeshHelixAngle,
-    OnShaft,
-    OwnWidth,
-    ProfileTwist,
-    ToothHelixSlopes,
-    TopographyFile,
-)
+from flankload.scene import axial, regions
 from flankload.scene.involute import Geometry, check_pitch_errors, check_tip
 from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse, shown
-from flankload.scene.regions import MeshRegionKeys, RegionSets, RegionWidths
 from flankload.scene.table import (
     USUAL_SIZE,
     BodyTable,
@@ -52,7 +35,9 @@ class Profile(Geometry, frozen=True, kw_only=True):
     ] = None
 
 
-class MeshBody(MeshRegionKeys, AxialKeys, BodyTable, frozen=True, kw_only=True, tag="mesh"):
+class MeshBody(
+    regions.MeshRegionKeys, axial.AxialKeys, BodyTable, frozen=True, kw_only=True, tag="mesh"
+):
     """A body from a mesh file: one sector with cut faces, or the whole body with many flanks."""
 
     from_file: ClassVar[bool] = True
@@ -100,21 +85,21 @@ class MeshBody(MeshRegionKeys, AxialKeys, BodyTable, frozen=True, kw_only=True, 
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
     pitch_errors_um: PitchErrors = ()
-    helix_angle_deg: MeshHelixAngle = 0.0
-    hand: Hand = None
-    face_width_mm: OwnWidth = None
-    axial_offset_mm: AxialOffset = 0.0
-    lead_crowning_um: LeadCrowning = None
-    helix_slope_um: HelixSlope = None
-    tooth_helix_slope_um: ToothHelixSlopes = ()
-    end_relief_um: EndRelief = None
-    end_relief_length_mm: EndReliefLength = None
-    end_relief_shape: EndReliefShape = "linear"
-    profile_twist_um: ProfileTwist = None
-    topography_file: TopographyFile = None
-    shaft: OnShaft = None
-    region_sets: RegionSets = None
-    region_widths_mm: RegionWidths = None
+    helix_angle_deg: axial.MeshHelixAngle = 0.0
+    hand: axial.Hand = None
+    face_width_mm: axial.OwnWidth = None
+    axial_offset_mm: axial.AxialOffset = 0.0
+    lead_crowning_um: axial.LeadCrowning = None
+    helix_slope_um: axial.HelixSlope = None
+    tooth_helix_slope_um: axial.ToothHelixSlopes = ()
+    end_relief_um: axial.EndRelief = None
+    end_relief_length_mm: axial.EndReliefLength = None
+    end_relief_shape: axial.EndReliefShape = "linear"
+    profile_twist_um: axial.ProfileTwist = None
+    topography_file: axial.TopographyFile = None
+    shaft: axial.OnShaft = None
+    region_sets: regions.RegionSets = None
+    region_widths_mm: regions.RegionWidths = None
 
     @property
     def number_of_teeth(self) -> int:
@@ -141,7 +126,7 @@ class MeshBody(MeshRegionKeys, AxialKeys, BodyTable, frozen=True, kw_only=True, 
     @property
     def helix_tolerance_deg(self) -> float:
         """A given radius is rounded."""
-        return super().helix_tolerance_deg if self.profile else HELIX_TOLERANCE_OF_RADII
+        return super().helix_tolerance_deg if self.profile else axial.HELIX_TOLERANCE_OF_RADII
 
     def check_solid(self, key: str, why: str) -> None:
         """Refuse the mesh of a whole body."""

@@ -7,18 +7,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, REGION_KEYS
+from flankload.scene.effects import switches
 from flankload.scene.effects.record import Effect, Switch, Work
-from flankload.scene.effects.switches import (
-    MODIFICATIONS,
-    has_lead,
-    has_several_torques,
-    has_shaft,
-    is_elastic,
-    is_misaligned,
-    is_misplaced,
-    is_modified,
-    is_spatial,
-)
 
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
@@ -59,7 +49,7 @@ def _elastic(number: int) -> Any:
     return _effect(
         f"elastic body {number}",
         keys=(f"body_{number}.rigid",),
-        called_for=is_elastic(number),
+        called_for=switches.is_elastic(number),
         needs_load=True,
         stages=(f"compliance body {number}",),
         work=Work(factorisations=1, normal_loads=1),
@@ -83,7 +73,7 @@ class Effects:
             *(f"body_*.{key}" for key in (*REGION_KEYS, "shaft")),
             *(f"pair.{key}" for key in MISALIGNMENTS),
         ),
-        called_for=is_spatial,
+        called_for=switches.is_spatial,
         stages=(*BODIES, *SWEEPS),
         counters=("fe_unknowns", "slices"),
         size_by="compliance",
@@ -172,29 +162,32 @@ class Effects:
     )
     flank_modifications: bool = _effect(
         "flank modifications",
-        keys=tuple(f"body_*.{key}" for key in MODIFICATIONS),
-        called_for=is_modified,
+        keys=tuple(f"body_*.{key}" for key in switches.MODIFICATIONS),
+        called_for=switches.is_modified,
         **OF_GAPS,
     )
     pitch_errors: bool = _effect(
-        "pitch errors", keys=("body_*.pitch_errors_um",), called_for=is_misplaced, **OF_GAPS
+        "pitch errors",
+        keys=("body_*.pitch_errors_um",),
+        called_for=switches.is_misplaced,
+        **OF_GAPS,
     )
     lead_modifications: bool = _effect(
         "lead modifications",
         keys=tuple(f"body_*.{key}" for key in LEAD_KEYS),
-        called_for=has_lead,
+        called_for=switches.has_lead,
         **OF_GAPS,
     )
     misalignment: bool = _effect(
         "misalignment of the axes",
         keys=tuple(f"pair.{key}" for key in MISALIGNMENTS),
-        called_for=is_misaligned,
+        called_for=switches.is_misaligned,
         **OF_GAPS,
     )
     shafts: bool = _effect(
         "shafts and bearings",
         keys=("body_*.shaft",),
-        called_for=has_shaft,
+        called_for=switches.has_shaft,
         stages=SWEEPS,
         size_by="compliance",
         of_teeth=True,
@@ -245,7 +238,7 @@ class Effects:
     several_torques: bool = _effect(
         "several torques",
         keys=("load.torque_Nm",),
-        called_for=has_several_torques,
+        called_for=switches.has_several_torques,
         stages=SWEEPS,
         work=Work(columns=1, solves=1),
     )
