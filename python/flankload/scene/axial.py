@@ -335,12 +335,9 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
     _check_effects(asked, given.get("effects", {}), why)
     degree = accuracy.axial_degree or AXIAL_DEGREE
     if (accuracy.load_degree_z or 0) > degree - DEGREES_ABOVE_LOAD:
-        refuse(
-            "accuracy.load_degree_z",
-            f"at most {degree - DEGREES_ABOVE_LOAD}, {DEGREES_ABOVE_LOAD} less than "
-            f"accuracy.axial_degree ({degree})",
-            accuracy.load_degree_z,
-        )
+        expected = f"at most {degree - DEGREES_ABOVE_LOAD}, {DEGREES_ABOVE_LOAD} less than "
+        expected += f"accuracy.axial_degree ({degree})"
+        refuse("accuracy.load_degree_z", expected, accuracy.load_degree_z)
 
 
 def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> None:

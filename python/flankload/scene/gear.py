@@ -160,12 +160,9 @@ class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
 def check_bore(body: Any, key: str) -> None:
     """Check that the bore of a gear or a spline shaft is inside its tip circle and not a point."""
     if body.bore_diameter_mm < LEAST_BORE * body.tip_diameter_mm:
-        refuse(
-            f"{key}.bore_diameter_mm",
-            f"at least {LEAST_BORE:g} of {key}.tip_diameter_mm "
-            f"({LEAST_BORE * body.tip_diameter_mm:g}), since the body is fixed there",
-            body.bore_diameter_mm,
-        )
+        expected = f"at least {LEAST_BORE:g} of {key}.tip_diameter_mm "
+        expected += f"({LEAST_BORE * body.tip_diameter_mm:g}), since the body is fixed there"
+        refuse(f"{key}.bore_diameter_mm", expected, body.bore_diameter_mm)
     if body.bore_diameter_mm >= body.tip_diameter_mm:
         expected = f"less than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})"
         refuse(f"{key}.bore_diameter_mm", expected, body.bore_diameter_mm)
@@ -176,9 +173,6 @@ def _check_ring(ring: RingKeys, key: str) -> None:
     circles = ("tip_diameter_mm", "root_diameter_mm", "outer_diameter_mm")
     for inner, outer in pairwise(circles):
         if getattr(ring, outer) <= getattr(ring, inner):
-            refuse(
-                f"{key}.{outer}",
-                f"more than {key}.{inner} ({getattr(ring, inner):g}), since the teeth of "
-                f"a {ring.called} point inwards",
-                getattr(ring, outer),
-            )
+            expected = f"more than {key}.{inner} ({getattr(ring, inner):g}), since the teeth of "
+            expected += f"a {ring.called} point inwards"
+            refuse(f"{key}.{outer}", expected, getattr(ring, outer))

@@ -106,12 +106,9 @@ class Pair(Table, frozen=True, kw_only=True):
             expected = "nothing: splines have pair.center_offset_mm (absent = 0)"
             refuse("pair.center_distance_mm", expected, distance)
         if not body_1.conforms and offset is not None:
-            refuse(
-                "pair.center_offset_mm",
-                f"nothing: a {body_1.kind} and a {body_2.kind} have "
-                "pair.center_distance_mm, only splines an offset",
-                offset,
-            )
+            expected = f"nothing: a {body_1.kind} and a {body_2.kind} have "
+            expected += "pair.center_distance_mm, only splines an offset"
+            refuse("pair.center_offset_mm", expected, offset)
         if not body_1.conforms and distance is None:
             refuse("pair.center_distance_mm", "a number from 0.001 to 100000", "nothing")
         for name in MISALIGNMENTS:

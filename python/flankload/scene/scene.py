@@ -78,12 +78,9 @@ class SceneFile(Table, frozen=True, kw_only=True):
         check_effects(self, given)
         self.positions.check(given.get("positions", {}))
         if any(self.load.torques_Nm) and self.body_1.rigid and self.body_2.rigid:
-            refuse(
-                "body_2.rigid",
-                "false, since body_1.rigid is true: the load sharing of two rigid bodies "
-                "is undetermined",
-                True,
-            )
+            expected = "false, since body_1.rigid is true: the load sharing of two rigid bodies "
+            expected += "is undetermined"
+            refuse("body_2.rigid", expected, True)
 
 
 @dataclass(frozen=True, repr=False)

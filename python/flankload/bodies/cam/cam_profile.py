@@ -12,6 +12,7 @@ from flankload.errors import SceneError
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
 from flankload.flank.fit import TOLERANCE
 from flankload.meshes.io.named_arrays import read_columns
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -75,12 +76,9 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
     radii = np.hypot(*curve.point(np.linspace(0.0, curve.length_mm, 8 * len(curve.labels) + 1)).T)
     least, largest = float(radii.min()), float(radii.max())
     if 0.5 * spec.bore_diameter_mm > (1 - LEAST_WALL) * least:
-        raise SceneError(
-            key=f"{key}.bore_diameter_mm",
-            expected=f"at most {1 - LEAST_WALL:g} of twice the least radius of the profile: "
-            f"{2 * (1 - LEAST_WALL) * least:.4f}",
-            found=f"{spec.bore_diameter_mm:g}",
-        )
+        expected = f"at most {1 - LEAST_WALL:g} of twice the least radius of the profile: "
+        expected += f"{2 * (1 - LEAST_WALL) * least:.4f}"
+        refuse(f"{key}.bore_diameter_mm", expected, f"{spec.bore_diameter_mm:g}")
     return CamProfile(curve, least, largest)
 
 

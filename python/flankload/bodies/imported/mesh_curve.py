@@ -14,7 +14,6 @@ import numpy as np
 from flankload.bodies.body import FlankNodes
 from flankload.bodies.imported.mesh_source import in_order, middles_are_straight
 from flankload.bodies.profile.gear_profile import gear_profile
-from flankload.errors import SceneError
 from flankload.flank import FlankCurve, curve_through_nodes, nodes_deviation
 from flankload.scene.refusal import refuse
 
@@ -165,12 +164,9 @@ def _on_profile(source: MeshSource, given: Profile, points: Floats) -> FlankFit:
     apart = np.angle(np.exp(1j * (angles - start)).sum())
     turn, s, worst = fitted_turn(profile.curve, points, float(apart))
     if worst > PROFILE_TOLERANCE * given.module_mm:
-        raise SceneError(
-            key=f"{source.key}.profile",
-            expected=f"a profile on which the nodes of the flank lie to "
-            f"{PROFILE_TOLERANCE * given.module_mm:.3g} mm",
-            found=f"nodes up to {worst:.3g} mm beside it",
-        )
+        expected = "a profile on which the nodes of the flank lie to "
+        expected += f"{PROFILE_TOLERANCE * given.module_mm:.3g} mm"
+        refuse(f"{source.key}.profile", expected, f"nodes up to {worst:.3g} mm beside it")
     profile = profile.rotated(turn)
     note = (
         f"the given profile is turned by {np.degrees(turn):.6f} deg to fit {len(s)} flank nodes, "

@@ -234,12 +234,9 @@ def basic_rack(
         radius, angle = 0.5 * teeth * module_mm / c, atan(slant / c)
         rack = HelicalRack(radius, angle, (xi, eta / c), rounding, helix_cosine=c, **free)
     if rack.root_radius_mm <= 0.0:
-        raise SceneError(
-            key=f"{key}.dedendum_factor",
-            expected=f"less than {0.5 * teeth / c + profile_shift:.4f}, which leaves no root "
-            "circle",
-            found=f"{dedendum_factor:g}",
-        )
+        expected = f"less than {0.5 * teeth / c + profile_shift:.4f}, which leaves no root "
+        expected += "circle"
+        refuse(f"{key}.dedendum_factor", expected, f"{dedendum_factor:g}")
     if not rack.slope(np.linspace(rack.end_angle_rad, 0.5 * pi, 200)).min() > 0.0:
         raise SceneError(
             key=f"{key}.profile_shift",
@@ -265,12 +262,9 @@ def _check_tip(
     slant = tan(pressure_angle_rad)
     room = 0.25 * pi - dedendum_factor * slant
     if room <= 0.0:
-        raise SceneError(
-            key=f"{key}.dedendum_factor",
-            expected=f"less than {0.25 * pi / slant:.4f}, where the rack of this pressure angle "
-            "is pointed",
-            found=f"{dedendum_factor:g}",
-        )
+        expected = f"less than {0.25 * pi / slant:.4f}, where the rack of this pressure angle "
+        expected += "is pointed"
+        refuse(f"{key}.dedendum_factor", expected, f"{dedendum_factor:g}")
     largest = room * cos(pressure_angle_rad) / (1.0 - sin(pressure_angle_rad))
     if fillet_radius_factor > largest:
         expected = f"at most {largest:.6f}, the full rounding of a rack with this dedendum"

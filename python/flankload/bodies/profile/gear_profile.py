@@ -147,12 +147,9 @@ def _check_tooth(
         expected = "a profile shift at which the rack does not cut the tooth off its foot"
         refuse(f"{key}.profile_shift", expected, f"{spec.profile_shift:g}")
     if involute.tip_radius_mm <= involute.form_radius_mm:
-        raise SceneError(
-            key=f"{key}.tip_diameter_mm",
-            expected=f"more than the form diameter {2 * involute.form_radius_mm:.4f}, where the "
-            "involute begins",
-            found=f"{spec.tip_diameter_mm:g}",
-        )
+        expected = f"more than the form diameter {2 * involute.form_radius_mm:.4f}, where the "
+        expected += "involute begins"
+        refuse(f"{key}.tip_diameter_mm", expected, f"{spec.tip_diameter_mm:g}")
     if involute.half_angle_at(involute.tip_radius_mm) <= 0.0:
         roll = roll_of_involute_angle(involute.base_half_angle_rad)
         largest = 2 * involute.base_radius_mm * sqrt(1.0 + roll**2)

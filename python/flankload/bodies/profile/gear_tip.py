@@ -257,11 +257,8 @@ def _tip_chamfer(
     if not (on_flank and reach > 0.0 and _inside_tooth(place + length * direction, involute)):
         largest = outward * (tip_radius - involute.form_radius_mm)
         width = tip_radius * involute.tooth_half_angle_at(tip_radius)
-        raise SceneError(
-            key=f"{key}.tip_chamfer_mm",
-            expected=f"less than the flank is high ({largest:.4f}) and about half the tip is wide "
-            f"({width:.4f})",
-            found=f"{height:g}",
-        )
+        expected = f"less than the flank is high ({largest:.4f}) and about half the tip is wide "
+        expected += f"({width:.4f})"
+        refuse(f"{key}.tip_chamfer_mm", expected, f"{height:g}")
     chamfer = line(place, direction)
     return end, CurvePiece("tip_chamfer", chamfer, 0.0, length, corner_before=True)

@@ -108,12 +108,9 @@ def _check_circles(involute: Involute, spec: Ring | SplineHub, key: str) -> None
     """Check that the involute reaches from tip to root circle, with no pointed space or tooth."""
     base, pitch = involute.base_radius_mm, 2 * pi / spec.teeth
     if involute.tip_radius_mm <= base:
-        raise SceneError(
-            key=f"{key}.tip_diameter_mm",
-            expected=f"more than the base diameter {2 * base:.4f}, inside which there is no "
-            "involute",
-            found=f"{spec.tip_diameter_mm:g}",
-        )
+        expected = f"more than the base diameter {2 * base:.4f}, inside which there is no "
+        expected += "involute"
+        refuse(f"{key}.tip_diameter_mm", expected, f"{spec.tip_diameter_mm:g}")
     if not involute.base_half_angle_rad > 0.0:
         expected = "a profile shift that leaves the space some width at the base circle"
         refuse(f"{key}.profile_shift", expected, f"{spec.profile_shift:g}")

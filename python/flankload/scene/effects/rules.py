@@ -207,12 +207,9 @@ def _check_levels(asked: SceneFile) -> None:
         profile = body.profile if isinstance(body, MeshBody) else None
         for rounding in ("tip_radius_mm", "tip_chamfer_mm") if profile is not None else ():
             if getattr(profile, rounding) is not None:
-                refuse(
-                    "effects.near_field",
-                    f"'analytic' with {name}.profile.{rounding}: the carrying edges of a "
-                    "flank set from a file end at the tip rounding or chamfer",
-                    "'nodes'",
-                )
+                expected = f"'analytic' with {name}.profile.{rounding}: the carrying edges of a "
+                expected += "flank set from a file end at the tip rounding or chamfer"
+                refuse("effects.near_field", expected, "'nodes'")
     if accuracy.modes is not None:
         expected = "nothing with effects.near_field 'nodes': nodal forces replace modes"
         refuse("accuracy.modes", expected, accuracy.modes)
@@ -225,9 +222,6 @@ def _check_forces(asked: SceneFile) -> None:
         why = "it keeps a belt straight off its pulley"
         refuse("body_2.prestress_N", f"a number > 0 with effects.land_lift: {why}", "0")
     if asked.effects.coast_flank and asked.body_1.rigid and asked.body_2.rigid:
-        refuse(
-            "effects.coast_flank",
-            "false with body_1.rigid and body_2.rigid: flanks that press on each other "
-            "across a tooth must be elastic",
-            "true",
-        )
+        expected = "false with body_1.rigid and body_2.rigid: flanks that press on each other "
+        expected += "across a tooth must be elastic"
+        refuse("effects.coast_flank", expected, "true")
