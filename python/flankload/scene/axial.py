@@ -366,16 +366,7 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
 def check_hands(sign_1: int, sign_2: int, *, inward: bool) -> None:
     """Check that the hands of two helices mesh: equal if body 2 has internal teeth, else opposite.
 
-    Parameters
-    ----------
-    sign_1, sign_2 : int
-        1 for a right hand, -1 for a left hand, 0 without a helix.
-    inward : bool
-        Whether body 2 has internal teeth.
-
-    Raises
-    ------
-    SceneError
+    The signs are 1 for a right hand, -1 for a left hand, 0 without a helix.
     """
     wanted, how = -sign_1, "the opposite of body_1.hand"
     if inward:

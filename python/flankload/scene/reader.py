@@ -20,15 +20,8 @@ SceneLike = Scene | AsScene | Mapping[str, Any] | str | PathLike[str]
 def scene_of(given: object) -> Scene:
     """Return a scene in one of the forms that the public functions accept.
 
-    Parameters
-    ----------
-    given : Scene, typed pair, path or mapping
-        A scene, a `GearPair` or its like, the path of a scene file, or the keys of a scene as
-        `Scene.from_dict` takes them.
-
-    Returns
-    -------
-    Scene
+    These are a scene, a `GearPair` or its like, the path of a scene file, or the keys of a scene as
+    `Scene.from_dict` takes them.
 
     Raises
     ------

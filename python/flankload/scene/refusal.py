@@ -34,15 +34,9 @@ def refuse_absent(key: str, name: str, wanted: str, beside: str) -> NoReturn:
 
 
 def refuse(key: str, expected: str, found: object) -> NoReturn:
-    """Refuse a key.
+    """Refuse a key, of which `key` is the dotted path.
 
-    Parameters
-    ----------
-    key : str
-        Dotted path of the key.
-    expected : str
-    found : object
-        A string is used as it is; any other value is shown as the user wrote it; None: "nothing".
+    A found string is used as it is; any other value is shown as the user wrote it; None: "nothing".
 
     Raises
     ------

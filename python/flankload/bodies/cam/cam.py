@@ -40,15 +40,10 @@ LEAST_LAYERS = 3
 def build_cam(
     spec: Cam, key: str, *, folder: Path, flank_element_mm: float | None, fineness: float
 ) -> Body:
-    """Build a cam.
+    """Build a cam; one that is impossible is refused.
 
     Parameters as of `build_body`; `fineness`: number of elements along the profile relative to the
     default, if `flank_element_mm` is None.
-
-    Raises
-    ------
-    SceneError
-        If the cam is impossible; names the key.
     """
     profile = cam_profile(spec, key, folder=folder)
     bore_radius = 0.5 * spec.bore_diameter_mm

@@ -63,15 +63,7 @@ class Lever:
 def build_follower(
     spec: Follower, key: str, *, flank_element_mm: float | None, fineness: float
 ) -> Body:
-    """Build a follower.
-
-    Parameters as of `build_cam`.
-
-    Raises
-    ------
-    SceneError
-        If the lever is impossible; names the key.
-    """
+    """Build a follower; parameters as of `build_cam`."""
     lever = lever_of(spec, key)
     head = lever.head
     if isinstance(head, Roller):

@@ -94,14 +94,9 @@ def _plane(numbers: NDArray[np.complex128]) -> Floats:
 def ring_mesh(
     profile: ToothProfile, outer_radius_mm: float, lengths_mm: tuple[float, float | None], key: str
 ) -> SectorMesh:
-    """Mesh one tooth of a ring and its share of the rim.
+    """Mesh one tooth of a ring and its share of the rim; refused if no valid mesh can be made.
 
     The outside of the rim is larger than the root circle; lengths as in `tooth_mesh`.
-
-    Raises
-    ------
-    SceneError
-        If no valid mesh can be made.
     """
     half_pitch = pi / profile.teeth
     involute = profile.involute

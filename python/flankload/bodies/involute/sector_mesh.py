@@ -39,14 +39,9 @@ def sector_mesh(
     key: str,
     inner_key: str = "bore_diameter_mm",
 ) -> SectorMesh:
-    """Mesh one tooth and its share of the rim.
+    """Mesh one tooth and its share of the rim; refused if no valid mesh can be made.
 
     The tooth is on the +x axis, the bore smaller than the root circle; lengths as in `tooth_mesh`.
-
-    Raises
-    ------
-    SceneError
-        If no valid mesh can be made.
     """
     mesh = tooth_mesh(profile, bore_radius_mm, lengths_mm)
     place, found = inverted_element(mesh)

@@ -50,10 +50,7 @@ def modifications_of(
 ) -> Modifications:
     """Modifications of a profile, checked.
 
-    Raises
-    ------
-    SceneError
-        If the relief begins outside the flank, or more material is removed than the involute has.
+    Refused: a relief that begins outside the flank, more material removed than the involute has.
     """
     tip_roll = involute.roll_at(involute.tip_radius_mm)
     outward = involute.outward
@@ -131,10 +128,7 @@ def flank_and_tip(
 ) -> list[CurvePiece]:
     """Pieces from the form point to the tip circle.
 
-    Raises
-    ------
-    SceneError
-        If tip rounding or chamfer do not fit on the tooth.
+    Tip rounding or chamfer that do not fit on the tooth are refused.
     """
     tip: list[CurvePiece] = []
     if spec.tip_radius_mm is not None:

@@ -75,13 +75,7 @@ class Gear:
 
 
 def body_of(stock: Stock, gear: Component, name: str, flank: Component | None) -> Gear:
-    """The table of a gear without its modifications and widths.
-
-    Raises
-    ------
-    SceneError
-        If a value is missing, or has a wrong kind or unit.
-    """
+    """The table of a gear without its modifications and widths; refuses missing or wrong values."""
     body = Gear(stock.source(gear), None if flank is None else stock.source(flank), name, {})
     body.keys["kind"] = "ring" if body.is_ring else "gear"
     _teeth(stock, body)

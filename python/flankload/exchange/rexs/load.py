@@ -15,12 +15,7 @@ if TYPE_CHECKING:
 def model_of_case(model: Model, number: int | None, *, needed: bool) -> tuple[Model, list[str]]:
     """The model with the attributes of a load case (None: the only one), lines about the others.
 
-    If the load is needed, several cases are refused without a number.
-
-    Raises
-    ------
-    SceneError
-        If there is no such load case, or several and no number.
+    An unknown load case is refused; several cases without a number, if the load is needed.
     """
     cases = list(model.load_cases)
     if number is None and len(cases) == 1:
@@ -40,13 +35,7 @@ def model_of_case(model: Model, number: int | None, *, needed: bool) -> tuple[Mo
 def torque_of(
     stock: Stock, stage: Stage, data: tuple[Source | None, Source | None]
 ) -> float | None:
-    """Amount of the torque on gear 1, N m; None if the file defines none.
-
-    Raises
-    ------
-    SceneError
-        If a value has a wrong kind or unit.
-    """
+    """Amount of the torque on gear 1, N m; None if the file defines none."""
     teeth = [abs(stock.source(gear).number("number_of_teeth", "") or 0.0) for gear in stage.gears]
     ratios = (1.0, teeth[0] / teeth[1] if teeth[1] else 0.0)
     for source, ratio in zip(data, ratios, strict=True):

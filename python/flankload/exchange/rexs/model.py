@@ -86,27 +86,13 @@ class Model:
     load_cases: Mapping[int, Mapping[int, Component]] = field(default_factory=dict)
 
     def refuse(self, key: str, expected: str, found: object) -> NoReturn:
-        """Raise the error of this file.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise the error of this file."""
         raise SceneError(file=self.file, key=key, expected=expected, found=found)
 
     def partners(self, kind: str, role: str, number: int, wanted: str) -> list[Component]:
-        """Components that a relation connects with a component.
+        """Components of role `wanted` in the relations in which a component has another role.
 
-        Parameters
-        ----------
-        kind : str
-            Type of the relation.
-        role : str
-            Role of the given component.
-        number : int
-            Id of the given component.
-        wanted : str
-            Role of the components that are returned.
+        `kind` is the type of the relations, `number` the id of the given component.
         """
         return [
             self.components[other]

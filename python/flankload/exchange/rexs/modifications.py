@@ -45,11 +45,6 @@ def add_modifications(stock: Stock, body: Gear, width_mm: float, datum_low: bool
 
     `width_mm` is the face width of the gear; `datum_low`: whether the datum face is the end of
     smaller z, None if the file does not define it.
-
-    Raises
-    ------
-    SceneError
-        If a value has a wrong kind or unit.
     """
     owners = [body.component] if body.flank is None else [body.flank.component, body.component]
     found = {part.id: part for owner in owners for part in modifications_of(stock.model, owner)}

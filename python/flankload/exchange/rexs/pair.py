@@ -23,10 +23,7 @@ LEAST_OFFSET = 1e-6
 def pair_of(stock: Stock, stage: Stage, bodies: Sequence[Gear]) -> dict[str, float]:
     """Table [pair]; puts widths, offset, modifications and a ring's shift into the bodies.
 
-    Raises
-    ------
-    SceneError
-        If a value is missing, or has a wrong kind or unit.
+    Values that are missing, or have a wrong kind or unit, are refused.
     """
     source = stock.source(stage.component)
     pair: dict[str, float] = {}

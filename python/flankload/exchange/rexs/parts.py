@@ -32,23 +32,12 @@ class Builder(TreeBuilder):
         self.file = file
 
     def doctype(self, name: str, pubid: str | None, system: str | None) -> NoReturn:
-        """Refuse a document type before its entities are read.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Refuse a document type before its entities are read."""
         Form(self.file).refuse("file", "XML without a document type", f"<!DOCTYPE {name}>")
 
 
 def xml_model(path: Path, root: Element) -> Model:
-    """The model of the root element of an XML document.
-
-    Raises
-    ------
-    SceneError
-        If the root is no model; otherwise as `Form.model`.
-    """
+    """The model of the root element of an XML document, checked as by `Form.model`."""
     form = Form(path)
     if _name(root) != "model":
         form.refuse("root", "element 'model'", f"'{_name(root)}'")
@@ -71,13 +60,7 @@ def xml_model(path: Path, root: Element) -> Model:
 
 
 def json_model(path: Path, tree: object) -> Model:
-    """The model of a JSON document.
-
-    Raises
-    ------
-    SceneError
-        If it is no model, or a part is of a wrong kind; otherwise as `Form.model`.
-    """
+    """The model of a JSON document, checked as by `Form.model`."""
     form = Form(path)
     if not isinstance(tree, dict) or not isinstance(tree.get("model"), dict):
         form.refuse("root", "an object with the object 'model'", _kind(tree))
@@ -91,12 +74,7 @@ class Form:
     file: Path
 
     def refuse(self, key: str, expected: str, found: object) -> NoReturn:
-        """Raise the error of this file.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise the error of this file."""
         raise SceneError(file=self.file, key=key, expected=expected, found=found)
 
     def model(self, root: Tree) -> Model:

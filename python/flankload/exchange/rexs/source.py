@@ -31,10 +31,7 @@ class Source:
     def number(self, attribute: str, unit: str) -> float | None:
         """A number in the unit of a scene; None if the file has no such attribute.
 
-        Raises
-        ------
-        SceneError
-            If the value is no finite number, or its unit is not one of the quantity.
+        A value that is no finite number, or has a unit of another quantity, is refused.
         """
         found = self.component.attributes.get(attribute)
         if found is None:
@@ -50,12 +47,7 @@ class Source:
         return number
 
     def text(self, attribute: str, *allowed: str) -> str | None:
-        """One of the values that the database allows; None if the file has no such attribute.
-
-        Raises
-        ------
-        SceneError
-        """
+        """One of the values that the database allows; None if the file has no such attribute."""
         found = self.component.attributes.get(attribute)
         if found is None:
             return None
@@ -76,12 +68,7 @@ class Source:
         return None if x is None or y is None or z is None else (x, y, z)
 
     def refuse(self, attribute: str, expected: str, found: object) -> NoReturn:
-        """Raise the error of an attribute.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise the error of an attribute."""
         shown = "a matrix or a coded array" if found is None else f"{found!r}"[:60]
         self.model.refuse(f"{self.component.label}: {attribute}", expected, shown)
 
@@ -119,12 +106,7 @@ class Stock:
         return self.sources.setdefault(component.id, Source(self.model, component))
 
     def missing(self, source: Source, attribute: str, key: str) -> None:
-        """Raise the error of a missing attribute, unless its key is given otherwise.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise the error of a missing attribute, unless its key is given otherwise."""
         if key not in self.settings:
             expected = f"a value, or --set {key}=…"
             if attribute not in UNITS:

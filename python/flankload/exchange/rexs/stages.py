@@ -27,10 +27,7 @@ class Stage:
 def stage_of(model: Model, number: int | None) -> Stage:
     """A stage by its id, or the only stage.
 
-    Raises
-    ------
-    SceneError
-        If there is no such stage, or several and no id; if its relation does not name two gears.
+    Refused: an unknown id, several stages and no id, a relation that does not name two gears.
     """
     ids = [part.id for part in _stages(model)]
     if not ids:

@@ -239,12 +239,7 @@ class CsvRow(NamedTuple):
     cells: list[str]
 
     def refuse(self, expected: str) -> NoReturn:
-        """Raise the error of this row.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise the error of this row."""
         key, found = f"line {self.number}", f"'{self.text[:40]}'"
         raise SceneError(file=self.file, key=key, expected=expected, found=found)
 

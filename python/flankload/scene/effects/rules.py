@@ -46,12 +46,7 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
 
 
 def check_coast_kinds(kind_1: str, kind_2: str) -> None:
-    """Check that both flanks of every tooth of both bodies are known.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Check that both flanks of every tooth of both bodies are known."""
     _check_kinds(RECORDS["coast_flanks"], kind_1, kind_2, found="true")
 
 
