@@ -130,21 +130,10 @@ def build_shaft(table: keys.Shaft, z_mm: float) -> Shaft:
 def carrying_shaft(
     table: keys.Shaft, middle_mm: float, range_mm: Extent, bore_diameter_mm: float
 ) -> CarryingShaft:
-    """The shaft that fills a bore, with `under_teeth = "flexible"`.
+    """The shaft that fills a bore over its range, with `under_teeth = "flexible"`.
 
-    Parameters
-    ----------
-    table : Shaft of the scene
-    middle_mm : float
-        Axial position of the middle of the face width.
-    range_mm : (float, float)
-        Ends of the bore.
-    bore_diameter_mm : float
-        At most that of the shaft there: what is outside of it belongs to the body.
-
-    Returns
-    -------
-    CarryingShaft
+    The middle is that of the face width; the diameter of the bore is at most that of the shaft
+    there: metal outside of it belongs to the body.
     """
     assert table.torque_end is not None
     shift = middle_mm - table.dimensions.gear_position_mm

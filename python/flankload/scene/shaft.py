@@ -123,18 +123,7 @@ class Shaft(Table, frozen=True, kw_only=True):
     def check(self, given: Mapping[str, Any], key: str, *, helical: bool) -> None:
         """Check that the shaft is complete and that its bearings hold it.
 
-        Parameters
-        ----------
-        given : mapping
-            Keys that the scene sets.
-        key : str
-            "body_1.shaft" or "body_2.shaft".
-        helical : bool
-            Whether the body has axial forces.
-
-        Raises
-        ------
-        SceneError
+        `given`: keys that the scene sets; `helical`: whether the body has axial forces.
         """
         if self.compliance is not None:
             for name in (*Dimensions._fields, *FURTHER_KEYS):

@@ -102,15 +102,6 @@ def with_changes(tree: Tree, changes: Mapping[str, Any]) -> Tree:
 def number_at(scene: Scene, path: str) -> float:
     """Number to which a path leads, defaults included; an absent deviation in um is 0.
 
-    Parameters
-    ----------
-    scene : Scene
-    path : str
-
-    Returns
-    -------
-    float
-
     Raises
     ------
     SceneError

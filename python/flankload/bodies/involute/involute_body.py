@@ -33,24 +33,10 @@ def build_involute_body(
     flank_nodes_mm: float | None = None,
     regions: tuple[str, ...] = (),
 ) -> Body:
-    """Build a body with involute teeth.
+    """Build a body with involute teeth; the reference radius of a spline is its pitch radius.
 
-    Parameters
-    ----------
-    spec, key
-        As for `build_body`.
-    flank_element_mm : float
-        Largest length of a finite element along the flank; not used for a rigid body.
-    flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, if nodal forces need finer elements there than
-        elsewhere.
-    regions : tuple of str, optional
-        Regions of a gear's mesh below its rim, from outside: "web", "hub".
-
-    Returns
-    -------
-    Body
-        The reference radius of a spline is its pitch radius, otherwise the base radius.
+    Otherwise that is the base radius. Parameters as of `build_body`; `regions`: those of a gear's
+    mesh below its rim, from outside: "web", "hub".
 
     Raises
     ------

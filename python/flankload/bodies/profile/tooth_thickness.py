@@ -57,13 +57,8 @@ class _Gear(NamedTuple):
 def generating_shift(spec: InvoluteKeys, teeth: int, key: str, *, outward: int = 1) -> float:
     """Generating profile shift x_E of a gear; the nominal one without a key of the thickness.
 
-    Parameters
-    ----------
-    spec : InvoluteKeys
-        Keys of the profile, of which `key` is the dotted path in the scene.
-    teeth : int
-    outward : int
-        -1 for internal teeth, whose profile shift is positive outwards and widens the space.
+    `key` is the dotted path of the keys in the scene; `outward` is -1 for internal teeth, whose
+    profile shift is positive outwards and widens the space.
 
     Raises
     ------

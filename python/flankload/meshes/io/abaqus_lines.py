@@ -98,14 +98,6 @@ class Keyword:
 def keywords(lines: Sequence[str]) -> Iterable[Keyword]:
     """Keywords of a file in order, each with its data.
 
-    Parameters
-    ----------
-    lines : sequence of str
-
-    Yields
-    ------
-    Keyword
-
     Raises
     ------
     BadFile

@@ -155,18 +155,10 @@ class NamedArrays:
 
 
 def read_arrays(path: str | Path, key: str) -> NamedArrays:
-    """Read a file of named arrays.
+    """Read a file of named arrays: .npz, or .csv with a table of points and a matrix.
 
-    Parameters
-    ----------
-    path : path
-        .npz, or .csv (a table of points and a matrix, with names and values in comments).
-    key : str
-        The scene's key that names the file, for messages.
-
-    Returns
-    -------
-    NamedArrays
+    Names and values of the .csv file are in its comments. `key` is the scene's key that names the
+    file, for messages.
 
     Raises
     ------
@@ -200,16 +192,9 @@ def _held(array: NDArray[Any]) -> Member:
 
 
 def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> Floats:
-    """Read a table (rows, columns) of numbers from a .csv file.
+    """Read a table (rows, columns) of numbers from a .csv file, with or without column names.
 
-    Parameters
-    ----------
-    path : path
-        With or without column names in the first row; lines that begin with # are skipped.
-    key : str
-        The scene's key that names the file, for messages.
-    names : tuple of str
-        Names of the columns.
+    `key` is the scene's key that names the file; lines that begin with # are skipped.
 
     Raises
     ------

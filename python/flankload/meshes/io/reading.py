@@ -33,16 +33,8 @@ def is_mesh_name(path: Path) -> bool:
 def read_mesh(path: str | Path, key: str = "") -> RawMesh:
     """Read a plane mesh with its named sets.
 
-    Parameters
-    ----------
-    path : path
-        gmsh .msh (2.2 or 4.1), Abaqus or CalculiX .inp, .vtu, or another format of meshio.
-    key : str
-        The scene's key that names the file, for error messages.
-
-    Returns
-    -------
-    RawMesh
+    The file is gmsh .msh (2.2 or 4.1), Abaqus or CalculiX .inp, .vtu, or another format of meshio;
+    `key` is the scene's key that names it, for messages.
 
     Raises
     ------
