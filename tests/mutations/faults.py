@@ -676,7 +676,7 @@ _PYTHON = (
     ),
     *_in(
         # the others refine without end
-        "bodies/cam/cam_profile.py",
+        "bodies/cam/cam.py",
         "unit/bodies/test_cam.py::test_derivatives_of_a_profile_are_those_of_its_places",
         ("out + 2 * r_1 * along", "out + r_1 * along"),
     ),
