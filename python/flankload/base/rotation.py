@@ -17,3 +17,8 @@ def turned(
     c, s = np.cos(angle_rad), np.sin(angle_rad)
     x, y = vectors[..., 0], vectors[..., 1]
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+
+
+def directions(angles_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, 2) Unit vectors at polar angles (n,)."""
+    return np.column_stack([np.cos(angles_rad), np.sin(angles_rad)])

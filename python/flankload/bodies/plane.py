@@ -6,16 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+from flankload.base.rotation import directions
 
+if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.flank import Place
-
-
-def directions(angles_rad: ArrayLike) -> Floats:
-    """Unit vectors (m, 2) at polar angles (m,)."""
-    return np.stack([np.cos(angles_rad), np.sin(angles_rad)], axis=1)
 
 
 def mirrored(places: Floats, axis_rad: float) -> Floats:

@@ -25,9 +25,8 @@ from flankload.meshes.plane_mesh import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from flankload.base.arrays import Floats, Numbers
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.meshes.io import RawMesh
-    from flankload.meshes.plane_mesh import Cells
 
 
 #: Two nodes closer than this part of the shortest edge coincide.

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from flankload.base.arrays import Floats, Numbers
+    from flankload.base.arrays import Cells, Floats, Numbers
 
-    Cells = tuple[tuple[str, Numbers], ...]
 
 #: Edges of the quadratic elements (first, last, middle), counter-clockwise, in meshio's node order.
 EDGES = {

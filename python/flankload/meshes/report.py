@@ -19,9 +19,8 @@ from flankload.meshes.plane_mesh import (
 )
 
 if TYPE_CHECKING:
-    from flankload.base.arrays import Floats, Numbers
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.meshes.io import RawMesh
-    from flankload.meshes.plane_mesh import Cells
 
     Rows = list[tuple[str, str]]
 

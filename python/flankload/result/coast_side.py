@@ -69,18 +69,8 @@ class CoastSide:
             return float("nan")
 
     def _gaps(self, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
-        (found,) = sweep(
-            FlankContact(
-                self.bodies,
-                compliances=self.compliances,
-                pairing=self.pairing,
-                face_width_mm=1.0,
-                grid=self.grid,
-            ),
-            position_rad,
-            (0.0,),
-            keep_pairs=False,
-        )
+        contact = FlankContact(self.bodies, self.compliances, self.pairing, 1.0, self.grid)
+        (found,) = sweep(contact, position_rad, (0.0,), keep_pairs=False)
         return found.rotation_rad
 
 

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.base.rounding import round_up
 from flankload.bodies.body import Body, Material, WholeMesh
-from flankload.bodies.plane import across, directions
+from flankload.bodies.plane import across
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
 from flankload.flank.fit import TOLERANCE

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.bodies.body import Body, Flat, Material, Roller
 from flankload.bodies.cam.follower_mesh import flat_mesh, roller_mesh
-from flankload.bodies.plane import circle, directions, line
+from flankload.bodies.plane import circle, line
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
 from flankload.scene.refusal import refuse
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.base.rounding import round_up
 from flankload.bodies.body import WholeMesh
-from flankload.bodies.plane import directions
 from flankload.meshes.blocks import BlockMesh, coons, growing_breaks, symmetric_breaks, with_middles
 
 if TYPE_CHECKING:

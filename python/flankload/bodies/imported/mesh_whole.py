@@ -19,10 +19,9 @@ from flankload.meshes.plane_mesh import boundary_edges, chain
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from flankload.base.arrays import Floats, Numbers
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.imported.mesh_curve import FlankFit
     from flankload.bodies.imported.mesh_source import MeshSource
-    from flankload.meshes.plane_mesh import Cells
 
 
 #: Largest difference in shape of flanks, relative to the body's radius; five times the deviation of

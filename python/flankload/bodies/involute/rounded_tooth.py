@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies.plane import directions
+from flankload.base.rotation import directions
 from flankload.meshes.blocks import BlockMesh, coons
 
 if TYPE_CHECKING:

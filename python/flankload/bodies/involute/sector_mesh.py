@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.base.rounding import TIE
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.involute.rounded_tooth import rounded_tooth
 from flankload.bodies.involute.sector_breaks import sector_breaks, slants
-from flankload.bodies.plane import directions
 from flankload.errors import SceneError
 from flankload.meshes.blocks import BlockMesh, coons, edges_along, even_breaks, with_middles
 from flankload.meshes.plane_mesh import jacobians

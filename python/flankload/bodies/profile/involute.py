@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies.plane import across, directions
+from flankload.base.rotation import directions
+from flankload.bodies.plane import across
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats

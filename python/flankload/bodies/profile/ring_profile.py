@@ -10,8 +10,9 @@ from dataclasses import replace
 from math import atan2, cos, hypot, pi, radians, sqrt, tan
 from typing import TYPE_CHECKING, NamedTuple
 
+from flankload.base.rotation import directions
 from flankload.bodies.bisection import sign_change
-from flankload.bodies.plane import circle, directions
+from flankload.bodies.plane import circle
 from flankload.bodies.profile.gear_tip import FormPoint, modifications_of
 from flankload.bodies.profile.involute import (
     Involute,
@@ -135,7 +136,7 @@ def _touching_arc(involute: Involute, radius: float) -> RootArc:
     along = sqrt((involute.root_radius_mm - radius) ** 2 - base**2)
     roll = (along + radius) / base
     normal = involute.base_half_angle_rad - roll
-    radial, tangential = directions([normal, normal + 0.5 * pi])
+    radial, tangential = directions(np.array([normal, normal + 0.5 * pi]))
     center = base * radial + along * tangential
     return RootArc(radius, roll, center, atan2(center[1], center[0]))
 

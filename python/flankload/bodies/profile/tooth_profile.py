@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.rotation import turned
-from flankload.bodies.plane import directions, mirrored
+from flankload.base.rotation import directions, turned
+from flankload.bodies.plane import mirrored
 from flankload.bodies.profile.gear_tip import flank_and_tip
 from flankload.bodies.profile.involute import Involute, InvoluteFlank, Modifications
 from flankload.flank import ACTIVE, CurvePiece, FlankCurve, fit_flank_curve, fit_tolerance_mm
