@@ -10,6 +10,8 @@ from dataclasses import replace
 from math import atan2, cos, hypot, pi, radians, sqrt, tan
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from flankload.base.rotation import directions
 from flankload.bodies.bisection import sign_change
 from flankload.bodies.plane import circle
