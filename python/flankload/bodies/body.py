@@ -97,12 +97,8 @@ class MeshedFlank:
     ----------
     tooth : int
         Tooth number: tooth k is k pitches counter-clockwise of tooth 0.
-    nodes : (N, 2) array
-        Nodes of the whole body, mm.
-    flank_edges : (m, 3) array
-        First, last and middle node of the edges with pressure modes, by ascending arc length.
-    flank_arc_length : (N,) array
-        Arc length on the flank curve of the nodes of `flank_edges`, mm; NaN elsewhere.
+    nodes, flank_edges, flank_arc_length
+        As in `SectorMesh`; nodes of the whole body.
     """
 
     tooth: int

@@ -248,8 +248,8 @@ def _at_places(wanted: RootPoints, found: RootPoints, rows: Floats) -> Floats:
     for side in (True, False):
         own = np.flatnonzero(found.working == side)
         s = found.arc_length_mm[own]
-        for place in wanted.arc_length_mm[wanted.working == side]:
-            k = int(np.clip(np.searchsorted(s, place), 1, s.size - 1))
-            part = float(np.clip((place - s[k - 1]) / (s[k] - s[k - 1]), 0.0, 1.0))
-            columns.append((1 - part) * rows[:, own[k - 1]] + part * rows[:, own[k]])
-    return np.stack(columns, axis=1)
+        places = wanted.arc_length_mm[wanted.working == side]
+        k = np.clip(np.searchsorted(s, places), 1, s.size - 1)
+        part = np.clip((places - s[k - 1]) / (s[k] - s[k - 1]), 0.0, 1.0)
+        columns.append((1 - part) * rows[:, own[k - 1]] + part * rows[:, own[k]])
+    return np.concatenate(columns, axis=1)

@@ -76,9 +76,8 @@ class NodalCompliance:
 
     Attributes
     ----------
-    file : Path
-    plane : str
-        "strain" or "stress", as in the other program.
+    file, plane, asymmetry, corner_angles_deg
+        As in `ModalCompliance`.
     arc_length_mm : (n,) array
         Arc lengths of the nodes on the flank curve.
     quadratic : bool
@@ -91,9 +90,6 @@ class NodalCompliance:
     matrix : (k, n, n) array
         Twice the work of loads on tooth 0 on the displacements of tooth offsets[k], with the
         columns in terms of consistent normal nodal forces, mm²/N, or nodal pressures, mm⁴/N.
-    asymmetry : float
-    corner_angles_deg : (float, float)
-        Interior angles of the metal at the first and the last node; 180 without a corner.
     """
 
     file: Path

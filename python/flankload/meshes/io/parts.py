@@ -36,11 +36,8 @@ class FileMesh:
         All elements, in meshio's names and node order.
     sets : dict of str to list of arrays
         Nodes of each named set, in any order; repetitions are allowed.
-    materials : dict of str to int
-        Number of plane elements of each material, or of each group that may mean a material.
-    elastic : (float, float) or None
-        Young's modulus and Poisson's ratio, if the file has exactly one material law.
-    notes : list of str
+    materials, elastic, notes
+        As in `RawMesh`.
     """
 
     points: Floats
