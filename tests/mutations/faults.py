@@ -683,7 +683,7 @@ _PYTHON = (
         ("squared[k] / (squared[inner] - squared[k])", "squared[k] / squared[inner]"),
     ),
     *_in(
-        "result/contact_quantities.py",
+        "result/course.py",
         "unit/result/test_result_contacts.py unit/mechanisms/test_coast_flank.py",
         ("(coast.gap_rad + self.rotation_rad)", "coast.gap_rad"),
     ),
@@ -778,7 +778,7 @@ _PYTHON = (
         ("*rotation += (self->torque - torque) / *stiffness;", ""),
     ),
     *_in(
-        "result/multibody.py",
+        "result/stiffness_table.py",
         "unit/result/test_files.py",
         ('np.argsort(table.torques_Nm, kind="stable")', "np.arange(table.torques_Nm.size)"),
     ),
