@@ -38,8 +38,8 @@ contains
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position
-        type(position_type), intent(in) :: position
+        !> The position, whose memory is used
+        type(position_type), intent(inout), target :: position
         !> Pairs of the start
         integer, intent(in) :: warm_pairs(:)
         !> Torque on body 1 [N mm]
@@ -52,10 +52,14 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: n, structure
-        real(wp), allocatable :: matrix(:, :)
+        real(wp), pointer, contiguous :: matrix(:, :)
 
         n = state%pairs%n
-        allocate (matrix(n, n))
+        if (allocated(position%room)) then
+            if (size(position%room) < n**2) deallocate (position%room)
+        end if
+        if (.not. allocated(position%room)) allocate (position%room(n**2))
+        matrix(1:n, 1:n) => position%room
         call pair_influences(body_1, body_2, position%zones, state%pairs, matrix)
         state%columns = state%columns + n
         if (allocated(state%pairs%friction)) then

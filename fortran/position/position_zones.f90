@@ -88,6 +88,8 @@ module flankload_position_zones
         !> Speeds with which both bodies turn [rad per rad of the position]; only friction asks for
         !> them
         real(wp) :: speeds(2) = 0.0_wp
+        !> Memory for K of cells
+        real(wp), allocatable :: room(:)
     end type position_type
 
     !> No real job needs more zones, in all or on each site where there are many sites; more than
