@@ -10,6 +10,7 @@
 module flankload_slice_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values
+    use flankload_lapack, only: set_product
     use flankload_rounding, only: tie
     use flankload_line_potential, only: mean_potential
     use flankload_tangential_potential, only: segment_field
@@ -17,8 +18,8 @@ module flankload_slice_field
     private
 
     public :: mirror_type, segment_type, shaft_type, slices_type
-    public :: across_lines, add_segment_field, along_line, axial_means, corner_mirrors, end_mirrors, flank_of, &
-        & holds_slices, mean_width, middle_of, modes_of, slice_of, sliced_compliance, &
+    public :: across_lines, add_segment_field, along_line, axial_means, corner_mirrors, &
+        & end_mirrors, flank_of, holds_slices, mean_width, middle_of, modes_of, slice_of, sliced_compliance, &
         & sliced_tangential, tangential_field, width_of
 
     !> How flanks are cut: site (pair - 1)*n + j is slice j of flank pair `pair`.
@@ -184,7 +185,7 @@ contains
 
         matrix = 0.0_wp
         if (size(body%smooth) == 0) return
-        matrix = between_flanks(body, slices, site, s, body%smooth)
+        matrix = between_flanks(body, slices, site, s, body%smooth, reciprocal=.true.)
         do j = 2, size(s)
             matrix(:j - 1, j) = matrix(j, :j - 1)
         end do
@@ -205,12 +206,12 @@ contains
 
         matrix = 0.0_wp
         if (allocated(body%tangential)) then
-            matrix = between_flanks(body, slices, site, s, body%tangential)
+            matrix = between_flanks(body, slices, site, s, body%tangential, reciprocal=.false.)
         end if
     end function sliced_tangential
 
     !> V g Vᵀ between all flanks.
-    pure function between_flanks(body, slices, site, s, smooth) result(matrix)
+    pure function between_flanks(body, slices, site, s, smooth, reciprocal) result(matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> The slices
@@ -220,13 +221,17 @@ contains
         real(wp), intent(in) :: s(:)
         !> g of the blocks of the body, displacement by load [mm/N], shape (m, m, n_blocks)
         real(wp), intent(in) :: smooth(:, :, :)
+        !> Whether each block is the transpose of that with both flanks exchanged
+        logical, intent(in) :: reciprocal
         !> Shape (n, n)
         real(wp) :: matrix(size(s), size(s))
 
         integer :: first, last, other, other_last
-        integer :: flanks(size(s))
-        real(wp) :: values(size(smooth, 1), size(s))
+        integer :: m, n, flanks(size(s))
+        real(wp) :: values(size(smooth, 1), size(s)), carried(size(smooth, 1), size(s))
+        real(wp) :: transposed(size(smooth, 1), size(smooth, 1)), part(size(s), size(s))
 
+        m = size(smooth, 1)
         flanks = flank_of(slices, site)
         values = modes_of(body, slices, site, s)
         first = 1
@@ -235,9 +240,13 @@ contains
             other = 1
             do while (other <= size(s))
                 other_last = count(flanks <= flanks(other))
-                matrix(first:last, other:other_last) = matmul(transpose(values(:, first:last)), &
-                    & matmul(smooth(:, :, body%block(site(first), site(other))), &
-                    & values(:, other:other_last)))
+                n = other_last - other + 1
+                transposed = smooth(:, :, body%block(site(other), site(first)))
+                if (.not. reciprocal) transposed = transpose(smooth(:, :, &
+                    & body%block(site(first), site(other))))
+                call set_product(m, n, m, transposed, values(:, other:), m, carried)
+                call set_product(last - first + 1, n, m, values(:, first:), carried, size(s), part)
+                matrix(first:last, other:other_last) = part(:last - first + 1, :n)
                 other = other_last + 1
             end do
             first = last + 1
@@ -409,12 +418,13 @@ contains
         real(wp) :: across
 
         across = sqrt(across_lines(one, other)**2 + beside**2)
-        recession = behind_corners(one, other, beside, corners)
+        recession = 0.0_wp
         do k = 1, size(ends)
             ! Eq. (S2), averaged by Eq. (S3)
             recession = recession + ends(k)%strength*mean_potential(along_line(k, one, other, &
                 & ends), one%length, other%length, across)
         end do
+        recession = recession + behind_corners(one, other, beside, corners)
     end function field_between
 
     !> Distance along their contact line between a segment and the load of another one (k = 1), or

@@ -9,14 +9,13 @@ module flankload_lumped_pass
     use flankload_rounding, only: tie
     use flankload_polar_geometry, only: angle_between
     use flankload_contact_zones, only: zone_type
-    use flankload_status, only: invalid_scale, no_contact_state
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
     use flankload_lapack, only: potrf, solve_triangle
     use flankload_lumped_place, only: place_type
     use flankload_position_zones, only: body_type, position_type
-    use flankload_position_state, only: count_lumped, position_state
+    use flankload_position_state, only: count_lumped, position_state, take_contact
     use flankload_tangential_influence, only: add_tangential
     use flankload_turned_influence, only: add_turned
     implicit none
@@ -166,28 +165,10 @@ contains
             & merge(general_matrix, symmetric_matrix, rubs), method_single, &
             & pack([(k, k=1, n)], last > 0.0_wp), contact, error)
         call count_lumped(contact%pivots, state)
-        state%refactorisations = state%refactorisations + contact%refactorisations
-        if (allocated(error)) then
-            state%largest_part = contact%largest_part
-            state%none_proven = contact%none_proven
-            if (error%code == invalid_scale .and. rubs) then
-                ! friction turns every lever against the torque: nothing can be held
-                error%code = no_contact_state
-                state%largest_part = 0.0_wp
-                state%none_proven = .true.
-            end if
-            return
-        end if
-        stands = all(abs(contact%forces - last) <= settled*maxval(contact%forces))
-        forces(of) = contact%forces
-        state%status = contact%status
-        state%rotation = contact%motion(1)
-        state%tangent = contact%tangent(1, 1)
-        state%forces = contact%forces
-        state%gaps = contact%gaps
-        state%condition = contact%condition
-        state%backward_error = contact%backward_error
-        state%margin = contact%margin
+        call take_contact(contact, rubs, state, error)
+        if (allocated(error)) return
+        forces(of) = state%forces
+        stands = all(abs(state%forces - last) <= settled*maxval(state%forces))
     end subroutine solve_pass
 
     !> A pass without a certificate: forces and rotation alone, if none but places that carry do so

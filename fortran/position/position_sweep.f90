@@ -148,9 +148,8 @@ contains
             before = used
             used = used + needed
             !$omp end atomic
-            call note_work(at, states, found)
+            call note_states(at, states, before + needed <= most, found)
             if (before + needed > most) return
-            call note_states(at, states, found)
             if (most > 0) call pack_pairs(at, states, before, pair_site, pair_table, found)
             !$omp atomic update
             control(2) = control(2) + 1
@@ -182,12 +181,14 @@ contains
         allocate (found%first_pair(n_positions, n_torques), source=0)
     end subroutine reserve
 
-    !> Store the counters of a position, with or without a state.
-    pure subroutine note_work(k, states, found)
+    !> Store the counters of a position, and its states if their pairs find room.
+    pure subroutine note_states(k, states, has_room, found)
         !> Number of the position
         integer, intent(in) :: k
         !> Its states, shape (torques)
         type(position_state), intent(in) :: states(:)
+        !> Whether the pairs find room
+        logical, intent(in) :: has_room
         !> The results
         type(sweep_type), intent(inout) :: found
 
@@ -198,23 +199,7 @@ contains
                 found%counters(:, k, t) = [state%pivots, state%columns, state%passes, &
                     & state%refactorisations, state%tangential_columns, state%lumped_solutions, &
                     & state%finite_passes]
-            end associate
-        end do
-    end subroutine note_work
-
-    !> Store the states of a position.
-    pure subroutine note_states(k, states, found)
-        !> Number of the position
-        integer, intent(in) :: k
-        !> Its states, shape (torques)
-        type(position_state), intent(in) :: states(:)
-        !> The results
-        type(sweep_type), intent(inout) :: found
-
-        integer :: t
-
-        do t = 1, size(states)
-            associate (state => states(t))
+                if (.not. has_room) cycle
                 found%status(k, t) = state%status
                 if (state%status == no_contact_state) then
                     found%certificate(:2, k, t) = [state%largest_part, &
