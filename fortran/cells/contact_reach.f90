@@ -76,8 +76,8 @@ contains
             call begin_search(flank_1, zone, growth, sense, search, x)
             pair = zone%nearest
             do step = 1, max_steps
-                call pair_on_circle(flank_1, frame_1, flank_2, frame_2, zone%nearest%s_1 + sense*x, &
-                    & [zone%s_2_low, zone%s_2_high], pair, found)
+                call pair_on_circle(flank_1, frame_1, flank_2, frame_2, &
+                    & zone%nearest%s_1 + sense*x, [zone%s_2_low, zone%s_2_high], pair, found)
                 if (.not. found) then
                     search%outer = x
                     search%part_outer = 0.0_wp

@@ -19,8 +19,8 @@ module flankload_slice_field
 
     public :: mirror_type, segment_type, shaft_type, slices_type
     public :: across_lines, add_segment_field, along_line, axial_means, corner_mirrors, &
-        & end_mirrors, flank_of, holds_slices, mean_width, middle_of, modes_of, slice_of, sliced_compliance, &
-        & sliced_tangential, tangential_field, width_of
+        & end_mirrors, flank_of, holds_slices, mean_width, middle_of, modes_of, slice_of, &
+        & sliced_compliance, sliced_tangential, tangential_field, width_of
 
     !> How flanks are cut: site (pair - 1)*n + j is slice j of flank pair `pair`.
     type :: slices_type

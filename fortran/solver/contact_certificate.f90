@@ -212,7 +212,7 @@ contains
 
     !> Largest entry of X, where weights W are exp(2 X) times a number.
     !>
-    !> √W K √W⁻¹ has the symmetric part C (K - T K T) C with C = cosh X and T = tanh X. With K = L Lᵀ
+    !> √W K √W⁻¹ has the symmetric part C (K - T K T) C, C = cosh X and T = tanh X. With K = L Lᵀ
     !> that is positive definite if |L⁻¹ T L| < 1, and |L⁻¹ T L|² <= |T|² cond K <= |X|² cond K.
     pure function spread_of(weights) result(largest)
         !> W, above 0
