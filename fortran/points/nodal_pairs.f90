@@ -203,7 +203,6 @@ contains
 
     !> Points of one flank.
     pure function flank_points(body, flank) result(points)
-        !> The body
         type(nodal_body), intent(in) :: body
         !> Number of the flank
         integer, intent(in) :: flank
