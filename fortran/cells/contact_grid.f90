@@ -95,6 +95,7 @@ contains
 
     !> Limit a grid to the stretch of its zone.
     pure subroutine end_within_stretch(zone, grid)
+        !> The zone
         type(zone_type), intent(in) :: zone
         !> Its grid
         type(grid_type), intent(inout) :: grid
@@ -157,6 +158,7 @@ contains
 
     !> The grid of a zone with constant gap: the stretch, and some cells beyond its ends.
     pure function level_grid(zone, reach, widths, strips) result(grid)
+        !> The zone
         type(zone_type), intent(in) :: zone
         !> Extent of the contact on both sides [mm], shape (2)
         real(wp), intent(in) :: reach(2)

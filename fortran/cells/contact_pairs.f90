@@ -208,6 +208,7 @@ contains
 
     !> Append a pair with its levers.
     pure subroutine append_pair(zone, pair, cell, normals, over, deviation, pairs)
+        !> The zone
         type(zone_type), intent(in) :: zone
         !> The pair
         type(pair_type), intent(in) :: pair

@@ -136,6 +136,7 @@ contains
 
     !> Newton step to the place of the wanted gap.
     pure function along_slope(search, x, part, slope) result(place)
+        !> The search
         type(search_type), intent(in) :: search
         !> A place nearby [mm], the increase there, and its slope [1/mm]
         real(wp), intent(in) :: x
@@ -152,6 +153,7 @@ contains
     !> Next place: interpolation by a power of the distance between the enclosing places, sometimes
     !> bisection; extrapolation by a parabola while there is no upper bound.
     pure function next_place(search, step, x, part) result(place)
+        !> The search
         type(search_type), intent(in) :: search
         !> Number of this step
         integer, intent(in) :: step
@@ -228,6 +230,7 @@ contains
 
     !> Record an edge if it is the first or last one inside the contact.
     pure subroutine take(zone, inside, edge, jump, first, last)
+        !> The zone
         type(zone_type), intent(in) :: zone
         !> Ends of the contact [mm of arc length of flank 1]
         real(wp), intent(in) :: inside(2)

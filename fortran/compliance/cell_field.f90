@@ -130,8 +130,10 @@ contains
     !> The force mu sigma F on body 1 points to growing arc length of flank 1, that on body 2 to
     !> growing arc length of flank 2: both recede by minus their displacement out of the material.
     pure subroutine add_sliding(body_1, body_2, slices, runs, last, pairs, matrix)
+        !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
+        !> The slices
         type(slices_type), intent(in) :: slices
         !> Cells of all zones, and the last pair of each flank
         type(run_type), intent(in) :: runs(:)
@@ -222,6 +224,7 @@ contains
 
     !> The pairs of each zone.
     pure function runs_of(pairs, segments) result(runs)
+        !> The pairs
         type(pairs_type), intent(in) :: pairs
         !> Contact lines of all zones
         type(segment_type), intent(in) :: segments(:)
@@ -252,9 +255,12 @@ contains
 
     !> Modes of both bodies and their shafts at the pairs.
     pure subroutine set_modes(body_1, body_2, slices, pairs, rigid, moved, modes)
+        !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
+        !> The slices
         type(slices_type), intent(in) :: slices
+        !> The pairs
         type(pairs_type), intent(in) :: pairs
         !> Forces and moments on shafts, and the motions that these cause, shape (m, n)
         real(wp), intent(in) :: rigid(:, :)

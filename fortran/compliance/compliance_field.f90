@@ -121,6 +121,7 @@ contains
 
     !> The modes of a tip, and the part of a force that acts on the modes of the flank.
     pure subroutine set_tip_modes(compliance, s, turn, values, on_flank)
+        !> Compliance of the body
         type(compliance_type), intent(in) :: compliance
         !> Arc lengths [mm] and turns of the forces from the normals there [rad], shape (n)
         real(wp), intent(in) :: s(:)

@@ -58,8 +58,10 @@ contains
 
     !> Displacements of both bodies by modes and near fields, in the lower triangle.
     pure subroutine set_by_modes(body_1, body_2, pairs, matrix)
+        !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
+        !> The pairs
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(out) :: matrix(:, :)
@@ -122,8 +124,10 @@ contains
     !> Displacements of both bodies by modes under the pairs of one site; in the lower triangle and
     !> the site's own diagonal block.
     pure subroutine set_smooth(body_1, body_2, pairs, load_first, load_last, n, matrix)
+        !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
+        !> The pairs
         type(pairs_type), intent(in) :: pairs
         !> First and last pair of the site
         integer, intent(in) :: load_first

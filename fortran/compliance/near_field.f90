@@ -174,6 +174,7 @@ contains
 
     !> Distance of places from an end of the modes' range, with the sign of arc length [mm].
     elemental function from_end(body, end, s, least) result(place)
+        !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> 1: s_low; 2: s_high
         integer, intent(in) :: end

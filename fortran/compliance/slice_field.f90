@@ -212,7 +212,9 @@ contains
 
     !> V g Vᵀ between all flanks.
     pure function between_flanks(body, slices, site, s, smooth, reciprocal) result(matrix)
+        !> Compliance of the body
         type(compliance_type), intent(in) :: body
+        !> The slices
         type(slices_type), intent(in) :: slices
         !> Site of each place, those of a flank pair together, and its arc length [mm], shape (n)
         integer, intent(in) :: site(:)
@@ -402,6 +404,7 @@ contains
 
     !> Recession of both bodies at one segment under a unit force on another one [mm/N].
     pure function field_between(one, other, beside, ends, corners) result(recession)
+        !> The segments
         type(segment_type), intent(in) :: one
         type(segment_type), intent(in) :: other
         !> How far beside its line a load is spread [mm]
@@ -454,6 +457,7 @@ contains
 
     !> Displacement by the images of a unit force behind free corners [mm/N].
     pure function behind_corners(one, other, beside, corners) result(recession)
+        !> The segments
         type(segment_type), intent(in) :: one
         type(segment_type), intent(in) :: other
         !> How far beside its line a load is spread [mm]

@@ -96,6 +96,7 @@ contains
 
     !> Position of places between the nodes.
     pure function places_of(body, s) result(place)
+        !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> Arc lengths [mm]
         real(wp), intent(in) :: s(:)

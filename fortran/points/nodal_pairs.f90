@@ -203,6 +203,7 @@ contains
 
     !> Points of one flank.
     pure function flank_points(body, flank) result(points)
+        !> The body
         type(nodal_body), intent(in) :: body
         !> Number of the flank
         integer, intent(in) :: flank

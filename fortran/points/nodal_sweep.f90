@@ -120,6 +120,7 @@ contains
     !> A body rotated about its axis: the new positions of its points. Its compliance does not
     !> change (it is along the normals) and stays with the unrotated body.
     pure function turned_body(body, axis, angle) result(turned)
+        !> The body
         type(nodal_body), intent(in) :: body
         !> Its axis [mm], shape (2)
         real(wp), intent(in) :: axis(2)

@@ -29,6 +29,7 @@ contains
 
     !> Displacement of a flank at places [mm]; 0 for a body without shift.
     pure function shift_at(body, site, s) result(shift)
+        !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> The site
         integer, intent(in) :: site
@@ -43,6 +44,7 @@ contains
 
     !> Change of the shift along the flank [mm/mm].
     pure function shift_slope(body, site, s) result(slope)
+        !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> The site
         integer, intent(in) :: site
@@ -131,8 +133,10 @@ contains
 
     !> Change along flank 1 of the gap angle that the shift closes at a pair [rad/mm].
     pure function tilt_of(body_1, body_2, zone, pair) result(tilt)
+        !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
+        !> The zone
         type(zone_type), intent(in) :: zone
         !> A pair of it
         type(pair_type), intent(in) :: pair

@@ -79,8 +79,10 @@ contains
     !> growing arc length [rad]: halfway to the normal of the other flank. Off corners both flanks
     !> have one normal where the gap is least.
     elemental function corner_turn(body_1, body_2, zone, body) result(turn)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
+        !> The zone
         type(zone_type), intent(in) :: zone
         !> Which body
         integer, intent(in) :: body

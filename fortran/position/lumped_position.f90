@@ -187,6 +187,7 @@ contains
 
     !> Append the pair of a place.
     pure subroutine append_place(body_1, body_2, position, z, reach, pairs, found)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position and the number of its zone
@@ -311,6 +312,7 @@ contains
 
     !> Lever of the tangential force of a pair in the torque row [mm].
     pure function lever_along(position, pairs, k) result(lever)
+        !> The position
         type(position_type), intent(in) :: position
         !> The pairs, and the number of one
         type(pairs_type), intent(in) :: pairs

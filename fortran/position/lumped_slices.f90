@@ -122,6 +122,7 @@ contains
     !> Near fields, forces that are nearly right, those of contacts that are all as wide as the
     !> widest, and the places that they need.
     pure subroutine begin(body_1, body_2, torque, position, forces, joins, state, error)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Torque on body 1 [N mm]
@@ -184,6 +185,7 @@ contains
 
     !> Places as contacts of parabolas.
     pure subroutine take_parabolas(position, of, forces, places)
+        !> The position
         type(position_type), intent(in) :: position
         !> Its zones that are looked at, shape (n)
         integer, intent(in) :: of(:)
@@ -211,6 +213,7 @@ contains
 
     !> The places under other forces: the reach of a contact grows with a power of its force.
     pure subroutine follow_places(position, of, forces, places, pairs)
+        !> The position
         type(position_type), intent(in) :: position
         !> Its zones that are looked at, shape (n)
         integer, intent(in) :: of(:)

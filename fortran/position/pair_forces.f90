@@ -75,8 +75,10 @@ contains
 
     !> Influence coefficients of the forces, and forces with these, until convergence.
     subroutine follow_forces(body_1, body_2, position, matrix, torque, n_steps, state, error)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
+        !> The position
         type(position_type), intent(in) :: position
         !> K of small forces [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: matrix(:, :)
@@ -130,8 +132,11 @@ contains
 
     !> Displacements of the points of a body under a unit force of each pair, with its friction.
     pure subroutine unit_displacements(body, position, pairs, number, points, moves)
+        !> The body
         type(body_type), intent(in) :: body
+        !> The position
         type(position_type), intent(in) :: position
+        !> The pairs
         type(pairs_type), intent(in) :: pairs
         !> 1 or 2
         integer, intent(in) :: number

@@ -187,6 +187,7 @@ contains
         !> Lay the cells of a zone: on the nodes of flank 1 where there are any, else on circles
         !> through those of flank 2.
         pure subroutine lay_cells_of(zone, grid)
+            !> The zone
             type(zone_type), intent(in) :: zone
             !> Its grid
             type(grid_type), intent(inout) :: grid
@@ -207,7 +208,9 @@ contains
     !> Cells of one width on all slices of a flank, the mean of the wanted ones by the forces:
     !> influences between slices are then a table. Cells that are finer around an edge stay.
     pure subroutine take_one_width(slices, zones, cells)
+        !> The slices
         type(slices_type), intent(in) :: slices
+        !> The zones
         type(zone_type), intent(in) :: zones(:)
         !> The cells, their grids known but for the places of the cells
         type(cells_type), intent(inout) :: cells
@@ -231,6 +234,7 @@ contains
 
     !> Append the pairs on the cells of a zone.
     pure subroutine append_cells(body_1, body_2, position, z, cells, pairs, error)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position, and the number of its zone
@@ -290,6 +294,7 @@ contains
 
     !> Part the grids of neighbouring zones of a site.
     pure subroutine part_grids(body_1, body_2, position, joins, grids)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position; its zones of a site stand by ascending arc length

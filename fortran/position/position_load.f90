@@ -116,6 +116,7 @@ contains
 
     !> Solve a position for one torque.
     subroutine solve_torque(body_1, body_2, torque, settings, contact, position, state, error)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Torque on body 1 [N mm]
@@ -150,6 +151,7 @@ contains
     !> A flank that leans towards its mate by the forces on others comes nearer by less than these
     !> close: twice as much is enough.
     pure function may_miss(position, state, failed) result(may)
+        !> The position
         type(position_type), intent(in) :: position
         !> Its state
         type(position_state), intent(in) :: state
@@ -168,6 +170,7 @@ contains
 
     !> One torque, on cells.
     subroutine solve_load(body_1, body_2, position, torque, settings, contact, state, error)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position; near fields of slices follow the torque
@@ -236,8 +239,10 @@ contains
 
     !> Cells for the forces of the lumped contact.
     subroutine expect_cells(body_1, body_2, position, torque, settings, cells, state, error)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
+        !> The position
         type(position_type), intent(in) :: position
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
@@ -282,6 +287,7 @@ contains
 
     !> Cells for the forces of the slices.
     subroutine expect_in_slices(body_1, body_2, position, torque, settings, cells, state, error)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position; its near fields follow the torque

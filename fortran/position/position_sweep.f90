@@ -159,6 +159,7 @@ contains
 
     !> Empty results.
     pure subroutine reserve(found, n_sites, n_positions, n_torques)
+        !> The results
         type(sweep_type), intent(out) :: found
         !> Numbers of sites, positions and torques
         integer, intent(in) :: n_sites
@@ -245,6 +246,7 @@ contains
 
     !> Columns of the pairs of a state.
     pure subroutine fill_table(state, table)
+        !> The state
         type(position_state), intent(in) :: state
         !> Columns of its pairs, shape (columns, pairs)
         real(wp), intent(inout) :: table(:, :)

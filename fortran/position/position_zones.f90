@@ -163,6 +163,7 @@ contains
 
     !> Place the flanks, and choose the sites that are searched.
     pure subroutine place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Their turns [rad]
@@ -220,6 +221,7 @@ contains
 
     !> Find the places of least gap on sites, those at ends that are left out among them.
     pure subroutine search_sites(body_1, body_2, faces, torque, position, zones, error)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Which sites are searched, shape (sites)
@@ -286,6 +288,7 @@ contains
 
     !> Whether a site is the next slice of the same flanks, and not turned against the last one.
     pure function is_same_section(body_1, body_2, site) result(same)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The site
@@ -323,8 +326,10 @@ contains
 
     !> How the zones of a plane position recede under each other's forces.
     pure subroutine couple_zones(body_1, body_2, position)
+        !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
+        !> The position
         type(position_type), intent(inout) :: position
 
         integer :: z, n
@@ -349,6 +354,7 @@ contains
 
     !> Add the near fields of both bodies between places on the same flanks.
     pure subroutine add_far_fields(body_1, body_2, width, zones, coupling)
+        !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
         !> Width that stands for a place [mm]
@@ -373,6 +379,7 @@ contains
 
     !> Gap angles with all deviations and shifts [rad].
     pure function gaps_without_load(body_1, body_2, zones) result(gap)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Places of least gap
@@ -435,6 +442,7 @@ contains
     !> Where sites go round a body more than once they name the same tooth again: only the one that
     !> has come round by less than half a turn of either body is meant.
     pure function sites_that_face(body_1, body_2, angle_1, first, last) result(faces)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Turn of body 1 [rad]

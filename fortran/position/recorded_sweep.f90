@@ -83,6 +83,7 @@ contains
 
     !> Check that two bodies go with each other.
     pure subroutine check_bodies(body_1, body_2, n_sites, info)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Number of sites

@@ -46,6 +46,7 @@ contains
 
     !> Whether a compliance has parts that only plane sections have.
     pure function is_plane_only(compliance) result(is_plane)
+        !> The compliance
         type(compliance_type), intent(in) :: compliance
         logical :: is_plane
 
@@ -108,6 +109,7 @@ contains
     !> The force on body 1 points to growing arc length of flank 1, that on body 2 to growing arc
     !> length of flank 2: both recede by minus their displacement out of the material.
     pure subroutine look_at_sliding(body_1, body_2, position)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position; its zones are those of slices
@@ -180,6 +182,7 @@ contains
 
     !> Add the recession of a body by its shaft and bearings: wᵀ S w, on all flanks.
     pure subroutine add_shaft(shaft, wrenches, matrix)
+        !> The shaft
         type(shaft_type), intent(in) :: shaft
         !> Unit forces and their moments, shape (6, zones)
         real(wp), intent(in) :: wrenches(:, :)
@@ -245,6 +248,7 @@ contains
     !> its slice makes a matrix that is definite for slices of any thinness, and so does its
     !> derivative by the forces: what local half-widths take off its diagonal is less.
     pure subroutine spread_loads(body_1, body_2, half_width, position)
+        !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Half-width [mm]

@@ -108,6 +108,7 @@ contains
 
     !> Pairs in contact in a coarser problem; none if it does not converge.
     pure recursive function coarse_guess(problem, compliance) result(pairs)
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         integer, allocatable :: pairs(:)
@@ -128,8 +129,10 @@ contains
 
     !> The penetrating pairs; their gaps are computed here.
     pure subroutine penetrating_pairs(problem, compliance, state, entering)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(inout) :: state
         !> The pairs that penetrate beyond rounding
         integer, allocatable, intent(out) :: entering(:)
@@ -149,6 +152,7 @@ contains
 
     !> Add the most penetrating pairs, as many as a step allows.
     pure subroutine add_entering(problem, compliance, open, state, ready)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> All penetrating pairs

@@ -81,7 +81,9 @@ contains
     !> separated: with B_a = P S and R_a = T U, where the columns of P and of T are independent,
     !> (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
     pure subroutine solve_at_once(system, problem, r, s, separated, solution)
+        !> The system
         type(bordered_system), intent(in) :: system
+        !> The problem
         type(contact_problem), intent(in) :: problem
         !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
         real(wp), intent(in) :: r(:)
@@ -135,7 +137,9 @@ contains
     !> The same if K is symmetric: with Y = L⁻¹ [B_a R_a r] the motions need no back substitution,
     !> (Y_Rᵀ Y_B) q = s - Y_Rᵀ Y_r,  F = L⁻ᵀ (Y_B q + Y_r), and Y_B, Y_R gain rows as L does.
     pure subroutine solve_halfway(system, problem, r, s, solution)
+        !> The system
         type(bordered_system), intent(inout) :: system
+        !> The problem
         type(contact_problem), intent(in) :: problem
         !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
         real(wp), intent(in) :: r(:)
@@ -172,7 +176,9 @@ contains
 
     !> Extend L⁻¹ B_a, and L⁻¹ R_a if R differs from B, to the pairs of the system.
     pure subroutine extend_forward(system, problem)
+        !> The system
         type(bordered_system), intent(inout) :: system
+        !> The problem
         type(contact_problem), intent(in) :: problem
 
         integer :: k, q, known, n_columns

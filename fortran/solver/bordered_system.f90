@@ -190,7 +190,9 @@ contains
 
     !> Factor with row exchanges if elimination without them has lost too many digits.
     pure subroutine check_growth(system, problem, compliance, accepted)
+        !> The system
         type(bordered_system), intent(inout) :: system
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> False if the pairs are singular
@@ -220,7 +222,9 @@ contains
 
     !> The scaled compliance of the pairs in contact.
     pure function gather(system, problem, compliance) result(matrix)
+        !> The system
         type(bordered_system), intent(in) :: system
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         real(wp), allocatable :: matrix(:, :)

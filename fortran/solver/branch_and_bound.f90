@@ -83,6 +83,7 @@ contains
     !> One case and all its subcases: it has no state if none of them has one, and is undecided if
     !> one of them is, or was not examined.
     pure recursive subroutine solve_node(problem, compliance, table, cases, outcome)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Its tableau
@@ -145,6 +146,7 @@ contains
     !> Dual simplex method: exchange variables until no basic variable is negative, and no fixed one
     !> differs from zero.
     pure subroutine dual_simplex(problem, compliance, table, cases, outcome)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The tableau

@@ -118,6 +118,7 @@ contains
 
     !> Single pairs with row exchanges; if the pairs are singular, with loads through springs.
     pure subroutine run_pivoted(problem, compliance, start_pairs, pivots, state, level, error)
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs to begin with, then to continue with
@@ -157,6 +158,7 @@ contains
 
     !> The fastest loop.
     pure function choose(problem, compliance, warm_pairs) result(level)
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs to begin with

@@ -92,6 +92,7 @@ contains
 
     !> How well rows are satisfied, and how far open ones are from contact.
     pure subroutine check_rows(problem, compliance, forces, motion, pairs, rows, sizes, result)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled forces, shape (n), and motion from zero, shape (n_motions)
@@ -223,6 +224,7 @@ contains
 
     !> Whether W K + ρ R Rᵀ has a symmetric part with a Cholesky factor, i.e. is positive definite.
     pure function is_positive_definite(problem, compliance, pairs, weights, spring) result(definite)
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs that are factored
@@ -278,6 +280,7 @@ contains
     !> Without negative influences, levers and load no motion goes further than each pair p permits,
     !> B_p q <= Q max(K_pk/R_k) + g0_p, and a pair touches only where q >= g0_i/B_i.
     pure function possible_pairs(problem, compliance, motion) result(pairs)
+        !> The problem and its K, shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled motion from zero of the state that was found, shape (n_motions)
@@ -312,6 +315,7 @@ contains
     !> Whether (K F)_i² <= K_ii FᵀKF in every row, as Cauchy and Schwarz require of a positive
     !> definite K: the entries of K read by the loop are checked against the caller's declaration.
     pure function satisfies_energy_bound(problem, compliance, forces, displacement) result(passed)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled F and K F, shape (n)

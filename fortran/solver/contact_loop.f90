@@ -151,6 +151,7 @@ contains
     !> The cascade from the given level on. If the state of a level does not satisfy its equations
     !> to rounding, more careful levels begin levels; the best of their states is the result.
     pure subroutine solve_by_cascade(problem, compliance, method, warm_pairs, state, result, error)
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The method, not that of the paper
@@ -191,6 +192,7 @@ contains
 
     !> Other levels, if the state found does not satisfy its equations.
     pure subroutine retry(problem, compliance, method, symmetric, state, result, error)
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The method
@@ -243,6 +245,7 @@ contains
 
     !> A state that the caller's units cannot represent is an error.
     pure subroutine check_range(problem, state, result, error)
+        !> The problem
         type(contact_problem), intent(in) :: problem
         !> Final state of the loop
         type(loop_state), intent(in) :: state
@@ -276,8 +279,10 @@ contains
 
     !> Method paper; a negative force in its final state is an error that carries the state.
     pure subroutine run_paper(problem, compliance, result, error)
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(contact_result), intent(inout) :: result
         !> Why there is none, or that a force in it is negative
         type(error_type), allocatable, intent(out) :: error

@@ -100,6 +100,7 @@ contains
     !> if its Cholesky factor leads to no state, an LU factor may. K may also be singular among
     !> them; this does not affect loads that act through springs.
     pure subroutine solve_from_pairs(problem, compliance, pairs, state, converged)
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pairs
@@ -129,6 +130,7 @@ contains
 
     !> The same with one kind of factor.
     pure subroutine solve_with_factor(problem, compliance, pairs, state, converged)
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pairs

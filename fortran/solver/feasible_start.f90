@@ -68,6 +68,7 @@ contains
 
     !> One motion: the pair that it closes first, among those that can carry the load.
     pure subroutine first_pair(problem, pairs, forces, motion, outcome)
+        !> The problem
         type(contact_problem), intent(in) :: problem
         !> The pair, shape (1)
         integer, allocatable, intent(out) :: pairs(:)
@@ -136,6 +137,7 @@ contains
     !> First phase of the simplex method on {F >= 0, Rᵀ F = Q}. Loads are made positive and rows
     !> scaled to one, which changes neither the loads that can be held nor the motion that shows it.
     pure subroutine first_phase(problem, pairs, forces, motion, outcome)
+        !> The problem
         type(contact_problem), intent(in) :: problem
         !> The pairs, shape (n_motions)
         integer, allocatable, intent(out) :: pairs(:)

@@ -115,8 +115,10 @@ contains
     !> Measure motions from the current one if the start was so far away that its size, rather than
     !> that of the caller's rows, would determine the rounding.
     pure subroutine measure_from_here(problem, compliance, state)
+        !> The problem and its K
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(inout) :: state
 
         integer, allocatable :: nothing(:)
@@ -199,8 +201,10 @@ contains
     !> distinguish within rounding become accurate for exactly the given numbers. The result is kept
     !> only if every force stays positive and no pair penetrates.
     pure subroutine refine_extended(problem, compliance, state)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(inout) :: state
 
         integer :: step, entering

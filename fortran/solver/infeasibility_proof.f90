@@ -137,6 +137,7 @@ contains
 
     !> Refine the factors that follow from the known sums.
     pure subroutine refine(problem, compliance, given, y, z)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The sum
@@ -199,6 +200,7 @@ contains
 
     !> c_j
     pure subroutine sum_of_force(problem, compliance, y, z, j, total, terms)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Factors
@@ -225,6 +227,7 @@ contains
 
     !> Remainder of Bᵀ y for a motion.
     pure subroutine sum_of_motion(problem, y, c, total, terms)
+        !> The problem
         type(contact_problem), intent(in) :: problem
         !> Factors
         type(two_part), intent(in) :: y(:)

@@ -167,6 +167,7 @@ contains
 
     !> The gap of a pair as a row on forces of given pairs, motions and λ.
     pure function gap_row(problem, compliance, path, pair, pairs) result(row)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Problem along the path
@@ -247,6 +248,7 @@ contains
 
     !> D, E and s: the conditions of the changes and of the driving variable.
     pure subroutine border_rows(problem, compliance, factor, rows, matrix, right)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor
@@ -290,6 +292,7 @@ contains
 
     !> Contribution of the forces of entered pairs to the gap of a pair.
     pure subroutine add_entered(problem, compliance, factor, pair, row)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor

@@ -64,6 +64,7 @@ contains
 
     !> Gaps of the line, and whether its equations are satisfied to rounding.
     pure subroutine complete_line(problem, compliance, factor, unknowns, line, accurate)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The factor

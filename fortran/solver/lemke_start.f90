@@ -179,6 +179,7 @@ contains
 
     !> The gaps, with ties among them broken.
     pure function untied_gaps(problem) result(gaps)
+        !> The problem
         type(contact_problem), intent(in) :: problem
         real(wp), allocatable :: gaps(:)
 

@@ -64,8 +64,10 @@ contains
 
     !> One row of the matrix of (32): the torque row for the first pair, (28) for the others.
     pure function reduced_row(problem, compliance, state, i, columns) result(row)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(in) :: state
         !> Number of the pair of the row
         integer, intent(in) :: i
@@ -88,8 +90,10 @@ contains
 
     !> The matrix of (32).
     pure function reduced_matrix(problem, compliance, state) result(matrix)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(in) :: state
         real(wp), allocatable :: matrix(:, :)
 
@@ -105,8 +109,10 @@ contains
 
     !> Extend (32) by the row and column of the last pair.
     pure subroutine extend_equations(problem, compliance, state, error)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(inout) :: state
         !> Singular equations
         type(error_type), allocatable, intent(out) :: error
@@ -135,8 +141,10 @@ contains
 
     !> Solve (32), then φ and the final gaps.
     pure subroutine solve_equations(problem, compliance, state)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(inout) :: state
 
         real(wp), allocatable :: x(:, :)
@@ -153,8 +161,10 @@ contains
 
     !> φ from the row of the first pair, (27) and (33).
     pure function rotation(problem, compliance, state, forces) result(motion)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(in) :: state
         !> Scaled forces of its pairs
         real(wp), intent(in) :: forces(:)
@@ -170,8 +180,10 @@ contains
 
     !> The pair with the smallest final gap angle, 0 if none is negative beyond rounding.
     pure function least_gap_angle(problem, compliance, state) result(entering)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(in) :: state
         integer :: entering
 
@@ -190,8 +202,10 @@ contains
 
     !> One refinement of the final equations, their condition number and dφ/dM.
     pure subroutine refine(problem, compliance, state)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(inout) :: state
 
         integer :: k

@@ -42,6 +42,7 @@ contains
 
     !> Small forces that are more than rounding in a load on which the others act.
     pure function is_significant(problem, pairs, forces, little) result(noticed)
+        !> The problem
         type(contact_problem), intent(in) :: problem
         !> The pairs in contact, shape (k)
         integer, intent(in) :: pairs(:)

@@ -97,6 +97,7 @@ contains
     !> Record whether the number of penetrating pairs or, with a symmetric K, the energy is at a
     !> minimum.
     pure subroutine update_progress(problem, state, progress)
+        !> The problem
         type(contact_problem), intent(in) :: problem
         !> The state, with just the active pairs touching
         type(loop_state), intent(in) :: state
@@ -125,8 +126,10 @@ contains
     !> Move towards the state in which just the active pairs touch; pairs whose force becomes zero
     !> on the way leave.
     pure subroutine settle(problem, compliance, state, error)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(inout) :: state
         !> No termination, or singular equations
         type(error_type), allocatable, intent(out) :: error
@@ -182,8 +185,10 @@ contains
     !> The pair that left last constrained a motion that no other one does: its force follows from
     !> the loads, and only rounding has made it negative.
     pure subroutine readmit(problem, compliance, state, taken)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(inout) :: state
         !> False if the equations are singular with it, too
         logical, intent(out) :: taken
@@ -197,6 +202,7 @@ contains
 
     !> Add a pair; if its row depends on those in contact, it replaces another pair.
     pure subroutine add_entering(problem, compliance, entering, state, error)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Number of the pair
@@ -246,8 +252,10 @@ contains
 
     !> Waiting pairs may penetrate only by rounding; otherwise the loop cycles.
     pure subroutine check_waiting(problem, compliance, state, error)
+        !> The problem and its K
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The state
         type(loop_state), intent(in) :: state
         !> A pair penetrates and would have a tensile force if it entered
         type(error_type), allocatable, intent(out) :: error
