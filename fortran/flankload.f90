@@ -1,5 +1,5 @@
-!> Façade: what a Fortran program uses of the library. The procedures of the flat door are here too,
-!> with explicit interfaces, and the numbers of structures, methods and parts that they take.
+!> Public module of the library for Fortran programs. It includes explicit interfaces of the
+!> procedures of the flat interface, and the numbers of structures, methods and parts that they use.
 module flankload
     use flankload_kinds, only: wp
     use flankload_version_number, only: version_number
@@ -44,7 +44,7 @@ module flankload
     public :: friction_type, new_friction
     public :: sweep_positions, sweep_type, n_counters, pair_columns, pair_columns_with_friction
     public :: sweep_nodal_positions, nodal_sweep_type
-    ! The flat door
+    ! The flat interface
     public :: flankload_version, flankload_double_vector, flankload_integer_vector
     public :: flankload_status_text
     public :: flankload_position, flankload_normal_compliance, flankload_matrix_form

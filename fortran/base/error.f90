@@ -1,27 +1,27 @@
-!> Errors: a status code and a message, returned at once in one allocatable.
+!> Error type: a status code and a message, returned through one allocatable argument.
 module flankload_error
     implicit none
     private
 
     public :: error_type, fatal_error
 
-    !> An error.
+    !> Status code and message of an error.
     type :: error_type
-        !> One of the codes of module `flankload_status`
+        !> One of the negative codes of module `flankload_status`
         integer :: code = 0
-        !> What was expected and what was found
+        !> Message: the expected and the found value
         character(len=:), allocatable :: message
     end type error_type
 
 contains
 
-    !> Raise an error.
+    !> Allocate an error with a code and a message.
     pure subroutine fatal_error(error, code, message)
-        !> The error to be returned
+        !> Error to be returned
         type(error_type), allocatable, intent(out) :: error
-        !> Its code
+        !> Status code of the error
         integer, intent(in) :: code
-        !> What was expected and what was found
+        !> Message: the expected and the found value
         character(len=*), intent(in) :: message
 
         allocate (error)

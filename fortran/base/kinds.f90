@@ -1,4 +1,4 @@
-!> The kind of all real numbers.
+!> Kind parameter of all real numbers.
 module flankload_kinds
     implicit none
     private

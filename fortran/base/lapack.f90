@@ -1,7 +1,7 @@
-!> Interface to BLAS and LAPACK: pure interfaces, and wrappers whose arguments are just the arrays.
+!> Pure interfaces to BLAS and LAPACK, and wrappers whose only arguments are the arrays.
 !>
-!> A factor of order n is stored in the leading part of a larger array, so that it can grow in
-!> place.
+!> A factor of order n occupies the leading n rows and columns of a larger array, so that it can
+!> grow in place.
 module flankload_lapack
     use flankload_kinds, only: wp
     implicit none
@@ -77,7 +77,8 @@ module flankload_lapack
 
 contains
 
-    !> Leading dimension, which LAPACK requires to be positive even for empty arrays.
+    !> Return the leading dimension of an array; LAPACK requires a positive one even for empty
+    !> arrays.
     pure integer function leading(matrix)
         !> Array of any shape
         real(wp), intent(in) :: matrix(:, :)
@@ -85,56 +86,56 @@ contains
         leading = max(1, size(matrix, 1))
     end function leading
 
-    !> Cholesky factor of the leading block, stored in its lower triangle.
+    !> Compute the Cholesky factor L of the leading block and store it in the lower triangle.
     pure subroutine potrf(n, matrix, info)
         !> Order of the block
         integer, intent(in) :: n
-        !> Holds the block, shape (>= n, >= n)
+        !> Array with the block, then with L, shape (>= n, >= n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
-        !> Not zero: the block is not positive definite
+        !> Nonzero if the block is not positive definite
         integer, intent(out) :: info
 
         call dpotrf('L', n, matrix, leading(matrix), info)
     end subroutine potrf
 
-    !> LU factor of the leading block with row exchanges.
+    !> Compute the LU factor of the leading block with partial pivoting.
     pure subroutine getrf(n, matrix, row_swaps, info)
         !> Order of the block
         integer, intent(in) :: n
-        !> Holds the block, shape (>= n, >= n)
+        !> Array with the block, then with L and U, shape (>= n, >= n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
-        !> Row that was swapped with each row, shape (>= n)
+        !> Index of the row exchanged with each row, shape (>= n)
         integer, contiguous, intent(out) :: row_swaps(:)
-        !> Not zero: the block is singular
+        !> Nonzero if the block is singular
         integer, intent(out) :: info
 
         call dgetrf(n, n, matrix, leading(matrix), row_swaps, info)
     end subroutine getrf
 
-    !> Exchange the rows of right-hand sides as in the factorisation.
+    !> Apply the row exchanges of a factorization to right-hand sides.
     pure subroutine permute_rows(rows, row_swaps)
         !> Right-hand sides, shape (>= size(row_swaps), any)
         real(wp), contiguous, intent(inout) :: rows(:, :)
-        !> Row swapped with each row
+        !> Index of the row exchanged with each row
         integer, contiguous, intent(in) :: row_swaps(:)
 
         call dlaswp(size(rows, 2), rows, leading(rows), 1, size(row_swaps), row_swaps, 1)
     end subroutine permute_rows
 
-    !> Solve T X = B or Tᵀ X = B with a triangle T of a factor. A few right-hand sides are solved
-    !> one by one: packing the triangle for all at once costs more than it saves.
+    !> Solve T X = B or Tᵀ X = B with a triangular factor T. Few right-hand sides are solved one by
+    !> one, since packing the triangle for a blocked solve costs more than it saves.
     pure subroutine solve_triangle(n, factor, uplo, transposed, diagonal, x)
         !> Order of the factor
         integer, intent(in) :: n
-        !> Holds the factor, shape (>= n, >= n)
+        !> Array with the factor, shape (>= n, >= n)
         real(wp), contiguous, intent(in) :: factor(:, :)
-        !> 'L' lower, 'U' upper triangle
+        !> 'L' for the lower triangle, 'U' for the upper triangle
         character(len=1), intent(in) :: uplo
-        !> 'T' transposed, else 'N'
+        !> 'T' for the transposed factor, else 'N'
         character(len=1), intent(in) :: transposed
-        !> 'U' if the diagonal is one and not stored, else 'N'
+        !> 'U' for an implicit unit diagonal, else 'N'
         character(len=1), intent(in) :: diagonal
-        !> Right-hand sides, then solutions, shape (>= n, any)
+        !> Right-hand sides, then solutions, shape (>= n, number of right-hand sides)
         real(wp), contiguous, intent(inout) :: x(:, :)
 
         integer, parameter :: few = 4
@@ -154,9 +155,9 @@ contains
     pure subroutine solve_lower(n, factor, transposed, x)
         !> Order of the factor
         integer, intent(in) :: n
-        !> Holds L, shape (>= n, >= n)
+        !> Array with L, shape (>= n, >= n)
         real(wp), contiguous, intent(in) :: factor(:, :)
-        !> 'T' transposed, else 'N'
+        !> 'T' for the transposed factor, else 'N'
         character(len=1), intent(in) :: transposed
         !> Right-hand side, then solution, shape (>= n)
         real(wp), contiguous, intent(inout) :: x(:)
@@ -164,14 +165,14 @@ contains
         call dtrsv('L', transposed, 'N', n, factor, leading(factor), x, 1)
     end subroutine solve_lower
 
-    !> Solve L X = B if the first rows of X are already known.
+    !> Solve L X = B for the rows of X that are not known yet.
     pure subroutine continue_lower(known, n, factor, x)
-        !> Known rows and all rows
+        !> Number of known rows, and number of all rows
         integer, intent(in) :: known
         integer, intent(in) :: n
-        !> Holds L, shape (>= n, >= n)
+        !> Array with L, shape (>= n, >= n)
         real(wp), contiguous, intent(in) :: factor(:, :)
-        !> Solution in the known rows, right-hand sides in the others; then solution
+        !> Solution in the known rows and right-hand sides in the others, then the solution
         real(wp), contiguous, intent(inout) :: x(:, :)
 
         integer :: j
@@ -182,16 +183,16 @@ contains
         end do
     end subroutine continue_lower
 
-    !> The same for one right-hand side; explicit shapes, so that parts of arrays are passed in
-    !> place.
+    !> Solve L x = b for the unknown rows of one right-hand side. The arrays have explicit shapes,
+    !> so that sections are passed without a copy.
     pure subroutine continue_column(known, n, lda, factor, x)
-        !> Known rows, all rows, rows of the array
+        !> Number of known rows, number of all rows, leading dimension of the array
         integer, intent(in) :: known
         integer, intent(in) :: n
         integer, intent(in) :: lda
-        !> Holds L
+        !> Array with L
         real(wp), intent(in) :: factor(lda, *)
-        !> Solution
+        !> Solution in the known rows and right-hand side in the others, then the solution
         real(wp), intent(inout) :: x(*)
 
         if (known > 0) then
@@ -201,22 +202,23 @@ contains
         call dtrsv('L', 'N', 'N', n - known, factor(known + 1, known + 1), lda, x(known + 1), 1)
     end subroutine continue_column
 
-    !> Extend a Cholesky factor by the rows stored below it, in place.
+    !> Extend a Cholesky factor in place by the rows stored below it.
     pure subroutine border_cholesky(k, b, lda, matrix, info)
-        !> Order of the factor and number of new rows
+        !> Order of the factor, and number of new rows
         integer, intent(in) :: k
         integer, intent(in) :: b
-        !> Rows of the array (of explicit shape, so that its parts can be passed in place)
+        !> Leading dimension of the array, which has an explicit shape so that sections are passed
+        !> without a copy
         integer, intent(in) :: lda
-        !> The factor, below it the new rows of the matrix, shape (lda >= k + b, >= k + b)
+        !> Factor with the new rows of the matrix below it, shape (lda >= k + b, >= k + b)
         real(wp), intent(inout) :: matrix(lda, *)
-        !> Not zero: the remainder of the new block is not positive definite
+        !> Nonzero if the Schur complement of the new block is not positive definite
         integer, intent(out) :: info
 
         real(wp) :: row(k)
 
         if (b == 1) then
-            ! A single row costs less by BLAS-2, and in consecutive numbers.
+            ! BLAS-2 on contiguous numbers is faster for a single row.
             row = matrix(k + 1, :k)
             call dtrsv('L', 'N', 'N', k, matrix, lda, row, 1)
             matrix(k + 1, :k) = row
@@ -229,15 +231,15 @@ contains
         call dpotrf('L', b, matrix(k + 1, k + 1), lda, info)
     end subroutine border_cholesky
 
-    !> Extend an LU factor by the rows and columns stored beside it, in place; the remainder of the
-    !> new diagonal block is not factored yet.
+    !> Extend an LU factor in place by the rows and columns stored beside it; the Schur complement
+    !> of the new diagonal block is not factored yet.
     pure subroutine border_lu(k, b, lda, matrix)
-        !> Order of the factor and number of new rows
+        !> Order of the factor, and number of new rows
         integer, intent(in) :: k
         integer, intent(in) :: b
-        !> Rows of the array
+        !> Leading dimension of the array
         integer, intent(in) :: lda
-        !> The factor, beside it the new rows and columns, shape (lda >= k + b, >= k + b)
+        !> Factor with the new rows and columns beside it, shape (lda >= k + b, >= k + b)
         real(wp), intent(inout) :: matrix(lda, *)
 
         real(wp) :: row(k)
@@ -257,34 +259,35 @@ contains
             & 1.0_wp, matrix(k + 1, k + 1), lda)
     end subroutine border_lu
 
-    !> y := y + A x for a block of columns of a larger matrix.
+    !> Add the product of some columns of a matrix and a vector: y := y + A x.
     pure subroutine add_product(matrix, first, last, x, y)
-        !> The whole matrix, shape (n, any)
+        !> Matrix, shape (n, number of columns)
         real(wp), contiguous, intent(in) :: matrix(:, :)
-        !> First and last column of the block
+        !> First and last of the columns to be multiplied
         integer, intent(in) :: first
         integer, intent(in) :: last
-        !> One number for every column of the matrix
+        !> Vector with one number per column of the matrix
         real(wp), contiguous, intent(in) :: x(:)
-        !> Sum, shape (n)
+        !> Sum y, shape (n)
         real(wp), contiguous, intent(inout) :: y(:)
 
         call dgemv('N', size(y), last - first + 1, 1.0_wp, matrix(:, first:), leading(matrix), &
             & x(first:), 1, 1.0_wp, y, 1)
     end subroutine add_product
 
-    !> C := Aᵀ B for a block C of a larger matrix.
+    !> Compute C := Aᵀ B for a block C of a larger matrix.
     pure subroutine set_product(n_rows, n_columns, m, a, b, ldc, c)
-        !> Rows and columns of the block, number of terms in a product
+        !> Rows and columns of C, and number of terms of each inner product
         integer, intent(in) :: n_rows
         integer, intent(in) :: n_columns
         integer, intent(in) :: m
-        !> A and B
+        !> Matrices A and B
         real(wp), intent(in) :: a(m, *)
         real(wp), intent(in) :: b(m, *)
-        !> Rows of the larger matrix (of explicit shape, so that parts are passed in place)
+        !> Leading dimension of the larger matrix, which has an explicit shape so that sections are
+        !> passed without a copy
         integer, intent(in) :: ldc
-        !> C
+        !> Block C
         real(wp), intent(inout) :: c(ldc, *)
 
         call dgemm('T', 'N', n_rows, n_columns, m, 1.0_wp, a, max(1, m), b, max(1, m), 0.0_wp, c, &

@@ -1,4 +1,4 @@
-!> Order of numbers.
+!> Stable sorting of real numbers.
 module flankload_ordering
     use flankload_kinds, only: wp
     implicit none
@@ -8,9 +8,10 @@ module flankload_ordering
 
 contains
 
-    !> Indices of numbers in ascending order; equal numbers keep their order (merge sort).
+    !> Return the indices that sort numbers in ascending order; equal numbers keep their order
+    !> (merge sort).
     pure function ascending_order(numbers) result(order)
-        !> Any numbers, shape (n)
+        !> Numbers to be sorted, shape (n)
         real(wp), intent(in) :: numbers(:)
         integer, allocatable :: order(:)
 

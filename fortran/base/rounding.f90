@@ -1,8 +1,8 @@
-!> Rounding of quotients of lengths that are whole numbers in exact arithmetic.
+!> Rounding of length ratios that are integers in exact arithmetic.
 !>
-!> Cell grids are fractions of a reach, so that ends of cells and of reaches coincide. Their order
-!> after rounding depends on the BLAS kernel that computed the forces; no number of cells may depend
-!> on it.
+!> The cell sizes are fractions of the contact length, so that cell ends and contact ends coincide
+!> in exact arithmetic. The order of two such ends after rounding depends on the BLAS kernel that
+!> computed the forces; the number of cells must not.
 module flankload_rounding
     use flankload_kinds, only: wp
     implicit none
@@ -10,16 +10,15 @@ module flankload_rounding
 
     public :: tie, whole_parts
 
-    !> Quotients this close to a whole number are that number, and lengths this close to each other
-    !> (in cells, in reaches) are equal: far above their rounding errors, far below what is visible
-    !> in a result.
+    !> Tolerance for ratios that are integers, and for lengths that are equal (relative to a cell or
+    !> to the contact length): far above rounding errors, far below the accuracy of the results.
     real(wp), parameter :: tie = 1.0e-6_wp
 
 contains
 
-    !> Number of whole parts in a length.
+    !> Return the number of complete parts in a length.
     elemental function whole_parts(length, part) result(number)
-        !> The length and the length of a part, in the same unit
+        !> Length, and length of a part in the same unit
         real(wp), intent(in) :: length
         real(wp), intent(in) :: part
         integer :: number

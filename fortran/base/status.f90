@@ -1,4 +1,4 @@
-!> All status codes of the library and their texts; the flat interface passes the texts on.
+!> Status codes of the library and their texts.
 module flankload_status
     implicit none
     private
@@ -11,25 +11,25 @@ module flankload_status
         & code_no_room, code_stopped, code_conforms, code_unsettled_widths, code_unsteady_points, &
         & code_forces_move, code_only_ends, code_not_in_slices
 
-    ! States
+    ! Solved
     integer, parameter :: status_solved = 0, status_ill_conditioned = 1, status_degenerate = 2, &
         & status_not_unique = 3
-    ! Contact problems without a state
+    ! Contact problems without a solution
     integer, parameter :: no_contact_state = -1, pivot_limit = -2, singular_contact = -3
     integer, parameter :: invalid_input = -4, invalid_scale = -5, negative_force = -6
     integer, parameter :: out_of_range = -7
-    ! Positions without a state
+    ! Positions without a solution
     integer, parameter :: code_no_zone = -11, code_too_many_zones = -12
     integer, parameter :: code_unsettled_cells = -13, code_circle_misses = -14
     integer, parameter :: code_no_room = -15, code_stopped = -16
     integer, parameter :: code_conforms = -17, code_unsettled_widths = -18
     integer, parameter :: code_unsteady_points = -19, code_forces_move = -20
     integer, parameter :: code_only_ends = -21, code_not_in_slices = -22
-    !> Status of an invalid argument i is this minus i in procedures in which -1 … have other
-    !> meanings.
+    !> Offset of the status of an invalid argument: argument i has status -100 - i in procedures in
+    !> which -1 … -7 have other meanings.
     integer, parameter :: before_arguments = -100
 
-    !> A code and its text.
+    !> A status code and its text.
     type :: status_type
         integer :: code
         character(len=80) :: words
@@ -77,10 +77,9 @@ module flankload_status
 
 contains
 
-    !> `info` of a procedure in which -1 … -7 mean that there is no state: -(100 + i) for argument
-    !> i.
+    !> Return the status -100 - i of the first invalid argument i, or 0 if all arguments are valid.
     pure function refused_argument(valid) result(info)
-        !> Whether each argument is valid, from the first one on
+        !> Validity of each argument, in the order of the arguments
         logical, intent(in) :: valid(:)
         integer :: info
 
@@ -88,9 +87,9 @@ contains
         if (.not. all(valid)) info = before_arguments - findloc(valid, .false., dim=1)
     end function refused_argument
 
-    !> Text of a status.
+    !> Return the text of a status.
     pure function status_text(code) result(text)
-        !> Status of a contact problem or of a position, or `info` of a procedure
+        !> Status of a contact problem or a position, or `info` of a procedure
         integer, intent(in) :: code
         character(len=:), allocatable :: text
 

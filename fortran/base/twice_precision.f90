@@ -1,6 +1,6 @@
-!> Numbers of twice the working precision: a double and its rounding error.
+!> Arithmetic in twice the working precision: a number is a double plus its rounding error.
 !>
-!> Products and sums are split without error (Dekker, Knuth), at 20 operations for one.
+!> Sums and products are split without error (Knuth, Dekker), at about 20 operations each.
 module flankload_twice_precision
     use flankload_kinds, only: wp
     implicit none
@@ -15,16 +15,16 @@ module flankload_twice_precision
         real(wp) :: low = 0.0_wp
     end type two_part
 
-    !> 2^27 + 1 splits 53 bits into halves.
+    !> Factor 2^27 + 1, which splits the 53 bits of a double into halves.
     real(wp), parameter :: splitter = 2.0_wp**27 + 1.0_wp
 
 contains
 
-    !> total := total + a b, without rounding error.
+    !> Add a product without rounding error: total := total + a b.
     elemental subroutine add_product(total, a, b)
-        !> The sum
+        !> Accumulated sum
         type(two_part), intent(inout) :: total
-        !> Factors, far from the limits of the number range
+        !> Factors, far from overflow and underflow
         real(wp), intent(in) :: a
         real(wp), intent(in) :: b
 
@@ -42,9 +42,9 @@ contains
         total%high = sum
     end subroutine add_product
 
-    !> The nearest double.
+    !> Round to the nearest double.
     elemental function rounded(number) result(nearest)
-        !> Any number
+        !> Number in twice the working precision
         type(two_part), intent(in) :: number
         real(wp) :: nearest
 

@@ -1,5 +1,4 @@
-!> A contact pair: the intersections of a circle about O1 with two flanks (section 3.2 of the
-!> paper).
+!> Contact pair: the intersections of a circle about O1 with two flanks (section 3.2 of the paper).
 module flankload_circle_pair
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
@@ -12,57 +11,61 @@ module flankload_circle_pair
     public :: flank_type, pair_type
     public :: new_flank, pair_on_circle, guessed_s_2
 
-    !> A flank with the samples used for a first search for minima.
+    !> A flank and its samples, at which the search for minima of the gap starts.
     type :: flank_type
         type(flank_curve_type) :: curve
-        !> Arc length of the samples [mm], ascending; all breaks of the curve are among them
+        !> Arc lengths of the samples [mm], ascending, all breaks of the curve included, shape (n)
         real(wp), allocatable :: s(:)
-        !> The samples in the frame of the body [mm], shape (2, n), and their distance from its axis
+        !> Samples in the frame of the body [mm], shape (2, n), and their distances from its axis
+        !> [mm], shape (n)
         real(wp), allocatable :: point(:, :)
         real(wp), allocatable :: radius(:)
-        !> 1 if the sample is a sharp corner, -1 if it is another end of the curve, else 0
+        !> 1 if the sample is a sharp corner, -1 if it is a smooth end of the curve, else 0,
+        !> shape (n)
         integer, allocatable :: special(:)
-        !> First sample from which the radius increases up to the tip
+        !> First sample from which on the radius increases up to the tip
         integer :: first_rising = 1
-        !> A few of the samples, the first rising one and all corners among them; and how far along
-        !> circles about its axis the flank departs from their polygon [mm], shape (few)
-        integer, allocatable :: few(:)
+        !> Indices of a coarse subset of the samples, all corners and the first rising sample
+        !> included, and the largest distance between the flank and their polygon along circles
+        !> about the axis [mm], shape (size of the subset)
+        integer, allocatable :: subset(:)
         real(wp), allocatable :: bulge(:)
-        !> The longest chord between them [mm]
+        !> Longest chord of that polygon [mm]
         real(wp) :: longest_chord = 0.0_wp
-        !> Starts of smooth roundings [mm of arc length], their side (1: towards greater arc length,
-        !> -1: towards smaller), and the change of the curvature there [1/mm], shape (roundings)
+        !> Breaks at which a rounding starts smoothly [mm of arc length], its side (1: greater arc
+        !> length, -1: smaller) and the jump of the curvature [1/mm], shape (number of roundings)
         real(wp), allocatable :: roundings(:), rounding_jumps(:)
         integer, allocatable :: rounding_sides(:)
     end type flank_type
 
     !> A contact pair: the points A and B at which a circle about O1 cuts the two flanks.
     type :: pair_type
-        !> Arc lengths of A and B [mm]
+        !> Arc lengths of A on flank 1 and of B on flank 2 [mm]
         real(wp) :: s_1 = 0.0_wp, s_2 = 0.0_wp
         !> Radius of the circle about O1 [mm]
         real(wp) :: radius = 0.0_wp
-        !> Gap angle A O1 B [rad], positive if body 1 must still turn
+        !> Gap angle A O1 B [rad], positive if the flanks are apart
         real(wp) :: gap_angle = 0.0_wp
-        !> Change of the gap angle along flank 1 [rad/mm]
+        !> Derivative of the gap angle with respect to the arc length of flank 1 [rad/mm]
         real(wp) :: slope = 0.0_wp
-        !> Points and unit tangents in the common frame
+        !> Points [mm] and unit tangents in the common frame
         real(wp) :: point_1(2) = 0.0_wp, tangent_1(2) = 0.0_wp
         real(wp) :: point_2(2) = 0.0_wp, tangent_2(2) = 0.0_wp
     end type pair_type
 
-    !> Samples per flank: fine enough to find every minimum of tooth-like profiles.
+    !> Number of samples of a flank, sufficient for every minimum between tooth-like profiles
     integer, parameter :: samples_per_flank = 96
-    !> Largest distance between a flank and the polygon of its few samples, relative to its length.
+    !> Largest distance between a flank and the polygon of the coarse subset, relative to the
+    !> flank's length
     real(wp), parameter :: least_bulge = 1.0e-3_wp
-    !> A flank that crosses its circle at less than this angle ends there: the pair (and 1/(P.t)) is
-    !> undefined.
+    !> Least angle [rad] at which a flank may cross a circle about the axis: the pair is undefined
+    !> below it, since it contains 1/(P·t).
     real(wp), parameter :: least_rise = 0.02_wp
 contains
 
-    !> A flank from its curve: samples at every break and evenly between.
+    !> Return a flank with samples at all breaks of its curve and at even spacing between them.
     pure function new_flank(curve) result(flank)
-        !> The curve in the frame of its body
+        !> Curve in the frame of its body
         type(flank_curve_type), intent(in) :: curve
         type(flank_type) :: flank
 
@@ -104,13 +107,14 @@ contains
                 flank%first_rising = k + 1
             end if
         end do
-        call choose_few(flank)
+        call choose_subset(flank)
         call find_roundings(flank)
     end function new_flank
 
-    !> Choose a few samples, and compute the distances of the others from the chords between them.
-    pure subroutine choose_few(flank)
-        !> The flank with its samples
+    !> Choose the coarse subset of the samples, and compute the distances of the other samples from
+    !> its chords.
+    pure subroutine choose_subset(flank)
+        !> Flank with its samples
         type(flank_type), intent(inout) :: flank
 
         integer :: k, l, n, first, last
@@ -128,14 +132,14 @@ contains
             if (off > least_bulge*curve_length(flank%curve)) chosen(last) = .true.
             if (chosen(last)) first = last
         end do
-        flank%few = pack([(k, k=1, n)], chosen)
-        allocate (flank%bulge(size(flank%few)), source=0.0_wp)
-        do l = 1, size(flank%few) - 1
-            first = flank%few(l)
-            last = flank%few(l + 1)
+        flank%subset = pack([(k, k=1, n)], chosen)
+        allocate (flank%bulge(size(flank%subset)), source=0.0_wp)
+        do l = 1, size(flank%subset) - 1
+            first = flank%subset(l)
+            last = flank%subset(l + 1)
             chord = flank%point(:, last) - flank%point(:, first)
             flank%longest_chord = max(flank%longest_chord, norm2(chord))
-            ! across the chord it is off/|chord|; along a circle by the chord's rise
+            ! The distance is off/|chord| across the chord, and off/rise along a circle.
             rise = max(abs(flank%radius(last) - flank%radius(first)), &
                 & least_rise*norm2(chord), tiny(1.0_wp))
             do k = first + 1, last - 1
@@ -143,16 +147,17 @@ contains
                 flank%bulge(l:l + 1) = max(flank%bulge(l:l + 1), off)
             end do
         end do
-    end subroutine choose_few
+    end subroutine choose_subset
 
-    !> Breaks with a large jump of the curvature: the pressure has a separate peak there.
+    !> Find the breaks at which the curvature jumps by a large factor: the pressure has a separate
+    !> peak there.
     pure subroutine find_roundings(flank)
-        !> The flank with its curve set
+        !> Flank with its curve
         type(flank_type), intent(inout) :: flank
 
-        !> Minimum ratio of the curvatures there, convex.
+        !> Least ratio of the two curvatures at a rounding, the greater of which is convex
         real(wp), parameter :: many_times = 4.0_wp
-        !> Distance from a break, relative to the interval.
+        !> Distance from a break at which its curvatures are computed, relative to the interval
         real(wp), parameter :: beside = 1.0e-6_wp
         integer :: k, n
         real(wp) :: before, behind, point(2), tangent(2)
@@ -174,21 +179,21 @@ contains
         end associate
     end subroutine find_roundings
 
-    !> The pair on the circle through the point s_1 of flank 1.
+    !> Compute the pair on the circle about O1 through the point s_1 of flank 1.
     pure subroutine pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)
-        !> Flank of body 1 and its placement
+        !> Flank of body 1 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its placement
+        !> Flank of body 2 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> Arc length on flank 1 [mm]
         real(wp), intent(in) :: s_1
-        !> Arc lengths on flank 2 between which the circle cuts it [mm], shape (2)
+        !> Arc lengths of flank 2 between which the intersection lies [mm], shape (2)
         real(wp), intent(in) :: s_2_range(2)
-        !> On entry pair%s_2 is a guess
+        !> Pair; on entry, pair%s_2 is the initial guess
         type(pair_type), intent(inout) :: pair
-        !> False if the circle does not cut flank 2 in that range
+        !> False if the circle does not cross flank 2 in that range
         logical, intent(out) :: found
 
         real(wp) :: rise_1, rise_2
@@ -202,21 +207,21 @@ contains
         pair%gap_angle = angle_between(pair%point_1, pair%point_2)   ! ε_anf of Eq. (2)
         rise_1 = dot_product(pair%point_1, pair%tangent_1)
         rise_2 = dot_product(pair%point_2, pair%tangent_2)
-        ! a rounding that ends on the tip circle lies along it there
+        ! A rounding that ends on the tip circle is tangent to it there.
         rise_2 = sign(max(abs(rise_2), epsilon(rise_2)*pair%radius), rise_2)
-        ! polar angle over arc length: cross/r², radius over arc length: dot/r
+        ! dφ/ds = (P×t)/r² and dr/ds = (P·t)/r
         pair%slope = (cross(pair%point_2, pair%tangent_2)*rise_1/rise_2 &
             & - cross(pair%point_1, pair%tangent_1))/pair%radius**2
     end subroutine pair_on_circle
 
-    !> Approximate intersection of flank 2 with the circle through another point of flank 1: dr =
-    !> (P.t) ds/r.
+    !> Return an approximate intersection of flank 2 with the circle through another point of flank
+    !> 1, from dr = (P·t) ds/r.
     pure function guessed_s_2(pair, s_1) result(s_2)
-        !> A pair nearby
+        !> Pair near that point
         type(pair_type), intent(in) :: pair
-        !> The point on flank 1 [mm]
+        !> Arc length of the point on flank 1 [mm]
         real(wp), intent(in) :: s_1
-        !> Arc length on flank 2 [mm]
+        !> Arc length of the intersection on flank 2 [mm]
         real(wp) :: s_2
 
         s_2 = pair%s_2 + (s_1 - pair%s_1)*dot_product(pair%point_1, pair%tangent_1) &

@@ -1,12 +1,12 @@
-!> Direction of the contact force if the two flanks have different normals.
+!> Direction of the contact force for two flanks with different normals.
 !>
-!> It follows from chords over the contact, not from tangents at a point: chords change continuously
-!> while a corner, a kink or a rounding passes through the contact. The chords on both sides of the
-!> least gap are weighted by the squares of the reach of the contact. A contact that reaches equally
-!> to both sides has the normal of the least gap, whatever turns away beside it; a one-sided one (an
-!> edge over which a flank ends or turns away) has the mean of both flanks' normals. Along the
-!> contact the direction turns with the flank, so that the lever of an involute is its base radius
-!> everywhere.
+!> The direction follows from chords over the contact, since chords change continuously while a
+!> corner, a kink or a rounding passes through the contact, and tangents do not. The chords on the
+!> two sides of the least gap have the squares of the contact lengths on these sides as weights. A
+!> contact of equal lengths on both sides has the normal at the least gap; a one-sided contact (at
+!> an edge over which a flank ends or turns away) has the mean of the normals of both flanks. Along
+!> the contact the direction rotates with the flank, so that the lever of an involute is its base
+!> radius everywhere.
 module flankload_contact_normal
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
@@ -22,29 +22,29 @@ module flankload_contact_normal
 
     !> Direction of the force along a contact.
     type :: normal_type
-        !> Unit normal out of body 1, and the point on flank 1 where the force has it [mm]
+        !> Unit normal out of body 1, and the arc length of flank 1 at which it holds [mm]
         real(wp) :: direction(2) = 0.0_wp
         real(wp) :: origin = 0.0_wp
-        !> Rate of its rotation along flank 1 with the normal of either body [rad/mm]
+        !> Rate of rotation along flank 1 with the normal of body 1 and of body 2 [rad/mm]
         real(wp) :: turning(2) = 0.0_wp
-        !> Whether the end of flank 1 or flank 2 at its tip is within the contact
+        !> True if the tip end of flank 1 (of flank 2) lies within the contact
         logical :: over(2) = .false.
     end type normal_type
 
 contains
 
-    !> The direction of the force over a contact; undefined if the gap is constant, since each point
-    !> then has its own.
+    !> Return the direction of the force over a contact. It is undefined if the gap is constant:
+    !> each point then has its own normal.
     pure function contact_normal(flank_1, frame_1, flank_2, frame_2, zone, reach) result(normal)
-        !> Flank of body 1 and its placement
+        !> Flank of body 1 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its placement
+        !> Flank of body 2 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> The zone
+        !> Contact zone
         type(zone_type), intent(in) :: zone
-        !> Reach of the contact to both sides [mm], shape (2)
+        !> Contact lengths on both sides of the least gap [mm], shape (2)
         real(wp), intent(in) :: reach(2)
         type(normal_type) :: normal
 
@@ -64,7 +64,7 @@ contains
                 & + weight(2)*(chord(nearest%point_1, last%point_1) &
                 & + chord(nearest%point_2, last%point_2))
             along = along/norm2(along)
-            normal%direction = [-along(2), along(1)]
+            normal%direction = [-along(2), along(1)]   ! Normal of Eq. (17), (19)
             normal%origin = nearest%s_1 + 0.5_wp*(weight(2)*room(2) - weight(1)*room(1))
         end associate
         length = [curve_length(flank_1), curve_length(flank_2)]
@@ -73,13 +73,14 @@ contains
         turn = [angle_between(middle%point_1 - first%point_1, last%point_1 - middle%point_1), &
             & angle_between(middle%point_2 - first%point_2, last%point_2 - middle%point_2)]
         turn = turn/(0.5_wp*(high - low))
-        normal%turning = [steadier(turn(1), turn(2)), steadier(turn(2), turn(1))]
+        normal%turning = [limited_rate(turn(1), turn(2)), limited_rate(turn(2), turn(1))]
 
     contains
 
-        !> The pair at a point of the contact; the nearest one if the circle misses flank 2.
+        !> Return the pair at a point of the contact, or that of least gap if the circle misses
+        !> flank 2.
         pure function pair_at(s_1) result(pair)
-            !> Point on flank 1 [mm]
+            !> Arc length of flank 1 [mm]
             real(wp), intent(in) :: s_1
             type(pair_type) :: pair
 
@@ -93,9 +94,9 @@ contains
             if (.not. found) pair = zone%nearest
         end function pair_at
 
-        !> Direction from one point to another; undefined if they coincide.
+        !> Return the unit vector from one point to another, zero if they coincide.
         pure function chord(from, to) result(direction)
-            !> The points [mm]
+            !> Points [mm]
             real(wp), intent(in) :: from(2)
             real(wp), intent(in) :: to(2)
             real(wp) :: direction(2)
@@ -103,29 +104,30 @@ contains
             direction = (to - from)/max(norm2(to - from), tiny(1.0_wp))
         end function chord
 
-        !> Rate of rotation of the normal of a body; that of its mate if the flank turns away.
-        pure function steadier(own, other) result(turning)
-            !> Rates of both [rad/mm]
+        !> Return the rate of rotation of a body's normal, or that of the other body if the flank
+        !> turns away sharply.
+        pure function limited_rate(own, other) result(turning)
+            !> Rates of the body and of the other body [rad/mm]
             real(wp), intent(in) :: own
             real(wp), intent(in) :: other
             real(wp) :: turning
 
-            !> Curvatures of flanks differ by less than this; edges have a smaller radius.
+            !> Limit of the ratio of the two rates: flanks have smaller ratios, edges larger ones.
             real(wp), parameter :: many_times = 10.0_wp
 
             turning = other + (own - other) &
                 & /(1.0_wp + (own/max(many_times*abs(other), tiny(1.0_wp)))**4)
-        end function steadier
+        end function limited_rate
 
     end function contact_normal
 
-    !> The direction at a point of the contact.
+    !> Return the direction of the force at a point of the contact.
     pure function normal_at(normal, s_1, body) result(direction)
-        !> The direction over the contact
+        !> Direction of the force along the contact
         type(normal_type), intent(in) :: normal
-        !> Point on flank 1 [mm]
+        !> Arc length of flank 1 [mm]
         real(wp), intent(in) :: s_1
-        !> Body with whose normal the direction turns
+        !> Body with whose normal the direction rotates
         integer, intent(in) :: body
         !> Unit normal out of body 1
         real(wp) :: direction(2)

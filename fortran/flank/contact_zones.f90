@@ -1,91 +1,91 @@
-!> Points of least gap between two flanks, on circles about O1 (section 3.2 of the paper).
+!> Minima of the gap between two flanks on circles about O1 (section 3.2 of the paper).
 !>
-!> A zone is a point of least gap angle between one flank of body 1 and one of body 2, with the
-!> stretch of flank over which circles about O1 cut both. Candidates are found by their gap, never
-!> by the theoretical path of contact: tip corners and fillets are treated like any other point.
+!> A contact zone is a local minimum of the gap angle between a flank of body 1 and a flank of body
+!> 2, together with the range of both flanks that circles about O1 cross. Only the gap decides, not
+!> the theoretical path of contact: tip corners and fillets are treated like all other points.
 module flankload_contact_zones
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type, curve_length
     use flankload_circle_pair, only: flank_type, pair_type
     use flankload_gap_scan, only: scan_gaps, scan_type
     use flankload_least_gap, only: exact_pair, walk_downhill
-    use flankload_even_gap, only: conforms_at, even_type, level_out, sum_of_curvatures
+    use flankload_even_gap, only: conforms_at, even_type, find_middle, sum_of_curvatures
     implicit none
     private
 
     public :: zone_type
     public :: find_zones
 
-    !> A point of least gap.
+    !> A contact zone.
     type :: zone_type
         !> Number of the site (flank pair)
         integer :: site = 0
-        !> 1: body 1 turns in the direction of its torque to close the gap; -1: the flanks are coast
-        !> flanks, and all other components are those of the mirror image at the line of centres
+        !> 1 if body 1 closes the gap by a rotation in the direction of its torque; -1 for coast
+        !> flanks, whose other components are those of the mirror image about the line of centres
         real(wp) :: side = 1.0_wp
-        !> Body whose sharp corner makes the least gap, minus the body if its curve just ends there,
-        !> 0 for two smooth flanks
+        !> Body whose sharp corner is the point of least gap, minus the body if its curve has a
+        !> smooth end there, 0 for two smooth flanks
         integer :: corner = 0
-        !> The pair of least gap
+        !> Pair of least gap
         type(pair_type) :: nearest
-        !> Lever of the zone about O1 [mm]
+        !> Lever arm of the contact normal about O1 [mm]
         real(wp) :: lever = 0.0_wp
-        !> Cosine of the angle between the normal and the plane of the section, and length of the
-        !> contact line in its slice [mm]; 1 in the plane, per face width
+        !> Cosine of the angle between the normal and the transverse plane, and length of the
+        !> contact line in the slice [mm]; both 1 in plane problems, whose forces are per face width
         real(wp) :: cosine = 1.0_wp, length = 1.0_wp
-        !> Weight of body 1's lever in that of the pairs: its fraction of the normal displacement
+        !> Weight of body 1 in the lever arm of the pairs: the fraction of the normal displacement
+        !> of that body
         real(wp) :: lever_share = 0.5_wp
         !> Sum of both curvatures [1/mm]
         real(wp) :: curvature = 0.0_wp
-        !> Arc lengths of flank 1 between which circles cut both flanks [mm]
+        !> Range of flank 1 over which circles about O1 cross both flanks [mm of arc length]
         real(wp) :: s_1_low = 0.0_wp, s_1_high = 0.0_wp
-        !> Arc lengths of flank 2 at those ends [mm]
+        !> Arc lengths of flank 2 at the ends of that range [mm]
         real(wp) :: s_2_low = 0.0_wp, s_2_high = 0.0_wp
-        !> The least gap angle [rad]; equal to that of `nearest` except for the unevenness of a
-        !> constant gap
+        !> Least gap angle [rad]; differs from that of `nearest` only where the gap is constant
+        !> except for its unevenness
         real(wp) :: gap_angle = 0.0_wp
-        !> Change along flank 1 of the part of the gap that a shift of the flanks closes [rad/mm]
+        !> Derivative along flank 1 of the gap that a shift of the flanks closes [rad/mm]
         real(wp) :: tilt = 0.0_wp
-        !> Arc lengths of flank 1 between which the gap is constant [mm]; equal if there is no such
-        !> stretch
+        !> Range of flank 1 over which the gap is constant [mm of arc length]; of length zero if
+        !> there is none
         real(wp) :: level_low = 0.0_wp, level_high = 0.0_wp
-        !> Body with the first sharp corner on either side of the least gap, else 0, and its
-        !> distance along flank 1 [mm]
+        !> Body with the first sharp corner on either side of the least gap, else 0
         integer :: corner_low = 0, corner_high = 0
-        !> The least gap lies at the end of a flank that is cut there: the zone is ignored
+        !> True if the least gap is at the cut end of a flank: the zone is then ignored
         logical :: left_out = .false.
+        !> Distances of these corners along flank 1 [mm]
         real(wp) :: to_corner_low = huge(1.0_wp), to_corner_high = huge(1.0_wp)
     end type zone_type
 
-    !> Two points of least gap within this distance (fraction of the flank's length) are one.
+    !> Distance below which two minima are the same, relative to the length of the flank
     real(wp), parameter :: same_place = 1.0e-7_wp
 
 contains
 
-    !> All points of least gap between two flanks.
+    !> Find all minima of the gap between two flanks.
     !>
-    !> Conforming flanks have one per stretch of constant gap: its middle.
+    !> Conforming flanks have one zone per range of constant gap, at its middle.
     pure subroutine find_zones(flank_1, frame_1, flank_2, frame_2, site, closed_moment, zones, &
             & n_zones, conforms, lost)
-        !> Flank of body 1 and its placement (its axis is O1)
+        !> Flank of body 1 and the frame of the body, whose axis is O1
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its placement
+        !> Flank of body 2 and the frame of the body
         type(flank_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> Number of the site, stored in the zones
+        !> Number of the site, which is stored in the zones
         integer, intent(in) :: site
-        !> Gap along the normal that the load closes in any case, times the lever [mm²]: conforming
-        !> flanks whose gap varies by less have a constant gap
+        !> Gap along the normal that any load closes, times the lever [mm²]: a gap between
+        !> conforming flanks that varies by less counts as constant
         real(wp), intent(in) :: closed_moment
-        !> Zones found are appended here; zones that do not fit are dropped (n_zones then exceeds
-        !> the size)
+        !> Zones; those found are appended. If they do not fit, n_zones exceeds the size.
         type(zone_type), intent(inout) :: zones(:)
         !> Number of zones
         integer, intent(inout) :: n_zones
-        !> True if flanks conform somewhere: another load may close another stretch
+        !> True if the flanks conform somewhere: another load may then close another range
         logical, intent(out) :: conforms
-        !> True if a point of least gap could not be computed exactly; the caller must report it
+        !> True if a minimum could not be computed exactly; the caller must report it
         logical, intent(out) :: lost
 
         integer :: n, i
@@ -128,11 +128,11 @@ contains
         end do
     end subroutine find_zones
 
-    !> Whether a sample has less gap than its neighbours.
+    !> Return whether a sample is a local minimum of the gap.
     pure function is_least(scan, i) result(least)
-        !> The circles
+        !> Scan of the gap
         type(scan_type), intent(in) :: scan
-        !> The sample
+        !> Index of the sample
         integer, intent(in) :: i
         logical :: least
 
@@ -141,12 +141,12 @@ contains
         if (least .and. i < scan%last) least = scan%gap(i) < scan%gap(i + 1)
     end function is_least
 
-    !> Whether the least gap lies at the end of a flank that is cut out of a longer one.
+    !> Return whether the least gap lies at a cut end of a flank.
     pure function lies_at_cut(curve_1, curve_2, zone) result(at_cut)
         !> Curves of both flanks
         type(flank_curve_type), intent(in) :: curve_1
         type(flank_curve_type), intent(in) :: curve_2
-        !> The zone
+        !> Contact zone
         type(zone_type), intent(in) :: zone
         logical :: at_cut
 
@@ -156,7 +156,7 @@ contains
 
     contains
 
-        !> Whether a point is an end of a curve.
+        !> Return whether a point is an end of a curve.
         pure function is_end(curve, s) result(at_end)
             !> The curve
             type(flank_curve_type), intent(in) :: curve
@@ -172,22 +172,22 @@ contains
 
     end function lies_at_cut
 
-    !> The exact least gap beside a sample that has less gap than its neighbours.
+    !> Compute the exact minimum of the gap near a sample that is a local minimum.
     pure subroutine refine_zone(flank_1, flank_2, scan, i, closed_moment, zone, even, found)
-        !> Flanks of both bodies
+        !> Flanks of body 1 and body 2
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Their placements and circles
+        !> Frames of both bodies, and the circles of the scan
         type(scan_type), intent(in) :: scan
-        !> The sample
+        !> Index of the sample
         integer, intent(in) :: i
-        !> Gap along the normal that the load closes in any case, times the lever [mm²]
+        !> Gap along the normal that any load closes, times the lever [mm²]
         real(wp), intent(in) :: closed_moment
-        !> The zone
+        !> Contact zone
         type(zone_type), intent(inout) :: zone
-        !> The stretch around it over which the gap is constant
+        !> Range around the minimum over which the gap is constant
         type(even_type), intent(out) :: even
-        !> False if no exact pair could be found
+        !> False if a pair could not be computed
         logical, intent(out) :: found
 
         type(pair_type) :: pair
@@ -212,7 +212,7 @@ contains
             zone%gap_angle = pair%gap_angle
             if (.not. conforms_at(flank_1, flank_2, scan, pair)) exit
             even%conforms = .true.
-            call level_out(flank_1, flank_2, scan, closed_moment, pair, zone%corner, even, found)
+            call find_middle(flank_1, flank_2, scan, closed_moment, pair, zone%corner, even, found)
             if (.not. found) return
             if (even%lower == 0) exit
             start = even%lower
@@ -224,31 +224,31 @@ contains
         end if
         zone%level_low = merge(even%level(1), pair%s_1, even%last > 0)
         zone%level_high = merge(even%level(2), pair%s_1, even%last > 0)
-        call note_corners(scan, zone)
+        call find_corners(scan, zone)
         zone%curvature = sum_of_curvatures(flank_1, flank_2, scan, pair, zone%corner)
-        ! |P x n| = |P . t|: n is t turned by a right angle
+        ! |P×n| = |P·t|, since n is t rotated by 90 degrees
         zone%lever = abs(dot_product(pair%point_1, pair%tangent_1))
         if (abs(zone%corner) == 1) zone%lever = abs(dot_product(pair%point_1, pair%tangent_2))
     end subroutine refine_zone
 
-    !> A point on a closed flank within half a turn of another: the curve continues from its end to
-    !> its beginning.
+    !> Shift an arc length of a closed flank by multiples of its length to within half a length of a
+    !> reference point.
     pure subroutine unwind(length, nearest, s)
         !> Length of the curve [mm]
         real(wp), intent(in) :: length
-        !> The other point [mm of arc length]
+        !> Arc length of the reference point [mm]
         real(wp), intent(in) :: nearest
-        !> The point
+        !> Arc length to be shifted [mm]
         real(wp), intent(inout) :: s
 
         s = s - length*anint((s - nearest)/length)
     end subroutine unwind
 
-    !> The first sharp corner on either side of the least gap.
-    pure subroutine note_corners(scan, zone)
-        !> The circles
+    !> Find the first sharp corner on either side of the least gap.
+    pure subroutine find_corners(scan, zone)
+        !> Scan of the gap
         type(scan_type), intent(in) :: scan
-        !> The zone
+        !> Contact zone
         type(zone_type), intent(inout) :: zone
 
         integer :: k
@@ -269,6 +269,6 @@ contains
                 zone%to_corner_high = distance
             end if
         end do
-    end subroutine note_corners
+    end subroutine find_corners
 
 end module flankload_contact_zones

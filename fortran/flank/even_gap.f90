@@ -1,4 +1,4 @@
-!> Conforming flanks: the stretch around a point of least gap over which the gap is constant.
+!> Conforming flanks: the range around a minimum of the gap over which the gap is constant.
 module flankload_even_gap
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length, placed_point
@@ -9,54 +9,55 @@ module flankload_even_gap
     private
 
     public :: even_type
-    public :: conforms_at, level_out, sum_of_curvatures
+    public :: conforms_at, find_middle, sum_of_curvatures
 
-    !> A stretch of constant gap.
+    !> A range of constant gap.
     type :: even_type
-        !> The flanks conform at the point of least gap
+        !> True if the flanks conform at the minimum
         logical :: conforms = .false.
-        !> Arc lengths of flank 1 between which the gap is constant [mm]
+        !> Range of flank 1 over which the gap is constant [mm of arc length]
         real(wp) :: level(2) = 0.0_wp
-        !> Last sample of the stretch, 0 if there is none
+        !> Last sample of the range, 0 if there is none
         integer :: last = 0
-        !> A sample with a smaller gap and no barrier between it and the pair, 0 if there is none
+        !> A sample with a smaller gap that no barrier separates from the minimum, 0 if there is
+        !> none
         integer :: lower = 0
     end type even_type
 
-    !> Comparison of a point with the pair of least gap beside it.
-    type :: beside_type
+    !> A minimum of the gap, and its comparison with a point beside it.
+    type :: comparison_type
         !> The pair of least gap
         type(pair_type) :: nearest
-        !> Accepted unevenness of the gap [rad]
+        !> Tolerance of a constant gap [rad]
         real(wp) :: even = 0.0_wp
-        !> 1: points at smaller arc length, 2: at greater
+        !> Side of the point: 1 for smaller arc lengths, 2 for greater ones
         integer :: side = 1
-        !> Gap angle at the point minus that of the pair [rad]
+        !> Gap angle at the point minus that at the minimum [rad]
         real(wp) :: height = 0.0_wp
-        !> Whether the flanks conform from there on, away from the pair
-        logical :: goes_on = .false.
-    end type beside_type
+        !> True if the flanks still conform beyond the point
+        logical :: conforms_beyond = .false.
+    end type comparison_type
 
-    !> Points of least gap are one if the barrier between them is lower than this fraction of the
-    !> longer flank's length, along the normal: curves are accurate to 1e-11 of their length, and
-    !> the gap of conforming flanks is constant except for that.
+    !> Height along the normal of a barrier below which two minima are the same, relative to the
+    !> longer flank: curves are accurate to 1e-11 of their length, which is the unevenness of a
+    !> constant gap.
     real(wp), parameter :: barrier = 2.0e-9_wp
-    !> Ends of constant gap are computed to this fraction of the flank's length.
+    !> Accuracy of the ends of a range of constant gap, relative to the flank's length
     real(wp), parameter :: edge_tolerance = 1.0e-6_wp
-    !> Only flanks that turn away from each other by less than this angle over the length of flank 1
-    !> [rad] conform; they end where they turn away by as much, over an edge.
+    !> Largest difference of the rotations of both flanks over the length of flank 1 [rad] at which
+    !> they conform, and at which a range of constant gap ends (over an edge)
     real(wp), parameter :: flat = 3.0e-4_wp, turning = 3.0e-2_wp
 
 contains
 
-    !> Whether the flanks conform on at least one side of a pair.
+    !> Return whether the flanks conform on at least one side of a pair.
     pure function conforms_at(flank_1, flank_2, scan, pair) result(conforms)
-        !> Flanks of both bodies
+        !> Flanks of body 1 and body 2
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Their placements and circles
+        !> Frames of both bodies, and the circles of the scan
         type(scan_type), intent(in) :: scan
-        !> The pair
+        !> Pair
         type(pair_type), intent(in) :: pair
         logical :: conforms
 
@@ -75,27 +76,28 @@ contains
         end do
     end function conforms_at
 
-    !> Move to the middle of the stretch over which the gap is constant, or on to a smaller gap.
-    pure subroutine level_out(flank_1, flank_2, scan, closed_moment, nearest, corner, even, found)
-        !> Flanks of both bodies
+    !> Move the minimum to the middle of the range of constant gap, or find a sample with a smaller
+    !> gap.
+    pure subroutine find_middle(flank_1, flank_2, scan, closed_moment, nearest, corner, even, found)
+        !> Flanks of body 1 and body 2
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Their placements and circles
+        !> Frames of both bodies, and the circles of the scan
         type(scan_type), intent(in) :: scan
-        !> Gap along the normal that the load closes in any case, times the lever [mm²]
+        !> Gap along the normal that any load closes, times the lever [mm²]
         real(wp), intent(in) :: closed_moment
         !> A pair of least gap
         type(pair_type), intent(inout) :: nearest
-        !> Body whose corner the pair lies on
+        !> Body whose sharp corner is the point of least gap
         integer, intent(inout) :: corner
-        !> The stretch
+        !> Range of constant gap
         type(even_type), intent(inout) :: even
-        !> False if an exact pair could not be found
+        !> False if a pair could not be computed
         logical, intent(out) :: found
 
         integer :: here
         real(wp) :: scale, uneven, lowest, middle
-        type(beside_type) :: beside
+        type(comparison_type) :: beside
 
         uneven = barrier*max(curve_length(flank_1%curve), curve_length(flank_2%curve))
         lowest = -uneven
@@ -120,24 +122,24 @@ contains
         here = neighbour(scan, middle, 2)
         call exact_pair(flank_1, flank_2, scan, middle, scan%segment(min(here, scan%last)), &
             & nearest, found)
-    end subroutine level_out
+    end subroutine find_middle
 
-    !> From a pair of least gap to the end of the constant gap on one side.
+    !> Walk from a minimum to the end of the range of constant gap on one side.
     pure subroutine walk_out(flank_1, flank_2, scan, scale, beside, lowest, even, found)
-        !> Flanks of both bodies
+        !> Flanks of body 1 and body 2
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Their placements and circles
+        !> Frames of both bodies, and the circles of the scan
         type(scan_type), intent(in) :: scan
-        !> Gap along the normal over gap angle [mm/rad]
+        !> Ratio of the gap along the normal to the gap angle [mm/rad]
         real(wp), intent(in) :: scale
-        !> The pair and the side
-        type(beside_type), intent(inout) :: beside
-        !> Least gap along the normal so far, minus that of the pair [mm]
+        !> Minimum and side
+        type(comparison_type), intent(inout) :: beside
+        !> Least gap along the normal so far, minus that of the minimum [mm]
         real(wp), intent(inout) :: lowest
-        !> The stretch
+        !> Range of constant gap
         type(even_type), intent(inout) :: even
-        !> False if an exact pair could not be found
+        !> False if a pair could not be computed
         logical, intent(out) :: found
 
         integer :: k
@@ -147,26 +149,26 @@ contains
         k = neighbour(scan, beside%nearest%s_1, beside%side)
         associate (edge => even%level(beside%side))
             do while (k >= scan%first .and. k <= scan%last)
-                call look_beside(flank_1, flank_2, scan, scan%s_1(k), k, beside, found)
+                call compare_point(flank_1, flank_2, scan, scan%s_1(k), k, beside, found)
                 height = scale*beside%height
                 if (.not. found) return
                 if (height < lowest) then
                     lowest = height
                     even%lower = k
                 end if
-                if (.not. beside%goes_on) exit
+                if (.not. beside%conforms_beyond) exit
                 edge = scan%s_1(k)
                 even%last = max(even%last, k)
                 k = k + 2*beside%side - 3
             end do
             if (k < scan%first .or. k > scan%last) return
-            ! the point between two samples at which the flanks separate
+            ! Bisect for the point between two samples at which the flanks separate.
             beyond = scan%s_1(k)
             do while (abs(beyond - edge) > edge_tolerance*curve_length(flank_1%curve))
                 middle = 0.5_wp*(edge + beyond)
-                call look_beside(flank_1, flank_2, scan, middle, k, beside, found)
+                call compare_point(flank_1, flank_2, scan, middle, k, beside, found)
                 if (.not. found) return
-                if (beside%goes_on) then
+                if (beside%conforms_beyond) then
                     edge = middle
                 else
                     beyond = middle
@@ -175,53 +177,55 @@ contains
         end associate
     end subroutine walk_out
 
-    !> Whether the flanks conform from a point on, away from a pair of least gap.
-    pure subroutine look_beside(flank_1, flank_2, scan, s, k, beside, found)
-        !> Flanks of both bodies
+    !> Compare the gap at a point with a minimum, and determine whether the flanks conform beyond
+    !> the point.
+    pure subroutine compare_point(flank_1, flank_2, scan, s, k, beside, found)
+        !> Flanks of body 1 and body 2
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Their placements and circles
+        !> Frames of both bodies, and the circles of the scan
         type(scan_type), intent(in) :: scan
-        !> The point [mm] and a sample near it
+        !> Arc length of flank 1 [mm], and a sample near that point
         real(wp), intent(in) :: s
         integer, intent(in) :: k
-        !> The pair and its comparison with the point
-        type(beside_type), intent(inout) :: beside
-        !> False if an exact pair could not be found
+        !> Minimum, and its comparison with the point
+        type(comparison_type), intent(inout) :: beside
+        !> False if a pair could not be computed
         logical, intent(out) :: found
 
         type(pair_type) :: aside
         real(wp) :: kappa_1, kappa_2, point(2), tangent(2), ahead
         integer :: outermost
 
-        beside%goes_on = .false.
+        beside%conforms_beyond = .false.
         beside%height = 0.0_wp
         call exact_pair(flank_1, flank_2, scan, s, scan%segment(k), aside, found)
         if (.not. found) return
         beside%height = aside%gap_angle - beside%nearest%gap_angle
         if (beside%height > beside%even) return
-        ! the end of the stretch is an end, however the curve continues beyond it
+        ! The range ends at the outermost sample, even if the curve continues beyond it.
         outermost = merge(scan%first, scan%last, beside%side == 1)
-        beside%goes_on = k == outermost .and. .not. abs(s - scan%s_1(k)) > 0.0_wp
-        if (beside%goes_on) return
+        beside%conforms_beyond = k == outermost .and. .not. abs(s - scan%s_1(k)) > 0.0_wp
+        if (beside%conforms_beyond) return
         ahead = merge(-scan%beside, scan%beside, beside%side == 1)
         call placed_point(flank_1%curve, scan%frame_1, aside%s_1 + ahead, point, tangent, kappa_1)
         ahead = ahead*dot_product(aside%point_1, aside%tangent_1) &
             & /dot_product(aside%point_2, aside%tangent_2)
         call placed_point(flank_2%curve, scan%frame_2, aside%s_2 + ahead, point, tangent, kappa_2)
-        beside%goes_on = abs(kappa_1 + kappa_2) <= turning/curve_length(flank_1%curve)
-    end subroutine look_beside
+        beside%conforms_beyond = abs(kappa_1 + kappa_2) <= turning/curve_length(flank_1%curve)
+    end subroutine compare_point
 
-    !> Sum of both curvatures at a pair; on a corner that of the side towards the root.
+    !> Return the sum of both curvatures at a pair [1/mm]; at a corner, that on the side of the
+    !> root.
     pure function sum_of_curvatures(flank_1, flank_2, scan, pair, corner) result(curvature)
-        !> Flanks of both bodies
+        !> Flanks of body 1 and body 2
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Their placements
+        !> Frames of both bodies
         type(scan_type), intent(in) :: scan
-        !> The pair
+        !> Pair
         type(pair_type), intent(in) :: pair
-        !> Body whose corner it lies on
+        !> Body whose sharp corner the pair contains
         integer, intent(in) :: corner
         real(wp) :: curvature
 
@@ -234,13 +238,14 @@ contains
         curvature = kappa_1 + kappa_2
     end function sum_of_curvatures
 
-    !> The sample before (side 1) or after (side 2) a point; not within rounding of it.
+    !> Return the last sample before a point (side 1) or the first one after it (side 2), beyond
+    !> rounding.
     pure function neighbour(scan, s, side) result(k)
-        !> The circles
+        !> Scan of the gap
         type(scan_type), intent(in) :: scan
-        !> The point [mm]
+        !> Arc length of flank 1 [mm]
         real(wp), intent(in) :: s
-        !> The side
+        !> Side: 1 or 2
         integer, intent(in) :: side
         integer :: k
 

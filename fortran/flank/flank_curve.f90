@@ -1,9 +1,9 @@
-!> A flank as a plane curve by arc length: root fillet, active flank and tip rounding in one.
+!> A flank as a plane curve by arc length, from the root fillet over the active flank to the tip
+!> rounding.
 !>
-!> The curve is piecewise polynomial in its arc length s. For increasing s the material lies on the
-!> right: with the unit tangent t the unit normal out of the material is n = (-t_y, t_x). A curve
-!> whose ends meet smoothly in one point is closed: arc lengths that differ by its length are the
-!> same.
+!> The curve is piecewise polynomial in its arc length s. The material lies on the right in the
+!> direction of increasing s: with the unit tangent t, the unit normal out of the material is n =
+!> (-t_y, t_x). A curve whose ends meet smoothly is closed, and its arc length is periodic.
 module flankload_flank_curve
     use flankload_kinds, only: wp
     implicit none
@@ -12,24 +12,25 @@ module flankload_flank_curve
     public :: flank_curve_type, frame_type
     public :: new_flank_curve, new_frame, curve_point, placed_point, curve_length
 
-    !> Polynomials over intervals of arc length, in the frame of the body.
+    !> A piecewise polynomial curve in the frame of its body.
     type :: flank_curve_type
-        !> Arc length at the ends of the intervals [mm], ascending, shape (0:n)
+        !> Arc lengths of the ends of the intervals [mm], ascending, shape (0:n)
         real(wp), allocatable :: breaks(:)
-        !> Coefficients of x and y, ascending powers of s - breaks(k-1) [mm], shape (0:degree, 2, n)
+        !> Coefficients of x and y [mm] in ascending powers of s - breaks(k-1),
+        !> shape (0:degree, 2, n)
         real(wp), allocatable :: coefficients(:, :, :)
-        !> True where the curve has a sharp corner, shape (0:n)
+        !> True at breaks with a sharp corner, shape (0:n)
         logical, allocatable :: corners(:)
-        !> True where the curve ends smoothly in its own beginning
+        !> True if both ends meet smoothly
         logical :: closed = .false.
-        !> True if the curve is cut out of a longer one: contact cannot begin at its ends
+        !> True if the curve is a section of a longer one: no contact starts at its ends
         logical :: cut = .false.
-        !> True if s is the arc length of another curve, from which this one deviates a little: its
-        !> own differs by a part, as much as the deviation changes along it
+        !> True if s is the arc length of the nominal curve, from which this curve deviates
+        !> slightly, so that its tangent dP/ds is not exactly of unit length
         logical :: stretched = .false.
     end type flank_curve_type
 
-    !> Placement of a body: its frame rotated by an angle about its axis.
+    !> Frame of a body that is rotated about its axis.
     type :: frame_type
         !> Axis of the body in the common frame [mm], shape (2)
         real(wp) :: origin(2) = 0.0_wp
@@ -38,20 +39,20 @@ module flankload_flank_curve
         real(wp) :: sine = 0.0_wp
     end type frame_type
 
-    !> The ends of a closed curve coincide to this fraction of its length, and in direction to this
-    !> angle [rad]: the accuracy of the curve, not rounding.
+    !> Tolerances for the ends of a closed curve, relative to its length and as an angle [rad]: the
+    !> accuracy of the curves
     real(wp), parameter :: same_place = 1.0e-9_wp, same_direction = 1.0e-6_wp
 
 contains
 
-    !> Make a curve from the arrays that a body supplies.
+    !> Return the curve with the given breaks and coefficients.
     pure function new_flank_curve(breaks, coefficients, corners) result(curve)
-        !> Arc length at the ends of the intervals [mm], shape (n + 1)
+        !> Arc lengths of the ends of the intervals [mm], shape (n + 1)
         real(wp), intent(in) :: breaks(:)
-        !> Coefficients, shape (degree + 1, 2, n)
+        !> Coefficients [mm], shape (degree + 1, 2, n)
         real(wp), intent(in) :: coefficients(:, :, :)
-        !> Nonzero at sharp corners of the curve; 2 at the ends of one that is cut out of a longer
-        !> one, shape (n + 1)
+        !> Nonzero at sharp corners of the curve, 2 at the ends of a section of a longer curve,
+        !> shape (n + 1)
         integer, intent(in) :: corners(:)
         type(flank_curve_type) :: curve
 
@@ -66,7 +67,7 @@ contains
         curve%cut = any(corners == 2)
     end function new_flank_curve
 
-    !> Whether a curve ends smoothly at its beginning.
+    !> Return whether a curve ends smoothly at its own beginning.
     pure function ends_meet(curve) result(meet)
         !> The curve
         type(flank_curve_type), intent(in) :: curve
@@ -82,9 +83,9 @@ contains
             & .and. norm2(tangent_last - tangent_first) <= same_direction
     end function ends_meet
 
-    !> Make the frame of a body.
+    !> Return the frame of a body.
     pure function new_frame(origin, angle) result(frame)
-        !> Axis of the body [mm], shape (2)
+        !> Axis of the body in the common frame [mm], shape (2)
         real(wp), intent(in) :: origin(2)
         !> Rotation of the body [rad]
         real(wp), intent(in) :: angle
@@ -95,7 +96,7 @@ contains
         frame%sine = sin(angle)
     end function new_frame
 
-    !> Arc length of the whole curve [mm].
+    !> Return the arc length of the whole curve [mm].
     pure function curve_length(curve) result(length)
         !> The curve
         type(flank_curve_type), intent(in) :: curve
@@ -104,18 +105,18 @@ contains
         length = curve%breaks(ubound(curve%breaks, 1))
     end function curve_length
 
-    !> Point, unit tangent and curvature of the curve in the frame of the body.
+    !> Compute point, unit tangent and curvature of a curve in the frame of the body.
     pure subroutine curve_point(curve, s, point, tangent, curvature)
         !> The curve
         type(flank_curve_type), intent(in) :: curve
-        !> Arc length [mm]; outside the curve the end interval is continued, or a closed curve wraps
-        !> around
+        !> Arc length [mm]; beyond its ends, a closed curve is periodic, and an open one continues
+        !> its end interval
         real(wp), intent(in) :: s
         !> Point [mm], shape (2)
         real(wp), intent(out) :: point(2)
         !> Unit tangent towards increasing s, shape (2)
         real(wp), intent(out) :: tangent(2)
-        !> Curvature [1/mm], positive if the centre lies in the material (convex flank)
+        !> Curvature [1/mm], positive on a convex flank (centre in the material)
         real(wp), intent(out), optional :: curvature
 
         integer :: interval, power, degree
@@ -147,11 +148,11 @@ contains
         end if
     end subroutine curve_point
 
-    !> The same in the common frame, for a placed body.
+    !> Compute point, unit tangent and curvature of a curve in the common frame.
     pure subroutine placed_point(curve, frame, s, point, tangent, curvature)
         !> The curve
         type(flank_curve_type), intent(in) :: curve
-        !> Placement of its body
+        !> Frame of its body
         type(frame_type), intent(in) :: frame
         !> Arc length [mm]
         real(wp), intent(in) :: s
@@ -170,9 +171,9 @@ contains
         tangent = [frame%cosine*t(1) - frame%sine*t(2), frame%sine*t(1) + frame%cosine*t(2)]
     end subroutine placed_point
 
-    !> Number of the interval that contains s, by bisection.
+    !> Return the number of the interval that contains s (bisection).
     pure function interval_of(breaks, s) result(interval)
-        !> Ends of the intervals, shape (0:n)
+        !> Arc lengths of the ends of the intervals [mm], shape (0:n)
         real(wp), intent(in) :: breaks(0:)
         !> Arc length [mm]
         real(wp), intent(in) :: s
@@ -185,7 +186,7 @@ contains
         high = ubound(breaks, 1)
         do while (high - low > 1)
             middle = (low + high)/2
-            ! without a branch that a processor would guess wrong half of the time
+            ! merge avoids a branch that the processor would mispredict half of the time.
             before = s < breaks(middle)
             high = merge(middle, high, before)
             low = merge(low, middle, before)

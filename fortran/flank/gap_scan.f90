@@ -1,4 +1,4 @@
-!> Gap angles of two flanks on many circles about O1, for a first search for points of least gap.
+!> Gap angles between two flanks on many circles about O1, to locate the minima of the gap.
 module flankload_gap_scan
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length, frame_type
@@ -10,45 +10,46 @@ module flankload_gap_scan
     public :: scan_type
     public :: scan_gaps
 
-    !> Two placed flanks, and the circles about O1 on which their gap was computed.
+    !> Two flanks in the common frame, and the circles about O1 on which their gap was computed.
     type :: scan_type
-        !> Placements of the flanks
+        !> Frames of both bodies
         type(frame_type) :: frame_1, frame_2
-        !> Points on flank 1, ascending: its samples and the circles through special points of flank
-        !> 2
+        !> Arc lengths of flank 1 on the circles [mm], ascending: its samples, and the circles
+        !> through the corners and ends of flank 2
         real(wp), allocatable :: s_1(:)
-        !> Tangent of half the least gap angle on that circle: it increases with the angle
+        !> Tangent of half the least gap angle on each circle, which increases with the angle
         real(wp), allocatable :: gap(:)
-        !> Segment of flank 2's polyline with the least gap, 0 if the circle misses flank 2
+        !> Segment of the polyline of flank 2 with the least gap, 0 if the circle misses flank 2
         integer, allocatable :: segment(:)
-        !> Body whose sharp corner lies on that circle, minus the body whose curve ends there, else
-        !> 0
+        !> Body whose sharp corner lies on the circle, minus the body whose smooth end lies on it,
+        !> else 0
         integer, allocatable :: corner(:)
-        !> Distance of flank 2's samples from O1 [mm]
+        !> Distances of the samples of flank 2 from O1 [mm]
         real(wp), allocatable :: radius_2(:)
-        !> First and last circle of the current stretch, all of which cut flank 2
+        !> First and last circle of the current run of circles that cross flank 2
         integer :: first = 1, last = 0
-        !> One-sided slopes at a corner are computed at this distance from it [mm]
+        !> Distance from a corner at which one-sided slopes are computed [mm]
         real(wp) :: beside = 0.0_wp
     end type scan_type
 
-    !> That distance relative to the length of flank 1.
+    !> That distance, relative to the length of flank 1
     real(wp), parameter :: beside_part = 1.0e-9_wp
-    !> A circle through a sample of flank 2 is identified with one through a sample of flank 1
-    !> within this distance: flanks of shafts and hubs end on common circles by design.
+    !> Relative distance below which circles through samples of both flanks are the same: flanks of
+    !> shafts and hubs end on common circles by design.
     real(wp), parameter :: same_circle = 128.0_wp*epsilon(1.0_wp)
 
 contains
 
-    !> Gap angles on sample circles, with flank 2 replaced by the polyline of its samples.
+    !> Compute gap angles on circles through the samples, with the polyline of the samples in place
+    !> of flank 2.
     pure subroutine scan_gaps(flank_1, frame_1, flank_2, frame_2, scan)
-        !> Flank of body 1 and its placement
+        !> Flank of body 1 and the frame of the body
         type(flank_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its placement
+        !> Flank of body 2 and the frame of the body
         type(flank_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> The circles and the gaps
+        !> Circles and their gaps
         type(scan_type), intent(out) :: scan
 
         integer :: k, n
@@ -63,7 +64,7 @@ contains
         squares = place_2(1, :)**2 + place_2(2, :)**2
         k = flank_1%first_rising
         n = size(flank_1%s) - k + 1
-        if (sqrt(minval(squares)) > flank_1%radius(size(flank_1%s))) then   ! far away
+        if (sqrt(minval(squares)) > flank_1%radius(size(flank_1%s))) then
             allocate (scan%s_1(0), scan%gap(0), scan%radius_2(0), scan%segment(0), scan%corner(0))
             return
         end if
@@ -80,17 +81,18 @@ contains
         call find_gaps(scan%radius_2, place_2, radius(:n), place_1(:, :n), scan%gap, scan%segment)
     end subroutine scan_gaps
 
-    !> Add the circles through special points of flank 2.
+    !> Add the circles through the corners and ends of flank 2.
     pure subroutine add_special_circles(flank_1, flank_2, scan, n, s_1, corner, radius, place_1)
-        !> Flanks of both bodies
+        !> Flanks of body 1 and body 2
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Placements; the radii of special points of flank 2 that lie on circles are set to theirs
+        !> Frames, and the distances of the samples of flank 2, which are set to the radius of a
+        !> circle that they share
         type(scan_type), intent(inout) :: scan
         !> Number of circles
         integer, intent(inout) :: n
-        !> Their points on flank 1 [mm of arc length], corners, radii [mm] and the points, with room
-        !> for one more per sample of flank 2
+        !> Arc lengths of the circles on flank 1 [mm], corners, radii [mm] and points [mm], with
+        !> space for one more circle per sample of flank 2
         real(wp), intent(inout) :: s_1(:)
         integer, intent(inout) :: corner(:)
         real(wp), intent(inout) :: radius(:)
@@ -131,17 +133,19 @@ contains
         end associate
     end subroutine add_special_circles
 
-    !> The least gap on each circle, and the segment of flank 2 where it occurs.
+    !> Compute the least gap on each circle, and the segment of flank 2 at which it occurs.
     pure subroutine find_gaps(radius_2, place_2, radius, place_1, gap, segment)
-        !> Samples of flank 2: distance from O1 [mm], points, shape (2, samples)
+        !> Distances of the samples of flank 2 from O1 [mm], shape (samples), and points [mm],
+        !> shape (2, samples)
         real(wp), contiguous, intent(in) :: radius_2(:)
         real(wp), contiguous, intent(in) :: place_2(:, :)
-        !> The circles and their intersections with flank 1, shape (2, n)
+        !> Radii of the circles [mm], shape (n), and their intersections with flank 1 [mm],
+        !> shape (2, n)
         real(wp), contiguous, intent(in) :: radius(:)
         real(wp), contiguous, intent(in) :: place_1(:, :)
-        !> Tangent of half the least gap angle on each
+        !> Tangent of half the least gap angle on each circle, shape (n)
         real(wp), contiguous, intent(inout) :: gap(:)
-        !> The segment, 0 if the circle misses flank 2
+        !> Segment of flank 2, 0 if the circle misses it, shape (n)
         integer, contiguous, intent(inout) :: segment(:)
 
         integer :: l, k, start
@@ -152,7 +156,7 @@ contains
             low = min(radius_2(l), radius_2(l + 1))
             high = max(radius_2(l), radius_2(l + 1))
             if (high < radius(1) .or. low > radius(size(radius))) cycle
-            ! the first circle that the segment meets is near that of the last segment
+            ! The first circle that crosses a segment is near that of the previous segment.
             do while (radius(start) < low)
                 start = start + 1
             end do
@@ -178,15 +182,15 @@ contains
         end do
     end subroutine find_gaps
 
-    !> The samples of a flank in the common frame.
+    !> Transform samples of a flank to the common frame.
     pure subroutine place_samples(flank, frame, first, places)
         !> The flank
         type(flank_type), intent(in) :: flank
-        !> Its placement
+        !> Frame of its body
         type(frame_type), intent(in) :: frame
-        !> The first sample
+        !> Index of the first sample
         integer, intent(in) :: first
-        !> The points of this sample and of those behind it [mm], shape (2, enough)
+        !> Points of this sample and of the following ones [mm], shape (2, at least their number)
         real(wp), contiguous, intent(inout) :: places(:, :)
 
         integer :: k

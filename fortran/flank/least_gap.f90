@@ -1,5 +1,5 @@
-!> The exact point of least gap between two flanks, beside a sample that has less gap than its
-!> neighbours (section 3.2 of the paper).
+!> Exact minimum of the gap between two flanks near a sample that is a local minimum (section 3.2 of
+!> the paper).
 module flankload_least_gap
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length, placed_point
@@ -10,29 +10,30 @@ module flankload_least_gap
 
     public :: exact_pair, walk_downhill
 
-    !> The least gap is computed to this fraction of the flank's length: the gap is stationary
-    !> there, so its own error is of second order.
+    !> Accuracy of the arc length of the minimum, relative to the flank's length: the gap is
+    !> stationary there, so that its error is of second order.
     real(wp), parameter :: place_tolerance = 1.0e-10_wp
-    !> A circle through a sample may miss it by a few rounding errors.
+    !> Relative rounding error of a circle through a sample
     real(wp), parameter :: rounding = 200.0_wp*epsilon(1.0_wp)
 
 contains
 
-    !> The exact pair at a point: flank 2 is searched from a segment of its polyline outwards, so
-    !> that the same one of several branches (a rounded tip turns back) is followed.
+    !> Compute the pair at a point of flank 1. The search on flank 2 starts at a segment of its
+    !> polyline and proceeds outwards, so that it stays on the same branch of a flank that turns
+    !> back at a rounded tip.
     pure subroutine exact_pair(flank_1, flank_2, scan, s, l, pair, found)
-        !> Flanks of both bodies
+        !> Flanks of body 1 and body 2
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Their placements and circles
+        !> Frames of both bodies, and the circles of the scan
         type(scan_type), intent(in) :: scan
-        !> Point on flank 1 [mm]
+        !> Arc length of flank 1 [mm]
         real(wp), intent(in) :: s
-        !> Segment of flank 2
+        !> Segment of flank 2 at which the search starts
         integer, intent(in) :: l
-        !> The pair
+        !> Pair
         type(pair_type), intent(inout) :: pair
-        !> False if the circle misses flank 2 there
+        !> False if the circle misses flank 2
         logical, intent(out) :: found
 
         integer :: step, at, side, segments
@@ -58,22 +59,23 @@ contains
         end do
     end subroutine exact_pair
 
-    !> From a sample to the least gap: at a sample, or at a point between two.
+    !> Walk downhill from a sample to the minimum of the gap, which lies at a sample or between two
+    !> samples.
     !>
-    !> The polyline of flank 2 may be wrong by a sample or two; the exact slopes are not.
+    !> The slopes are exact; the gaps of the polyline may shift a minimum by one or two samples.
     pure subroutine walk_downhill(flank_1, flank_2, scan, from, nearest, at_corner, found)
-        !> Flanks of both bodies
+        !> Flanks of body 1 and body 2
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Their placements and circles
+        !> Frames of both bodies, and the circles of the scan
         type(scan_type), intent(in) :: scan
-        !> The sample
+        !> Index of the sample at which the walk starts
         integer, intent(in) :: from
-        !> The pair of least gap
+        !> Pair of least gap
         type(pair_type), intent(inout) :: nearest
-        !> Type of the sample if the pair lies on one
+        !> Value of scan%corner if the minimum is at a sample, else 0
         integer, intent(out) :: at_corner
-        !> False if an exact pair could not be found
+        !> False if a pair could not be computed
         logical, intent(out) :: found
 
         integer :: k, side
@@ -106,21 +108,21 @@ contains
         end do
     end subroutine walk_downhill
 
-    !> Root of the slope of the gap angle (regula falsi, Illinois).
+    !> Find the root of the slope of the gap angle (Illinois variant of regula falsi).
     pure subroutine find_root(flank_1, flank_2, scan, one_end, other_end, l, pair, found)
-        !> Flanks of both bodies
+        !> Flanks of body 1 and body 2
         type(flank_type), intent(in) :: flank_1
         type(flank_type), intent(in) :: flank_2
-        !> Their placements and circles
+        !> Frames of both bodies, and the circles of the scan
         type(scan_type), intent(in) :: scan
-        !> Pairs that enclose the root
+        !> Pairs that bracket the root
         type(pair_type), intent(in) :: one_end
         type(pair_type), intent(in) :: other_end
         !> Segment of flank 2 near the root
         integer, intent(in) :: l
-        !> The pair of least gap
+        !> Pair of least gap
         type(pair_type), intent(inout) :: pair
-        !> False if no pair is found during the iteration
+        !> False if a pair could not be computed
         logical, intent(out) :: found
 
         integer, parameter :: max_steps = 80

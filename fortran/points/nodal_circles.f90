@@ -1,20 +1,21 @@
-!> Circles about O1 that cut two flanks defined by points.
+!> Circles about O1 that cross two flanks given as points.
 module flankload_nodal_circles
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
     implicit none
     private
 
-    public :: radii_about, is_steady, shared_circles
+    public :: radii_about, is_monotonic, shared_circles
 
-    !> Circles closer than this fraction of the spacing of the points would make K singular.
+    !> Least distance between two circles, relative to the spacing of the points: K would be
+    !> singular with closer ones.
     real(wp), parameter :: least_spacing = 0.5_wp - tie
 
 contains
 
-    !> Distances of points from an axis.
+    !> Return the distances of points from an axis [mm].
     pure function radii_about(axis, points) result(radii)
-        !> The axis [mm], shape (2)
+        !> Axis [mm], shape (2)
         real(wp), intent(in) :: axis(2)
         !> Points [mm], shape (2, n)
         real(wp), intent(in) :: points(:, :)
@@ -23,28 +24,28 @@ contains
         radii = norm2(points - spread(axis, 2, size(points, 2)), 1)
     end function radii_about
 
-    !> Whether radii increase all the way, or decrease.
-    pure function is_steady(radii) result(steady)
-        !> Radii of the points of a flank [mm]
+    !> Return whether radii strictly increase or strictly decrease.
+    pure function is_monotonic(radii) result(monotonic)
+        !> Radii of the points of a flank [mm], shape (n)
         real(wp), intent(in) :: radii(:)
-        logical :: steady
+        logical :: monotonic
 
         integer :: n
 
         n = size(radii)
-        steady = all(radii(2:) > radii(:n - 1)) .or. all(radii(2:) < radii(:n - 1))
-    end function is_steady
+        monotonic = all(radii(2:) > radii(:n - 1)) .or. all(radii(2:) < radii(:n - 1))
+    end function is_monotonic
 
-    !> Circles that both flanks cut, from the smallest radius to the largest.
+    !> Return the radii of circles that cross both flanks [mm], ascending.
     !>
-    !> An end of flank 2 between two points of flank 1 has a circle of its own, which replaces the
-    !> next point if that is near: contact of a tip edge is at its end, and with only the last point
-    !> before it the rotation is up to a tenth too large.
+    !> An end of flank 2 between two points of flank 1 gets its own circle, which replaces the
+    !> circle of the next point if that is near: a tip edge touches at its end, and without that
+    !> circle the rotation is up to 10 % too large.
     pure function shared_circles(radii_1, radii_2, n_circles) result(radii)
-        !> Radii of the points of both flanks, increasing or decreasing all the way [mm]
+        !> Radii of the points of both flanks [mm], strictly increasing or decreasing
         real(wp), intent(in) :: radii_1(:)
         real(wp), intent(in) :: radii_2(:)
-        !> Number of circles; 0: through the points of flank 1
+        !> Number of circles; 0 for one through each point of flank 1
         integer, intent(in) :: n_circles
         real(wp), allocatable :: radii(:)
 
@@ -67,11 +68,11 @@ contains
         end if
     end function shared_circles
 
-    !> Points within a range, and its ends if they lie between two points.
+    !> Return the radii within a range, and the ends of the range that lie between two of them.
     pure function between_ends(points, low, high) result(radii)
-        !> Radii of the points of flank 1, increasing [mm]
+        !> Radii of the points of flank 1 [mm], increasing
         real(wp), intent(in) :: points(:)
-        !> The range, within these points [mm]
+        !> Limits of the range, between the first and the last of these radii [mm]
         real(wp), intent(in) :: low
         real(wp), intent(in) :: high
         real(wp), allocatable :: radii(:)
@@ -79,7 +80,7 @@ contains
         integer :: first, last
         logical :: own_low, own_high
 
-        ! The points first … last remain; beside each end there is a point beyond it.
+        ! Points first … last lie within the range; an end between two points has a point beyond it.
         first = count(points < low) + 1
         last = count(points <= high)
         own_low = low < points(first)

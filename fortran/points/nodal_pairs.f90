@@ -1,15 +1,15 @@
-!> One position from points and a compliance between them: the method of the paper (section 3).
+!> Contact pairs of one position from points and a compliance table: the method of the paper
+!> (section 3).
 !>
-!> Compliances are tables over the positions of two points, (21) and (22), interpolated linearly
-!> between the points. The displacement under a point load at its own point grows with every halving
-!> of the spacing, so the error of this method decreases slowly: it is meant for programs that
-!> supply such tables.
+!> Compliances are tables over the points of a flank, Eq. (21), (22), with linear interpolation
+!> between the points. The displacement under a point load at its own point grows as the spacing
+!> decreases, so that the method converges slowly: it is meant for programs that supply such tables.
 module flankload_nodal_pairs
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type
     use flankload_polar_geometry, only: angle_between, circle_meets_flank
     use flankload_node_curve, only: curve_through_points
-    use flankload_nodal_circles, only: is_steady, radii_about, shared_circles
+    use flankload_nodal_circles, only: is_monotonic, radii_about, shared_circles
     use flankload_nodal_table, only: between, nodal_place
     implicit none
     private
@@ -17,49 +17,51 @@ module flankload_nodal_pairs
     public :: nodal_body, nodal_pairs_type
     public :: new_nodal_body, most_nodal_pairs, find_nodal_pairs, nodal_influences
 
-    !> Flanks of one body as points, and their compliance.
+    !> Flanks of one body as points, and their compliance table.
     type :: nodal_body
-        !> Points of one flank after the other, in order along each, common frame [mm],
-        !> shape (2, n)
+        !> Points of all flanks in the common frame [mm], flank after flank and in order along each
+        !> flank, shape (2, n)
         real(wp), allocatable :: points(:, :)
-        !> Last point of each flank, shape (0:n_flanks), 0 before the first one
+        !> Index of the last point of each flank, 0 before the first flank, shape (0:n_flanks)
         integer, allocatable :: last(:)
-        !> Displacement of point i along the normal out of the material for a unit force on the
-        !> body at point j along the normal there [mm/N], shape (n, n)
+        !> Displacement of point i along its normal out of the material for a unit force at point j
+        !> along the normal there [mm/N], shape (n, n)
         real(wp), allocatable :: compliance(:, :)
     end type nodal_body
 
-    !> Pairs of points A and B on circles about O1.
+    !> Pairs of points A on flank 1 and B on flank 2, on circles about O1.
     type :: nodal_pairs_type
         !> Number of pairs
         integer :: n = 0
         !> Flank of each pair, shape (n)
         integer, allocatable :: flank(:)
-        !> Radius of its circle about O1 [mm], shape (n)
+        !> Radius of the circle of each pair about O1 [mm], shape (n)
         real(wp), allocatable :: radius(:)
-        !> Gap angle A O1 B [rad], positive if body 1 must still turn
+        !> Gap angle A O1 B [rad], positive if the flanks are apart, shape (n)
         real(wp), allocatable :: gap_angle(:)
-        !> Row lever b, and lever m of the normal force in the torque about O1 [mm], (17) and (19)
+        !> Row lever b and torque lever m of the normal force about O1 [mm], Eq. (17), (19),
+        !> shape (n)
         real(wp), allocatable :: lever(:), torque_lever(:)
-        !> Lever of the normal force about O2 [mm]
+        !> Lever of the normal force about O2 [mm], shape (n)
         real(wp), allocatable :: torque_lever_2(:)
-        !> Positions of A and B between the points of their bodies
+        !> Positions of A and B in the tables of their bodies, shape (n)
         type(nodal_place), allocatable :: place_1(:), place_2(:)
     end type nodal_pairs_type
 
-    !> A line of force that passes O1 within this fraction of the radius has no usable lever.
+    !> Least lever of a normal force about O1, relative to the radius: K is not usable with shorter
+    !> levers.
     real(wp), parameter :: least_lever = 0.01_wp
 
 contains
 
-    !> Make a body from the arrays that a program supplies.
+    !> Return the body with the given points and compliance table.
     pure function new_nodal_body(sizes, points, compliance) result(body)
-        !> Number of points of each flank, at least 2 each
+        !> Number of points of each flank, at least 2, shape (n_flanks)
         integer, intent(in) :: sizes(:)
-        !> Points of one flank after the other, in order along each, common frame [mm],
-        !> shape (2, n)
+        !> Points of all flanks in the common frame [mm], flank after flank and in order along each
+        !> flank, shape (2, n)
         real(wp), intent(in) :: points(:, :)
-        !> Compliance between them [mm/N], shape (n, n)
+        !> Compliance table [mm/N], shape (n, n)
         real(wp), intent(in) :: compliance(:, :)
         type(nodal_body) :: body
 
@@ -73,11 +75,11 @@ contains
         end do
     end function new_nodal_body
 
-    !> Upper bound of the number of pairs at any position.
+    !> Return an upper bound of the number of pairs of a position.
     pure function most_nodal_pairs(body_1, n_circles) result(n)
         !> Body 1
         type(nodal_body), intent(in) :: body_1
-        !> Circles per flank; 0: one through every point of body 1
+        !> Number of circles per flank; 0 for one through each point of body 1
         integer, intent(in) :: n_circles
         integer :: n
 
@@ -85,23 +87,23 @@ contains
         if (n_circles > 0) n = n_circles*ubound(body_1%last, 1)
     end function most_nodal_pairs
 
-    !> Place circles about O1 through facing flanks and pair their points.
+    !> Find the pairs of a position: intersections of facing flanks with circles about O1.
     pure subroutine find_nodal_pairs(body_1, body_2, axis_1, axis_2, turn, n_circles, pairs, bad)
-        !> The bodies; flank k of one faces flank k of the other
+        !> Bodies; flank k of body 1 faces flank k of body 2
         type(nodal_body), intent(in) :: body_1
         type(nodal_body), intent(in) :: body_2
-        !> O1 and O2 [mm], shape (2)
+        !> Axes O1 and O2 [mm], shape (2)
         real(wp), intent(in) :: axis_1(2)
         real(wp), intent(in) :: axis_2(2)
-        !> Body 1 turns counter-clockwise (1) or clockwise (-1) in the direction of its torque
+        !> Sense of the torque on body 1: 1 counter-clockwise, -1 clockwise
         integer, intent(in) :: turn
-        !> Circles per flank, evenly spaced; 0: one through every point of body 1 that faces body 2
-        !> and through the ends of body 2 between these
+        !> Number of circles per flank, evenly spaced; 0 for one through each point of body 1 that
+        !> faces body 2 and one through each end of body 2 between two such points
         integer, intent(in) :: n_circles
-        !> The pairs
+        !> Pairs
         type(nodal_pairs_type), intent(out) :: pairs
-        !> 0; or the body whose points do not run monotonically outwards or inwards about O1, or
-        !> whose normal passes through it
+        !> Body whose points do not run strictly outwards or inwards about O1, or whose normal
+        !> passes through O1; 0 if there is none
         integer, intent(out) :: bad
 
         integer :: f, c, k
@@ -114,8 +116,8 @@ contains
         do f = 1, ubound(body_1%last, 1)
             radii_1 = radii_about(axis_1, flank_points(body_1, f))
             radii_2 = radii_about(axis_1, flank_points(body_2, f))
-            if (.not. is_steady(radii_2)) bad = 2
-            if (.not. is_steady(radii_1)) bad = 1
+            if (.not. is_monotonic(radii_2)) bad = 2
+            if (.not. is_monotonic(radii_1)) bad = 1
             if (bad > 0) return
             radii = shared_circles(radii_1, radii_2, n_circles)
             if (size(radii) == 0) cycle
@@ -125,7 +127,7 @@ contains
                 k = pairs%n + 1
                 call place_on_circle(curve_1, axis_1, radii_1, radii(c), pairs%place_1(k), a, t_1)
                 call place_on_circle(curve_2, axis_1, radii_2, radii(c), pairs%place_2(k), b, t_2)
-                ! |P x n| = |P . t|
+                ! |P×n| = |P·t|
                 lever_1 = abs(dot_product(a - axis_1, t_1))
                 lever_2 = abs(dot_product(b - axis_1, t_2))
                 if (lever_2 < least_lever*radii(c)) bad = 2
@@ -135,8 +137,8 @@ contains
                 pairs%place_2(k)%point = pairs%place_2(k)%point + body_2%last(f - 1)
                 pairs%flank(k) = f
                 pairs%radius(k) = radii(c)
-                pairs%gap_angle(k) = turn*angle_between(a - axis_1, b - axis_1)   ! ε_anf of (2)
-                pairs%torque_lever(k) = lever_1   ! Eq. (17)
+                pairs%gap_angle(k) = turn*angle_between(a - axis_1, b - axis_1)   ! ε_anf of Eq. (2)
+                pairs%torque_lever(k) = lever_1   ! Eq. (17), (19)
                 pairs%lever(k) = 0.5_wp*(lever_1 + lever_2)
                 pairs%torque_lever_2(k) = abs(dot_product(a - axis_2, t_1))
                 pairs%n = k
@@ -144,15 +146,15 @@ contains
         end do
     end subroutine find_nodal_pairs
 
-    !> K = diag(b) A of all pairs, (5)–(10), from tables over the positions of two points (21),
+    !> Compute K = diag(b) A of all pairs, Eq. (5)–(10), by interpolation in the tables, Eq. (21),
     !> (22).
     pure subroutine nodal_influences(body_1, body_2, pairs, matrix)
-        !> The bodies
+        !> Bodies with their compliance tables
         type(nodal_body), intent(in) :: body_1
         type(nodal_body), intent(in) :: body_2
-        !> The pairs
+        !> Pairs
         type(nodal_pairs_type), intent(in) :: pairs
-        !> K [mm/N], shape (n, n)
+        !> Compliance matrix K [mm/N], shape (n, n)
         real(wp), intent(out) :: matrix(:, :)
 
         integer :: i, j
@@ -166,19 +168,19 @@ contains
     end subroutine nodal_influences
 
 
-    !> Intersection of a flank with a circle about O1.
+    !> Compute the intersection of a flank with a circle about O1.
     pure subroutine place_on_circle(curve, axis_1, radii, radius, place, point, tangent)
-        !> The flank in the common frame
+        !> Flank in the common frame
         type(flank_curve_type), intent(in) :: curve
-        !> O1 [mm]
+        !> Axis O1 [mm], shape (2)
         real(wp), intent(in) :: axis_1(2)
-        !> Radii of its points [mm], increasing or decreasing
+        !> Radii of the points of the flank [mm], strictly increasing or decreasing
         real(wp), intent(in) :: radii(:)
-        !> Radius of the circle, within these [mm]
+        !> Radius of the circle [mm], within the range of these
         real(wp), intent(in) :: radius
-        !> The points that enclose it
+        !> Position of the intersection between two points
         type(nodal_place), intent(out) :: place
-        !> The point [mm] and the unit tangent there
+        !> Intersection [mm] and unit tangent, shape (2)
         real(wp), intent(out) :: point(2)
         real(wp), intent(out) :: tangent(2)
 
@@ -190,7 +192,7 @@ contains
         n = size(radii)
         k = min(n - 1, max(1, count(radii <= radius)))
         if (radii(n) < radii(1)) k = min(n - 1, max(1, count(radii >= radius)))
-        ! circle_meets_flank assumes the axis at the origin
+        ! circle_meets_flank expects O1 at the origin.
         frame%origin = -axis_1
         s = curve%breaks(k - 1) + (curve%breaks(k) - curve%breaks(k - 1)) &
             & *(radius - radii(k))/(radii(k + 1) - radii(k))
@@ -201,9 +203,9 @@ contains
         place%part = (s - curve%breaks(k - 1))/(curve%breaks(k) - curve%breaks(k - 1))
     end subroutine place_on_circle
 
-    !> Points of one flank.
+    !> Return the points of one flank [mm], shape (2, points of the flank).
     pure function flank_points(body, flank) result(points)
-        !> The body
+        !> Body
         type(nodal_body), intent(in) :: body
         !> Number of the flank
         integer, intent(in) :: flank
@@ -212,11 +214,11 @@ contains
         points = body%points(:, body%last(flank - 1) + 1:body%last(flank))
     end function flank_points
 
-    !> Allocate space for pairs.
+    !> Allocate the arrays of the pairs.
     pure subroutine reserve(pairs, n)
-        !> The pairs
+        !> Pairs
         type(nodal_pairs_type), intent(out) :: pairs
-        !> Number of pairs that can be appended
+        !> Largest number of pairs
         integer, intent(in) :: n
 
         allocate (pairs%flank(n), source=0)

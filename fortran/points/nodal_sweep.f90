@@ -1,8 +1,8 @@
-!> All positions and torques of two bodies given by points and a compliance between them: the method
-!> of the paper, position by position.
+!> Sweep over positions and torques of two bodies given as points with compliance tables: the method
+!> of the paper at each position.
 !>
-!> Positions are independent of each other, and so are torques: threads share the positions, and
-!> every result is bitwise the same for any number of threads and any other requested results.
+!> Positions and torques are independent. Threads share the positions, and each result is bitwise
+!> the same for any number of threads and for any selection of results.
 module flankload_nodal_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
@@ -19,54 +19,53 @@ module flankload_nodal_sweep
     public :: nodal_sweep_type
     public :: sweep_nodal_positions
 
-    !> Results; NaN if there is no state.
+    !> Results of a sweep, NaN where there is no solution.
     type :: nodal_sweep_type
-        !> 0 … 3 of the contact loop, or a negative error code, shape (positions, torques)
+        !> Status of each state: 0 … 3 of the contact loop, or a negative status code,
+        !> shape (positions, torques)
         integer, allocatable :: status(:, :)
-        !> Rotation [rad] and its derivative with respect to the torque [rad/(N mm)], shape
-        !> (positions, torques)
+        !> Rotation φ [rad] and dφ/dM [rad/(N mm)], shape (positions, torques)
         real(wp), allocatable :: rotation(:, :), tangent(:, :)
         !> Moment of the forces about O2 [N mm], shape (positions, torques)
         real(wp), allocatable :: torque_2(:, :)
-        !> Backward error, condition number, margin, shape (3, positions, torques); if contact has
-        !> no state, the fraction of the torque that can be held and 1 if it is proven that there is
-        !> none
+        !> Backward error, condition number and margin; with status -1, the fraction of the torque
+        !> that can be balanced, and 1 if infeasibility is proven, shape (3, positions, torques)
         real(wp), allocatable :: certificate(:, :, :)
         !> Force of each flank [N], shape (flanks, positions, torques)
         real(wp), allocatable :: flank_force(:, :, :)
         !> Number of pairs of each position, shape (positions)
         integer, allocatable :: n_pairs(:)
-        !> Flank, circle [mm] and gap angle [rad] of each pair, shape (room, positions); empty if
-        !> pairs are not requested
+        !> Flank, circle radius [mm] and gap angle [rad] of each pair, shape (max_pairs, positions);
+        !> empty if pairs are not requested
         integer, allocatable :: flank(:, :)
         real(wp), allocatable :: radius(:, :), gap_angle(:, :)
-        !> Its force [N] and final gap [mm], shape (room, positions, torques)
+        !> Force [N] and final gap [mm] of each pair, shape (max_pairs, positions, torques)
         real(wp), allocatable :: force(:, :, :), final_gap(:, :, :)
     end type nodal_sweep_type
 
 contains
 
-    !> Solve every position for every torque.
+    !> Solve all positions for all torques.
     subroutine sweep_nodal_positions(body_1, body_2, axis_1, axis_2, turn, n_circles, angles_1, &
             & angles_2, torques, with_pairs, found)
-        !> The bodies at angles 0; flank k of one faces flank k of the other
+        !> Bodies at angle 0; flank k of body 1 faces flank k of body 2
         type(nodal_body), intent(in) :: body_1
         type(nodal_body), intent(in) :: body_2
-        !> O1 and O2 [mm], shape (2)
+        !> Axes O1 and O2 [mm], shape (2)
         real(wp), intent(in) :: axis_1(2)
         real(wp), intent(in) :: axis_2(2)
-        !> Body 1 turns counter-clockwise (1) or clockwise (-1) in the direction of its torque
+        !> Sense of the torque on body 1: 1 counter-clockwise, -1 clockwise
         integer, intent(in) :: turn
-        !> Circles per flank, evenly spaced; 0: one through every point of body 1
+        !> Number of circles per flank, evenly spaced; 0 for one through each point of body 1
         integer, intent(in) :: n_circles
         !> Angles of the bodies, counter-clockwise [rad], shape (positions)
         real(wp), intent(in) :: angles_1(:)
         real(wp), intent(in) :: angles_2(:)
-        !> Torques on body 1 [N mm]
+        !> Torques on body 1 [N mm], shape (torques)
         real(wp), intent(in) :: torques(:)
-        !> The pairs are requested, too
+        !> True if the results of the pairs are requested
         logical, intent(in) :: with_pairs
-        !> The results
+        !> Results of the sweep
         type(nodal_sweep_type), intent(out) :: found
 
         integer :: k, structure
@@ -78,14 +77,14 @@ contains
             & merge(most_nodal_pairs(body_1, n_circles), 0, with_pairs))
         !$omp parallel do schedule(dynamic)
         do k = 1, size(angles_1)
-            call take_position(k)
+            call solve_at(k)
         end do
         !$omp end parallel do
 
     contains
 
-        !> Pairs and influence coefficients of one position, then its torques.
-        subroutine take_position(at)
+        !> Compute pairs and influence coefficients of one position, then solve it for all torques.
+        subroutine solve_at(at)
             !> Number of the position
             integer, intent(in) :: at
 
@@ -105,26 +104,26 @@ contains
             call nodal_influences(body_1, body_2, pairs, matrix)
             row = reshape(pairs%lever(:n), [n, 1])
             torque_row = reshape(pairs%torque_lever(:n), [n, 1])
-            gaps = pairs%lever(:n)*pairs%gap_angle(:n)
-            call note_pairs(at, pairs, found)
+            gaps = pairs%lever(:n)*pairs%gap_angle(:n)   ! Eq. (16), times b
+            call store_pairs(at, pairs, found)
             do t = 1, size(torques)
                 call solve_contact_problem(matrix, gaps, row, torque_row, torques(t:t), &
                     & structure, method_auto, [integer ::], state, error)
                 if (allocated(error)) state%status = error%code
-                call note_state(at, t, pairs, state, found)
+                call store_state(at, t, pairs, state, found)
             end do
-        end subroutine take_position
+        end subroutine solve_at
 
     end subroutine sweep_nodal_positions
 
-    !> A body rotated about its axis: the new positions of its points. Its compliance does not
-    !> change (it is along the normals) and stays with the unrotated body.
+    !> Return the points of a body rotated about its axis. The compliance, which refers to the
+    !> normals, does not change and is not copied.
     pure function turned_body(body, axis, angle) result(turned)
-        !> The body
+        !> Body at angle 0
         type(nodal_body), intent(in) :: body
-        !> Its axis [mm], shape (2)
+        !> Axis of the body [mm], shape (2)
         real(wp), intent(in) :: axis(2)
-        !> Counter-clockwise [rad]
+        !> Angle, counter-clockwise [rad]
         real(wp), intent(in) :: angle
         type(nodal_body) :: turned
 
@@ -141,15 +140,15 @@ contains
         turned%last = body%last
     end function turned_body
 
-    !> Empty results.
+    !> Allocate the results, filled with NaN.
     pure subroutine reserve(found, n_flanks, n_positions, n_torques, room)
-        !> The results
+        !> Results of the sweep
         type(nodal_sweep_type), intent(out) :: found
         !> Numbers of flanks, positions and torques
         integer, intent(in) :: n_flanks
         integer, intent(in) :: n_positions
         integer, intent(in) :: n_torques
-        !> Maximum number of pairs of a position
+        !> Largest number of pairs of a position
         integer, intent(in) :: room
 
         real(wp) :: nan
@@ -170,12 +169,12 @@ contains
     end subroutine reserve
 
     !> Store the pairs of a position.
-    pure subroutine note_pairs(k, pairs, found)
+    pure subroutine store_pairs(k, pairs, found)
         !> Number of the position
         integer, intent(in) :: k
-        !> Its pairs
+        !> Pairs of the position
         type(nodal_pairs_type), intent(in) :: pairs
-        !> The results
+        !> Results of the sweep
         type(nodal_sweep_type), intent(inout) :: found
 
         associate (n => pairs%n)
@@ -185,18 +184,18 @@ contains
             found%radius(:n, k) = pairs%radius(:n)
             found%gap_angle(:n, k) = pairs%gap_angle(:n)
         end associate
-    end subroutine note_pairs
+    end subroutine store_pairs
 
-    !> Store a state.
-    pure subroutine note_state(k, t, pairs, state, found)
+    !> Store the state of a position under one torque.
+    pure subroutine store_state(k, t, pairs, state, found)
         !> Numbers of the position and the torque
         integer, intent(in) :: k
         integer, intent(in) :: t
         !> Pairs of the position
         type(nodal_pairs_type), intent(in) :: pairs
-        !> The state; its status is negative if there is none
+        !> State of contact; its status is negative if there is no solution
         type(contact_result), intent(in) :: state
-        !> The results
+        !> Results of the sweep
         type(nodal_sweep_type), intent(inout) :: found
 
         integer :: f
@@ -219,6 +218,6 @@ contains
             found%force(:n, k, t) = state%forces
             found%final_gap(:n, k, t) = state%gaps
         end associate
-    end subroutine note_state
+    end subroutine store_state
 
 end module flankload_nodal_sweep

@@ -1,4 +1,4 @@
-!> A flank defined by points only: the cubic spline through them over their chord length.
+!> Cubic spline over chord length through the points of a flank.
 module flankload_node_curve
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type
@@ -9,13 +9,13 @@ module flankload_node_curve
 
 contains
 
-    !> Curve through points; its breaks are the chord lengths at the points.
+    !> Return the spline through points; its breaks are the chord lengths at the points.
     !>
-    !> The ends are not-a-knot, so that the curve is of fourth order in the spacing up to its ends;
-    !> three points give a parabola, two a line. Chord length replaces arc length: points and
-    !> directions do not depend on it.
+    !> The end conditions are not-a-knot, so that the curve is of fourth order in the spacing up to
+    !> its ends; three points define a parabola, two points a line. The parameter is the chord
+    !> length, since points and directions do not depend on the parameter.
     pure function curve_through_points(points) result(curve)
-        !> Points in order, no two neighbours equal [mm], shape (2, n), n >= 2
+        !> Points in order [mm], no two neighbours equal, shape (2, n), n >= 2
         real(wp), intent(in) :: points(:, :)
         type(flank_curve_type) :: curve
 
@@ -42,13 +42,13 @@ contains
         end do
     end function curve_through_points
 
-    !> Second derivatives of the spline at its points.
+    !> Return the second derivatives of the spline at its points.
     pure function second_derivatives(step, slope) result(bend)
-        !> Length of each interval [mm], shape (n - 1)
+        !> Lengths of the intervals [mm], shape (n - 1)
         real(wp), intent(in) :: step(:)
         !> Mean slope of x and y in each interval, shape (2, n - 1)
         real(wp), intent(in) :: slope(:, :)
-        !> At the points [1/mm], shape (2, n)
+        !> Second derivatives at the points [1/mm], shape (2, n)
         real(wp) :: bend(2, size(step) + 1)
 
         integer :: n, k
@@ -62,8 +62,8 @@ contains
             bend = spread(2.0_wp*(slope(:, 2) - slope(:, 1))/(step(1) + step(2)), 2, 3)
             return
         end if
-        ! The third derivative is continuous at the second and the last but one point: the ends are
-        ! expressed by their neighbours, which leaves equations for points 2 … n-1.
+        ! Not-a-knot: the third derivative is continuous at the second and the last but one point,
+        ! which eliminates the end points and leaves equations for points 2 … n-1.
         allocate (diagonal(2:n - 1), right(2:n - 1))
         do k = 2, n - 1
             diagonal(k) = 2.0_wp*(step(k - 1) + step(k))

@@ -1,8 +1,9 @@
-!> Block active-set method: many pairs enter at once, pairs with tensile forces leave at once.
+!> Block active-set method: in each step, many pairs enter the active set and all pairs with tensile
+!> forces leave it.
 !>
-!> The stored energy need not decrease. The loop ends without a state if the number of pairs with
-!> tensile forces or penetration does not decrease within `stall_limit` steps; the caller continues
-!> with single pairs from there.
+!> The stored energy may increase. The loop stops without convergence if the number of violations
+!> (tensile forces and penetrating pairs) has no new minimum within `stall_limit` steps; the caller
+!> then continues with single pairs.
 module flankload_block_loop
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
@@ -17,36 +18,36 @@ module flankload_block_loop
 
     public :: block_loop, iterate_blocks
 
-    !> Pairs that may enter at once, as a fraction of the pairs in contact. A larger fraction would
-    !> admit too many, and a pair that leaves early takes the tail of the factor with it.
+    !> Largest number of entering pairs, relative to the active pairs. A larger block contains too
+    !> many pairs that leave again, and each of those invalidates the factor from its column on.
     real(wp), parameter :: entering_part = 0.5_wp
-    !> Number of pairs that may always enter at once.
+    !> Number of pairs that may enter in any case
     integer, parameter :: entering_at_least = 16
-    !> Steps within which the number of wrong pairs must fall
+    !> Number of steps within which the number of violations must decrease
     integer, parameter :: stall_limit = 5
-    !> Minimum number of pairs of a coarser problem; a larger one is started from a still coarser
-    !> one.
+    !> Least number of pairs of the coarse problem; from `many_coarse` pairs on, it gets a coarser
+    !> problem of its own.
     integer, parameter :: least_coarse = 8
     integer, parameter :: many_coarse = 500
 
 contains
 
-    !> Run the loop.
+    !> Solve by the block active-set method, from a warm, coarse or cold start.
     pure recursive subroutine block_loop(problem, compliance, warm_pairs, cascade, state, &
         & converged, error)
-        !> The problem; its motions are measured from the start that is chosen here
+        !> Scaled contact problem; the loop sets the start from which its motions are measured
         type(contact_problem), intent(inout) :: problem
-        !> K, shape (n, n)
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Pairs to begin with; none: the pair that touches first
+        !> Pairs of the warm start; empty for a cold start
         integer, intent(in) :: warm_pairs(:)
-        !> Without pairs to begin with, begin with the contact of a coarser problem
+        !> True for a start from a coarse problem if there is no warm start
         logical, intent(in) :: cascade
-        !> The state; if the loop gave up, its pairs are the start for the next loop
+        !> State of the loop; without convergence, its active set is the start of the next method
         type(loop_state), intent(out) :: state
-        !> False where the loop gave up
+        !> False if the loop did not converge
         logical, intent(out) :: converged
-        !> The loads cannot be held, or a motion is unconstrained
+        !> Set if the loads are infeasible, or a motion is unconstrained
         type(error_type), allocatable, intent(out) :: error
 
         integer, allocatable :: first(:), start_pairs(:)
@@ -66,14 +67,14 @@ contains
         if (ready) call iterate_blocks(problem, compliance, state, converged)
     end subroutine block_loop
 
-    !> Iterate from any pairs that hold the loads to the state of contact.
+    !> Iterate from an active set that balances the loads to the solution.
     pure subroutine iterate_blocks(problem, compliance, state, converged)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> False where the loop gave up
+        !> False if the loop did not converge
         logical, intent(out) :: converged
 
         integer, allocatable :: entering(:)
@@ -106,9 +107,10 @@ contains
         end do
     end subroutine iterate_blocks
 
-    !> Pairs in contact in a coarser problem; none if it does not converge.
+    !> Return the pairs whose cells are active in the coarse problem, none if that does not
+    !> converge.
     pure recursive function coarse_guess(problem, compliance) result(pairs)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         integer, allocatable :: pairs(:)
@@ -127,14 +129,14 @@ contains
         pairs = refine_pairs(problem%n, state%system%pairs, state%forces(state%system%pairs))
     end function coarse_guess
 
-    !> The penetrating pairs; their gaps are computed here.
+    !> Compute all gaps, and return the pairs that penetrate.
     pure subroutine penetrating_pairs(problem, compliance, state, entering)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> The pairs that penetrate beyond rounding
+        !> Pairs that penetrate beyond rounding
         integer, allocatable, intent(out) :: entering(:)
 
         integer :: i
@@ -150,16 +152,16 @@ contains
             & .not. active .and. state%gaps < -row_tolerance*sizes)
     end subroutine penetrating_pairs
 
-    !> Add the most penetrating pairs, as many as a step allows.
+    !> Add the most penetrating pairs, up to the block size.
     pure subroutine add_entering(problem, compliance, open, state, ready)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> All penetrating pairs
         integer, intent(in) :: open(:)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> False if none of them could be added
+        !> False if no pair could be added
         logical, intent(out) :: ready
 
         integer :: k, most
@@ -175,7 +177,7 @@ contains
             state%pivots = state%pivots + size(entering)
             return
         end if
-        ! Some depend on others: add the independent ones one by one.
+        ! Some rows are linearly dependent: add the pairs one by one.
         do k = 1, size(entering)
             call append_pairs(state%system, problem, compliance, [entering(k)], accepted)
             if (accepted) state%pivots = state%pivots + 1
@@ -183,11 +185,11 @@ contains
         end do
     end subroutine add_entering
 
-    !> The n-th number in ascending order (Hoare's choice).
+    !> Return the n-th smallest number (quickselect).
     pure function nth_least(numbers, n) result(number)
-        !> Any numbers
+        !> Numbers
         real(wp), intent(in) :: numbers(:)
-        !> Rank, from 1
+        !> Rank n, from 1
         integer, intent(in) :: n
         real(wp) :: number
 

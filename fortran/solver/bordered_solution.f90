@@ -1,4 +1,4 @@
-!> The equations of the pairs in contact, bordered by the motions; (18), (19), (32) with φ unknown.
+!> Solution of the bordered system of the active pairs, Eq. (18), (19), (32) with φ as an unknown.
 !>
 !>     [ K_aa  -B_a ] [F]   [r]
 !>     [ R_aᵀ    0  ] [q] = [s]      solved by   K_aa [V w] = [B_a r],  (R_aᵀ V) q = s - R_aᵀ w,
@@ -16,9 +16,10 @@ module flankload_bordered_solution
 
     public :: solve_bordered, bordered_condition, invert
 
-    !> Relative pivot below which no active pair constrains a motion.
+    !> Relative pivot below which the active pairs do not constrain a motion
     real(wp), parameter :: singular_motion = 64.0_wp*epsilon(1.0_wp)
-    !> With smaller pivots half of the digits are lost; motions separated before lose none.
+    !> Relative pivot below which half of the digits are lost, so that the motions are separated
+    !> first
     real(wp), parameter :: small_pivot = 1.0e-8_wp
 
     !> Solution of the bordered equations.
@@ -26,31 +27,31 @@ module flankload_bordered_solution
         !> Scaled forces, shape (k), and motion, shape (n_motions)
         real(wp), allocatable :: forces(:)
         real(wp), allocatable :: motion(:)
-        !> Smallest pivot of the motions relative to the largest, 0 if one is unconstrained
+        !> Smallest pivot of the motions relative to the largest, 0 if a motion is unconstrained
         real(wp) :: least_pivot = 0.0_wp
-        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        !> Scaled derivative of the motion with respect to the loads, shape (n_motions, n_motions)
         real(wp), allocatable :: inverse(:, :)
     end type solution_type
 
 contains
 
-    !> Solve the bordered equations.
+    !> Solve the bordered system for forces and motion.
     pure subroutine solve_bordered(system, problem, r, s, forces, motion, solved, tangent)
-        !> The system
+        !> Bordered system
         type(bordered_system), intent(inout) :: system
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> Right-hand side of the pairs, shape (k)
+        !> Right-hand side of the gap equations, shape (k)
         real(wp), intent(in) :: r(:)
-        !> Right-hand side of the loads, shape (n_motions)
+        !> Right-hand side of the load equations, shape (n_motions)
         real(wp), intent(in) :: s(:)
         !> Scaled forces, shape (k)
         real(wp), allocatable, intent(out) :: forces(:)
         !> Scaled motion, shape (n_motions)
         real(wp), allocatable, intent(out) :: motion(:)
-        !> False if the pairs do not constrain every motion
+        !> False if the active pairs do not constrain every motion
         logical, intent(out) :: solved
-        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        !> Scaled derivative of the motion with respect to the loads, shape (n_motions, n_motions)
         real(wp), allocatable, intent(out), optional :: tangent(:, :)
 
         type(solution_type) :: solution
@@ -77,20 +78,22 @@ contains
         if (present(tangent)) call move_alloc(solution%inverse, tangent)
     end subroutine solve_bordered
 
-    !> The same by the equations above, for any K. If motions are nearly dependent, they are
-    !> separated: with B_a = P S and R_a = T U, where the columns of P and of T are independent,
-    !> (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
+    !> Solve the bordered system for any K by the equations above.
+    !>
+    !> Nearly dependent motions are separated: with B_a = P S and R_a = T U, where P and T have
+    !> independent columns, (Tᵀ K_aa⁻¹ P) (S q) = U⁻ᵀ s - Tᵀ w.
     pure subroutine solve_at_once(system, problem, r, s, separated, solution)
-        !> The system
+        !> Bordered system
         type(bordered_system), intent(in) :: system
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
+        !> Right-hand sides of the gap equations, shape (k), and of the load equations,
+        !> shape (n_motions)
         real(wp), intent(in) :: r(:)
         real(wp), intent(in) :: s(:)
-        !> Separate the motions
+        !> True to separate nearly dependent motions
         logical, intent(in) :: separated
-        !> The solution
+        !> Solution of the bordered equations
         type(solution_type), intent(out) :: solution
 
         integer :: c, q
@@ -114,12 +117,12 @@ contains
         call invert(solution%inverse, solution%least_pivot, .false.)
         if (solution%least_pivot <= 0.0_wp) return
         if (.not. separated) then
-            ! Eq. (19) with the forces of Eq. (18), whose rows in contact have no gap
+            ! Eq. (19), with forces from Eq. (18) for closed gaps
             solution%motion = matmul(solution%inverse, s - matmul(columns(:, q + 1), rows))
             solution%forces = matmul(columns(:, :q), solution%motion) + columns(:, q + 1)
             return
         end if
-        ! U⁻ᵀ [s 1]
+        ! Right-hand sides [s I] of U⁻ᵀ
         allocate (loads(q, q + 1), source=0.0_wp)
         loads(:, 1) = s
         do c = 1, q
@@ -134,17 +137,20 @@ contains
         solution%inverse = loads(:, 2:)
     end subroutine solve_at_once
 
-    !> The same if K is symmetric: with Y = L⁻¹ [B_a R_a r] the motions need no back substitution,
-    !> (Y_Rᵀ Y_B) q = s - Y_Rᵀ Y_r,  F = L⁻ᵀ (Y_B q + Y_r), and Y_B, Y_R gain rows as L does.
+    !> Solve the bordered system for a symmetric K, with half of the triangular solves.
+    !>
+    !> With Y = L⁻¹ [B_a R_a r]: (Y_Rᵀ Y_B) q = s - Y_Rᵀ Y_r and F = L⁻ᵀ (Y_B q + Y_r). Y_B and Y_R
+    !> gain rows as L does.
     pure subroutine solve_halfway(system, problem, r, s, solution)
-        !> The system
+        !> Bordered system
         type(bordered_system), intent(inout) :: system
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> Right-hand sides of the pairs, shape (k), and of the loads, shape (n_motions)
+        !> Right-hand sides of the gap equations, shape (k), and of the load equations,
+        !> shape (n_motions)
         real(wp), intent(in) :: r(:)
         real(wp), intent(in) :: s(:)
-        !> The solution
+        !> Solution of the bordered equations
         type(solution_type), intent(out) :: solution
 
         integer :: k, q, c, d, first_row
@@ -165,7 +171,7 @@ contains
             end do
             call invert(inverse, solution%least_pivot, .false.)
             if (solution%least_pivot <= 0.0_wp) return
-            solution%motion = matmul(inverse, &
+            solution%motion = matmul(inverse, &   ! Eq. (19)
                 & [(s(c) - dot_product(forward(:k, first_row + c), forces), c=1, q)])
             do c = 1, q
                 forces = forces + forward(:k, c)*solution%motion(c)
@@ -174,11 +180,11 @@ contains
         call solve_lower(k, system%factor%matrix, 'T', solution%forces)
     end subroutine solve_halfway
 
-    !> Extend L⁻¹ B_a, and L⁻¹ R_a if R differs from B, to the pairs of the system.
+    !> Extend L⁻¹ B_a, and L⁻¹ R_a if R differs from B, by the rows of new pairs.
     pure subroutine extend_forward(system, problem)
-        !> The system
+        !> Bordered system
         type(bordered_system), intent(inout) :: system
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
 
         integer :: k, q, known, n_columns
@@ -203,13 +209,13 @@ contains
         system%n_forward = k
     end subroutine extend_forward
 
-    !> Invert a small matrix by elimination with complete pivoting (Gauss-Jordan).
+    !> Invert a small matrix by Gauss-Jordan elimination with complete pivoting.
     pure subroutine invert(matrix, least_pivot, graded)
-        !> The matrix, then its inverse, shape (q, q)
+        !> Matrix, then its inverse, shape (q, q)
         real(wp), intent(inout) :: matrix(:, :)
-        !> Smallest pivot relative to the largest entry, 0 if the matrix is singular to rounding
+        !> Smallest pivot relative to the largest entry, 0 if the matrix is numerically singular
         real(wp), intent(out) :: least_pivot
-        !> The matrix is regular, however small its pivots are
+        !> True if the matrix is known to be regular, so that small pivots are accepted
         logical, intent(in) :: graded
 
         integer :: q, step, at(2), row
@@ -243,7 +249,7 @@ contains
             pivot_column(step) = at(2)
             free(at(1), :) = .false.
             free(:, at(2)) = .false.
-            ! Exchange the roles of the unknown and the right-hand side of this row.
+            ! Exchange the unknown and the right-hand side of this row.
             matrix(at(1), at(2)) = 1.0_wp
             matrix(at(1), :) = matrix(at(1), :)/pivot
             do row = 1, q
@@ -260,15 +266,15 @@ contains
         matrix = inverse
     end subroutine invert
 
-    !> Condition number of the equilibrated compliance of the pairs, or of the motions if it is
-    !> larger.
+    !> Return the condition number of the equilibrated compliance of the active pairs, or that of
+    !> the motions if it is larger (1-norm).
     pure function bordered_condition(system, problem, compliance, tangent) result(condition)
-        !> The system
+        !> Bordered system
         type(bordered_system), intent(in) :: system
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Scaled d motion / d load, shape (n_motions, n_motions)
+        !> Scaled derivative of the motion with respect to the loads, shape (n_motions, n_motions)
         real(wp), intent(in) :: tangent(:, :)
         real(wp) :: condition
 

@@ -1,7 +1,7 @@
-!> The pairs in contact and the factor of their compliance, the stored part of (18), (19), (32).
+!> Active pairs and the factor of their compliance matrix, the block K_aa of Eq. (18), (19), (32).
 !>
-!> No pair is special: any pair may enter or leave, each with O(k²) work on the updated factor,
-!> several at once by BLAS-3.
+!> Any pair may enter or leave. Each change updates the factor with O(k²) operations; several pairs
+!> at once use BLAS-3.
 module flankload_bordered_system
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -16,36 +16,38 @@ module flankload_bordered_system
     public :: new_bordered_system, append_pairs, drop_pair, drop_pairs
     public :: factor_pairs_anew
 
-    !> The pairs in contact and the factor of their compliance.
+    !> Active pairs and the factor of their scaled compliance matrix.
     type :: bordered_system
         type(updatable_factor) :: factor
-        !> The pairs, in the order in which they entered
+        !> Active pairs in the order in which they entered
         integer, allocatable :: pairs(:)
-        !> Rows are exchanged at every change
+        !> True for a new factorization with row exchanges at every change
         logical :: pivoted = .false.
-        !> Number of complete factorisations because elimination without row exchanges lost digits
+        !> Number of complete factorizations because of a large growth factor
         integer :: refactorisations = 0
-        !> Largest growth so far
+        !> Largest growth factor so far
         real(wp) :: growth = 1.0_wp
-        !> L⁻¹ B_a (K symmetric and B = R), as far as its first rows are known
+        !> L⁻¹ B_a, and L⁻¹ R_a if R differs from B (symmetric K); only the first n_forward rows are
+        !> valid
         real(wp), allocatable :: forward(:, :)
         integer :: n_forward = 0
     end type bordered_system
 
-    !> Loss of accuracy accepted from elimination without row exchanges; refinement recovers it.
+    !> Largest growth factor accepted without row exchanges; refinement recovers the lost digits.
     real(wp), parameter :: growth_limit = 1.0e3_wp
-    !> Cost of an operation of a plane rotation relative to one of a matrix product, and of starting
-    !> a block: these decide when removing pairs one by one costs more than a new tail of the factor
+    !> Cost of an operation of a plane rotation relative to an operation of a matrix product, and
+    !> cost of starting a block: together they decide between single removals and a new trailing
+    !> block of the factor.
     real(wp), parameter :: single_row_cost = 12.0_wp
     real(wp), parameter :: block_overhead = 2.0e4_wp
 
 contains
 
-    !> A system without pairs.
+    !> Return a system without pairs.
     pure function new_bordered_system(symmetric, pivoted) result(system)
-        !> K is symmetric and positive definite
+        !> True if K is symmetric and positive definite
         logical, intent(in) :: symmetric
-        !> Factor with row exchanges at every change (K not symmetric)
+        !> True for a new factorization with row exchanges at every change (general K)
         logical, intent(in) :: pivoted
         type(bordered_system) :: system
 
@@ -54,16 +56,16 @@ contains
         allocate (system%pairs(0))
     end function new_bordered_system
 
-    !> Add one or more pairs.
+    !> Add one or more pairs to the active set.
     pure subroutine append_pairs(system, problem, compliance, pairs, accepted)
-        !> The system
+        !> Bordered system
         type(bordered_system), intent(inout) :: system
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Numbers of the pairs
+        !> Indices of the new pairs
         integer, intent(in) :: pairs(:)
-        !> False if their rows depend on each other; the system is then as before
+        !> False if the rows are linearly dependent; the system is then unchanged
         logical, intent(out) :: accepted
 
         integer :: j, k, b, first
@@ -85,7 +87,8 @@ contains
         scales = problem%row_scale(system%pairs)
         allocate (columns(k + b, b), rows(b, merge(0, k, problem%symmetric)))
         do j = 1, b
-            ! of a symmetric matrix the lower triangle is enough
+            ! Eq. (18), (32): the rows and columns of the new pairs, of a symmetric K those of the
+            ! lower triangle
             first = merge(j, 1, problem%symmetric)
             columns(:k, j) = compliance(before, pairs(j))*scales(:k)*scales(k + j)
             columns(k + first:, j) = compliance(pairs(first:), pairs(j))*scales(k + first:) &
@@ -112,7 +115,7 @@ contains
             call check_growth(system, problem, compliance, accepted)
             if (accepted) return
         else if (.not. problem%symmetric) then
-            ! A pivot of zero may only require another order of the rows.
+            ! A zero pivot may only need a row exchange.
             call factor_pairs_anew(system, problem, compliance, accepted)
             if (accepted) return
         end if
@@ -123,14 +126,14 @@ contains
         end if
     end subroutine append_pairs
 
-    !> Remove several pairs at once.
+    !> Remove several pairs from the active set.
     pure subroutine drop_pairs(system, problem, compliance, leaving, accepted)
-        !> The system
+        !> Bordered system
         type(bordered_system), intent(inout) :: system
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Which of the pairs of the system, in its order
+        !> True for the pairs to be removed, in the order of the active pairs
         logical, intent(in) :: leaving(:)
         !> False if the remaining system is singular
         logical, intent(out) :: accepted
@@ -163,14 +166,14 @@ contains
         end if
     end subroutine drop_pairs
 
-    !> Remove a pair.
+    !> Remove one pair from the active set.
     pure subroutine drop_pair(system, problem, compliance, index, accepted)
-        !> The system
+        !> Bordered system
         type(bordered_system), intent(inout) :: system
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Its position among the pairs of the system
+        !> Position of the pair in the list of active pairs
         integer, intent(in) :: index
         !> False if the remaining system is singular
         logical, intent(out) :: accepted
@@ -188,14 +191,14 @@ contains
         end if
     end subroutine drop_pair
 
-    !> Factor with row exchanges if elimination without them has lost too many digits.
+    !> Factor again with row exchanges if the growth factor is too large.
     pure subroutine check_growth(system, problem, compliance, accepted)
-        !> The system
+        !> Bordered system
         type(bordered_system), intent(inout) :: system
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> False if the pairs are singular
+        !> False if the matrix of these pairs is singular
         logical, intent(out) :: accepted
 
         accepted = .true.
@@ -205,14 +208,14 @@ contains
         end if
     end subroutine check_growth
 
-    !> Factor the complete system.
+    !> Factor the matrix of all active pairs.
     pure subroutine factor_pairs_anew(system, problem, compliance, accepted)
-        !> The system
+        !> Bordered system
         type(bordered_system), intent(inout) :: system
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> False if the pairs are singular
+        !> False if the matrix of these pairs is singular
         logical, intent(out) :: accepted
 
         system%n_forward = 0
@@ -220,11 +223,11 @@ contains
         system%refactorisations = system%refactorisations + 1
     end subroutine factor_pairs_anew
 
-    !> The scaled compliance of the pairs in contact.
+    !> Return the scaled compliance matrix of the active pairs, shape (k, k).
     pure function gather(system, problem, compliance) result(matrix)
-        !> The system
+        !> Bordered system
         type(bordered_system), intent(in) :: system
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         real(wp), allocatable :: matrix(:, :)
@@ -236,7 +239,7 @@ contains
         scales = problem%row_scale(system%pairs)
         allocate (matrix(k, k))
         do j = 1, k
-            matrix(:, j) = compliance(system%pairs, system%pairs(j))*scales*scales(j)
+            matrix(:, j) = compliance(system%pairs, system%pairs(j))*scales*scales(j)   ! Eq. (18)
         end do
         if (.not. problem%spring > 0.0_wp) return
         do j = 1, k

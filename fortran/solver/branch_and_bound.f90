@@ -1,12 +1,12 @@
-!> Branch and bound over all cases of contact: it finds a state or proves that there is none.
+!> Branch and bound over the contact status of all pairs: finds a solution, or proves that there is
+!> none.
 !>
-!> Without g F = 0 the problem is a linear program: if no F >= 0 and g >= 0 satisfy its equations,
-!> no state exists for any K. If such F and g exist and a pair has both force and gap, two cases
-!> remain, without its force or without its gap, each a linear program with fewer unknowns (branch
-!> and bound). The programs are solved by the dual simplex method on a tableau of the basic
-!> variables. A case is ended by a sum of equations that no forces and gaps >= 0 satisfy. This sum
-!> is recomputed from the input numbers, and a case for which this gives no confirmation stays
-!> undecided.
+!> Without the complementarity condition g F = 0 the problem is a linear program. If it is
+!> infeasible, no solution exists. If a pair has both a force and a gap, two subproblems (nodes)
+!> remain, one without the force and one without the gap of that pair; both are linear programs with
+!> one unknown less. The dual simplex method solves them on a tableau of the basic variables. A node
+!> ends if a combination of its equations has no nonnegative solution. That combination is
+!> recomputed from the given numbers; a node without this confirmation is undecided.
 module flankload_branch_and_bound
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -19,46 +19,47 @@ module flankload_branch_and_bound
     public :: branch_and_bound
     public :: search_found, search_infeasible, search_undecided
 
-    !> A state was found.
+    !> A solution was found.
     integer, parameter :: search_found = 0
-    !> No state exists.
+    !> No solution exists.
     integer, parameter :: search_infeasible = 1
-    !> Undecided: work limit exceeded, or a case that rounding does not decide.
+    !> Undecided: work limit exceeded, or a node that rounding errors leave undecided
     integer, parameter :: search_undecided = 2
 
-    !> Work and findings so far.
+    !> Work and results of the search so far.
     type :: search_state
-        !> Entries of tableaus that may still be computed
+        !> Remaining number of tableau entries to be computed
         real(wp) :: work = 0.0_wp
         integer :: pivots = 0
         integer, allocatable :: pairs(:)
-        !> The tableau without any pair decided
+        !> Tableau of the root node
         type(simplex_tableau) :: start
     end type search_state
 
-    !> Limit of tableau entries, about 20 ms; tableaus whose cube exceeds a part of it are not
-    !> started.
+    !> Limit of computed tableau entries, about 20 ms; problems whose n³ exceeds `part_to_begin` of
+    !> it are not started.
     real(wp), parameter :: max_work = 2.0e7_wp
     real(wp), parameter :: part_to_begin = 0.25_wp
-    !> A tableau with a larger entry has lost too many digits.
+    !> Entry of a tableau above which too many digits are lost
     real(wp), parameter :: too_large = 1.0e8_wp
-    !> Pivots of one case, in rows, before the lowest-number rule is used, which cannot cycle
+    !> Pivots of a node, relative to the rows of its tableau: limit from which on Bland's rule
+    !> prevents cycling, and limit of all pivots
     integer, parameter :: stall_limit = 3
     integer, parameter :: max_pivots = 50
 
 contains
 
-    !> Run the search.
+    !> Search for a solution.
     pure subroutine branch_and_bound(problem, compliance, outcome, pairs, pivots)
-        !> The problem, motions measured from the first contact of pairs
+        !> Scaled contact problem, with motions measured from first contact
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> One of the codes above
+        !> One of the outcomes above
         integer, intent(out) :: outcome
-        !> Pairs in contact, if a state was found
+        !> Active pairs, if a solution was found
         integer, allocatable, intent(out) :: pairs(:)
-        !> Exchanges of variables
+        !> Number of pivots
         integer, intent(out) :: pivots
 
         type(simplex_tableau) :: table
@@ -72,25 +73,25 @@ contains
         cases%work = max_work
         call new_tableau(problem, compliance, table, consistent)
         cases%start = table
-        ! The pairs with which the loop starts hold the loads: a statement of this tableau about
-        ! levers over many decades is rounding, not a proof.
+        ! The starting pairs balance the loads. A tableau that contradicts this has rounding errors
+        ! from levers of very different size: it proves nothing.
         if (.not. consistent) return
         call solve_node(problem, compliance, table, cases, outcome)
         pivots = cases%pivots
         if (outcome == search_found) pairs = cases%pairs
     end subroutine branch_and_bound
 
-    !> One case and all its subcases: it has no state if none of them has one, and is undecided if
-    !> one of them is, or was not examined.
+    !> Solve a node and its subproblems. It is infeasible if all of them are, and undecided if one
+    !> of them is, or was not examined.
     pure recursive subroutine solve_node(problem, compliance, table, cases, outcome)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Its tableau
+        !> Tableau of the node
         type(simplex_tableau), intent(inout) :: table
-        !> Work and findings
+        !> Work and results so far
         type(search_state), intent(inout) :: cases
-        !> Found, none, or undecided
+        !> Found, infeasible or undecided
         integer, intent(out) :: outcome
 
         type(simplex_tableau) :: child
@@ -109,10 +110,10 @@ contains
         where (variable <= rounding) variable = 0.0_wp
         pair = maxloc(variable(:n)*variable(n + 1:), dim=1)
         if (.not. variable(pair)*variable(n + pair) > 0.0_wp) then
-            cases%pairs = touching(n, variable, table%nonbasic)
+            cases%pairs = pairs_in_contact(n, variable, table%nonbasic)
             return
         end if
-        ! The smaller one is set to zero first: a state is usually there.
+        ! Fix the smaller variable first: most solutions are found there.
         order = [pair, n + pair]
         if (variable(pair) > variable(n + pair)) order = [n + pair, pair]
         outcome = search_infeasible
@@ -125,13 +126,13 @@ contains
         end do
     end subroutine solve_node
 
-    !> Pairs in contact: those with a force, and those whose gap is not basic.
-    pure function touching(n, variable, nonbasic) result(pairs)
+    !> Return the active pairs: those with a force, and those with a nonbasic gap.
+    pure function pairs_in_contact(n, variable, nonbasic) result(pairs)
         !> Number of pairs
         integer, intent(in) :: n
         !> Forces and gaps, shape (2 n)
         real(wp), intent(in) :: variable(:)
-        !> Nonbasic variables
+        !> Indices of the nonbasic variables
         integer, intent(in) :: nonbasic(:)
         integer, allocatable :: pairs(:)
 
@@ -141,19 +142,19 @@ contains
         allocate (left_out(max(2*n, maxval(nonbasic))), source=.false.)
         left_out(nonbasic) = .true.
         pairs = pack([(i, i=1, n)], variable(:n) > 0.0_wp .or. left_out(n + 1:2*n))
-    end function touching
+    end function pairs_in_contact
 
-    !> Dual simplex method: exchange variables until no basic variable is negative, and no fixed one
-    !> differs from zero.
+    !> Exchange variables by the dual simplex method until no basic variable is negative and all
+    !> fixed variables are zero.
     pure subroutine dual_simplex(problem, compliance, table, cases, outcome)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The tableau
+        !> Simplex tableau
         type(simplex_tableau), intent(inout) :: table
-        !> Remaining work
+        !> Work and results so far
         type(search_state), intent(inout) :: cases
-        !> Found, none, or undecided
+        !> Found, infeasible or undecided
         integer, intent(out) :: outcome
 
         integer :: row, column, pivot, m, rebuilt_at
@@ -189,15 +190,15 @@ contains
         end do
     end subroutine dual_simplex
 
-    !> The basic variable that violates its bounds most.
+    !> Select the basic variable with the largest violation of its bounds.
     pure subroutine leaving_row(table, lowest, row, sense)
-        !> The tableau
+        !> Simplex tableau
         type(simplex_tableau), intent(in) :: table
-        !> Use the lowest number instead
+        !> True for the variable with the lowest index instead (Bland's rule)
         logical, intent(in) :: lowest
-        !> Its row, 0 if there is none
+        !> Row of the variable, 0 if there is none
         integer, intent(out) :: row
-        !> 1 if it has to increase, -1 if it has to decrease
+        !> 1 if the variable must increase, -1 if it must decrease
         real(wp), intent(out) :: sense
 
         integer :: i
@@ -221,17 +222,17 @@ contains
         if (row > 0) sense = sign(1.0_wp, -table%value(row))
     end subroutine leaving_row
 
-    !> The nonbasic variable whose increase corrects a row most.
+    !> Select the nonbasic variable whose increase corrects a row most.
     pure subroutine entering_column(table, row, sense, lowest, column)
-        !> The tableau
+        !> Simplex tableau
         type(simplex_tableau), intent(in) :: table
-        !> The row
+        !> Row to be corrected
         integer, intent(in) :: row
-        !> 1 if it has to increase, -1 if it has to decrease
+        !> 1 if its variable must increase, -1 if it must decrease
         real(wp), intent(in) :: sense
-        !> Use the lowest number instead
+        !> True for the variable with the lowest index instead (Bland's rule)
         logical, intent(in) :: lowest
-        !> Its column, 0 if there is none
+        !> Column of the variable, 0 if there is none
         integer, intent(out) :: column
 
         integer :: j
@@ -253,17 +254,17 @@ contains
         end do
     end subroutine entering_column
 
-    !> The sum of equations that a row of the tableau, 0 = v + Σ c_j x_j with all unknowns x,
-    !> represents: its factors are the entries of the gaps and of the load residuals.
+    !> Return the multipliers of the equations that a row of the tableau, 0 = v + Σ c_j x_j over all
+    !> unknowns x, combines: its entries for the gaps and for the load residuals.
     pure function multipliers_of_row(table, n, q, row, sense) result(multipliers)
-        !> The tableau
+        !> Simplex tableau
         type(simplex_tableau), intent(in) :: table
-        !> Number of pairs and of motions
+        !> Number of pairs, and number of motions
         integer, intent(in) :: n
         integer, intent(in) :: q
-        !> The row
+        !> Row of the tableau
         integer, intent(in) :: row
-        !> 1, or -1 with all signs reversed
+        !> 1, or -1 to reverse all signs
         real(wp), intent(in) :: sense
         type(farkas_multipliers) :: multipliers
 
@@ -280,7 +281,7 @@ contains
             multipliers%loads = pack(nonbasic, nonbasic > 2*n + q) - 2*n - q
             multipliers%forces = pack(basic, basic <= n)
         end associate
-        ! A sum with a basic variable is zero except that of the variable's own row.
+        ! The sum of a basic variable is zero, except for the variable of this row.
         multipliers%known = merge(-sense, 0.0_wp, multipliers%forces == table%basic(row))
         multipliers%motions = [(c, c=1, q)]
         multipliers%no_force = table%fixed(:n)

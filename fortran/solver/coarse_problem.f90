@@ -1,7 +1,7 @@
-!> A contact problem with a few pairs only, whose state is the start for that of all pairs.
+!> Coarse contact problem, whose solution is the start for the fine one.
 !>
-!> If pairs are numbered in the order of the flank, one pair per cell of neighbours, with the mean
-!> compliance of that cell, is the same contact at a lower resolution. Its state is only a guess.
+!> If the pairs are numbered along the flank, one pair per cell of neighbours, with the mean
+!> compliance of the cell, gives the same contact at a lower resolution.
 module flankload_coarse_problem
     use flankload_kinds, only: wp
     use flankload_ordering, only: ascending_order
@@ -12,17 +12,17 @@ module flankload_coarse_problem
     public :: make_coarse, refine_pairs, in_flank_order
     public :: cell
 
-    !> Pairs represented by one coarse pair
+    !> Number of pairs per cell
     integer, parameter :: cell = 8
-    !> Fraction of pairs that must be coupled more closely with their neighbour than with a pair one
+    !> Fraction of pairs that must be coupled more closely to their neighbour than to the pair one
     !> cell away
     real(wp), parameter :: ordered_part = 0.9_wp
 
 contains
 
-    !> Whether pairs with neighbouring numbers are neighbours on the flank.
+    !> Return whether pairs with consecutive numbers are neighbours on the flank.
     pure function in_flank_order(compliance) result(ordered)
-        !> K, shape (n, n)
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         logical :: ordered
 
@@ -33,14 +33,14 @@ contains
             & >= ordered_part*((n - cell)/cell)
     end function in_flank_order
 
-    !> The problem with one pair per cell, in the scales of the fine one.
+    !> Build the problem with one pair per cell, in the scales of the fine problem.
     pure subroutine make_coarse(problem, compliance, coarse, coarse_compliance)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The coarse problem
+        !> Coarse problem
         type(contact_problem), intent(out) :: coarse
-        !> Its compliance
+        !> Compliance matrix of the coarse problem [mm/N], shape (coarse n, coarse n)
         real(wp), allocatable, intent(out) :: coarse_compliance(:, :)
 
         integer :: i, j, first
@@ -65,14 +65,14 @@ contains
         end do
     end subroutine make_coarse
 
-    !> All pairs of the cells of the given coarse pairs, the most loaded cells first: those at the
-    !> edge, where the guess is least certain, are then last in the factor.
+    !> Return all pairs of the active cells, those with the largest forces first: the uncertain
+    !> pairs at the edges of the contact are then last in the factor.
     pure function refine_pairs(n, coarse_pairs, forces) result(pairs)
         !> Number of pairs
         integer, intent(in) :: n
-        !> Coarse pairs in contact
+        !> Active pairs of the coarse problem
         integer, intent(in) :: coarse_pairs(:)
-        !> Their forces
+        !> Forces of these pairs
         real(wp), intent(in) :: forces(:)
         integer, allocatable :: pairs(:)
 

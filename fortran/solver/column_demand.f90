@@ -1,10 +1,11 @@
-!> The contact problem without its complete matrix: influence columns of the pairs near contact.
+!> Contact problem with columns of K computed on demand, for pairs near contact only.
 !>
-!> Most potential pairs never touch, and the column of a pair matters only if it carries load. The
-!> problem of a few pairs is solved first. Its forces give all other gaps, and the pairs that would
-!> penetrate get their columns and are added. The set of known pairs only grows: the loop ends at
-!> the latest with the whole matrix. Each step depends on its arguments only, so that a caller in
-!> any language can compute the columns; with a `column_source` the core runs the loop.
+!> Most potential pairs never touch, and a column of K matters only if its pair has a force. The
+!> method solves the problem of a few pairs, computes the gaps of all other pairs from the forces,
+!> and adds the columns of the pairs that penetrate. The set of known columns only grows, so that
+!> the method ends at the latest with the complete matrix. Each step depends on its arguments only:
+!> a caller in any language can compute the columns. With a `column_source`, `solve_on_demand` runs
+!> all steps.
 module flankload_column_demand
     use flankload_kinds, only: wp
     use flankload_ordering, only: ascending_order
@@ -21,43 +22,43 @@ module flankload_column_demand
     public :: column_source
     public :: solve_on_demand, solve_known_columns
 
-    !> Computes influence columns.
+    !> Base type for programs that compute columns of K.
     type, abstract :: column_source
     contains
         procedure(fill_columns), deferred :: fill
     end type column_source
 
     abstract interface
-        !> Columns of K for the given pairs.
+        !> Compute columns of K.
         pure subroutine fill_columns(self, pairs, columns)
             import :: column_source, wp
             implicit none
-            !> Data from which they are computed
+            !> Data of the program
             class(column_source), intent(in) :: self
-            !> Numbers of the pairs, from 1, shape (m)
+            !> Indices of the pairs, from 1, shape (m)
             integer, intent(in) :: pairs(:)
-            !> Their columns [mm/N], shape (n, m)
+            !> Columns of these pairs [mm/N], shape (n, m)
             real(wp), intent(out) :: columns(:, :)
         end subroutine fill_columns
     end interface
 
-    !> Number of columns requested at the first step, and at any step that needs so many.
+    !> Number of columns requested at the first step, and the least limit at each later step
     integer, parameter :: first_columns = 16
-    !> Columns that may be requested at once, as a fraction of the known ones.
+    !> Limit of the columns requested at once, relative to the known ones
     real(wp), parameter :: growing_part = 0.5_wp
-    !> The work of a motion on a pair below this fraction of the largest is rounding.
+    !> Work of a motion on a pair, relative to the largest work, below which it is rounding
     real(wp), parameter :: motion_rounding = 1.0e-10_wp
 
 contains
 
-    !> Solve; columns are computed as needed.
+    !> Solve a contact problem; the source computes columns as needed.
     pure subroutine solve_on_demand(source, diagonal, normal_gaps, motions, load_rows, loads, &
         & structure, method, known, result, error)
-        !> Computes the columns
+        !> Source of the columns
         class(column_source), intent(in) :: source
         !> Diagonal of K [mm/N], shape (n)
         real(wp), intent(in) :: diagonal(:)
-        !> g0, B, R and Q as in solve_contact_problem
+        !> Gaps g0 [mm], B, R and Q as in solve_contact_problem
         real(wp), intent(in) :: normal_gaps(:)
         real(wp), intent(in) :: motions(:, :)
         real(wp), intent(in) :: load_rows(:, :)
@@ -69,7 +70,7 @@ contains
         integer, allocatable, intent(out) :: known(:)
         !> The state
         type(contact_result), intent(out) :: result
-        !> Why there is no state
+        !> Set if there is no solution
         type(error_type), allocatable, intent(out) :: error
 
         integer :: n, m
@@ -92,31 +93,33 @@ contains
         end do
     end subroutine solve_on_demand
 
-    !> One step: solve with the known columns and return the numbers of the columns needed next.
+    !> Perform one step: solve with the known columns, and return the pairs whose columns are needed
+    !> next.
     pure subroutine solve_known_columns(known, columns, diagonal, normal_gaps, motions, load_rows, &
         & loads, structure, method, warm_pairs, wanted, result, error)
-        !> Pairs whose columns are known, shape (m); none at the first step
+        !> Pairs with known columns, shape (m); empty at the first step
         integer, intent(in) :: known(:)
-        !> Their columns of K [mm/N], shape (n, m)
+        !> Columns of these pairs [mm/N], shape (n, m)
         real(wp), contiguous, intent(in) :: columns(:, :)
-        !> Diagonal of K, g0, B, R and Q
+        !> Diagonal of K [mm/N], gaps g0 [mm], B, R and Q
         real(wp), intent(in) :: diagonal(:)
         real(wp), intent(in) :: normal_gaps(:)
         real(wp), intent(in) :: motions(:, :)
         real(wp), intent(in) :: load_rows(:, :)
         real(wp), intent(in) :: loads(:)
-        !> Structure of K: uniqueness is proven only for matrices known to be definite, or complete
-        !> ones
+        !> Structure of K. Uniqueness is proven only for a matrix declared as definite, or for a
+        !> complete matrix.
         integer, intent(in) :: structure
-        !> Method, not that of the paper
+        !> Method; method_paper is not allowed
         integer, intent(in) :: method
-        !> Known pairs to begin with: the active ones of the step before
+        !> Known pairs of the warm start: the active pairs of the previous step
         integer, intent(in) :: warm_pairs(:)
-        !> Pairs whose columns are needed next; none: the result is the state of all pairs
+        !> Pairs whose columns are needed next; empty if the result is the solution for all pairs
         integer, allocatable, intent(out) :: wanted(:)
-        !> State of the known pairs, in the numbers and with the gaps of all
+        !> Contact state of the known pairs, in the numbering and with the gaps of all pairs
         type(contact_result), intent(out) :: result
-        !> Why there is no state, whatever the other columns are, or wrong input
+        !> Set if the problem has no solution for any values of the other columns, or if the input
+        !> is invalid
         type(error_type), allocatable, intent(out) :: error
 
         type(contact_result) :: part
@@ -133,7 +136,7 @@ contains
         absent(known) = .false.
         most = max(first_columns, int(growing_part*size(known)))
         if (size(known) == 0) then
-            wanted = least(closing_motions(diagonal, normal_gaps, motions, loads), absent, most)
+            wanted = smallest(closing_motions(diagonal, normal_gaps, motions, loads), absent, most)
             return
         end if
         allocate (place(size(diagonal)), source=0)
@@ -151,7 +154,7 @@ contains
         end if
         call scatter_result(known, part, size(diagonal), result)
         call other_gaps(columns, part%forces, normal_gaps, motions, result%motion, gaps, sizes)
-        wanted = least(gaps, absent .and. gaps < -row_tolerance*sizes, most)
+        wanted = smallest(gaps, absent .and. gaps < -row_tolerance*sizes, most)
         if (size(wanted) > 0) return
         where (absent) result%gaps = max(gaps, 0.0_wp)
         if (.not. any(absent)) return
@@ -166,23 +169,23 @@ contains
         end if
     end subroutine solve_known_columns
 
-    !> If the known pairs have no state: other pairs that may help, or the failure of the known
-    !> ones.
+    !> Request more columns if the known pairs have no solution, or return their error if no other
+    !> pair can help.
     pure subroutine request_columns(part, load_rows, loads, absent, most, wanted, result, error)
-        !> Result of the known pairs
+        !> Result for the known pairs
         type(contact_result), intent(in) :: part
-        !> R and Q
+        !> Load rows R and loads Q
         real(wp), intent(in) :: load_rows(:, :)
         real(wp), intent(in) :: loads(:)
-        !> Pairs whose columns are not known
+        !> True for pairs without a column
         logical, intent(in) :: absent(:)
-        !> Maximum number of requested pairs
+        !> Largest number of requested columns
         integer, intent(in) :: most
         !> Pairs whose columns are needed next
         integer, allocatable, intent(out) :: wanted(:)
         !> Result for all pairs
         type(contact_result), intent(inout) :: result
-        !> Why the known pairs have no state; deallocated if others may help
+        !> Error of the known pairs; deallocated if others may help
         type(error_type), allocatable, intent(inout) :: error
 
         wanted = columns_for_loads(error%code, part%motion, load_rows, loads, absent, most)
@@ -196,17 +199,17 @@ contains
     !> Check numbers and shapes.
     pure subroutine check_columns(known, columns, diagonal, normal_gaps, motions, load_rows, &
         & method, error)
-        !> Known pairs and their columns
+        !> Pairs with known columns, and these columns
         integer, intent(in) :: known(:)
         real(wp), intent(in) :: columns(:, :)
-        !> Diagonal of K, g0, B and R
+        !> Diagonal of K, gaps g0, B and R
         real(wp), intent(in) :: diagonal(:)
         real(wp), intent(in) :: normal_gaps(:)
         real(wp), intent(in) :: motions(:, :)
         real(wp), intent(in) :: load_rows(:, :)
         !> Method
         integer, intent(in) :: method
-        !> The error found
+        !> Set if the input is invalid
         type(error_type), allocatable, intent(out) :: error
 
         integer :: n
@@ -224,10 +227,11 @@ contains
         end if
     end subroutine check_columns
 
-    !> Pairs that come near contact first. One motion: the motion that closes each pair. Several:
-    !> the gap, with pairs from all regions included, so that the first ones constrain all motions.
+    !> Return the values by which the first pairs are selected, smallest first: for one motion, the
+    !> motion that closes each pair; for several motions, the gap, with some pairs from the whole
+    !> flank in front, so that all motions are constrained.
     pure function closing_motions(diagonal, normal_gaps, motions, loads) result(way)
-        !> Diagonal of K, g0, B and Q
+        !> Diagonal of K, gaps g0, B and Q
         real(wp), intent(in) :: diagonal(:)
         real(wp), intent(in) :: normal_gaps(:)
         real(wp), intent(in) :: motions(:, :)
@@ -250,19 +254,19 @@ contains
         end if
     end function closing_motions
 
-    !> If the known pairs do not hold the loads: the pairs that resist the motion that shows this,
-    !> else the next ones in number.
+    !> Return the pairs to request if the known pairs cannot balance the loads: those that resist
+    !> the motion of the infeasibility, else those with the lowest numbers.
     pure function columns_for_loads(code, motion, load_rows, loads, absent, most) result(wanted)
-        !> Why the known pairs have no state
+        !> Status of the known pairs
         integer, intent(in) :: code
-        !> The motion that shows it, if the code is no_contact_state
+        !> Motion of the infeasibility, if the status is no_contact_state
         real(wp), intent(in) :: motion(:)
-        !> R and Q
+        !> Load rows R and loads Q
         real(wp), intent(in) :: load_rows(:, :)
         real(wp), intent(in) :: loads(:)
-        !> Pairs whose columns are not known
+        !> True for pairs without a column
         logical, intent(in) :: absent(:)
-        !> Maximum number of requested pairs
+        !> Largest number of requested columns
         integer, intent(in) :: most
         integer, allocatable :: wanted(:)
 
@@ -273,26 +277,26 @@ contains
         allocate (wanted(0))
         if (code /= no_contact_state .and. code /= singular_contact) return
         work = [(real(i, wp), i=1, size(absent))]
-        wanted = least(work, absent, most)
+        wanted = smallest(work, absent, most)
         if (code /= no_contact_state) return
         if (.not. dot_product(motion, loads) > 0.0_wp) return
         work = -matmul(load_rows, motion)
         rounding = motion_rounding*maxval(abs(work))
         if (any(absent .and. work < -rounding)) then
-            wanted = least(work, absent .and. work < -rounding, most)
+            wanted = smallest(work, absent .and. work < -rounding, most)
         else if (all(work >= -rounding)) then
-            ! No pair at all resists: no column would change that.
+            ! No pair resists this motion: further columns would not help.
             wanted = [integer ::]
         end if
     end function columns_for_loads
 
-    !> Whether no pair without a column does work on a motion, beyond rounding.
+    !> Return whether no pair without a column does work on a motion, beyond rounding.
     pure function none_can_help(motion, load_rows, absent) result(certain)
-        !> The motion
+        !> Motion of the infeasibility
         real(wp), intent(in) :: motion(:)
         !> R
         real(wp), intent(in) :: load_rows(:, :)
-        !> Pairs whose columns are not known
+        !> True for pairs without a column
         logical, intent(in) :: absent(:)
         logical :: certain
 
@@ -302,13 +306,13 @@ contains
         certain = .not. any(absent .and. matmul(load_rows, motion) + hidden > 0.0_wp)
     end function none_can_help
 
-    !> Numbers of the pairs with the smallest values.
-    pure function least(values, candidate, most) result(pairs)
-        !> A value for every pair
+    !> Return the candidates with the smallest values.
+    pure function smallest(values, candidate, most) result(pairs)
+        !> Value of each pair
         real(wp), intent(in) :: values(:)
-        !> Pairs among which to choose
+        !> True for the candidates
         logical, intent(in) :: candidate(:)
-        !> Maximum number
+        !> Largest number of pairs returned
         integer, intent(in) :: most
         integer, allocatable :: pairs(:)
 
@@ -317,13 +321,13 @@ contains
         pairs = pack([(i, i=1, size(values))], candidate)
         pairs = pairs(ascending_order(values(pairs)))
         pairs = pairs(:min(most, size(pairs)))
-    end function least
+    end function smallest
 
-    !> The state of the known pairs in the numbering of all.
+    !> Convert a state of the known pairs to the numbering of all pairs.
     pure subroutine scatter_result(known, part, n, result)
-        !> Known pairs
+        !> Pairs with known columns
         integer, intent(in) :: known(:)
-        !> Their state
+        !> Contact state of these pairs
         type(contact_result), intent(in) :: part
         !> Number of all pairs
         integer, intent(in) :: n
@@ -343,16 +347,17 @@ contains
         result%active_pairs = pack([(i, i=1, n)], active)
     end subroutine scatter_result
 
-    !> Gaps of all pairs under the forces of the known ones, and the sizes of their rows.
+    !> Compute the gaps of all pairs under the forces of the known ones, and the sizes of their
+    !> rows.
     pure subroutine other_gaps(columns, forces, normal_gaps, motions, motion, gaps, sizes)
-        !> Known columns and their forces
+        !> Known columns, and forces of these pairs
         real(wp), intent(in) :: columns(:, :)
         real(wp), intent(in) :: forces(:)
-        !> g0, B and q
+        !> Gaps g0, motions B and motion q
         real(wp), intent(in) :: normal_gaps(:)
         real(wp), intent(in) :: motions(:, :)
         real(wp), intent(in) :: motion(:)
-        !> Gaps and sizes, shape (n)
+        !> Gaps [mm] and row sizes [mm], shape (n)
         real(wp), allocatable, intent(out) :: gaps(:)
         real(wp), allocatable, intent(out) :: sizes(:)
 
@@ -367,13 +372,13 @@ contains
         end do
     end subroutine other_gaps
 
-    !> Contribution of the open pairs without columns to the certificate.
+    !> Include the open pairs without columns in the certificate.
     pure subroutine certify_others(openings, definite, result)
-        !> Their gaps over the sizes of their rows
+        !> Gaps of these pairs relative to the sizes of their rows
         real(wp), intent(in) :: openings(:)
-        !> K is known to be definite; otherwise nothing is proven without its other columns
+        !> True if K is declared as definite; otherwise nothing is proven without the other columns
         logical, intent(in) :: definite
-        !> The state with the certificate of the known pairs
+        !> Contact state with the certificate of the known pairs
         type(contact_result), intent(inout) :: result
 
         real(wp) :: nearest

@@ -1,9 +1,9 @@
-!> Cascade of methods: the fastest first, a more robust one if it does not converge.
+!> Cascade of methods: the fastest first, then more robust ones until one converges.
 !>
 !>     block  →  single  →  single with rows exchanged at every factorisation  →  load path
 !>
-!> Each level begins with the pairs left by the previous one. Only if these are singular, single is
-!> tried again with loads that act through springs.
+!> Each level starts from the active set of the previous one. If that set is singular, the
+!> single-pair method is tried again with regularized loads.
 module flankload_contact_cascade
     use flankload_kinds, only: wp
     use flankload_status, only: singular_contact
@@ -22,57 +22,58 @@ module flankload_contact_cascade
     public :: method_auto, method_single, method_paper, method_block
     public :: method_load_path, method_pivoted, method_cascade, method_primal
 
-    !> Single for few pairs; cascade for many in flank order without start pairs; else block.
+    !> Choose by size: method_single for few pairs, method_cascade for many pairs in flank order
+    !> without a warm start, else method_block.
     integer, parameter :: method_auto = 0
-    !> Single pairs, any may leave.
+    !> Active-set method with single pairs.
     integer, parameter :: method_single = 1
-    !> The paper's growing loop, not a level of the cascade.
+    !> Growing loop of the paper; not a level of the cascade.
     integer, parameter :: method_paper = 2
-    !> Many pairs at once.
+    !> Active-set method with blocks of pairs.
     integer, parameter :: method_block = 3
-    !> Lemke's path.
+    !> Lemke's complementary pivoting.
     integer, parameter :: method_load_path = 4
-    !> Single pairs, LU with row exchanges throughout.
+    !> Single pairs, LU factorization with row exchanges at every change.
     integer, parameter :: method_pivoted = 5
-    !> Blocks that begin with the contact of a coarser problem.
+    !> Blocks of pairs, started from a coarse problem.
     integer, parameter :: method_cascade = 6
-    !> Another name of single, whose forces hold the loads at every step.
+    !> Alias of method_single, whose forces balance the loads at every step.
     integer, parameter :: method_primal = 7
 
-    !> Blocks save nothing up to this number of pairs.
+    !> Number of pairs up to which blocks have no advantage
     integer, parameter :: few_pairs = 60
-    !> From this number on a coarser problem saves more than it costs, with one motion and with
-    !> several: blocks from a cold start then soon lose the pairs that constrain all motions.
+    !> Number of pairs from which on a coarse start saves time, with one motion and with several
+    !> motions (where blocks from a cold start soon lose the pairs that constrain a motion)
     integer, parameter :: many_pairs = 500
     integer, parameter :: many_with_motions = 100
 
-    !> Where the cascade ended.
+    !> Last level of the cascade and its outcome.
     type :: cascade_end
-        !> The level that gave the result, or the last one
+        !> Level that found the solution, else the last level
         integer :: level = method_auto
-        !> Without a state: fraction of the loads that can be held
+        !> Without a solution: fraction of the loads that can be balanced
         real(wp) :: largest_part = 0.0_wp
-        !> Without a state: it is proven that there is none
+        !> Without a solution: true if infeasibility is proven
         logical :: none_proven = .false.
     end type cascade_end
 
 contains
 
-    !> Try the levels in order until one converges.
+    !> Try the levels of the cascade in order until one converges.
     pure subroutine run_cascade(problem, compliance, method, warm_pairs, state, ending, error)
-        !> The problem; its motions are measured from the start that is chosen here
+        !> Scaled contact problem; the loop sets the start from which its motions are measured
         type(contact_problem), intent(inout) :: problem
-        !> K, shape (n, n)
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The first level, or method_auto
+        !> First level, or method_auto
         integer, intent(in) :: method
-        !> Pairs to begin with
+        !> Pairs of the warm start
         integer, intent(in) :: warm_pairs(:)
-        !> The state; without one its motion shows why
+        !> State of the loop; without a solution, its motion shows the reason
         type(loop_state), intent(out) :: state
-        !> Where the cascade ended
+        !> Last level and its outcome
         type(cascade_end), intent(out) :: ending
-        !> Why there is none
+        !> Set if there is no solution
         type(error_type), allocatable, intent(out) :: error
 
         logical :: converged, symmetric
@@ -89,8 +90,7 @@ contains
         if (ending%level == method_block .or. ending%level == method_cascade) then
             call block_loop(problem, compliance, start_pairs, ending%level == method_cascade, &
                 & state, converged, error)
-            ! Before the first pair is in contact, a loop can only find that no forces hold the
-            ! loads.
+            ! Without an active set, the only possible error is that the loads are infeasible.
             ending%none_proven = state%none_proven
             if (converged .or. allocated(error)) return
             call next_level(state, method_single, ending%level, pivots, start_pairs)
@@ -100,7 +100,7 @@ contains
             call single_loop(problem, compliance, start_pairs, .false., state, error)
             state%pivots = pivots + state%pivots
             if (.not. allocated(error)) return
-            ! A failure before the first pair is in contact does not depend on the loop.
+            ! An error before the first active set is independent of the method.
             ending%none_proven = state%none_proven
             if (.not. allocated(state%system%pairs)) return
             call next_level(state, method_pivoted, ending%level, pivots, start_pairs)
@@ -116,20 +116,21 @@ contains
         state%pivots = pivots + state%pivots
     end subroutine run_cascade
 
-    !> Single pairs with row exchanges; if the pairs are singular, with loads through springs.
+    !> Solve by single pairs with row exchanges, and with regularized loads if the pairs are
+    !> singular.
     pure subroutine run_pivoted(problem, compliance, start_pairs, pivots, state, level, error)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Pairs to begin with, then to continue with
+        !> Pairs of the start; on return, those of the next level
         integer, allocatable, intent(inout) :: start_pairs(:)
-        !> Pivots so far
+        !> Number of pivots so far
         integer, intent(inout) :: pivots
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> This level, or the next one
+        !> This level, or the next one if it fails
         integer, intent(inout) :: level
-        !> Why there is none
+        !> Set if there is no solution
         type(error_type), allocatable, intent(out) :: error
 
         logical :: symmetric, singular
@@ -156,12 +157,12 @@ contains
         problem%spring = 0.0_wp
     end subroutine run_pivoted
 
-    !> The fastest loop.
+    !> Choose the method with the shortest time.
     pure function choose(problem, compliance, warm_pairs) result(level)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Pairs to begin with
+        !> Pairs of the warm start
         integer, intent(in) :: warm_pairs(:)
         integer :: level
 
@@ -172,17 +173,17 @@ contains
         end if
     end function choose
 
-    !> Pass the pairs on to the next level.
+    !> Prepare the start of the next level.
     pure subroutine next_level(left, next, level, pivots, start_pairs)
-        !> State left by the previous level
+        !> State of the previous level
         type(loop_state), intent(in) :: left
-        !> The next level
+        !> Next level
         integer, intent(in) :: next
-        !> The level
+        !> Current level
         integer, intent(out) :: level
-        !> Pivots so far
+        !> Number of pivots so far
         integer, intent(out) :: pivots
-        !> Pairs to begin with
+        !> Pairs of the start
         integer, allocatable, intent(inout) :: start_pairs(:)
 
         level = next

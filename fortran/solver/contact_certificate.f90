@@ -1,5 +1,5 @@
-!> Certificate of a state of contact: how well it satisfies its equations, how far it is from
-!> another set of pairs, and whether it is unique.
+!> Certificate of a contact state: its backward error, its margin to a change of the active set, and
+!> its uniqueness.
 module flankload_contact_certificate
     use flankload_kinds, only: wp
     use flankload_status, only: status_solved, status_ill_conditioned, status_degenerate, &
@@ -14,35 +14,35 @@ module flankload_contact_certificate
     public :: certify, is_unique
     public :: energy_slack
 
-    !> From this condition number on, the distribution between neighbouring pairs has lost half of
-    !> its digits.
+    !> Condition number from which on the distribution of force between neighbours has lost half of
+    !> its digits
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
-    !> Rows with gaps beyond this fraction of their size are neither closed nor nearly closed.
+    !> Relative gap above which a row is clearly open
     real(wp), parameter :: near_contact = 1.0e-6_wp
     !> The condition number of a factor is an estimate from below, hardly ever by a factor of 10.
     real(wp), parameter :: margin_of_condition = 100.0_wp
-    !> ρ in W K + ρ R Rᵀ: added to K in the proof of uniqueness for forces that act on the loads
-    real(wp), parameter :: hold_loads = 8.0_wp
-    !> Rounding allowed in (K F)_i² relative to K_ii FᵀKF
+    !> Weight ρ in W K + ρ R Rᵀ, for the proof of uniqueness among forces that balance the loads
+    real(wp), parameter :: load_weight = 8.0_wp
+    !> Bound of (K F)_i² relative to K_ii FᵀKF, with rounding errors
     real(wp), parameter :: energy_slack = 1.0_wp + 1.0e4_wp*epsilon(1.0_wp)
 
 contains
 
-    !> Fill in the certificate and the status of a state.
+    !> Compute the certificate and the status of a contact state.
     !>
-    !> Its rows are those of the caller: the residuals of the returned numbers are decisive. Only a
-    !> few rows of K are read: the gaps contain the columns of the active pairs.
+    !> The rows are those of the caller, so that the backward error is that of the returned numbers.
+    !> Only a few rows of K are read: the gaps already contain the columns of the active pairs.
     pure subroutine certify(problem, compliance, forces, gaps, motion, result)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled forces, shape (n)
         real(wp), intent(in) :: forces(:)
-        !> Scaled gaps of these forces, active pairs included, shape (n)
+        !> Scaled gaps of all pairs under these forces, shape (n)
         real(wp), intent(in) :: gaps(:)
-        !> Scaled motion from the start, shape (n_motions)
+        !> Scaled motion, measured from the start, shape (n_motions)
         real(wp), intent(in) :: motion(:)
-        !> The condition number is known already
+        !> Contact state; its condition number is already set
         type(contact_result), intent(inout) :: result
 
         integer :: i, c
@@ -54,7 +54,7 @@ contains
         logical :: degenerate
 
         whole_motion = problem%start_motion + motion
-        ! The same products K F, but with the caller's gaps and the motion from zero.
+        ! The gaps contain K F; rebuild the rows with the caller's gaps and motions from zero.
         displacement = gaps - problem%gaps
         do c = 1, problem%n_motions
             displacement = displacement + problem%motions(:, c)*motion(c)
@@ -90,20 +90,21 @@ contains
         result%status = status_of(result, degenerate)
     end subroutine certify
 
-    !> How well rows are satisfied, and how far open ones are from contact.
+    !> Compute the backward error of all rows, and the margin of the open ones.
     pure subroutine check_rows(problem, compliance, forces, motion, pairs, rows, sizes, result)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Scaled forces, shape (n), and motion from zero, shape (n_motions)
+        !> Scaled forces, shape (n), and scaled motion from zero, shape (n_motions)
         real(wp), intent(in) :: forces(:)
         real(wp), intent(in) :: motion(:)
-        !> Pairs with forces
+        !> Active pairs
         integer, intent(in) :: pairs(:)
-        !> Gaps of all pairs, and a lower bound of the size of each row, shape (n)
+        !> Gaps, and lower bounds of the row sizes, shape (n)
         real(wp), intent(in) :: rows(:)
         real(wp), intent(inout) :: sizes(:)
-        !> Backward error and margin of forces and loads, then including the rows
+        !> Contact state; backward error and margin of forces and loads on entry, of the rows too on
+        !> return
         type(contact_result), intent(inout) :: result
 
         type(contact_problem), allocatable :: original
@@ -113,9 +114,9 @@ contains
 
         do i = 1, problem%n
             active = abs(forces(i)) > 0.0_wp
-            ! The size without cancellation is computed only if it could matter. A row without any
-            ! size (no force, no gap, no lever) is satisfied exactly. If K F cancels, only that size
-            ! distinguishes rounding from a gap.
+            ! The exact row size is computed only if it matters: if K F cancels, it alone
+            ! distinguishes rounding from a gap. A row of size zero (no force, gap or lever) is
+            ! satisfied exactly.
             if (active .or. rows(i) <= near_contact*sizes(i)) then
                 sizes(i) = max(tiny(1.0_wp), sizes(i))
                 if (abs(rows(i)) > row_tolerance*sizes(i)) then
@@ -134,12 +135,12 @@ contains
         result%margin = max(0.0_wp, result%margin)
     end subroutine check_rows
 
-    !> The status, for all methods: only status "ill-conditioned" permits rows not satisfied to
+    !> Return the status. Only an ill-conditioned problem may have rows that are not satisfied to
     !> rounding.
     pure function status_of(result, degenerate) result(status)
-        !> The state and its certificate
+        !> Contact state with its certificate
         type(contact_result), intent(in) :: result
-        !> Some pair has neither force nor gap
+        !> True if a pair has neither a force nor a gap
         logical, intent(in) :: degenerate
         integer :: status
 
@@ -156,24 +157,23 @@ contains
         end if
     end function status_of
 
-    !> Whether the state is unique.
+    !> Return whether the solution is unique.
     !>
-    !> For two states, (F1 - F2)ᵀ W (g1 - g2) <= 0 with any positive row weights W. With W B = R the
-    !> motions drop out, and the symmetric part of W K remains, which is diag(b) A without friction:
-    !> if it is positive definite, both states are equal. One motion has such weights if every
-    !> R_i/B_i > 0; several motions if R = B. Both states hold the same loads, so that Rᵀ (F1 - F2)
-    !> = 0, and W K + ρ R Rᵀ is sufficient for the proof: K of bodies that can move freely with a
-    !> motion may be singular.
+    !> Two solutions satisfy (F1 - F2)ᵀ W (g1 - g2) <= 0 for any positive row weights W. With W B =
+    !> R the motions cancel, and the symmetric part of W K remains (diag(b) A without friction): if
+    !> it is positive definite, both solutions are equal. Such weights exist for one motion if every
+    !> R_i/B_i > 0, and for several motions if R = B. Both solutions balance the same loads, so that
+    !> Rᵀ (F1 - F2) = 0 and a positive definite W K + ρ R Rᵀ is sufficient: K of free bodies may be
+    !> singular.
     !>
-    !> No proof is possible without all of K: two open pairs that drive each other away strongly
-    !> enough make a second state. Therefore either every pair is factored, or the caller declares
-    !> that the matrix is positive definite, and only the active pairs, which the loop has read, are
-    !> checked against it.
+    !> The proof needs all of K, since two open pairs with strong coupling may allow a second
+    !> solution. Therefore either all pairs are factored, or the caller declares that K is positive
+    !> definite and only the active pairs are checked.
     pure function is_unique(problem, compliance, pairs, condition) result(unique)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Pairs that are factored
+        !> Pairs whose matrix is factored
         integer, intent(in) :: pairs(:)
         !> Condition number of their K, if these are the pairs that the loop has factored
         real(wp), intent(in), optional :: condition
@@ -197,7 +197,7 @@ contains
                 end if
             end do
         end if
-        ! Only the active pairs: the Cholesky factor of the loop has shown it already.
+        ! For the active pairs, the Cholesky factor of the loop is the proof.
         if (equal .and. problem%symmetric .and. problem%definite) return
         weights = weights(pairs)
         if (present(condition) .and. problem%symmetric .and. size(pairs) > 0 &
@@ -207,10 +207,10 @@ contains
         end if
         unique = is_positive_definite(problem, compliance, pairs, weights, 0.0_wp)
         if (unique) return
-        unique = is_positive_definite(problem, compliance, pairs, weights, hold_loads)
+        unique = is_positive_definite(problem, compliance, pairs, weights, load_weight)
     end function is_unique
 
-    !> Largest entry of X, where weights W are exp(2 X) times a number.
+    !> Return the largest entry of X for weights W = w exp(2 X).
     !>
     !> √W K √W⁻¹ has the symmetric part C (K - T K T) C, C = cosh X and T = tanh X. With K = L Lᵀ
     !> that is positive definite if |L⁻¹ T L| < 1, and |L⁻¹ T L|² <= |T|² cond K <= |X|² cond K.
@@ -222,16 +222,17 @@ contains
         largest = 0.25_wp*log(maxval(weights)/minval(weights))
     end function spread_of
 
-    !> Whether W K + ρ R Rᵀ has a symmetric part with a Cholesky factor, i.e. is positive definite.
+    !> Return whether the symmetric part of W K + ρ R Rᵀ is positive definite, by its Cholesky
+    !> factor.
     pure function is_positive_definite(problem, compliance, pairs, weights, spring) result(definite)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Pairs that are factored
+        !> Pairs whose matrix is factored, shape (k)
         integer, intent(in) :: pairs(:)
-        !> W of these pairs
+        !> Weights W of these pairs, shape (k)
         real(wp), intent(in) :: weights(:)
-        !> ρ if the largest entry of each column of R is one
+        !> Weight ρ, for columns of R with a largest entry of one
         real(wp), intent(in) :: spring
         logical :: definite
 
@@ -240,7 +241,7 @@ contains
 
         k = size(pairs)
         allocate (matrix(k, k))
-        ! Divided by the roots of both weights, so that the diagonal stays near one.
+        ! Divide by the roots of both weights, so that the diagonal is near one.
         rows = sqrt(weights)
         columns = problem%row_scale(pairs)/rows
         rows = problem%row_scale(pairs)*rows
@@ -266,24 +267,25 @@ contains
                 end do
             end do
         end if
-        ! Minus the possible rounding: the existence of the factor is then a proof.
+        ! Subtract a bound of the rounding errors, so that the factor is a proof.
         do j = 1, k
             matrix(j, j) = matrix(j, j)*(1.0_wp - k*epsilon(1.0_wp))
         end do
         call potrf(k, matrix, info)
-        ! LAPACK accepts a NaN on its diagonal as a positive number.
+        ! LAPACK accepts a NaN on the diagonal.
         definite = info == 0 .and. all([(is_finite(matrix(j, j)), j=1, k)])
     end function is_positive_definite
 
-    !> Pairs that may carry load in any state: the others do not matter for the proof.
+    !> Return the pairs that may have a force in any solution; the others do not matter for the
+    !> proof.
     !>
-    !> Without negative influences, levers and load no motion goes further than each pair p permits,
-    !> B_p q <= Q max(K_pk/R_k) + g0_p, and a pair touches only where q >= g0_i/B_i.
+    !> If influence coefficients, levers and load are not negative, the motion has the bound B_p q
+    !> <= Q max(K_pk/R_k) + g0_p for each pair p, and pair i touches only if q >= g0_i/B_i.
     pure function possible_pairs(problem, compliance, motion) result(pairs)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Scaled motion from zero of the state that was found, shape (n_motions)
+        !> Scaled motion from zero of the solution, shape (n_motions)
         real(wp), intent(in) :: motion(:)
         integer, allocatable :: pairs(:)
 
@@ -296,7 +298,7 @@ contains
         if (problem%n_motions /= 1 .or. any(problem%loads < 0.0_wp)) return
         if (.not. (all(problem%motions > 0.0_wp) .and. all(problem%load_rows > 0.0_wp))) return
         closing = problem%normal_gaps/problem%motions(:, 1)
-        ! no bound lies below the motion found
+        ! No bound is below the motion of the solution.
         if (all(closing <= motion(1))) return
         allocate (most(problem%n), negative(problem%n), source=0.0_wp)
         do k = 1, problem%n
@@ -312,13 +314,14 @@ contains
         pairs = pack(pairs, closing <= furthest)
     end function possible_pairs
 
-    !> Whether (K F)_i² <= K_ii FᵀKF in every row, as Cauchy and Schwarz require of a positive
-    !> definite K: the entries of K read by the loop are checked against the caller's declaration.
+    !> Return whether (K F)_i² <= K_ii FᵀKF for all rows, the Cauchy-Schwarz inequality of a
+    !> positive definite K. It checks the caller's declaration against the entries that the loop has
+    !> read.
     pure function satisfies_energy_bound(problem, compliance, forces, displacement) result(passed)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Scaled F and K F, shape (n)
+        !> Scaled forces F and displacements K F, shape (n)
         real(wp), intent(in) :: forces(:)
         real(wp), intent(in) :: displacement(:)
         logical :: passed

@@ -1,7 +1,7 @@
-!> One contact problem under several loads, solved from the smallest load to the largest.
+!> Contact problem under several loads, solved in ascending order of the load.
 !>
-!> If possible, each state starts from the pairs and the factor of the previous one: along the load
-!> path few pairs enter or leave between neighbours, and nothing is factored again.
+!> Each state starts from the active set and the factor of the previous one if possible: few pairs
+!> enter or leave between neighbouring loads.
 module flankload_contact_loads
     use flankload_kinds, only: wp
     use flankload_ordering, only: ascending_order
@@ -18,31 +18,31 @@ module flankload_contact_loads
 
     public :: solve_contact_loads
 
-    !> Loads that differ from those that set the scales by more than this get their own scales.
+    !> Ratio of a load to the load of the scales above which the problem is scaled again
     real(wp), parameter :: far_load = 1.0e3_wp
 
 contains
 
-    !> Solve for every load.
+    !> Solve for all loads.
     pure subroutine solve_contact_loads(compliance, normal_gaps, motions, load_rows, loads, &
         & structure, method, warm_pairs, results, codes)
-        !> K [mm/N], shape (n, n)
+        !> Compliance matrix K [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> g0 [mm], shape (n)
+        !> Gaps g0 [mm], shape (n)
         real(wp), intent(in) :: normal_gaps(:)
-        !> B and R, shape (n, n_motions)
+        !> Motions B and load rows R, shape (n, n_motions)
         real(wp), intent(in) :: motions(:, :)
         real(wp), intent(in) :: load_rows(:, :)
-        !> Q, a column for each state, shape (n_motions, n_loads)
+        !> Loads Q, one column per state, shape (n_motions, n_loads)
         real(wp), intent(in) :: loads(:, :)
-        !> Structure of K and method, as of solve_contact_problem
+        !> Structure of K and method, as in solve_contact_problem
         integer, intent(in) :: structure
         integer, intent(in) :: method
-        !> Pairs to begin with, from 1
+        !> Pairs of the warm start, from 1
         integer, intent(in) :: warm_pairs(:)
-        !> The states, in the order of the loads, shape (n_loads)
+        !> Contact states in the order of the loads, shape (n_loads)
         type(contact_result), intent(inout) :: results(:)
-        !> 0, or the status that gives the reason why there is no state, shape (n_loads)
+        !> 0, or the negative status of a load without a solution, shape (n_loads)
         integer, intent(out) :: codes(:)
 
         type(contact_problem) :: problem
@@ -73,19 +73,19 @@ contains
         end do
     end subroutine solve_contact_loads
 
-    !> Continue to another load with the current pairs and factor.
+    !> Solve for another load from the current active set and factor.
     pure subroutine continue_from(problem, compliance, loads, state, result, done)
-        !> The problem, then with these loads
+        !> Scaled contact problem; its loads are replaced
         type(contact_problem), intent(inout) :: problem
-        !> K
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Q, shape (n_motions)
+        !> Loads Q, shape (n_motions)
         real(wp), intent(in) :: loads(:)
         !> Current state of the loop
         type(loop_state), intent(inout) :: state
-        !> The state in the caller's units
+        !> Contact state in the caller's units
         type(contact_result), intent(inout) :: result
-        !> False where the loop gave up
+        !> False if the loop did not converge
         logical, intent(out) :: done
 
         real(wp) :: largest
@@ -101,7 +101,7 @@ contains
         if (.not. done) return
         result%rung = method_block
         call report_state(problem, compliance, state, result)
-        ! A new factor recovers the accuracy that the updated factor has lost.
+        ! If the updated factor is too inaccurate, solve again with a new factor.
         done = result%backward_error <= row_tolerance
         if (done) done = is_in_range(problem, state, result)
     end subroutine continue_from

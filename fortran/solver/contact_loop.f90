@@ -1,6 +1,6 @@
-!> Pairs in contact and their forces: (20), (25)–(34), Fig. 6, in the general form.
+!> Solution of the contact problem: Eq. (20), (25)–(34) and Fig. 6 in general form.
 !>
-!> Uses only K, B, R, gaps and loads, no geometry.
+!> Input are only K, B, R, gaps and loads, no geometry.
 module flankload_contact_loop
     use flankload_kinds, only: wp
     use flankload_status, only: invalid_input, negative_force, no_contact_state, pivot_limit, &
@@ -26,36 +26,36 @@ module flankload_contact_loop
     public :: method_load_path, method_pivoted, method_cascade, method_primal
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
 
-    !> No rounding leaves a residual this large in a row: a state with such a residual is rejected,
-    !> whatever method found it.
+    !> Backward error above which a state is rejected: rounding alone never causes it
     real(wp), parameter :: max_residual = 1.0e-8_wp
 
 contains
 
-    !> Find the state of contact g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
+    !> Solve the contact problem g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
     pure subroutine solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
         & structure, method, warm_pairs, result, error)
-        !> K, normal displacement of row i for a unit force on pair j [mm/N], shape (n, n)
+        !> Compliance matrix K, the normal displacement of row i for a unit force on pair j [mm/N],
+        !> shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> g0, gaps along the normals before any motion [mm], shape (n)
+        !> Gaps g0 along the normals before any motion [mm], shape (n)
         real(wp), intent(in) :: normal_gaps(:)
-        !> B, gap closed by a unit of each motion, shape (n, n_motions)
+        !> Matrix B, the gap closed by a unit of each motion, shape (n, n_motions)
         real(wp), intent(in) :: motions(:, :)
-        !> R, contribution of a unit force to each load, shape (n, n_motions)
+        !> Matrix R, the contribution of a unit force to each load, shape (n, n_motions)
         real(wp), intent(in) :: load_rows(:, :)
-        !> Q, shape (n_motions)
+        !> Loads Q, shape (n_motions)
         real(wp), intent(in) :: loads(:)
-        !> Known properties of K: general_matrix (LU), symmetric_matrix (Cholesky), definite_matrix
-        !> or definite_part (no proof of uniqueness from the whole matrix)
+        !> Structure of K: general_matrix (LU), symmetric_matrix (Cholesky), definite_matrix or
+        !> definite_part (uniqueness without a factorization of the whole matrix)
         integer, intent(in) :: structure
-        !> One of the methods above
+        !> One of the constants method_…
         integer, intent(in) :: method
-        !> Pairs to begin with, from 1; none: the pair that touches first
+        !> Pairs of the warm start, from 1; empty for a cold start
         integer, intent(in) :: warm_pairs(:)
-        !> The state; on error NaN, except for the motion that shows why there is no state and for
-        !> the final state of the paper's loop with negative forces
+        !> Contact state. On error its numbers are NaN, except for the motion that shows an
+        !> infeasibility and for the final state of method_paper with negative forces
         type(contact_result), intent(out) :: result
-        !> Why there is no state
+        !> Set if there is no solution
         type(error_type), allocatable, intent(out) :: error
 
         type(contact_problem) :: problem
@@ -65,26 +65,26 @@ contains
             & warm_pairs, problem, state, result, error)
     end subroutine solve_contact_problem
 
-    !> The same, with the data from which another load can start.
+    !> Solve the contact problem, and keep the data from which another load can start.
     pure subroutine solve_and_keep(compliance, normal_gaps, motions, load_rows, loads, structure, &
         & method, warm_pairs, problem, state, result, error)
-        !> K, g0, B, R and Q
+        !> Compliance matrix K [mm/N], gaps g0 [mm], B, R and Q
         real(wp), contiguous, intent(in) :: compliance(:, :)
         real(wp), intent(in) :: normal_gaps(:)
         real(wp), intent(in) :: motions(:, :)
         real(wp), intent(in) :: load_rows(:, :)
         real(wp), intent(in) :: loads(:)
-        !> Structure of K, method, pairs to begin with
+        !> Structure of K, method, and pairs of the warm start
         integer, intent(in) :: structure
         integer, intent(in) :: method
         integer, intent(in) :: warm_pairs(:)
-        !> The scaled problem
+        !> Scaled contact problem
         type(contact_problem), intent(out) :: problem
         !> Final state of the loop
         type(loop_state), intent(out) :: state
-        !> The state in the caller's units
+        !> Contact state in the caller's units
         type(contact_result), intent(out) :: result
-        !> Why there is no state
+        !> Set if there is no solution
         type(error_type), allocatable, intent(out) :: error
 
         call blank(result, size(normal_gaps), size(loads))
@@ -105,24 +105,24 @@ contains
         if (.not. allocated(error)) then
             if (all(abs(result%gaps) <= huge(1.0_wp))) return
         end if
-        ! The loops read the columns that they need; the others matter only if the loops failed.
+        ! The methods read only the columns that they need; the others are checked if they failed.
         if (.not. is_finite_matrix(compliance)) then
             call blank(result, size(normal_gaps), size(loads))
             call fatal_error(error, invalid_input, 'compliance: expected finite numbers')
         end if
     end subroutine solve_and_keep
 
-    !> Check that structure and method are known, and that the start pairs exist and are distinct.
+    !> Check structure, method and the pairs of the warm start, which must exist and be distinct.
     pure subroutine check_choice(n, structure, method, warm_pairs, error)
         !> Number of pairs
         integer, intent(in) :: n
-        !> Structure
+        !> Structure of K
         integer, intent(in) :: structure
         !> Method
         integer, intent(in) :: method
-        !> Pairs to begin with
+        !> Pairs of the warm start
         integer, intent(in) :: warm_pairs(:)
-        !> The error found
+        !> Set if the input is invalid
         type(error_type), allocatable, intent(out) :: error
 
         logical, allocatable :: seen(:)
@@ -148,21 +148,21 @@ contains
         end do
     end subroutine check_choice
 
-    !> The cascade from the given level on. If the state of a level does not satisfy its equations
-    !> to rounding, more careful levels begin levels; the best of their states is the result.
+    !> Solve by the cascade from a given level on. If the equations are not satisfied to rounding,
+    !> try more accurate levels and return the best result.
     pure subroutine solve_by_cascade(problem, compliance, method, warm_pairs, state, result, error)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The method, not that of the paper
+        !> Method, not method_paper
         integer, intent(in) :: method
-        !> Pairs to begin with
+        !> Pairs of the warm start
         integer, intent(in) :: warm_pairs(:)
         !> Final state of the loop
         type(loop_state), intent(out) :: state
-        !> The state in the caller's units
+        !> Contact state in the caller's units
         type(contact_result), intent(inout) :: result
-        !> Why there is none
+        !> Set if there is no solution
         type(error_type), allocatable, intent(out) :: error
 
         type(cascade_end) :: ending
@@ -183,27 +183,27 @@ contains
             return
         end if
         result%pivots = state%pivots
-        ! Among the levels, only the choice of the first pairs ends so: a motion is unconstrained.
+        ! The choice of the first pairs is the only step that ends with an unconstrained motion.
         if (error%code == no_contact_state .or. error%code == singular_contact) then
             result%motion = problem%load_row_scale*state%motion
         end if
         if (error%code == no_contact_state) result%largest_part = ending%largest_part
     end subroutine solve_by_cascade
 
-    !> Other levels, if the state found does not satisfy its equations.
+    !> Try other levels if the equations of a state are not satisfied, and keep the best state.
     pure subroutine retry(problem, compliance, method, symmetric, state, result, error)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The method
+        !> Requested method
         integer, intent(in) :: method
-        !> K is symmetric
+        !> True if K is symmetric
         logical, intent(in) :: symmetric
-        !> Final states of the loops; on return the best one
+        !> Final state of the loop; on return that of the best level
         type(loop_state), intent(inout) :: state
-        !> The state in the caller's units
+        !> Contact state in the caller's units
         type(contact_result), intent(inout) :: result
-        !> No level has found a state
+        !> Set if no level has found a solution
         type(error_type), allocatable, intent(out) :: error
 
         type(contact_problem) :: other
@@ -215,7 +215,7 @@ contains
 
         pivots = state%pivots
         levels = retry_levels(method)
-        ! No level can repair numbers that are not finite.
+        ! No level corrects numbers that are not finite.
         if (.not. result%backward_error <= huge(1.0_wp)) levels = [integer ::]
         do k = 1, size(levels)
             other = problem
@@ -243,15 +243,15 @@ contains
         call fatal_error(error, pivot_limit, 'what was found does not meet its equations')
     end subroutine retry
 
-    !> A state that the caller's units cannot represent is an error.
+    !> Report an error if the caller's units cannot represent the state.
     pure subroutine check_range(problem, state, result, error)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
         !> Final state of the loop
         type(loop_state), intent(in) :: state
-        !> The state in the caller's units, blank if it cannot be represented
+        !> Contact state in the caller's units; without numbers if they cannot be represented
         type(contact_result), intent(inout) :: result
-        !> The state cannot be represented
+        !> Set if the state cannot be represented
         type(error_type), allocatable, intent(out) :: error
 
         if (is_in_range(problem, state, result)) return
@@ -259,32 +259,33 @@ contains
         call fatal_error(error, out_of_range, 'other units: the state is out of the range of these')
     end subroutine check_range
 
-    !> The levels that begin levels, in order, if the state found does not satisfy its equations.
-    pure function retry_levels(method) result(rungs)
-        !> The requested method
+    !> Return the levels to try, in order, if the equations of a state are not satisfied.
+    pure function retry_levels(method) result(levels)
+        !> Requested method
         integer, intent(in) :: method
-        integer, allocatable :: rungs(:)
+        integer, allocatable :: levels(:)
 
         select case (method)
         case (method_single, method_primal)
-            rungs = [method_pivoted, method_load_path]
+            levels = [method_pivoted, method_load_path]
         case (method_pivoted)
-            rungs = [method_load_path]
+            levels = [method_load_path]
         case (method_load_path)
-            rungs = [method_pivoted]
+            levels = [method_pivoted]
         case default
-            rungs = [method_single, method_pivoted, method_load_path]
+            levels = [method_single, method_pivoted, method_load_path]
         end select
     end function retry_levels
 
-    !> Method paper; a negative force in its final state is an error that carries the state.
+    !> Solve by the growing loop of the paper. A negative force in its final state is an error; the
+    !> state is returned.
     pure subroutine run_paper(problem, compliance, result, error)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The state
         type(contact_result), intent(inout) :: result
-        !> Why there is none, or that a force in it is negative
+        !> Set if there is no solution, or if a force is negative
         type(error_type), allocatable, intent(out) :: error
 
         type(loop_state) :: state

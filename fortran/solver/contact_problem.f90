@@ -1,9 +1,9 @@
-!> The contact problem in its general form, scaled.
+!> Contact problem in general form, and its scaling.
 !>
 !>     g = K F + g0 - B q >= 0,   F >= 0,   g F = 0,   Rᵀ F = Q
 !>
-!> (16), (17) and (20) are the case of one motion: K = diag(b) A, g0 = b ε, B = b, R = m, q = φ, Q =
-!> M. All scales are powers of two, so that scaling causes no rounding.
+!> Eq. (16), (17) and (20) are the special case of one motion with K = diag(b) A, g0 = b ε, B = b, R
+!> = m, q = φ, Q = M. All scale factors are powers of two, so that scaling is exact.
 module flankload_contact_problem
     use, intrinsic :: iso_fortran_env, only: int64
     use flankload_kinds, only: wp
@@ -20,74 +20,75 @@ module flankload_contact_problem
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
     public :: row_tolerance
 
-    !> A scaled problem; the compliance itself stays in the caller's array.
+    !> A scaled contact problem; the compliance matrix stays in the caller's array.
     !>
-    !> With D = row_scale, C = motion_scale, E = load_row_scale and λ = load_scale the scaled
-    !> quantities are K' = D K D, F' = F/(λ D), g' = D g/λ, B' = D B C, q' = q/(λ C), R' = D R E
-    !> and Q' = E Q/λ.
+    !> With D = row_scale, C = motion_scale, E = load_row_scale and λ = load_scale, the scaled
+    !> quantities are K' = D K D, F' = F/(λ D), g' = D g/λ, B' = D B C, q' = q/(λ C), R' = D R E and
+    !> Q' = E Q/λ.
     type :: contact_problem
-        !> Number of pairs and of motions
+        !> Number of pairs, and number of motions
         integer :: n = 0
         integer :: n_motions = 0
-        !> K is symmetric
+        !> True if K is symmetric
         logical :: symmetric = .true.
-        !> The caller declares that K (its symmetric part) is positive definite, as uniqueness
-        !> requires
+        !> True if the caller declares that K (or its weighted symmetric part) is positive definite
         logical :: definite = .false.
-        !> The same for a symmetric K, kept if a loop treats K as a general matrix
+        !> The same declaration for a symmetric K, kept if a method uses K as a general matrix
         logical :: energy_bound = .false.
-        !> B = R
+        !> True if B = R
         logical :: same_rows = .true.
-        !> Compliance of the springs through which loads act when equations are solved, 0: none (see
-        !> `flankload_regularized_loads`); the problem is the same
+        !> Compliance of the springs of regularized loads, 0 without springs (see
+        !> `flankload_regularized_loads`); the solution does not depend on it
         real(wp) :: spring = 0.0_wp
-        !> Scales of the rows (near 1/sqrt(K_ii)), motions, load rows and loads
+        !> Scale factors of the rows (near 1/sqrt(K_ii)), the motions, the load rows and the loads
         real(wp), allocatable :: row_scale(:)
         real(wp), allocatable :: motion_scale(:)
         real(wp), allocatable :: load_row_scale(:)
         real(wp) :: load_scale = 1.0_wp
-        !> Scaled g0, and g0 - B q_start, shape (n)
+        !> Scaled gaps g0, and g0 - B q_start, shape (n)
         real(wp), allocatable :: normal_gaps(:)
         real(wp), allocatable :: gaps(:)
-        !> Scaled B and R, shape (n, n_motions)
+        !> Scaled matrices B and R, shape (n, n_motions)
         real(wp), allocatable :: motions(:, :)
         real(wp), allocatable :: load_rows(:, :)
-        !> Scaled Q, shape (n_motions)
+        !> Scaled loads Q, shape (n_motions)
         real(wp), allocatable :: loads(:)
-        !> Scaled q_start, the motion at the start: small loads then lose no digits to large gaps
+        !> Scaled motion q_start from which motions are measured, so that large gaps do not cancel
+        !> the digits of small loads, shape (n_motions)
         real(wp), allocatable :: start_motion(:)
     end type contact_problem
 
-    !> Declarations of the caller about K: none, symmetric, also positive definite (any elastic
-    !> compliance is), or the symmetric part of W K is positive definite (see `is_unique`).
+    !> Structures of K as declared by the caller: general, symmetric, symmetric positive definite
+    !> (any elastic compliance), or with a positive definite symmetric part of W K (see
+    !> `is_unique`).
     integer, parameter :: general_matrix = 0
     integer, parameter :: symmetric_matrix = 1
     integer, parameter :: definite_matrix = 2
     integer, parameter :: definite_part = 3
 
-    !> Rounding error of a row, relative to the row's own size.
+    !> Rounding error of a row relative to the size of that row
     real(wp), parameter :: row_tolerance = 10.0_wp*epsilon(1.0_wp)
 
 contains
 
-    !> Check and scale a problem.
+    !> Check and scale a contact problem.
     pure subroutine new_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
         & structure, problem, error)
-        !> K [mm/N], shape (n, n); only its diagonal is read
+        !> Compliance matrix K [mm/N], shape (n, n); only its diagonal is read
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> g0 [mm], shape (n)
+        !> Gaps g0 [mm], shape (n)
         real(wp), intent(in) :: normal_gaps(:)
-        !> B, lever of each pair on each motion, shape (n, n_motions)
+        !> Matrix B, the lever of each pair on each motion, shape (n, n_motions)
         real(wp), intent(in) :: motions(:, :)
-        !> R, contribution of each pair to each load, shape (n, n_motions)
+        !> Matrix R, the contribution of each pair to each load, shape (n, n_motions)
         real(wp), intent(in) :: load_rows(:, :)
-        !> Q, shape (n_motions)
+        !> Loads Q, shape (n_motions)
         real(wp), intent(in) :: loads(:)
-        !> Known properties of K: one of the four constants above
+        !> Structure of K: one of the four constants above
         integer, intent(in) :: structure
-        !> The scaled problem
+        !> Scaled contact problem
         type(contact_problem), intent(out) :: problem
-        !> Shapes that do not match, numbers that are not finite, a diagonal that is not positive
+        !> Set if shapes differ, numbers are not finite, or a diagonal entry is not positive
         type(error_type), allocatable, intent(out) :: error
 
         integer :: i, c
@@ -128,17 +129,17 @@ contains
 
     !> Check that shapes match, numbers are finite and the diagonal is positive.
     pure subroutine check_input(compliance, normal_gaps, motions, load_rows, loads, error)
-        !> K
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> g0
         real(wp), intent(in) :: normal_gaps(:)
-        !> B
+        !> Matrix B
         real(wp), intent(in) :: motions(:, :)
-        !> R
+        !> Matrix R
         real(wp), intent(in) :: load_rows(:, :)
-        !> Q
+        !> Loads Q
         real(wp), intent(in) :: loads(:)
-        !> The error found
+        !> Set if the input is invalid
         type(error_type), allocatable, intent(out) :: error
 
         integer :: n, i
@@ -165,29 +166,29 @@ contains
         end if
     end subroutine check_input
 
-    !> Neither NaN nor infinite.
+    !> Return whether a number is neither NaN nor infinite.
     elemental function is_finite(number) result(finite)
-        !> Any number
+        !> Number to be checked
         real(wp), intent(in) :: number
         logical :: finite
 
         finite = abs(number) <= huge(1.0_wp)
     end function is_finite
 
-    !> The power of two near 1/size, 1 where the size is zero.
+    !> Return the power of two near 1/size, or 1 if size is zero.
     elemental function power_of_two(size) result(scale_factor)
-        !> Quantity to be scaled to about one
+        !> Number to be scaled to about one
         real(wp), intent(in) :: size
         real(wp) :: scale_factor
 
-        !> Position of the exponent in a 64-bit number, its width, and the exponent of one
+        !> Position and width of the exponent field of a 64-bit number, and the bias of the exponent
         integer, parameter :: place = 52, width = 11
         integer(int64), parameter :: of_one = 1023
         integer(int64) :: field
 
         scale_factor = 1.0_wp
         if (.not. size > 0.0_wp) return
-        ! Called once per row: bit operations take a tenth of the time of scale and exponent.
+        ! Bit operations take a tenth of the time of the intrinsics scale and exponent.
         field = ibits(transfer(size, 0_int64), place, width)
         if (field > 0 .and. field < 2*of_one) then
             scale_factor = transfer(shiftl(2*of_one - field, place), 1.0_wp)
@@ -196,39 +197,40 @@ contains
         end if
     end function power_of_two
 
-    !> Measure motions from here on: g0 := g0 - B q.
+    !> Measure motions from a new start: g0 := g0 - B q.
     pure subroutine shift_gaps(problem, motion, touching)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(inout) :: problem
         !> Scaled motion, shape (n_motions)
         real(wp), intent(in) :: motion(:)
-        !> Pairs that touch by definition of this motion: their gap is zero without rounding
+        !> Pairs whose gap is exactly zero by definition of this motion
         integer, intent(in) :: touching(:)
 
         problem%start_motion = problem%start_motion + motion
-        ! From the caller's gaps each time: an earlier, distant start leaves no rounding.
+        ! Start from the caller's gaps each time, so that a distant earlier start leaves no rounding
+        ! errors.
         problem%gaps = problem%normal_gaps - matmul(problem%motions, problem%start_motion)
         problem%gaps(touching) = 0.0_wp
     end subroutine shift_gaps
 
     !> Measure motions from zero, as the caller does.
     pure subroutine measure_from_zero(problem)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(inout) :: problem
 
         problem%gaps = problem%normal_gaps
         problem%start_motion = 0.0_wp
     end subroutine measure_from_zero
 
-    !> Scaled gaps, (34) corrected: with all of Σ a_ij F_j.
+    !> Compute the scaled gaps, Eq. (34) with the complete sum Σ a_ij F_j.
     pure subroutine contact_gaps(problem, compliance, forces, motion, gaps)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> K as the caller has it
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Scaled forces, zero for pairs that are not active, shape (n)
+        !> Scaled forces, zero for inactive pairs, shape (n)
         real(wp), intent(in) :: forces(:)
-        !> Scaled motion from the start, shape (n_motions)
+        !> Scaled motion, measured from the start, shape (n_motions)
         real(wp), intent(in) :: motion(:)
         !> Scaled gaps, shape (n)
         real(wp), contiguous, intent(out) :: gaps(:)
@@ -238,18 +240,18 @@ contains
         call normal_displacement(problem, compliance, forces, gaps)
         gaps = gaps + problem%gaps
         do c = 1, problem%n_motions
-            gaps = gaps - problem%motions(:, c)*motion(c)   ! Eq. (18), row i times b_i
+            gaps = gaps - problem%motions(:, c)*motion(c)   ! Eq. (18), (34), times b
         end do
     end subroutine contact_gaps
 
-    !> Scaled normal displacement K F. One product per run of active columns, since active pairs are
-    !> mostly neighbours.
+    !> Compute the scaled normal displacements K F, with one product per run of consecutive active
+    !> pairs.
     pure subroutine normal_displacement(problem, compliance, forces, displacement)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> K as the caller has it
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Scaled forces, zero for pairs that are not active, shape (n)
+        !> Scaled forces, zero for inactive pairs, shape (n)
         real(wp), intent(in) :: forces(:)
         !> Scaled normal displacement, shape (n)
         real(wp), contiguous, intent(out) :: displacement(:)
@@ -277,21 +279,21 @@ contains
         displacement = problem%row_scale*displacement
     end subroutine normal_displacement
 
-    !> Size of one row: Σ|K_ij| F_j + |g0_i| + Σ|B_ic q_c|, with motions measured from the start or
-    !> from zero, whichever is smaller: small loads at large gaps are resolved, and a distant start
-    !> does not excuse residuals.
+    !> Return the size of a row, Σ|K_ij| F_j + |g0_i| + Σ|B_ic q_c|, with motions measured from the
+    !> start or from zero, whichever is smaller: small loads at large gaps are then resolved, and a
+    !> distant start does not enlarge the tolerance.
     pure function row_size(problem, compliance, forces, motion, pairs, i) result(total)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> K as the caller has it
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled forces, shape (n)
         real(wp), intent(in) :: forces(:)
-        !> Scaled motion from the start, shape (n_motions)
+        !> Scaled motion, measured from the start, shape (n_motions)
         real(wp), intent(in) :: motion(:)
-        !> The active pairs
+        !> Active pairs
         integer, intent(in) :: pairs(:)
-        !> Number of the row
+        !> Index of the row
         integer, intent(in) :: i
         real(wp) :: total
 
@@ -299,7 +301,7 @@ contains
 
         total = 0.0_wp
         do k = 1, size(pairs)
-            ! In this order no quantity overflows that is small when scaled.
+            ! This order of the factors prevents overflow.
             total = total + abs(compliance(i, pairs(k)) &
                 & *(forces(pairs(k))*problem%row_scale(pairs(k))))
         end do
@@ -309,16 +311,16 @@ contains
             & abs(problem%start_motion + motion)))
     end function row_size
 
-    !> Lower bounds of all row sizes without reading K: |Σ K_ij F_j|, which the gaps contain,
-    !> instead of Σ|K_ij| F_j. Equal if no influence is negative.
+    !> Compute lower bounds of all row sizes without reading K: |Σ K_ij F_j|, which the gaps
+    !> contain, instead of Σ|K_ij| F_j. They are exact if no influence coefficient is negative.
     pure subroutine least_row_sizes(problem, gaps, motion, sizes)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> Scaled gaps at this motion, shape (n)
+        !> Scaled gaps at that motion, shape (n)
         real(wp), intent(in) :: gaps(:)
-        !> Scaled motion from the start, shape (n_motions)
+        !> Scaled motion, measured from the start, shape (n_motions)
         real(wp), intent(in) :: motion(:)
-        !> Sizes, shape (n)
+        !> Lower bounds of the row sizes, shape (n)
         real(wp), intent(out) :: sizes(:)
 
         integer :: c, i

@@ -1,4 +1,4 @@
-!> A state in the caller's units, with its certificate, if these units can represent it.
+!> Conversion of a state to the caller's units, with its certificate.
 module flankload_contact_report
     use flankload_kinds, only: wp
     use flankload_contact_result, only: contact_result
@@ -12,14 +12,14 @@ module flankload_contact_report
 
 contains
 
-    !> The state of a loop with its certificate, in the caller's units.
+    !> Convert the state of a loop to the caller's units, and certify it.
     pure subroutine report_state(problem, compliance, state, result)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Final state of the loop
         type(loop_state), intent(in) :: state
-        !> The state in the caller's units; its method is known already
+        !> Contact state in the caller's units; its method is already set
         type(contact_result), intent(inout) :: result
 
         integer :: i, q
@@ -31,10 +31,10 @@ contains
         call certify(problem, compliance, state%forces, state%gaps, state%motion, result)
         q = problem%n_motions
         result%forces = problem%load_scale*problem%row_scale*state%forces
-        ! The remainder of a closed gap is rounding, already in the backward error.
+        ! The residual of a closed gap is rounding, which the backward error contains.
         result%gaps = problem%load_scale*state%gaps/problem%row_scale
         result%gaps(state%system%pairs) = 0.0_wp
-        ! A NaN must not count as a closed gap.
+        ! Keep a NaN: max would replace it by zero.
         where (abs(result%gaps) <= huge(1.0_wp)) result%gaps = max(result%gaps, 0.0_wp)
         result%motion = problem%load_scale*problem%motion_scale &
             & *(problem%start_motion + state%motion)
@@ -43,11 +43,11 @@ contains
         result%active_pairs = pack([(i, i=1, problem%n)], abs(state%forces) > 0.0_wp)
     end subroutine report_state
 
-    !> Whether scaling has preserved the problem: no number overflows, no load is lost.
+    !> Return whether scaling is exact: no number overflows, and no load is lost.
     pure function same_loads(problem, loads) result(same)
-        !> The scaled problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> Q as the caller has it, shape (n_motions)
+        !> Loads Q of the caller, shape (n_motions)
         real(wp), intent(in) :: loads(:)
         logical :: same
 
@@ -57,12 +57,12 @@ contains
             & .and. all(abs(problem%loads) >= tiny(1.0_wp) .or. .not. abs(loads) > 0.0_wp)
     end function same_loads
 
-    !> Whether the caller's units can represent a state: no number overflows, and no significant
-    !> number underflows.
+    !> Return whether the caller's units can represent a state: no number overflows, and no
+    !> significant number underflows.
     pure function is_in_range(problem, state, result) result(in_range)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> Final state of the loop, and the same in the caller's units
+        !> Final state of the loop, and the same state in the caller's units
         type(loop_state), intent(in) :: state
         type(contact_result), intent(in) :: result
         logical :: in_range

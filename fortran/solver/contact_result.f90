@@ -1,4 +1,4 @@
-!> The state of contact in the caller's units, with its certificate.
+!> Contact state in the caller's units, with its certificate.
 module flankload_contact_result
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
     use flankload_kinds, only: wp
@@ -8,48 +8,49 @@ module flankload_contact_result
     public :: contact_result
     public :: blank, unpack_result
 
-    !> The state of contact, in the caller's units.
+    !> Contact state and certificate, in the caller's units.
     type :: contact_result
         !> Normal forces [N], shape (n)
         real(wp), allocatable :: forces(:)
         !> Final gaps along the normals [mm], shape (n)
         real(wp), allocatable :: gaps(:)
-        !> Motions [rad or mm], shape (n_motions); without a state: a motion that shows the reason
+        !> Motions [rad or mm], shape (n_motions); without a solution, the motion that shows the
+        !> reason
         real(wp), allocatable :: motion(:)
-        !> Pairs that carry a force, ascending, from 1
+        !> Pairs with a force, ascending, from 1
         integer, allocatable :: active_pairs(:)
-        !> 0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not certain
+        !> Status: 0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not proven
         integer :: status = 0
-        !> The method that found it
+        !> Method that found the solution
         integer :: rung = 0
-        !> Number of pairs that entered or left
+        !> Number of pairs that entered or left the active set
         integer :: pivots = 0
-        !> Number of complete factorisations (the block of a warm start is not counted)
+        !> Number of complete factorizations, that of a warm start not included
         integer :: refactorisations = 0
-        !> Condition number of the equilibrated equations of the active pairs, 1-norm
+        !> Condition number of the equilibrated equations of the active pairs (1-norm)
         real(wp) :: condition = 1.0_wp
-        !> Growth of the entries in elimination without row exchanges
+        !> Growth factor of the elimination without row exchanges
         real(wp) :: growth = 1.0_wp
-        !> Largest error of a row of the problem, relative to the row's own size
+        !> Largest residual of a row, relative to the size of that row
         real(wp) :: backward_error = 0.0_wp
-        !> Distance to the nearest change of the active pairs: the minimum of force over largest
-        !> force (active) and gap over the row's own size (others)
+        !> Distance to a change of the active set: the minimum of force relative to the largest
+        !> force (active pairs) and of gap relative to the size of its row (other pairs)
         real(wp) :: margin = 0.0_wp
-        !> No other state exists
+        !> True if the solution is proven to be unique
         logical :: unique = .false.
-        !> Without a state: fraction of the loads that can be held on the load path
+        !> Without a solution: fraction of the loads that can be balanced on the load path
         real(wp) :: largest_part = 0.0_wp
-        !> Without a state: it is proven that there is none, rather than that none was found
+        !> Without a solution: true if it is proven that none exists
         logical :: none_proven = .false.
-        !> d motion / d load, shape (n_motions, n_motions)
+        !> Derivative of the motion with respect to the loads, shape (n_motions, n_motions)
         real(wp), allocatable :: tangent(:, :)
     end type contact_result
 
 contains
 
-    !> A result without numbers.
+    !> Return a contact state whose numbers are NaN.
     pure subroutine blank(result, n, n_motions)
-        !> The result
+        !> Contact state
         type(contact_result), intent(out) :: result
         !> Number of pairs
         integer, intent(in) :: n
@@ -69,10 +70,10 @@ contains
         result%largest_part = nan
     end subroutine blank
 
-    !> The state as arrays of the flat interface.
+    !> Return the state as arrays of the flat interface.
     pure subroutine unpack_result(result, forces, gaps, motion, tangent, active, counters, &
             & certificate)
-        !> A state
+        !> Contact state
         type(contact_result), intent(in) :: result
         !> Forces, gaps, motions and their derivatives
         real(wp), intent(out) :: forces(:)

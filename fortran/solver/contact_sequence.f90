@@ -1,9 +1,9 @@
-!> Many contact problems in one call: two bodies in many positions, each under many loads.
+!> Sequence of contact problems, for instance two bodies in many positions, each under many loads.
 !>
-!> A problem begins with the pairs that carried load in the previous one, identified by their keys
-!> (such as their distance from the contact point). Problems are divided into runs of fixed length
-!> that are independent of each other; threads share the runs, so that the result is bitwise the
-!> same for any number of threads.
+!> A problem starts from the pairs that had a force in the previous one; keys (such as the distance
+!> from the contact point) identify these pairs. The problems are divided into independent runs of
+!> fixed length. Threads share the runs, so that the results are bitwise the same for any number of
+!> threads.
 module flankload_contact_sequence
     use flankload_kinds, only: wp
     use flankload_contact_result, only: contact_result
@@ -13,33 +13,33 @@ module flankload_contact_sequence
 
     public :: solve_contact_sequence
 
-    !> Problems per run; the first one starts cold.
+    !> Number of problems per run; the first one has a cold start
     integer, parameter :: run_length = 8
 
 contains
 
-    !> Solve every problem for every load.
+    !> Solve all problems for all loads.
     subroutine solve_contact_sequence(sizes, compliances, normal_gaps, motions, load_rows, loads, &
         & keys, structures, method, results, codes)
-        !> Number of pairs of each problem, shape (n_problems)
+        !> Numbers of pairs, shape (n_problems)
         integer, intent(in) :: sizes(:)
-        !> Q, shape (n_motions, n_loads, n_problems)
+        !> Loads Q, shape (n_motions, n_loads, n_problems)
         real(wp), intent(in) :: loads(:, :, :)
-        !> K of one problem after the other, each column by column [mm/N], shape (Σ n²)
+        !> Compliance matrices K of all problems in order, column by column [mm/N], shape (Σ n²)
         real(wp), intent(in), target :: compliances(sum(sizes**2))
-        !> g0 of one problem after the other [mm], shape (Σ n)
+        !> Gaps g0 of all problems in order [mm], shape (Σ n)
         real(wp), intent(in) :: normal_gaps(sum(sizes))
-        !> B and R of one problem after the other, each column by column, shape (Σ n n_motions)
+        !> Matrices B and R of all problems in order, column by column, shape (Σ n n_motions)
         real(wp), intent(in), target :: motions(sum(sizes)*size(loads, 1))
         real(wp), intent(in), target :: load_rows(sum(sizes)*size(loads, 1))
-        !> Key that identifies a pair in the next problem, shape (Σ n)
+        !> Keys that identify the pairs from one problem to the next, shape (Σ n)
         integer, intent(in) :: keys(:)
-        !> Structure of each K, shape (n_problems), and method, as of solve_contact_problem
+        !> Structures of the matrices K, shape (n_problems), and method, as in solve_contact_problem
         integer, intent(in) :: structures(:)
         integer, intent(in) :: method
-        !> States, shape (n_loads, n_problems)
+        !> Contact states, shape (n_loads, n_problems)
         type(contact_result), intent(inout) :: results(:, :)
-        !> 0, or the status that gives the reason why there is no state, shape (n_loads, n_problems)
+        !> 0, or the negative status of a load without a solution, shape (n_loads, n_problems)
         integer, intent(out) :: codes(:, :)
 
         integer :: p, first_of_run
@@ -55,9 +55,9 @@ contains
 
     contains
 
-        !> One problem after the other.
+        !> Solve the problems of a run in order.
         subroutine solve_run(first, last)
-            !> First and last problem
+            !> First and last problem of the run
             integer, intent(in) :: first
             integer, intent(in) :: last
 
@@ -84,11 +84,11 @@ contains
 
     end subroutine solve_contact_sequence
 
-    !> Numbers of the pairs whose keys are among the given ones.
+    !> Return the pairs whose keys are in a list.
     pure function pairs_with_keys(keys, known) result(pairs)
         !> Keys of the pairs
         integer, intent(in) :: keys(:)
-        !> The given ones
+        !> Keys in the list
         integer, intent(in) :: known(:)
         integer, allocatable :: pairs(:)
 

@@ -1,5 +1,5 @@
-!> Residuals of the equations of the pairs in contact, and the refinement of forces that do not hold
-!> the loads because of cancellation.
+!> Residuals of the equations of the active pairs, and refinement of forces that lose the balance of
+!> the loads to cancellation.
 module flankload_equation_residual
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -11,26 +11,27 @@ module flankload_equation_residual
 
     public :: find_residual, holds_loads, restore_loads
 
-    !> Forces that hold the loads less accurately than this are refined before any decision.
+    !> Relative imbalance of the loads above which forces are refined before any decision
     real(wp), parameter :: imbalance_limit = 1.0e-9_wp
-    !> Maximum number of refinements
+    !> Largest number of refinement steps
     integer, parameter :: max_steps = 3
 
 contains
 
-    !> Residual of the equations (18), (19) for given forces and motion, in twice the working
+    !> Compute the residuals of Eq. (18), (19) for given forces and motion in twice the working
     !> precision.
     pure subroutine find_residual(problem, compliance, pairs, forces, motion, r, s)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Pairs in contact
+        !> Active pairs
         integer, intent(in) :: pairs(:)
-        !> Their scaled forces
+        !> Scaled forces of these pairs, shape (k)
         real(wp), intent(in) :: forces(:)
-        !> Scaled motion from the start
+        !> Scaled motion, measured from the start, shape (n_motions)
         real(wp), intent(in) :: motion(:)
-        !> - K F - g0 + B q for the pairs, Q - Rᵀ F for the loads
+        !> Residuals - K F - g0 + B q of the pairs, shape (k), and Q - Rᵀ F of the loads,
+        !> shape (n_motions)
         real(wp), intent(out) :: r(:)
         real(wp), intent(out) :: s(:)
 
@@ -54,25 +55,25 @@ contains
                 call add_product(row(i), problem%motions(pairs(i), c), motion(c))
             end do
         end do
-        r = rounded(row)
+        r = rounded(row)   ! Eq. (18), times b
         do c = 1, problem%n_motions
             load = two_part(problem%loads(c), 0.0_wp)
             do i = 1, size(pairs)
                 call add_product(load, -problem%load_rows(pairs(i), c), forces(i))
             end do
-            s(c) = rounded(load)
+            s(c) = rounded(load)   ! Eq. (19)
         end do
     end subroutine find_residual
 
-    !> Whether forces hold every load to the rounding of its terms.
+    !> Return whether forces balance every load to within rounding of its terms.
     pure function holds_loads(problem, pairs, forces, tolerance) result(holds)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> The pairs in contact
+        !> Active pairs, shape (k)
         integer, intent(in) :: pairs(:)
-        !> Their scaled forces
+        !> Scaled forces of these pairs, shape (k)
         real(wp), intent(in) :: forces(:)
-        !> Rounding, relative to the size of the terms of a load
+        !> Tolerance relative to the sum of the magnitudes of the terms
         real(wp), intent(in) :: tolerance
         logical :: holds
 
@@ -93,15 +94,16 @@ contains
         end do
     end function holds_loads
 
-    !> Small loads at large gaps: the motions that close the gaps have no digits for the
-    !> displacements under the loads. With several motions, forces computed from them are refined.
+    !> Refine forces and motion for small loads at large gaps: the motion that closes the gaps then
+    !> leaves no digits for the displacements under the loads. One motion needs no refinement.
     pure subroutine restore_loads(problem, compliance, system, forces, motion)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The pairs in contact with their factor
+        !> Bordered system of the active pairs with its factor
         type(bordered_system), intent(inout) :: system
-        !> Their scaled forces, and the motion from the start, as computed
+        !> Scaled forces of the active pairs, shape (k), and scaled motion from the start,
+        !> shape (n_motions)
         real(wp), intent(inout) :: forces(:)
         real(wp), intent(inout) :: motion(:)
 

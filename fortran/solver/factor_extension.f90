@@ -1,4 +1,4 @@
-!> Extension of a factor by one or more rows and columns, by BLAS-3.
+!> Extension of a factor by one or more rows and columns with BLAS-3.
 module flankload_factor_extension
     use flankload_kinds, only: wp
     use flankload_updatable_factor, only: updatable_factor, reserve, dependent
@@ -8,20 +8,21 @@ module flankload_factor_extension
 
     public :: extend
 
-    !> Rows of an LU factor that are eliminated one by one inside a block.
+    !> Number of rows of an LU factor that are eliminated one by one inside a block
     integer, parameter :: lu_block = 32
 
 contains
 
-    !> Add last rows and columns.
+    !> Append rows and columns to a factor.
     pure subroutine extend(factor, columns, rows, accepted)
-        !> The factor
+        !> Factor
         type(updatable_factor), intent(inout) :: factor
-        !> New columns, their own rows last, shape (order + b, b)
+        !> New columns with their own rows last, shape (order + b, b)
         real(wp), intent(in) :: columns(:, :)
-        !> New rows left of their own columns, shape (b, order); not read if the matrix is symmetric
+        !> New rows to the left of the new columns, shape (b, order); not read if the matrix is
+        !> symmetric
         real(wp), intent(in) :: rows(:, :)
-        !> False if a row depends on the others to rounding; the factor is then as before
+        !> False if a new row is numerically dependent; the factor is then unchanged
         logical, intent(out) :: accepted
 
         integer :: k, b, i, info
@@ -46,15 +47,15 @@ contains
         end if
     end subroutine extend
 
-    !> Add rows and columns to an LU factor, a few at a time.
+    !> Append rows and columns to an LU factor in blocks.
     pure subroutine extend_lu(factor, columns, rows, accepted)
-        !> The factor, with room for the new rows
+        !> Factor, with space for the new rows
         type(updatable_factor), intent(inout) :: factor
-        !> New columns, their own rows last, shape (order + b, b)
+        !> New columns with their own rows last, shape (order + b, b)
         real(wp), intent(in) :: columns(:, :)
-        !> New rows left of their own columns, shape (b, order)
+        !> New rows to the left of the new columns, shape (b, order)
         real(wp), intent(in) :: rows(:, :)
-        !> False if a row depends on the others to rounding; the factor is then as before
+        !> False if a new row is numerically dependent; the factor is then unchanged
         logical, intent(out) :: accepted
 
         integer :: k, b, first, last
@@ -92,16 +93,16 @@ contains
         if (.not. factor%growth <= huge(1.0_wp)) factor%growth = huge(1.0_wp)
     end subroutine extend_lu
 
-    !> Elimination without row exchanges inside a diagonal block.
+    !> Eliminate inside a diagonal block without row exchanges.
     pure subroutine eliminate(matrix, first, last, least_pivot, accepted)
-        !> Holds the block
+        !> Array with the block
         real(wp), intent(inout) :: matrix(:, :)
         !> First and last row of the block
         integer, intent(in) :: first
         integer, intent(in) :: last
-        !> A pivot not above this is rounding
+        !> Pivot up to which a row is numerically dependent
         real(wp), intent(in) :: least_pivot
-        !> False if there is such a pivot
+        !> False if a pivot is too small
         logical, intent(out) :: accepted
 
         integer :: p, j

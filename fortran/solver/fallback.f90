@@ -1,9 +1,8 @@
-!> Last level of the cascade: Lemke's path, branch and bound, then generated starts.
+!> Last level of the cascade: Lemke's method, branch and bound, then other starts.
 !>
-!> If K (its weighted symmetric part) is positive definite, a state exists whenever forces can hold
-!> the loads. Otherwise an unbounded path proves nothing: the cases of contact are searched, which
-!> may prove that there is no state. If there are too many cases, other paths and other starts are
-!> tried.
+!> If K (or its weighted symmetric part) is positive definite, a solution exists whenever the loads
+!> are feasible. Otherwise an unbounded path of Lemke's method proves nothing, and branch and bound
+!> decides. Problems too large for it are solved from generated starts, if possible.
 module flankload_fallback
     use flankload_kinds, only: wp
     use flankload_status, only: no_contact_state, pivot_limit
@@ -23,26 +22,26 @@ module flankload_fallback
 
     public :: run_fallback
 
-    !> Limit of pivots times the square of the number of pairs for other starts, about 0.1 s; this
-    !> many pivots are always allowed.
+    !> Limits for generated starts: their number, the number of pivots times the square of the
+    !> number of pairs (about 0.1 s), and the number of pivots that is always allowed
     integer, parameter :: max_starts = 400
     real(wp), parameter :: max_work = 4.0e7_wp
     integer, parameter :: pivots_at_least = 1000
 
 contains
 
-    !> Find a state, or the reason why there is none.
+    !> Find a solution, or the reason why there is none.
     pure subroutine run_fallback(problem, compliance, state, largest_part, none_proven, error)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state; without one its motion shows the reason
+        !> State of the loop; without a solution, its motion shows the reason
         type(loop_state), intent(out) :: state
-        !> Without a state: fraction of the loads that can be held on the path from zero load
+        !> Without a solution: fraction of the loads that can be balanced on the path from zero load
         real(wp), intent(out) :: largest_part
-        !> Without a state: it is proven that there is none
+        !> Without a solution: true if infeasibility is proven
         logical, intent(out) :: none_proven
-        !> No state, or none found
+        !> Set if no solution exists, or if none was found
         type(error_type), allocatable, intent(out) :: error
 
         type(contact_problem) :: touching
@@ -89,25 +88,24 @@ contains
             return
         end if
         if (path%outcome == lemke_ray) then
-            ! Returned as a motion for the loads, in the scales of the loads.
+            ! Convert to a motion in the scales of the loads.
             state%motion = path%motion*problem%motion_scale/problem%load_row_scale
             state%motion = state%motion/max(maxval(abs(state%motion)), tiny(1.0_wp))
         end if
         call fatal_error(error, no_contact_state, 'no state was found')
     end subroutine run_fallback
 
-    !> From the touching pairs to the state. A symmetric K need not be positive definite among them:
-    !> if its Cholesky factor leads to no state, an LU factor may. K may also be singular among
-    !> them; this does not affect loads that act through springs.
+    !> Solve from a given active set. K may be indefinite or singular among these pairs: an LU
+    !> factor follows the Cholesky factor, and regularized loads follow both.
     pure subroutine solve_from_pairs(problem, compliance, pairs, state, converged)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pairs
         integer, intent(in) :: pairs(:)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(out) :: state
-        !> False if they lead to no state
+        !> False if there is no solution from this set
         logical, intent(out) :: converged
 
         logical :: symmetric
@@ -128,16 +126,16 @@ contains
         problem%symmetric = symmetric
     end subroutine solve_from_pairs
 
-    !> The same with one kind of factor.
+    !> Solve from a given active set with one kind of factor.
     pure subroutine solve_with_factor(problem, compliance, pairs, state, converged)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pairs
         integer, intent(in) :: pairs(:)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(out) :: state
-        !> False if they lead to no state
+        !> False if there is no solution from this set
         logical, intent(out) :: converged
 
         type(error_type), allocatable :: error
@@ -156,25 +154,25 @@ contains
         end if
         converged = converged .and. entering == 0
         if (converged) return
-        ! Decisions made with ties broken may have to be made again.
+        ! Pivots on perturbed gaps may have to be repeated on the exact ones.
         call single_loop(problem, compliance, pairs, .true., state, error)
         converged = .not. allocated(error)
     end subroutine solve_with_factor
 
-    !> Loops and paths from other starts, first from no pairs: the previous levels have begun with
-    !> pairs left by others.
+    !> Solve from generated starts, first from an empty active set: the previous levels started from
+    !> the active sets of other levels.
     pure subroutine try_generated_starts(touching, compliance, problem, state, pivots, converged)
-        !> The problem to start from
+        !> Scaled contact problem with motions measured from first contact
         type(contact_problem), intent(in) :: touching
-        !> K
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The problem of the state that was found
+        !> Scaled contact problem of the solution
         type(contact_problem), intent(inout) :: problem
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> Pivots so far
+        !> Number of pivots so far
         integer, intent(inout) :: pivots
-        !> A state was found
+        !> True if a solution was found
         logical, intent(out) :: converged
 
         type(lemke_end) :: path
@@ -188,7 +186,7 @@ contains
         converged = .not. allocated(error)
         if (converged) return
         pivots = pivots + state%pivots
-        ! The methods that begin with single pairs have not tried the result of blocks.
+        ! Single pairs have not yet been started from the result of blocks.
         problem = touching
         call block_loop(problem, compliance, nothing, .false., state, converged, error)
         if (converged) return

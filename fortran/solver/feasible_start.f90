@@ -1,8 +1,9 @@
-!> Feasible start of the active-set methods: as many pairs as motions, whose forces hold the loads.
+!> Feasible start of the active-set methods: as many pairs as motions, with forces F >= 0 that
+!> balance the loads.
 !>
-!> For one motion, this is the pair that touches first among those that can carry the load; for
-!> several, a vertex of {F >= 0, Rᵀ F = Q}, found by the first phase of the simplex method (Bland's
-!> rule).
+!> For one motion, this is the pair that touches first among those that can carry the load. For
+!> several motions, it is a vertex of {F >= 0, Rᵀ F = Q}, found by phase one of the simplex method
+!> with Bland's rule.
 module flankload_feasible_start
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -13,42 +14,41 @@ module flankload_feasible_start
     public :: feasible_start
     public :: start_found, start_infeasible, start_unconstrained
 
-    !> The loads are held.
+    !> Forces that balance the loads were found.
     integer, parameter :: start_found = 0
-    !> No forces >= 0 hold the loads.
+    !> Infeasible: no forces F >= 0 balance the loads.
     integer, parameter :: start_infeasible = 1
-    !> A motion is constrained by no pair at all.
+    !> No pair constrains a motion.
     integer, parameter :: start_unconstrained = 2
 
-    !> The load rows are scaled to one: smaller values are rounding.
+    !> Rounding error of load rows that are scaled to one
     real(wp), parameter :: tolerance = 1.0e4_wp*epsilon(1.0_wp)
-    !> The same relative to the terms of each sum, if no vertex is found otherwise: levers over many
-    !> decades, narrow cones.
+    !> Rounding error relative to the terms of each sum, if phase one fails with the first
+    !> tolerance: for levers of very different size, and narrow cones of forces
     real(wp), parameter :: graded_tolerance = 64.0_wp*epsilon(1.0_wp)
-    !> Pairs with smaller rows (a normal that passes through the axis except for rounding) hold
-    !> loads only with extremely large forces: they are used if no other pairs hold the loads.
+    !> Size of load rows below which pairs are used only if the others cannot balance the loads:
+    !> normals that pass through the axis up to rounding need very large forces.
     real(wp), parameter :: small_row = 1.0e-8_wp
-    !> Tensile forces above this fraction of the largest do not belong to a vertex: the neglected
-    !> part of a load is held by large forces along a narrow cone.
+    !> Tensile force, relative to the largest force, above which a basis is not a vertex: large
+    !> forces in a narrow cone then balance the neglected part of a load.
     real(wp), parameter :: tensile_tolerance = 1.0e-8_wp
-    !> Steps of the simplex method per row; in exact arithmetic a few would be sufficient.
+    !> Limit of simplex steps per row; exact arithmetic needs only a few.
     integer, parameter :: steps_per_row = 50
 
 contains
 
-    !> Find the pairs to start with.
+    !> Find a feasible start.
     pure subroutine feasible_start(problem, pairs, forces, motion, outcome)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> The pairs, shape (n_motions)
+        !> Pairs of the start, shape (n_motions)
         integer, allocatable, intent(out) :: pairs(:)
-        !> Their scaled forces, shape (n_motions)
+        !> Scaled forces of these pairs, shape (n_motions)
         real(wp), allocatable, intent(out) :: forces(:)
-        !> Scaled motion at which these pairs just touch; if the loads cannot be held: a motion that
-        !> reduces no gap and on which the loads do work; if a motion is unconstrained: that motion,
-        !> shape (n_motions)
+        !> Scaled motion, shape (n_motions): the one at which the pairs just touch; if infeasible,
+        !> one that closes no gap and on which the loads do work; else the unconstrained motion
         real(wp), allocatable, intent(out) :: motion(:)
-        !> One of the codes above
+        !> One of the outcomes above
         integer, intent(out) :: outcome
 
         real(wp), allocatable :: touching(:, :)
@@ -66,17 +66,18 @@ contains
         if (least_pivot > 0.0_wp) motion = matmul(touching, problem%gaps(pairs))
     end subroutine feasible_start
 
-    !> One motion: the pair that it closes first, among those that can carry the load.
+    !> Find the start for one motion: the pair that touches first among those that can carry the
+    !> load.
     pure subroutine first_pair(problem, pairs, forces, motion, outcome)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> The pair, shape (1)
+        !> Pair of the start, shape (1)
         integer, allocatable, intent(out) :: pairs(:)
-        !> Its scaled force, shape (1)
+        !> Scaled force of this pair, shape (1)
         real(wp), allocatable, intent(out) :: forces(:)
-        !> Scaled motion at which it touches, shape (1)
+        !> Scaled motion at which this pair touches, shape (1)
         real(wp), allocatable, intent(out) :: motion(:)
-        !> One of the codes above
+        !> One of the outcomes above
         integer, intent(out) :: outcome
 
         integer :: best
@@ -84,12 +85,12 @@ contains
 
         load = problem%loads(1)
         sense = merge(-1.0_wp, 1.0_wp, load < 0.0_wp)
-        ! Without load either direction is possible; pairs may block only one.
+        ! Without a load, the sign of the motion is free; all pairs may resist only one of them.
         if (.not. abs(load) > 0.0_wp .and. all(problem%load_rows(:, 1) <= 0.0_wp)) sense = -sense
         allocate (pairs(0), forces(0))
         allocate (motion(1), source=sense)
-        best = touching_first(small_row)
-        if (best == 0) best = touching_first(0.0_wp)
+        best = first_above(small_row)
+        if (best == 0) best = first_above(0.0_wp)
         outcome = start_found
         if (best == 0) then
             outcome = merge(start_infeasible, start_unconstrained, abs(load) > 0.0_wp)
@@ -98,13 +99,14 @@ contains
         pairs = [best]
         forces = [load/problem%load_rows(best, 1)]  ! Eq. (26)
         motion = 0.0_wp
-        if (way_to(best) < huge(1.0_wp)) motion = sense*way_to(best)
+        if (closing_motion(best) < huge(1.0_wp)) motion = sense*closing_motion(best)
 
     contains
 
-        !> The pair that touches first among those with load rows larger than this; 0 if none.
-        pure function touching_first(least) result(first)
-            !> Minimum load row
+        !> Return the pair that touches first among those whose load row exceeds a limit, 0 if there
+        !> is none.
+        pure function first_above(least) result(first)
+            !> Limit of the load rows
             real(wp), intent(in) :: least
             integer :: first
 
@@ -114,15 +116,15 @@ contains
             do i = 1, problem%n
                 if (sense*problem%load_rows(i, 1) <= least) cycle
                 if (first > 0) then
-                    if (way_to(i) >= way_to(first)) cycle
+                    if (closing_motion(i) >= closing_motion(first)) cycle
                 end if
                 first = i
             end do
-        end function touching_first
+        end function first_above
 
-        !> The motion that closes the gap of a pair.
-        pure function way_to(i) result(way)
-            !> Number of the pair
+        !> Return the motion that closes the gap of a pair.
+        pure function closing_motion(i) result(way)
+            !> Index of the pair
             integer, intent(in) :: i
             real(wp) :: way
 
@@ -130,22 +132,22 @@ contains
             if (sense*problem%motions(i, 1) > 0.0_wp) then
                 way = problem%gaps(i)/(sense*problem%motions(i, 1))
             end if
-        end function way_to
+        end function closing_motion
 
     end subroutine first_pair
 
-    !> First phase of the simplex method on {F >= 0, Rᵀ F = Q}. Loads are made positive and rows
-    !> scaled to one, which changes neither the loads that can be held nor the motion that shows it.
+    !> Apply phase one of the simplex method to {F >= 0, Rᵀ F = Q}. Loads are made positive and rows
+    !> scaled to one, which changes neither feasibility nor its certificate.
     pure subroutine first_phase(problem, pairs, forces, motion, outcome)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> The pairs, shape (n_motions)
+        !> Pairs of the start, shape (n_motions)
         integer, allocatable, intent(out) :: pairs(:)
-        !> Their scaled forces, shape (n_motions)
+        !> Scaled forces of these pairs, shape (n_motions)
         real(wp), allocatable, intent(out) :: forces(:)
-        !> A motion that shows that the loads cannot be held, or that is unconstrained, else zero
+        !> Certificate of infeasibility, or an unconstrained motion, else zero, shape (n_motions)
         real(wp), allocatable, intent(out) :: motion(:)
-        !> One of the codes above
+        !> One of the outcomes above
         integer, intent(out) :: outcome
 
         integer :: other_outcome
@@ -155,16 +157,16 @@ contains
 
         sense = merge(-1.0_wp, 1.0_wp, problem%loads < 0.0_wp)
         sizes = maxval(abs(problem%load_rows), dim=2)
-        call hold_loads(unit_rows(small_row), abs(problem%loads), .false., pairs, forces, motion, &
+        call find_basis(unit_rows(small_row), abs(problem%loads), .false., pairs, forces, motion, &
             & outcome)
         if (outcome /= start_found .and. any(sizes > 0.0_wp .and. sizes < small_row)) then
-            call hold_loads(unit_rows(0.0_wp), abs(problem%loads), .false., pairs, forces, motion, &
+            call find_basis(unit_rows(0.0_wp), abs(problem%loads), .false., pairs, forces, motion, &
                 & outcome)
         end if
         holds = outcome == start_found
         if (holds) holds = minval(forces) >= -tensile_tolerance*maxval(forces)
         if (.not. holds) then
-            call hold_loads(unit_rows(0.0_wp), abs(problem%loads), .true., other_pairs, &
+            call find_basis(unit_rows(0.0_wp), abs(problem%loads), .true., other_pairs, &
                 & other_forces, other_motion, other_outcome)
             if (other_outcome == start_found &
                 & .or. (other_outcome == start_infeasible .and. outcome /= start_found)) then
@@ -179,9 +181,9 @@ contains
 
     contains
 
-        !> The rows of at least this size, scaled to one; the others are zero.
+        !> Return the load rows, scaled to one; rows below a limit are zero.
         pure function unit_rows(least) result(rows)
-            !> Minimum size
+            !> Limit of the size of a row
             real(wp), intent(in) :: least
             real(wp), allocatable :: rows(:, :)
 
@@ -197,36 +199,36 @@ contains
 
     end subroutine first_phase
 
-    !> Artificial forces hold the loads at the start and are eliminated. Bland's rule cannot cycle,
-    !> except for rounding.
-    pure subroutine hold_loads(rows, loads, graded, pairs, forces, motion, outcome)
-        !> Rows of size one, or zero, shape (n, n_motions)
+    !> Replace artificial forces by pairs until the pairs balance the loads. Bland's rule prevents
+    !> cycling in exact arithmetic.
+    pure subroutine find_basis(rows, loads, graded, pairs, forces, motion, outcome)
+        !> Load rows scaled to a largest entry of one, or zero, shape (n, n_motions)
         real(wp), intent(in) :: rows(:, :)
-        !> Loads >= 0, shape (n_motions)
+        !> Loads, not negative, shape (n_motions)
         real(wp), intent(in) :: loads(:)
-        !> Rounding is relative to the terms of each sum, not to one
+        !> True for rounding errors relative to the terms of each sum instead of to one
         logical, intent(in) :: graded
-        !> The pairs, shape (n_motions)
+        !> Pairs of the start, shape (n_motions)
         integer, allocatable, intent(out) :: pairs(:)
-        !> Their forces, below zero by rounding only, shape (n_motions)
+        !> Forces of these pairs, negative only by rounding, shape (n_motions)
         real(wp), allocatable, intent(out) :: forces(:)
-        !> A motion that shows that the loads cannot be held, or that is unconstrained, else zero
+        !> Certificate of infeasibility, or an unconstrained motion, else zero, shape (n_motions)
         real(wp), allocatable, intent(out) :: motion(:)
-        !> One of the codes above
+        !> One of the outcomes above
         integer, intent(out) :: outcome
 
         integer :: q, c, j, leaving, step
         real(wp), allocatable :: inverse(:, :), prices(:), entering(:)
 
         q = size(loads)
-        ! basis(c) > 0: a pair; -c: the artificial force of load c
+        ! pairs(c) > 0 is a pair, -c the artificial force of load c.
         pairs = [(-c, c=1, q)]
         allocate (motion(q), source=0.0_wp)
         outcome = start_unconstrained
         do step = 1, steps_per_row*(size(rows, 1) + q)
             inverse = basis_inverse(rows, graded, pairs)
             forces = matmul(inverse, loads)
-            if (are_held(inverse, loads, graded, pairs, forces)) then
+            if (are_balanced(inverse, loads, graded, pairs, forces)) then
                 call fill_basis(rows, graded, pairs, inverse, motion, outcome)
                 forces = matmul(inverse, loads)
                 return
@@ -249,19 +251,19 @@ contains
             if (leaving == 0) return
             pairs(leaving) = j
         end do
-    end subroutine hold_loads
+    end subroutine find_basis
 
-    !> Whether the remaining artificial forces are only rounding.
-    pure function are_held(inverse, loads, graded, basis, forces) result(held)
-        !> Inverse of the load rows of the basis
+    !> Return whether the remaining artificial forces are zero up to rounding.
+    pure function are_balanced(inverse, loads, graded, basis, forces) result(held)
+        !> Inverse of the load rows of the basis, shape (n_motions, n_motions)
         real(wp), intent(in) :: inverse(:, :)
-        !> Loads >= 0
+        !> Loads, not negative, shape (n_motions)
         real(wp), intent(in) :: loads(:)
-        !> Rounding is relative to the terms of each sum, not to one
+        !> True for rounding errors relative to the terms of each sum instead of to one
         logical, intent(in) :: graded
-        !> The basis
+        !> Basis: pairs (> 0) and artificial forces (-c of load c), shape (n_motions)
         integer, intent(in) :: basis(:)
-        !> Its forces
+        !> Forces of the basis
         real(wp), intent(in) :: forces(:)
         logical :: held
 
@@ -273,14 +275,14 @@ contains
         else
             held = sum(forces, mask=basis < 0) <= tolerance*sum(loads)
         end if
-    end function are_held
+    end function are_balanced
 
-    !> Rounding error of a product of vectors.
+    !> Return the rounding error of an inner product.
     pure function rounding(a, b, graded) result(limit)
         !> The vectors
         real(wp), intent(in) :: a(:)
         real(wp), intent(in) :: b(:)
-        !> Relative to the terms of the sum, not to one
+        !> True for a bound relative to the terms of the sum instead of to one
         logical, intent(in) :: graded
         real(wp) :: limit
 
@@ -288,13 +290,14 @@ contains
         if (graded) limit = graded_tolerance*dot_product(abs(a), abs(b))
     end function rounding
 
-    !> Row of the basis whose force first becomes zero; the lowest number if several do.
+    !> Return the row of the basis whose force first becomes zero, that of the lowest pair number in
+    !> case of a tie.
     pure function blocking_row(forces, entering, basis) result(leaving)
         !> Forces of the basis
         real(wp), intent(in) :: forces(:)
-        !> Their decrease per unit of the entering force, not above zero if it is rounding
+        !> Decrease of these forces per unit of the entering force; zero or less if it is rounding
         real(wp), intent(in) :: entering(:)
-        !> The basis
+        !> Basis: pairs (> 0) and artificial forces (-c of load c), shape (n_motions)
         integer, intent(in) :: basis(:)
         integer :: leaving
 
@@ -316,19 +319,19 @@ contains
         end do
     end function blocking_row
 
-    !> Replace artificial forces that are zero by pairs without force.
+    !> Replace artificial forces that are zero by pairs with zero force.
     pure subroutine fill_basis(rows, graded, basis, inverse, motion, outcome)
-        !> Rows of size one, or zero, shape (n, n_motions)
+        !> Load rows scaled to a largest entry of one, or zero, shape (n, n_motions)
         real(wp), intent(in) :: rows(:, :)
-        !> Rounding is relative to the terms of each sum, not to one
+        !> True for rounding errors relative to the terms of each sum instead of to one
         logical, intent(in) :: graded
-        !> The basis
+        !> Basis: pairs (> 0) and artificial forces (-c of load c), shape (n_motions)
         integer, intent(inout) :: basis(:)
-        !> Inverse of its load rows
+        !> Inverse of the load rows of the basis, shape (n_motions, n_motions)
         real(wp), allocatable, intent(inout) :: inverse(:, :)
-        !> A motion that is unconstrained: only the artificial force acts on it; otherwise unchanged
+        !> Unconstrained motion, on which only the artificial force does work; otherwise unchanged
         real(wp), intent(inout) :: motion(:)
-        !> Found, or unconstrained if no pair can replace the artificial force
+        !> start_found, or start_unconstrained if no pair can replace the artificial force
         integer, intent(out) :: outcome
 
         integer :: c, j, best
@@ -358,13 +361,13 @@ contains
         end do
     end subroutine fill_basis
 
-    !> Inverse of the load rows of a basis.
+    !> Return the inverse of the load rows of a basis.
     pure function basis_inverse(rows, graded, basis) result(inverse)
-        !> Rows of size one, or zero, shape (n, n_motions)
+        !> Load rows scaled to a largest entry of one, or zero, shape (n, n_motions)
         real(wp), intent(in) :: rows(:, :)
-        !> Pivots may be small
+        !> True if small pivots are accepted
         logical, intent(in) :: graded
-        !> The basis
+        !> Basis: pairs (> 0) and artificial forces (-c of load c), shape (n_motions)
         integer, intent(in) :: basis(:)
         real(wp), allocatable :: inverse(:, :)
 

@@ -1,4 +1,4 @@
-!> The end of a contact loop: check for penetrating pairs, and refine the final equations.
+!> End of a contact loop: search for penetrating pairs, and refinement of the final equations.
 module flankload_final_refinement
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, shift_gaps, contact_gaps, row_size, &
@@ -13,36 +13,37 @@ module flankload_final_refinement
 
     public :: first_leaving, most_penetrating, penetrates, refine_final
 
-    !> A start further from the end than this factor times the end is too far to measure from.
+    !> Ratio of start motion to final motion above which motions are measured from the final one
     real(wp), parameter :: far_start = 1.5_wp
-    !> Refinements of the final equations, one always, more if the rows are not yet satisfied
+    !> Largest number of refinement steps; one is always performed, the others if residuals are too
+    !> large
     integer, parameter :: max_refinements = 3
-    !> From this condition number on, and if rows or loads are not satisfied, the residual is
-    !> computed in twice the working precision, at most this many times.
+    !> Condition number from which on residuals are computed in twice the working precision (also if
+    !> rows or loads are not satisfied), and limit of these steps
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
     integer, parameter :: max_extended = 20
-    !> Accepted residual of rows and loads: half of that in the certificate, whose sums have
-    !> rounding errors themselves
+    !> Tolerance for rows and loads: half of that of the certificate, whose sums have rounding
+    !> errors of their own
     real(wp), parameter :: residual_tolerance = 0.5_wp*row_tolerance
-    !> Forces below this fraction of the largest are not refined for their own sake.
+    !> Forces below this fraction of the largest are not refined further.
     real(wp), parameter :: least_part = epsilon(1.0_wp)**2
 
 contains
 
-    !> The force that first becomes zero on the way to the target.
+    !> Find the force that first becomes zero on the way to its target value.
     pure subroutine first_leaving(problem, pairs, forces, target, pinned, leaving, fraction)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> The pairs in contact
+        !> Active pairs, shape (k)
         integer, intent(in) :: pairs(:)
-        !> Current forces and target forces
+        !> Current forces and target forces, shape (k)
         real(wp), intent(in) :: forces(:)
         real(wp), intent(in) :: target(:)
-        !> Those that may not leave
+        !> True for pairs that may not leave
         logical, intent(in) :: pinned(:)
-        !> Index of that force, 0 if none is negative at the end
+        !> Position of the leaving pair, 0 if no target force is tensile
         integer, intent(out) :: leaving
-        !> Fraction of the way
+        !> Fraction of the way at which its force is zero
         real(wp), intent(out) :: fraction
 
         integer :: k
@@ -64,14 +65,14 @@ contains
         end do
     end subroutine first_leaving
 
-    !> The most penetrating pair, (31); 0 if none penetrates beyond the rounding of its row.
+    !> Compute all gaps, and return the most penetrating pair, Eq. (31).
     pure subroutine most_penetrating(problem, compliance, state, entering)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state; its gaps are computed here
+        !> State of the loop; its gaps are updated
         type(loop_state), intent(inout) :: state
-        !> Number of the pair
+        !> Index of the pair, 0 if none penetrates beyond rounding of its row
         integer, intent(out) :: entering
 
         integer :: i
@@ -81,11 +82,11 @@ contains
         call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
         allocate (sizes(problem%n))
         call least_row_sizes(problem, state%gaps, state%motion, sizes)
-        candidate = state%gaps < -row_tolerance*sizes .and. .not. state%waiting
+        candidate = state%gaps < -row_tolerance*sizes .and. .not. state%waiting   ! Eq. (30)
         candidate(state%system%pairs) = .false.
         entering = 0
         do
-            i = minloc(state%gaps, dim=1, mask=candidate)
+            i = minloc(state%gaps, dim=1, mask=candidate)   ! Eq. (31)
             if (i == 0) exit
             if (penetrates(problem, compliance, state, i, row_tolerance)) then
                 entering = i
@@ -95,30 +96,30 @@ contains
         end do
     end subroutine most_penetrating
 
-    !> Whether a gap is negative beyond rounding.
-    pure function penetrates(problem, compliance, state, i, tolerance) result(open)
-        !> The problem and its K
+    !> Return whether a gap is negative beyond rounding.
+    pure function penetrates(problem, compliance, state, i, tolerance) result(penetrating)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(in) :: state
-        !> Number of the pair
+        !> Index of the pair
         integer, intent(in) :: i
-        !> Rounding relative to the size of the row
+        !> Tolerance relative to the size of the row
         real(wp), intent(in) :: tolerance
-        logical :: open
+        logical :: penetrating
 
-        open = state%gaps(i) < -tolerance*row_size(problem, compliance, state%forces, &
+        penetrating = state%gaps(i) < -tolerance*row_size(problem, compliance, state%forces, &
             & state%motion, state%system%pairs, i)
     end function penetrates
 
-    !> Measure motions from the current one if the start was so far away that its size, rather than
-    !> that of the caller's rows, would determine the rounding.
+    !> Measure motions from the current one if the start was so far away that it would determine the
+    !> rounding errors of the rows.
     pure subroutine measure_from_here(problem, compliance, state)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
 
         integer, allocatable :: nothing(:)
@@ -131,14 +132,14 @@ contains
         call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
     end subroutine measure_from_here
 
-    !> Refine the final equations by the residuals of the gaps of active pairs and of the loads.
+    !> Refine the final equations with the residuals of active gaps and loads.
     pure subroutine refine_final(problem, compliance, state, entering, done)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(inout) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> A pair that turns out to penetrate, else 0
+        !> Pair that penetrates after the refinement, else 0
         integer, intent(out) :: entering
         !> False if a pair has to enter or leave
         logical, intent(out) :: done
@@ -190,21 +191,21 @@ contains
                 & state%forces, state%gaps)
             return
         end if
-        ! A force that was positive before the refinement is negative after it.
+        ! The refined force of this pair is negative.
         state%left_last = state%system%pairs(leaving)
         state%forces(state%left_last) = 0.0_wp
         call drop_pair(state%system, problem, compliance, leaving, solved)
         state%pivots = state%pivots + 1
     end subroutine refine_final
 
-    !> Continue the refinement in twice the working precision: forces that the equations cannot
-    !> distinguish within rounding become accurate for exactly the given numbers. The result is kept
-    !> only if every force stays positive and no pair penetrates.
+    !> Continue the refinement in twice the working precision, so that the solution is accurate for
+    !> the given numbers even if they are ill-conditioned. The result is kept only if all forces are
+    !> positive and no pair penetrates.
     pure subroutine refine_extended(problem, compliance, state)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
 
         integer :: step, entering
@@ -221,10 +222,10 @@ contains
                 call find_residual(problem, compliance, pairs, state%forces(pairs), &
                     & state%motion, r, s)
                 call solve_bordered(state%system, problem, r, s, forces, motion, solved)
-                ! Small forces, too: rows and loads without large forces depend on their digits.
+                ! Include small forces: rows and loads without large forces depend on them.
                 change = maxval(abs(forces)/max(abs(state%forces(pairs)), &
                     & least_part*maxval(state%forces(pairs)), tiny(1.0_wp)))
-                ! Also with NaN
+                ! The negation also ends the loop at a NaN.
                 if (.not. (solved .and. change < 0.5_wp*before)) exit
                 before = change
                 state%forces(pairs) = state%forces(pairs) + forces

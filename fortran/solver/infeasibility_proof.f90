@@ -1,13 +1,15 @@
-!> Farkas' lemma in twice the precision: the equations of a case have no solution >= 0.
+!> Proof of infeasibility by Farkas' lemma in twice the precision: a case of contact has no
+!> solution.
 !>
-!> A sum of the equations 0 = g0 + K F - B q - g with factors y and 0 = Q - Rᵀ F with factors z is
+!> The sum of the equations 0 = g0 + K F - B q - g with multipliers y and 0 = Q - Rᵀ F with
+!> multipliers z is
 !>
 !>     0 = v + Σ c_j F_j - y g,    v = y g0 + z Q,    c = Kᵀ y - R z,    Bᵀ y = 0.
 !>
-!> With v < 0, c <= 0 and y >= 0, except for forces and gaps that are zero in this case, no state
-!> satisfies it. A tableau or a basis gives y and z in double precision, where sums that are zero
-!> have rounding errors of either sign. Here the factors are refined until these sums vanish in
-!> twice the precision, and the signs are those of sums in twice the precision.
+!> If v < 0, c <= 0 and y >= 0, except for forces and gaps that are zero in this case, no solution
+!> satisfies it. A tableau or a basis gives y and z in double precision, where zero sums have
+!> rounding errors of either sign. Here the multipliers are refined until these sums vanish in twice
+!> the precision, in which the signs are then checked.
 module flankload_infeasibility_proof
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -19,46 +21,49 @@ module flankload_infeasibility_proof
     public :: farkas_multipliers
     public :: is_proven, loads_infeasible
 
-    !> A sum of equations.
+    !> Multipliers of the equations of a case of contact.
     type :: farkas_multipliers
-        !> Factors of rows and loads, shapes (n) and (n_motions)
+        !> Multipliers y of the rows, shape (n), and z of the loads, shape (n_motions)
         real(wp), allocatable :: y(:)
         real(wp), allocatable :: z(:)
-        !> Rows and loads whose factors follow from the known sums; the others are exact
+        !> Rows and loads whose multipliers follow from the known sums; the others are exact
         integer, allocatable :: rows(:)
         integer, allocatable :: loads(:)
-        !> Forces and motions whose sums are known, as many as the unknown factors; the sums of the
-        !> motions are zero
+        !> Forces and motions with known sums, as many as unknown multipliers; the sums of motions
+        !> are zero
         integer, allocatable :: forces(:)
         real(wp), allocatable :: known(:)
         integer, allocatable :: motions(:)
-        !> Forces and gaps that are zero in this case: their sums and factors may have any sign
+        !> True for forces and gaps that are zero in this case, whose sums and multipliers may have
+        !> any sign
         logical, allocatable :: no_force(:)
         logical, allocatable :: no_gap(:)
     end type farkas_multipliers
 
-    !> Factors below this fraction of the largest are zero: the accuracy that the condition number
-    !> leaves of twice the precision. Any factors give a proof if their sums do.
+    !> Multiplier relative to the largest one below which it is zero: the accuracy of twice the
+    !> precision divided by the condition number. Any multipliers are valid if their sums are a
+    !> proof.
     real(wp), parameter :: no_factor = 1.0e-26_wp
-    !> Accepted deviation of zero sums, relative to their terms. Only forces larger than those
-    !> required by v by the inverse of this factor could make a difference.
+    !> Tolerance of zero sums relative to their terms: only forces larger by its inverse than those
+    !> of v could invalidate the proof.
     real(wp), parameter :: zero_tolerance = 1.0e-24_wp
-    !> v must be less than zero by this amount, relative to its terms.
+    !> Least magnitude of v < 0 relative to its terms
     real(wp), parameter :: least_violation = 1.0e-16_wp
-    !> Smaller terms may have lost parts that a double cannot represent.
+    !> Size of terms below which products may have lost bits to underflow
     real(wp), parameter :: least_terms = 1.0e-240_wp
-    !> Refinements, each of which gains the digits that the condition number leaves of sixteen
+    !> Largest number of refinement steps, each of which gains 16 digits minus those of the
+    !> condition number
     integer, parameter :: max_refinements = 8
 
 contains
 
-    !> Whether a sum of equations proves that there is no state.
+    !> Return whether multipliers prove that there is no solution.
     pure function is_proven(problem, compliance, given) result(sure)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n); not read if no row has a factor
+        !> Compliance matrix K [mm/N], shape (n, n); not read if all multipliers of rows are zero
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The sum, to working precision
+        !> Multipliers in working precision
         type(farkas_multipliers), intent(in) :: given
         logical :: sure
 
@@ -96,14 +101,15 @@ contains
         sure = .true.
     end function is_proven
 
-    !> Whether it is proven that no forces >= 0 hold the loads, from the equations of the loads
+    !> Return whether it is proven that no forces F >= 0 balance the loads, from the load equations
     !> only.
     pure function loads_infeasible(problem, basis, motion) result(sure)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> Pairs (> 0) whose forces do no work on the motion, and -c of loads where it is exact
+        !> Pairs (> 0) whose forces do no work on the motion, and -c for loads c with an exact
+        !> component of the motion
         integer, intent(in) :: basis(:)
-        !> The scaled motion, on which the loads do work, but no force does
+        !> Scaled motion on which the loads do work and no force does, shape (n_motions)
         real(wp), intent(in) :: motion(:)
         logical :: sure
 
@@ -124,9 +130,9 @@ contains
         sure = is_proven(problem, no_matrix, equations)
     end function loads_infeasible
 
-    !> Whether a sum is not above zero.
+    !> Return whether a sum is zero or negative, up to rounding.
     pure function is_not_positive(total, terms) result(nothing)
-        !> The sum
+        !> Sum
         real(wp), intent(in) :: total
         !> Sum of the magnitudes of its terms
         real(wp), intent(in) :: terms
@@ -135,14 +141,14 @@ contains
         nothing = total <= zero_tolerance*terms .and. (terms > least_terms .or. terms <= 0.0_wp)
     end function is_not_positive
 
-    !> Refine the factors that follow from the known sums.
+    !> Refine the multipliers that follow from the known sums.
     pure subroutine refine(problem, compliance, given, y, z)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The sum
+        !> Multipliers in working precision
         type(farkas_multipliers), intent(in) :: given
-        !> Factors
+        !> Multipliers y and z in twice the precision
         type(two_part), intent(inout) :: y(:)
         type(two_part), intent(inout) :: z(:)
 
@@ -198,17 +204,17 @@ contains
         end do
     end subroutine refine
 
-    !> c_j
+    !> Compute c_j, the sum of force j.
     pure subroutine sum_of_force(problem, compliance, y, z, j, total, terms)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Factors
+        !> Multipliers y and z
         type(two_part), intent(in) :: y(:)
         type(two_part), intent(in) :: z(:)
-        !> Number of the pair
+        !> Index of the pair
         integer, intent(in) :: j
-        !> The sum, and the sum of the magnitudes of its terms
+        !> Sum, and sum of the magnitudes of its terms
         type(two_part), intent(out) :: total
         real(wp), intent(out) :: terms
 
@@ -225,15 +231,15 @@ contains
         end do
     end subroutine sum_of_force
 
-    !> Remainder of Bᵀ y for a motion.
+    !> Compute a component of Bᵀ y, the sum of a motion.
     pure subroutine sum_of_motion(problem, y, c, total, terms)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> Factors
+        !> Multipliers y
         type(two_part), intent(in) :: y(:)
-        !> Number of the motion
+        !> Index of the motion
         integer, intent(in) :: c
-        !> The sum, and the sum of the magnitudes of its terms
+        !> Sum, and sum of the magnitudes of its terms
         type(two_part), intent(out) :: total
         real(wp), intent(out) :: terms
 
@@ -245,9 +251,9 @@ contains
         end do
     end subroutine sum_of_motion
 
-    !> total := total + a b
+    !> Add a product: total := total + a b.
     pure subroutine add_term(total, terms, a, b)
-        !> The sum, and the sum of the magnitudes of its terms
+        !> Sum, and sum of the magnitudes of its terms
         type(two_part), intent(inout) :: total
         real(wp), intent(inout) :: terms
         !> Factors

@@ -1,12 +1,13 @@
-!> The equations of one step of a load path, with an updated factor while pairs change sides.
+!> Equations of one step of Lemke's method, and their factor, which is updated as pairs enter and
+!> leave.
 !>
 !>     [ K_aa  -B_a  -c_a ] [F]   [ -g_a ]
 !>     [ R_aᵀ    0   -Q1  ] [q] = [  Q0  ]
 !>     [     driver       ] [λ]   [  t   ]
 !>
-!> The factor, with row exchanges, is that of an earlier set. It is bordered by the changes since: a
-!> pair that entered adds its force and the condition gap = 0, one that left adds its gap and the
-!> condition force = 0, and the present driving variable replaces the stored one.
+!> The factor (with row exchanges) is that of an earlier active set, bordered by the changes since
+!> then. A pair that has entered adds its force and the condition gap = 0; a pair that has left adds
+!> its gap and the condition force = 0; the current driving variable replaces the stored one.
 module flankload_lemke_factor
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -17,11 +18,11 @@ module flankload_lemke_factor
     public :: lemke_problem, lemke_factor, lemke_unknowns
     public :: exchange_pair, factor_line, border_line
 
-    !> Number of pairs that may change sides before the present set is factored.
+    !> Number of changes after which the current set is factored
     integer, parameter :: max_changes = 16
-    !> Fewer equations than this are factored faster than bordered.
+    !> Number of equations up to which a new factorization is faster than bordering
     integer, parameter :: few_equations = 16
-    !> Problem along the path: gaps g0 + c, their change c, loads Q0 and Q1, all scaled.
+    !> Problem along the path, scaled: gaps g0 + c, their change c, loads Q0 and Q1.
     type :: lemke_problem
         real(wp), allocatable :: gaps(:)
         real(wp), allocatable :: cover(:)
@@ -29,48 +30,49 @@ module flankload_lemke_factor
         real(wp), allocatable :: loads(:)
     end type lemke_problem
 
-    !> The factored equations of an earlier set, and the changes since.
+    !> Factored equations of an earlier active set, and the changes since then.
     type :: lemke_factor
         !> Problem along the path
         type(lemke_problem) :: path
-        !> The driving variable, zero at the start of a line and one at a unit from it: 0 for λ,
-        !> else force (pair active) or gap of that pair
+        !> Driving variable: 0 for λ, else the index of a pair, whose force (active) or gap
+        !> (inactive) drives. It is zero at the start of a line and one at unit distance from it.
         integer :: driver = 0
-        !> Pairs that are active now, shape (n)
+        !> True for pairs that are active now, shape (n)
         logical, allocatable :: active(:)
-        !> The stored set, its factor and its solutions for both right-hand sides; the second is
-        !> also the response to a unit of its driving variable
+        !> Stored active set, its factor, and the solutions of both right-hand sides; the second one
+        !> is the response to a unit of the stored driving variable
         integer, allocatable :: pairs(:)
         real(wp), allocatable :: matrix(:, :)
         integer, allocatable :: swaps(:)
         real(wp), allocatable :: solution(:, :)
-        !> Pairs that have changed sides since, -1 of them: too many. For each: the effect of a unit
-        !> of its new unknown on the stored unknowns, and the row of its condition.
+        !> Pairs changed since the factorization, n_changed = -1 if they are too many. For change j,
+        !> columns(:, j) is the response of the stored unknowns to a unit of the new unknown, and
+        !> rows(:, j) the condition on the stored unknowns.
         integer :: n_changed = -1
         integer :: changed(max_changes) = 0
         real(wp), allocatable :: columns(:, :)
         real(wp), allocatable :: rows(:, :)
     end type lemke_factor
 
-    !> Unknowns at the start of a line and their change along it.
+    !> Unknowns at the start of a line, and their change along it.
     type :: lemke_unknowns
         !> Scaled forces, shape (n, 2), and motion, shape (n_motions, 2)
         real(wp), allocatable :: forces(:, :)
         real(wp), allocatable :: motion(:, :)
-        !> λ, shape (2)
+        !> Load parameter λ, shape (2)
         real(wp), allocatable :: lambda(:)
     end type lemke_unknowns
 
 contains
 
-    !> Add a pair to the active ones, or remove it.
+    !> Add a pair to the active set, or remove it from the set.
     pure subroutine exchange_pair(problem, compliance, pair, factor)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pair
         integer, intent(in) :: pair
-        !> The factor
+        !> Factor and the changes of the active set
         type(lemke_factor), intent(inout) :: factor
 
         integer :: j, k, m, place
@@ -80,7 +82,7 @@ contains
         if (factor%n_changed < 0) return
         j = findloc(factor%changed(:factor%n_changed), pair, dim=1)
         if (j > 0) then
-            ! Back to its original side: the last change replaces this one.
+            ! The pair returns to its stored status: delete its change.
             factor%changed(j) = factor%changed(factor%n_changed)
             factor%columns(:, j) = factor%columns(:, factor%n_changed)
             factor%rows(:, j) = factor%rows(:, factor%n_changed)
@@ -111,12 +113,12 @@ contains
         factor%columns(:, j) = column(:, 1)
     end subroutine exchange_pair
 
-    !> Factor the equations of the present set and driving variable.
+    !> Factor the equations of the current active set and driving variable.
     pure subroutine factor_line(problem, compliance, factor, solved)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The factor
+        !> Factor and the changes of the active set
         type(lemke_factor), intent(inout) :: factor
         !> False if the equations are singular
         logical, intent(out) :: solved
@@ -165,16 +167,16 @@ contains
         allocate (factor%columns(m, max_changes), factor%rows(m, max_changes))
     end subroutine factor_line
 
-    !> The gap of a pair as a row on forces of given pairs, motions and λ.
+    !> Return the gap of a pair as a row on the forces of some pairs, the motions and λ.
     pure function gap_row(problem, compliance, path, pair, pairs) result(row)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Problem along the path
         type(lemke_problem), intent(in) :: path
         !> The pair
         integer, intent(in) :: pair
-        !> The pairs with forces
+        !> Pairs with forces
         integer, intent(in) :: pairs(:)
         real(wp), allocatable :: row(:)
 
@@ -184,9 +186,9 @@ contains
 
     !> Solve with the stored factor.
     pure subroutine solve_stored(factor, x)
-        !> The factor
+        !> Factor and the changes of the active set
         type(lemke_factor), intent(in) :: factor
-        !> Right-hand sides, then solutions
+        !> Right-hand sides, then solutions, shape (m, number of right-hand sides)
         real(wp), contiguous, intent(inout) :: x(:, :)
 
         integer :: m
@@ -197,17 +199,18 @@ contains
         call solve_triangle(m, factor%matrix, 'U', 'N', 'N', x)
     end subroutine solve_stored
 
-    !> The line from the stored factor: z = z0 - C y for the stored unknowns z, where y holds the
-    !> stored driving variable, now free, and for each change the force of the pair that entered or
-    !> the gap of the one that left. Their conditions D z + E y = s and the present driving variable
-    !> give (E - D C) y = s - D z0.
+    !> Compute the line from the stored factor.
+    !>
+    !> The stored unknowns are z = z0 - C y. y contains the stored driving variable, which is now
+    !> free, and the new unknown of each change. The conditions D z + E y = s of the changes and of
+    !> the current driving variable give (E - D C) y = s - D z0.
     pure subroutine border_line(problem, compliance, factor, unknowns, solved)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The factor
+        !> Factor and the changes of the active set
         type(lemke_factor), intent(in) :: factor
-        !> The line
+        !> Unknowns of the line
         type(lemke_unknowns), intent(out) :: unknowns
         !> False if the equations are singular
         logical, intent(out) :: solved
@@ -219,7 +222,7 @@ contains
         s = factor%n_changed
         m = size(factor%matrix, 1)
         k = size(factor%pairs)
-        ! The stored driving variable acts by the response to its unit.
+        ! The response to a unit of the stored driving variable is the last column of C.
         columns = reshape([factor%columns(:, :s), -factor%solution(:, 2)], [m, s + 1])
         call border_rows(problem, compliance, factor, rows, matrix, right)
         matrix = matrix - matmul(rows, columns)
@@ -246,14 +249,14 @@ contains
         unknowns%lambda = kept(m, :)
     end subroutine border_line
 
-    !> D, E and s: the conditions of the changes and of the driving variable.
+    !> Compute D, E and s, the conditions of the changes and of the driving variable.
     pure subroutine border_rows(problem, compliance, factor, rows, matrix, right)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The factor
+        !> Factor and the changes of the active set
         type(lemke_factor), intent(in) :: factor
-        !> D on the stored unknowns, E on those of the changes, s
+        !> Matrix D on the stored unknowns, matrix E on the new unknowns, and s
         real(wp), allocatable, intent(out) :: rows(:, :)
         real(wp), allocatable, intent(out) :: matrix(:, :)
         real(wp), allocatable, intent(out) :: right(:, :)
@@ -290,16 +293,16 @@ contains
         rows = transpose(rows)
     end subroutine border_rows
 
-    !> Contribution of the forces of entered pairs to the gap of a pair.
+    !> Add the forces of entered pairs to the gap of a pair.
     pure subroutine add_entered(problem, compliance, factor, pair, row)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The factor
+        !> Factor and the changes of the active set
         type(lemke_factor), intent(in) :: factor
         !> The pair
         integer, intent(in) :: pair
-        !> Its row on the unknowns of the changes
+        !> Row of that pair on the new unknowns
         real(wp), intent(inout) :: row(:)
 
         integer :: i

@@ -1,8 +1,8 @@
-!> One step of a load path: the line of states on which just the active pairs touch.
+!> One step of Lemke's method: the line of states with a given active set.
 !>
-!> It is solved from an updated factor. Errors do not accumulate, since every line is solved
-!> completely and its rows are computed from the matrix itself. If they are not satisfied to
-!> rounding, or many pairs have changed sides, the present set is factored again.
+!> The line is computed from an updated factor. Errors do not accumulate, since each line is solved
+!> completely and its residuals are computed from the matrix itself. If they exceed rounding, or too
+!> many pairs have changed, the current set is factored again.
 module flankload_lemke_line
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, normal_displacement
@@ -14,27 +14,27 @@ module flankload_lemke_line
     public :: lemke_line
     public :: find_line
 
-    !> A line of states: at a distance t from its start the forces of active pairs and gaps of the
-    !> others are value + t change, q and λ likewise.
+    !> Line of states: at distance t from its start, forces of active pairs and gaps of other pairs
+    !> are value + t change; q and λ are linear in t too.
     type :: lemke_line
         real(wp), allocatable :: value(:), change(:)
         real(wp), allocatable :: motion(:), motion_change(:)
         real(wp) :: lambda = 0.0_wp, lambda_change = 0.0_wp
     end type lemke_line
 
-    !> Rounding allowed in a row of the line, relative to the largest term of any row.
+    !> Tolerance of the residuals of a line, relative to the largest term of any row
     real(wp), parameter :: line_tolerance = 512.0_wp*epsilon(1.0_wp)
 
 contains
 
-    !> The line on which just the active pairs touch.
+    !> Compute the line of states with the current active set.
     pure subroutine find_line(problem, compliance, factor, line, solved)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The factor
+        !> Factor and the changes of the active set
         type(lemke_factor), intent(inout) :: factor
-        !> The line
+        !> Line of states
         type(lemke_line), intent(out) :: line
         !> False if the equations are singular
         logical, intent(out) :: solved
@@ -62,18 +62,18 @@ contains
         call complete_line(problem, compliance, factor, unknowns, line, accurate)
     end subroutine find_line
 
-    !> Gaps of the line, and whether its equations are satisfied to rounding.
+    !> Compute the gaps along a line, and check its equations.
     pure subroutine complete_line(problem, compliance, factor, unknowns, line, accurate)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The factor
+        !> Factor and the changes of the active set
         type(lemke_factor), intent(in) :: factor
-        !> Its forces, motion and λ
+        !> Forces, motion and λ of the line
         type(lemke_unknowns), intent(in) :: unknowns
-        !> The line
+        !> Line of states
         type(lemke_line), intent(out) :: line
-        !> The residuals are rounding
+        !> True if the residuals are rounding
         logical, intent(out) :: accurate
 
         integer :: c

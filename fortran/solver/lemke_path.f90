@@ -1,10 +1,10 @@
-!> Lemke's complementary pivoting from a known state to the required loads.
+!> Lemke's complementary pivoting from a known state to the given loads.
 !>
-!> Along g = K F + g0 + (1 - λ) c - B q, Rᵀ F = Q0 + λ Q1 just the active pairs touch. When a force
-!> or a gap becomes zero, its pair changes sides and its complement (gap or force) becomes the
-!> driving variable. No set occurs twice, for any K. λ may decrease on the way. λ = 1 is the state;
-!> an unbounded path leads to no state, and the largest λ on it is the fraction of the loads that
-!> can be held.
+!> Along the path, g = K F + g0 + (1 - λ) c - B q and Rᵀ F = Q0 + λ Q1, and only active pairs touch.
+!> When a force or a gap becomes zero, its pair leaves or enters the active set, and the
+!> complementary variable (gap or force) becomes the driving variable. No active set occurs twice,
+!> for any K, although λ may decrease. λ = 1 is the solution. An unbounded path (ray) leads to none;
+!> the largest λ on it is the fraction of the loads that can be balanced.
 module flankload_lemke_path
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -20,44 +20,44 @@ module flankload_lemke_path
 
     !> λ = 1 was reached.
     integer, parameter :: lemke_solved = 0
-    !> The path is unbounded: no state on it.
+    !> The path ended in a ray.
     integer, parameter :: lemke_ray = 1
     !> Too many pivots, or singular equations.
     integer, parameter :: lemke_failed = 2
 
     !> End of the path.
     type :: lemke_end
-        !> One of the codes above
+        !> One of the outcomes above
         integer :: outcome = lemke_failed
-        !> Pairs in contact
+        !> Active pairs
         integer, allocatable :: pairs(:)
         !> Motion along the ray, shape (n_motions)
         real(wp), allocatable :: motion(:)
-        !> Largest λ on the path if only the loads change on it, else 0
+        !> Largest λ on the path if only the loads vary along it, else 0
         real(wp) :: largest_part = 0.0_wp
         integer :: pivots = 0
     end type lemke_end
 
-    !> Fractions of the loads below this are broken ties.
+    !> Fraction of the loads below which λ is only the perturbation of the gaps
     real(wp), parameter :: least_part = 1.0e-7_wp
-    !> Changes below this fraction of the largest are rounding: they do not block the path.
+    !> Relative change below which a variable does not block the path: rounding
     real(wp), parameter :: least_change = 1.0e-12_wp
-    !> Limit of pivots: engineering problems need a few per pair, constructed ones 2ⁿ.
+    !> Limit of pivots: a few per pair are usual, 2ⁿ are possible for small n.
     integer, parameter :: pivots_per_pair = 20
     integer, parameter :: pivots_at_least = 100
     integer, parameter :: few_pairs = 15
 
 contains
 
-    !> Follow the path.
+    !> Follow the path to its end.
     pure subroutine follow_lemke_path(problem, compliance, start, path)
-        !> The problem, motions measured from anywhere
+        !> Scaled contact problem, with motions measured from any start
         type(contact_problem), intent(in) :: problem
-        !> K, shape (n, n)
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> 0: from zero load; else the number of a generated start
+        !> 0 for the start at zero load, else the number of a generated start
         integer, intent(in) :: start
-        !> Its end
+        !> End of the path
         type(lemke_end), intent(out) :: path
 
         type(lemke_factor) :: factor
@@ -105,15 +105,15 @@ contains
         path%pairs = pack([(i, i=1, problem%n)], factor%active)
     end subroutine follow_lemke_path
 
-    !> The point of a line at which a force or a gap first becomes zero.
+    !> Find the point of a line at which a force or a gap first becomes zero.
     pure subroutine ratio_test(line, driver, blocking, step)
-        !> The line
+        !> Line of states
         type(lemke_line), intent(in) :: line
-        !> The driving variable
+        !> Driving variable
         integer, intent(in) :: driver
-        !> Its pair, 0 if there is none
+        !> Pair of the blocking variable, 0 if there is none
         integer, intent(out) :: blocking
-        !> Distance to that point
+        !> Distance to the point
         real(wp), intent(out) :: step
 
         integer :: i

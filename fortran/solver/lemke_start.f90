@@ -1,8 +1,8 @@
-!> Start of a load path: a known state of the problem with some gaps opened.
+!> Start of Lemke's method: a known state of a problem with some gaps enlarged.
 !>
-!> With one motion, the path starts without load; otherwise where forces hold the loads with the
-!> obstacles moved back. Further starts are generated: other pairs, forces and gaps, the same in
-!> every run.
+!> For one motion, the path starts at zero load; otherwise at forces that balance the loads, with
+!> gaps large enough for these forces. Further starts are generated from pseudo-random active sets,
+!> forces and gaps, the same in every run.
 module flankload_lemke_start
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, normal_displacement
@@ -14,27 +14,27 @@ module flankload_lemke_start
 
     public :: start_from_zero_load, start_generated, generated_pairs
 
-    !> Ties of gaps are broken by this fraction of the scale of gaps and displacements.
+    !> Perturbation that breaks ties between gaps, relative to the scale of gaps and displacements
     real(wp), parameter :: tie_breaker = 1.0e-11_wp
 
-    !> Park and Miller's recurrence: x := 16807 x modulo 2³¹ - 1.
+    !> Generator of Park and Miller: x := 16807 x modulo 2³¹ - 1
     integer, parameter :: wide = selected_int_kind(18)
     integer(wide), parameter :: multiplier = 16807_wide
     integer(wide), parameter :: modulus = 2147483647_wide
 
 contains
 
-    !> A state to begin with and the driving variable: 0 for λ, else force (pair active) or gap of
-    !> that pair; negative if nothing holds the loads.
+    !> Compute the start at zero load. The driving variable is 0 for λ, the index of a pair for its
+    !> force (active) or gap (inactive), or negative if the loads are infeasible.
     pure subroutine start_from_zero_load(problem, compliance, path, active, driver)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Problem along the path
         type(lemke_problem), intent(out) :: path
-        !> Pairs that are active, shape (n)
+        !> True for active pairs, shape (n)
         logical, allocatable, intent(out) :: active(:)
-        !> The driving variable
+        !> Driving variable
         integer, intent(out) :: driver
 
         integer :: first, outcome
@@ -47,7 +47,7 @@ contains
         allocate (path%cover(problem%n), source=0.0_wp)
         path%gaps = untied_gaps(problem)
         if (problem%n_motions == 1 .and. abs(problem%loads(1)) > 0.0_wp) then
-            ! One motion: it first moves without load as far as the nearest pair permits.
+            ! One motion: move without load until the first pair touches.
             sense = sign(1.0_wp, problem%loads(1))
             allocate (closing(problem%n), source=huge(1.0_wp))
             where (sense*problem%motions(:, 1) > 0.0_wp)
@@ -66,7 +66,8 @@ contains
                 return
             end if
         end if
-        ! Pairs whose forces hold the loads; gaps that these forces would close wait for λ.
+        ! Start with forces that balance the loads; the cover keeps the gaps open that these forces
+        ! close.
         call feasible_start(problem, pairs, forces, motion, outcome)
         driver = merge(0, -1, outcome == start_found)
         if (driver < 0) return
@@ -76,26 +77,26 @@ contains
         allocate (displacement(problem%n), start_forces(problem%n), source=0.0_wp)
         start_forces(pairs) = forces
         call normal_displacement(problem, compliance, start_forces, displacement)
-        ! The pairs of the vertex touch at the motion computed without their displacements.
+        ! The motion at which the pairs of the vertex touch does not contain their displacements.
         path%cover = max(0.0_wp, matmul(problem%motions, motion) - path%gaps - displacement)
         path%cover(pairs) = -displacement(pairs) + matmul(problem%motions(pairs, :), motion) &
             & - path%gaps(pairs)
         path%gaps = path%gaps + path%cover
     end subroutine start_from_zero_load
 
-    !> A generated start: some pairs share the loads with those of the vertex, all of them touch,
-    !> and the others have gaps of the size of the existing ones.
+    !> Compute a generated start: random pairs share the loads with the pairs of the vertex, all of
+    !> these touch, and the other pairs have random gaps of the size of the displacements.
     pure subroutine start_generated(problem, compliance, number, path, active, driver)
-        !> The problem and its K, shape (n, n)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Number of the start, from 1
         integer, intent(in) :: number
         !> Problem along the path
         type(lemke_problem), intent(out) :: path
-        !> Pairs that are active, shape (n)
+        !> True for active pairs, shape (n)
         logical, allocatable, intent(out) :: active(:)
-        !> The driving variable, negative if nothing holds the loads
+        !> Driving variable, negative if the loads are infeasible
         integer, intent(out) :: driver
 
         integer :: c, outcome
@@ -113,7 +114,7 @@ contains
         active(pairs) = .false.
         drawn = random_numbers(problem%n, number + 1)
         drawn = merge(drawn, 0.0_wp, active)
-        ! The pairs of the vertex hold the remainder, which is not negative.
+        ! The pairs of the vertex carry the remainder, which is not negative.
         inverse = transpose(problem%load_rows(pairs, :))
         call invert(inverse, least_pivot, .false.)
         if (.not. least_pivot > 0.0_wp) then
@@ -132,7 +133,7 @@ contains
         path%gaps = untied_gaps(problem)
         path%base_loads = problem%loads
         path%loads = 0.0_wp*problem%loads
-        ! The cover turns the gaps of these forces into the generated ones.
+        ! The cover changes the gaps under these forces to the generated ones.
         path%cover = displacement + path%gaps - matmul(problem%motions, motion)
         open = max(maxval(abs(displacement)), tie_breaker*maxval(abs(path%cover)))
         where (active)
@@ -143,11 +144,11 @@ contains
         path%gaps = path%gaps + path%cover
     end subroutine start_generated
 
-    !> Some of the pairs, different ones for each number: first a few of them, then more.
+    !> Return a pseudo-random subset of the pairs; its size grows with the number modulo 4.
     pure function generated_pairs(n, number) result(pairs)
         !> Number of pairs
         integer, intent(in) :: n
-        !> Which choice, from 1
+        !> Number of the subset, from 1
         integer, intent(in) :: number
         integer, allocatable :: pairs(:)
 
@@ -158,11 +159,11 @@ contains
         pairs = pack([(i, i=1, n)], random_numbers(n, number) < lambda)
     end function generated_pairs
 
-    !> Pseudo-random numbers between 0 and 1, the same in every run.
+    !> Return pseudo-random numbers between 0 and 1, the same in every run.
     pure function random_numbers(n, seed) result(numbers)
-        !> How many
+        !> Number of values
         integer, intent(in) :: n
-        !> Which sequence
+        !> Seed of the sequence
         integer, intent(in) :: seed
         real(wp), allocatable :: numbers(:)
 
@@ -177,9 +178,9 @@ contains
         end do
     end function random_numbers
 
-    !> The gaps, with ties among them broken.
+    !> Return the gaps with a perturbation that breaks ties.
     pure function untied_gaps(problem) result(gaps)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
         real(wp), allocatable :: gaps(:)
 
@@ -190,7 +191,7 @@ contains
         scale = max(sum(abs(problem%loads)), maxval(abs(problem%gaps)) &
             & *epsilon(1.0_wp)/tie_breaker)
         do i = 1, problem%n
-            ! Multiples of the golden ratio modulo one: all different, the same in every run.
+            ! Multiples of the golden ratio modulo one are all different.
             gaps(i) = gaps(i) + tie_breaker*scale*modulo(i*0.6180339887498949_wp, 1.0_wp)
         end do
     end function untied_gaps

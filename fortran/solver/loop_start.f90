@@ -1,4 +1,4 @@
-!> Start of the contact loop: cold with the first pairs, or warm with a given set.
+!> Start of the contact loop: cold from a feasible start, or warm from a given active set.
 module flankload_loop_start
     use flankload_kinds, only: wp
     use flankload_status, only: no_contact_state, singular_contact
@@ -17,43 +17,44 @@ module flankload_loop_start
     public :: loop_state
     public :: start_loop, start_cold, start_warm, drop_tensile
 
-    !> State of the loop; all scaled.
+    !> State of the loop; all quantities are scaled.
     type :: loop_state
         type(bordered_system) :: system
-        !> Forces (n), gaps (n), motion from the start (n_motions)
+        !> Forces (n), gaps (n), and motion measured from the start (n_motions)
         real(wp), allocatable :: forces(:)
         real(wp), allocatable :: gaps(:)
         real(wp), allocatable :: motion(:)
-        !> d motion / d load, shape (n_motions, n_motions)
+        !> Derivative of the motion with respect to the loads, shape (n_motions, n_motions)
         real(wp), allocatable :: tangent(:, :)
-        !> Rows are exchanged at every factorisation
+        !> True for a new factorization with row exchanges at every change
         logical :: pivoted = .false.
         !> Condition number of the final equations
         real(wp) :: condition = 1.0_wp
-        !> Number of pairs that entered or left
+        !> Number of pairs that entered or left the active set
         integer :: pivots = 0
-        !> Pairs that entered and had to leave at once; they wait until the forces have changed
+        !> True for pairs that entered and left at once; they may not enter until the forces have
+        !> changed
         logical, allocatable :: waiting(:)
-        !> The pair that left last, 0 if it may return
+        !> Pair that left last, 0 if it may enter again
         integer :: left_last = 0
-        !> Pairs without which a motion would be unconstrained: the loads determine their forces
+        !> True for pairs that alone constrain a motion: their force follows from the loads
         logical, allocatable :: pinned(:)
-        !> It is proven that no forces hold the loads
+        !> True if it is proven that no forces balance the loads
         logical :: none_proven = .false.
     end type loop_state
 
 contains
 
-    !> Choose the first pairs and measure motions from where they touch.
+    !> Find the pairs of the cold start, and measure motions from their first contact.
     pure subroutine start_loop(problem, first, first_forces, state, error)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(inout) :: problem
-        !> First pairs and their forces, shape (n_motions)
+        !> Pairs of the cold start, and their scaled forces, shape (n_motions)
         integer, allocatable, intent(out) :: first(:)
         real(wp), allocatable, intent(out) :: first_forces(:)
-        !> The state, without pairs
+        !> State of the loop, with an empty active set
         type(loop_state), intent(out) :: state
-        !> The loads cannot be held, or a motion is unconstrained
+        !> Set if the loads are infeasible, or a motion is unconstrained
         type(error_type), allocatable, intent(out) :: error
 
         integer :: outcome
@@ -71,25 +72,24 @@ contains
             state%motion = motion
             call fatal_error(error, singular_contact, 'a motion is held by no pair')
         else
-            ! If one of these pairs has no lever that closes it, the motion does not bring it into
-            ! contact.
+            ! A pair without a lever on the motion is not brought into contact.
             distance_left = problem%gaps(first) - matmul(problem%motions(first, :), motion)
             sizes = abs(problem%gaps(first)) + matmul(abs(problem%motions(first, :)), abs(motion))
             call shift_gaps(problem, motion, pack(first, abs(distance_left) <= row_tolerance*sizes))
         end if
     end subroutine start_loop
 
-    !> Begin with the first pairs.
+    !> Start from the pairs of the cold start.
     pure subroutine start_cold(problem, compliance, first, first_forces, state, ready)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> First pairs and their forces
+        !> Pairs of the cold start, and their scaled forces, shape (n_motions)
         integer, intent(in) :: first(:)
         real(wp), intent(in) :: first_forces(:)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> False if the pairs depend on each other
+        !> False if the rows of these pairs are linearly dependent
         logical, intent(out) :: ready
 
         integer :: k
@@ -104,16 +104,16 @@ contains
         state%pivots = state%pivots + size(first)
     end subroutine start_cold
 
-    !> Begin with a given set: factor it as a block and remove pairs until no force is negative.
+    !> Start from a given active set: factor it as a block, and remove pairs with tensile forces.
     pure subroutine start_warm(problem, compliance, warm_pairs, state, ready)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> The pairs
         integer, intent(in) :: warm_pairs(:)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> False if no part of the set holds the loads
+        !> False if no subset of these pairs balances the loads
         logical, intent(out) :: ready
 
         integer :: n_left
@@ -123,16 +123,16 @@ contains
         if (ready) call drop_tensile(problem, compliance, state, n_left, ready)
     end subroutine start_warm
 
-    !> Solve for the pairs of the system and remove those with tensile forces, until none is left.
+    !> Solve for the active pairs, and remove those with tensile forces until none is left.
     pure subroutine drop_tensile(problem, compliance, state, n_left, ready)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> Number of pairs that left
+        !> Number of removed pairs
         integer, intent(out) :: n_left
-        !> False if no part of the pairs holds the loads
+        !> False if no subset of these pairs balances the loads
         logical, intent(out) :: ready
 
         logical, allocatable :: negative(:)
@@ -143,6 +143,7 @@ contains
         do
             ready = size(state%system%pairs) >= problem%n_motions
             if (.not. ready) return
+            ! Eq. (18), (19)
             call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
                 & problem%loads, forces, motion, ready, state%tangent)
             if (.not. ready) return

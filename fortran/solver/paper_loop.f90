@@ -1,8 +1,10 @@
-!> The paper's own loop (section 3.3, Fig. 6): pairs only enter, φ is eliminated by the first row.
+!> Growing loop of the paper (section 3.3, Fig. 6): pairs only enter, and the first row eliminates
+!> φ.
 !>
-!> It departs from the printed loop in three points, without which the result is wrong: the least
-!> gap angle is subtracted first and added to φ again, row 1 of (32) and (26) use the torque row m,
-!> and (34) keeps Σ a_ij F_j. The caller reports a negative force in the final state.
+!> It differs from the printed loop in three points, without which its results are wrong: the least
+!> gap angle is subtracted first and added to φ afterwards; Eq. (26) and row 1 of Eq. (32) contain
+!> the torque row m; Eq. (34) keeps Σ a_ij F_j. The caller reports negative forces in the final
+!> state.
 module flankload_paper_loop
     use flankload_kinds, only: wp
     use flankload_status, only: singular_contact, invalid_input, invalid_scale
@@ -18,20 +20,21 @@ module flankload_paper_loop
 
     public :: paper_loop
 
-    !> The same limit as for the bordered system.
+    !> Largest growth factor accepted without row exchanges, as in `flankload_bordered_system`
     real(wp), parameter :: growth_limit = 1.0e3_wp
 
 contains
 
-    !> Run the loop.
+    !> Solve by the growing loop.
     pure subroutine paper_loop(problem, compliance, state, error)
-        !> The problem, of one motion; its motion is measured from the first touch
+        !> Scaled contact problem with one motion, which is measured from first contact
         type(contact_problem), intent(inout) :: problem
-        !> K, shape (n, n)
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state, perhaps with negative forces
+        !> State of the loop, possibly with negative forces
         type(loop_state), intent(out) :: state
-        !> More than one motion, row levers that are not positive, or singular equations
+        !> Set if there are several motions, a row lever is not positive, or the equations are
+        !> singular
         type(error_type), allocatable, intent(out) :: error
 
         integer :: first, entering
@@ -46,7 +49,7 @@ contains
         allocate (state%forces(problem%n), state%gaps(problem%n), state%motion(1), source=0.0_wp)
         allocate (state%tangent(1, 1), source=0.0_wp)
         state%system = new_bordered_system(symmetric=.false., pivoted=.false.)
-        ! The least gap angle, so that (25) holds for the first pair.
+        ! Subtract the least gap angle, so that Eq. (25) holds for the first pair.
         first = minloc(problem%gaps/problem%motions(:, 1), dim=1)
         call shift_gaps(problem, [problem%gaps(first)/problem%motions(first, 1)], [first])
         state%system%pairs = [first]
@@ -62,16 +65,17 @@ contains
         call refine(problem, compliance, state)
     end subroutine paper_loop
 
-    !> One row of the matrix of (32): the torque row for the first pair, (28) for the others.
+    !> Return a row of the matrix of Eq. (32): the torque row for the first pair, Eq. (28) for the
+    !> others.
     pure function reduced_row(problem, compliance, state, i, columns) result(row)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(in) :: state
-        !> Number of the pair of the row
+        !> Index of the pair of the row
         integer, intent(in) :: i
-        !> Numbers of the pairs of the columns
+        !> Indices of the pairs of the columns
         integer, intent(in) :: columns(:)
         real(wp), allocatable :: row(:)
 
@@ -81,19 +85,19 @@ contains
         if (i == first) then
             row = problem%load_rows(columns, 1)  ! Eq. (17)
         else
-            ! Eq. (28), each row times its own b_i: a_ij - a_s1j
+            ! Eq. (28) a_ij - a_s1j, times b_i
             row = problem%row_scale(columns)*(problem%row_scale(i)*compliance(i, columns) &
                 & - problem%motions(i, 1)/problem%motions(first, 1) &
                 & *problem%row_scale(first)*compliance(first, columns))
         end if
     end function reduced_row
 
-    !> The matrix of (32).
+    !> Return the matrix of Eq. (32), shape (k, k).
     pure function reduced_matrix(problem, compliance, state) result(matrix)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(in) :: state
         real(wp), allocatable :: matrix(:, :)
 
@@ -107,14 +111,14 @@ contains
         end associate
     end function reduced_matrix
 
-    !> Extend (32) by the row and column of the last pair.
+    !> Extend Eq. (32) by the row and column of the last pair.
     pure subroutine extend_equations(problem, compliance, state, error)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> Singular equations
+        !> Set if the equations are singular
         type(error_type), allocatable, intent(out) :: error
 
         integer :: k, r, last
@@ -139,12 +143,12 @@ contains
         end if
     end subroutine extend_equations
 
-    !> Solve (32), then φ and the final gaps.
+    !> Solve Eq. (32), and compute φ and the final gaps.
     pure subroutine solve_equations(problem, compliance, state)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
 
         real(wp), allocatable :: x(:, :)
@@ -155,18 +159,18 @@ contains
         call solve_factored(state%system%factor, x)  ! Eq. (26), (32)
         state%forces(state%system%pairs) = x(:, 1)
         state%motion = rotation(problem, compliance, state, x(:, 1))   ! Eq. (27), (33)
-        ! Eq. (34) with the sum omitted in print
+        ! Eq. (34), with the sum omitted in print
         call contact_gaps(problem, compliance, state%forces, state%motion, state%gaps)
     end subroutine solve_equations
 
-    !> φ from the row of the first pair, (27) and (33).
+    !> Return φ from the row of the first pair, Eq. (27), (33).
     pure function rotation(problem, compliance, state, forces) result(motion)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(in) :: state
-        !> Scaled forces of its pairs
+        !> Scaled forces of the active pairs, shape (k)
         real(wp), intent(in) :: forces(:)
         real(wp) :: motion
 
@@ -178,12 +182,12 @@ contains
             & /problem%motions(first, 1)
     end function rotation
 
-    !> The pair with the smallest final gap angle, 0 if none is negative beyond rounding.
+    !> Return the pair with the smallest final gap angle, 0 if none is negative beyond rounding.
     pure function least_gap_angle(problem, compliance, state) result(entering)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(in) :: state
         integer :: entering
 
@@ -200,12 +204,12 @@ contains
         end do
     end function least_gap_angle
 
-    !> One refinement of the final equations, their condition number and dφ/dM.
+    !> Refine the final equations once, and compute their condition number and dφ/dM.
     pure subroutine refine(problem, compliance, state)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
 
         integer :: k

@@ -1,7 +1,7 @@
-!> Detection and removal of forces that are only rounding.
+!> Forces that are only rounding errors: detection and removal.
 !>
-!> A force that is small relative to the largest may be significant in a load on which the others
-!> hardly act, for instance if their levers are rounding: without it that load would not be held.
+!> A force that is small relative to the largest one may still be significant for a load to which
+!> the other forces hardly contribute.
 module flankload_roundoff
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem, measure_from_zero, contact_gaps, &
@@ -12,21 +12,21 @@ module flankload_roundoff
 
     public :: is_tensile, clear_unloaded, clear_roundoff
 
-    !> A force below this fraction of the largest (without loads: of the force that closes the
-    !> largest gap), times the condition number, is what refinement leaves of zero: rounding of
-    !> rounding. Never above the limit.
+    !> Force relative to the largest one (without loads: to the force that closes the largest gap)
+    !> and per unit of the condition number, below which it is the rounding error of a zero force
+    !> after refinement; and the limit of that fraction
     real(wp), parameter :: no_force = 1.0e-24_wp
     real(wp), parameter :: no_force_limit = 1.0e-18_wp
 
 contains
 
-    !> Pairs whose forces are negative beyond rounding.
+    !> Return which forces are negative beyond rounding.
     pure function is_tensile(problem, pairs, forces) result(negative)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> The pairs in contact, shape (k)
+        !> Active pairs, shape (k)
         integer, intent(in) :: pairs(:)
-        !> Their scaled forces, shape (k)
+        !> Scaled forces of these pairs, shape (k)
         real(wp), intent(in) :: forces(:)
         logical, allocatable :: negative(:)
 
@@ -40,15 +40,16 @@ contains
         end if
     end function is_tensile
 
-    !> Small forces that are more than rounding in a load on which the others act.
+    !> Return which small forces are more than rounding in a load to which the other forces
+    !> contribute.
     pure function is_significant(problem, pairs, forces, little) result(noticed)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> The pairs in contact, shape (k)
+        !> Active pairs, shape (k)
         integer, intent(in) :: pairs(:)
-        !> Their scaled forces, shape (k)
+        !> Scaled forces of these pairs, shape (k)
         real(wp), intent(in) :: forces(:)
-        !> Forces that are small, shape (k)
+        !> True for small forces, shape (k)
         logical, intent(in) :: little(:)
         logical, allocatable :: noticed(:)
 
@@ -65,11 +66,11 @@ contains
         end do
     end function is_significant
 
-    !> Pairs that only hold a motion in place, without a load on it, carry no force.
+    !> Set the forces of pairs to zero that only constrain a motion without a load.
     pure subroutine clear_unloaded(problem, pairs, condition, forces)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> The pairs in contact, and the condition number of their equations
+        !> Active pairs, shape (k), and the condition number of their equations
         integer, intent(in) :: pairs(:)
         real(wp), intent(in) :: condition
         !> Scaled forces, shape (n)
@@ -88,14 +89,14 @@ contains
         forces(pack(pairs, remains)) = 0.0_wp
     end subroutine clear_unloaded
 
-    !> If a load is not held on which only small forces act, these forces are rounding: the loads on
-    !> which large forces act, too, cannot resolve them. They are set to zero if the loads are then
-    !> held and the pairs still touch, to the rounding of the caller's rows.
+    !> Set small forces to zero if they are rounding errors of loads to which only they contribute.
+    !> The change is kept only if the loads are then balanced and the pairs still touch, to within
+    !> rounding of the caller's rows.
     pure subroutine clear_roundoff(problem, compliance, pairs, motion, forces, gaps)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The pairs in contact, and their scaled motion from the start
+        !> Active pairs, shape (k), and scaled motion from the start, shape (n_motions)
         integer, intent(in) :: pairs(:)
         real(wp), intent(in) :: motion(:)
         !> Scaled forces and gaps, shape (n)

@@ -1,5 +1,5 @@
-!> Passes over a whole matrix: from the flexibility matrix A [rad/N] to the compliance along the
-!> normals diag(b) A [mm/N], and the form of the matrix.
+!> Operations on whole matrices: K = diag(b) A [mm/N] from the flexibility matrix A [rad/N], and
+!> tests for symmetry and finite numbers.
 module flankload_row_scaling
     use flankload_kinds, only: wp
     implicit none
@@ -8,42 +8,41 @@ module flankload_row_scaling
     public :: matrix_form
     public :: scale_rows, form_of, is_finite_matrix
 
-    !> Properties of a square matrix found in one pass.
+    !> Properties of a square matrix.
     type :: matrix_form
-        !> Symmetric to the rounding of its assembly, and then without NaN or infinity
+        !> True if symmetric to within rounding of its assembly, and all numbers are finite
         logical :: symmetric = .true.
-        !> No entry exceeds the limit that the diagonal entries of its row and column set in a
-        !> positive definite matrix: an indication of an elastic compliance, not a proof
+        !> True if no entry exceeds the bound |K_ij| <= sqrt(K_ii K_jj) of positive definite
+        !> matrices: necessary for an elastic compliance, not sufficient
         logical :: elastic = .true.
-        !> Each entry is bitwise equal to its mirror image
+        !> True if bitwise equal to the transpose
         logical :: mirrored = .true.
-        !> Without NaN or infinity
+        !> True if all numbers are finite
         logical :: finite = .true.
     end type matrix_form
 
-    !> Rows and columns of a tile, which fits in the L1 cache together with its mirror image, and of
-    !> a block of tiles, which fits in the next level of cache.
+    !> Rows and columns of a tile, which fits into the L1 cache together with its mirror tile, and
+    !> of a block of tiles, which fits into the L2 cache
     integer, parameter :: tile = 40
     integer, parameter :: block = 4*tile
-    !> Columns that are compared at once: the same number of neighbours in a row of the mirror
-    !> image.
+    !> Number of columns compared at once
     integer, parameter :: width = 4
-    !> Numbers that are added at once
+    !> Number of independent partial sums
     integer, parameter :: stride = 16
-    !> Asymmetry of a symmetric matrix due to rounding in its assembly, relative to its diagonal.
+    !> Asymmetry due to rounding in the assembly, relative to the diagonal
     real(wp), parameter :: asymmetry = 1.0e-12_wp
 
 contains
 
-    !> Multiply the rows of a matrix, or of its transpose tile by tile.
+    !> Multiply the rows of a matrix by factors; a transposed matrix is read tile by tile.
     pure subroutine scale_rows(matrix, transposed, row_scale, scaled)
-        !> The matrix or its transpose, shape (n, n)
+        !> Matrix or its transpose, shape (n, n)
         real(wp), contiguous, intent(in) :: matrix(:, :)
-        !> It is the transpose
+        !> True if it is the transpose
         logical, intent(in) :: transposed
-        !> Factor of each row, shape (n)
+        !> Factors of the rows, shape (n)
         real(wp), intent(in) :: row_scale(:)
-        !> diag(row_scale) times the matrix, shape (n, n)
+        !> Product diag(row_scale) times the matrix, shape (n, n)
         real(wp), contiguous, intent(inout) :: scaled(:, :)
 
         integer :: i, j, c, r, n
@@ -66,9 +65,9 @@ contains
         end do
     end subroutine scale_rows
 
-    !> The form of a square matrix, in one pass: each tile beside its mirror image.
+    !> Determine the properties of a square matrix in one pass over pairs of mirror tiles.
     pure function form_of(matrix) result(form)
-        !> The matrix, shape (n, n)
+        !> Matrix, shape (n, n)
         real(wp), contiguous, intent(in) :: matrix(:, :)
         type(matrix_form) :: form
 
@@ -91,12 +90,12 @@ contains
         if (.not. form%symmetric) form%finite = is_finite_matrix(matrix)
     end function form_of
 
-    !> A tile and its mirror image: first the tile as a whole is compared with the smallest bound of
-    !> its entries, then entry by entry only if that is not decisive.
+    !> Compare a tile with its mirror tile. The largest difference is compared with the smallest
+    !> bound first; single entries only if that does not decide.
     pure subroutine compare_tiles(matrix, root, first_row, first_column, form)
-        !> The matrix
+        !> Matrix, shape (n, n)
         real(wp), contiguous, intent(in) :: matrix(:, :)
-        !> Roots of its diagonal
+        !> Square roots of its diagonal, shape (n)
         real(wp), intent(in) :: root(:)
         !> First row and column of the tile below the diagonal
         integer, intent(in) :: first_row
@@ -123,20 +122,20 @@ contains
         end do
     end subroutine compare_tiles
 
-    !> Sum of the differences between a tile and its mirror image, NaN if any is NaN, and the
-    !> largest entry of the tile; in a fixed number of sums, which compilers keep in registers.
+    !> Compute the sum of differences between a tile and its mirror tile, and the largest entry of
+    !> the tile. A fixed number of partial sums stays in registers.
     pure subroutine measure_tiles(matrix, first_row, last_row, first_column, last_column, apart, &
         & largest)
-        !> The matrix
+        !> Matrix, shape (n, n)
         real(wp), contiguous, intent(in) :: matrix(:, :)
         !> Rows and columns of the tile
         integer, intent(in) :: first_row
         integer, intent(in) :: last_row
         integer, intent(in) :: first_column
         integer, intent(in) :: last_column
-        !> Sum of the differences
+        !> Sum of the differences, NaN if an entry is NaN
         real(wp), intent(out) :: apart
-        !> Largest entry, if the sum is finite
+        !> Largest magnitude of an entry, valid if the sum is finite
         real(wp), intent(out) :: largest
 
         integer :: r, c
@@ -161,9 +160,9 @@ contains
         largest = maxval(most)
     end subroutine measure_tiles
 
-    !> No entry is NaN or infinite: their sum is finite, or else each entry is checked.
+    !> Return whether all entries are finite: their sum is, or each entry is.
     pure function is_finite_matrix(matrix) result(finite)
-        !> Any matrix
+        !> Matrix of any shape
         real(wp), contiguous, intent(in) :: matrix(:, :)
         logical :: finite
 

@@ -1,11 +1,11 @@
-!> Primal active-set method with single pairs, (20), (30), (31).
+!> Primal active-set method with single pairs, Eq. (20), (30), (31).
 !>
-!> At every step the forces hold the loads and are not negative. A step moves towards the state in
-!> which just the active pairs touch. It stops where a force becomes zero and removes that pair, or
-!> else adds the most penetrating pair. If K is symmetric and positive definite, the stored energy
-!> decreases at every step, so that no set of pairs occurs twice. Otherwise the loop may cycle; it
-!> ends if neither energy nor the number of penetrating pairs decreases within `stall_limit` steps.
-!> The paper's loop (Fig. 6) is the case in which no pair leaves.
+!> At every step the forces are nonnegative and balance the loads. A step moves towards the solution
+!> of the equations of the active pairs. It stops where a force becomes zero and removes that pair;
+!> otherwise the most penetrating pair enters. If K is symmetric and positive definite, the stored
+!> energy decreases at every step, so that no active set occurs twice. Otherwise the loop may cycle:
+!> it stops if neither the energy nor the number of penetrating pairs decreases within `stall_limit`
+!> steps. The loop of the paper (Fig. 6) is the special case in which no pair leaves.
 module flankload_single_loop
     use flankload_kinds, only: wp
     use flankload_status, only: pivot_limit, singular_contact
@@ -22,39 +22,40 @@ module flankload_single_loop
     public :: loop_state
     public :: single_loop
 
-    !> Gear and spline problems need 1.1 pivots per pair; a loop that ends never needs this many.
+    !> Limits of the number of pivots, far above the 1.1 pivots per pair of gears and splines
     integer, parameter :: pivots_per_pair = 20
     integer, parameter :: pivots_at_least = 100
-    !> Penetration allowed for a waiting pair, relative to its row's size: rounding of the forces.
+    !> Penetration allowed for waiting pairs, relative to the size of their row: rounding of the
+    !> forces
     real(wp), parameter :: waiting_tolerance = 1.0e3_wp*epsilon(1.0_wp)
 
-    !> Progress of the loop towards a state.
+    !> Progress of the loop.
     type :: loop_progress
-        !> Fewest penetrating pairs and least stored energy so far
+        !> Least number of penetrating pairs, and least stored energy so far
         integer :: fewest = huge(1)
         real(wp) :: least_energy = huge(1.0_wp)
-        !> Steps without a decrease of either
+        !> Number of steps without a decrease of either
         integer :: steps_without = 0
     end type loop_progress
 
-    !> Steps within which there must be progress; 20000 problems of gears need 3.
+    !> Limit of steps without progress; gears need 3.
     integer, parameter :: stall_limit = 10
 
 contains
 
-    !> Run the loop.
+    !> Solve by the active-set method with single pairs.
     pure subroutine single_loop(problem, compliance, warm_pairs, pivoted, state, error)
-        !> The problem; its motions are measured from the start that is chosen here
+        !> Scaled contact problem; the loop sets the start from which its motions are measured
         type(contact_problem), intent(inout) :: problem
-        !> K, shape (n, n)
+        !> Compliance matrix K of the caller [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Pairs to begin with; none: the pair that touches first
+        !> Pairs of the warm start; empty for a cold start
         integer, intent(in) :: warm_pairs(:)
-        !> Exchange rows at every factorisation: slow, with the highest accuracy
+        !> True for a new factorization with row exchanges at every change: slow, but most accurate
         logical, intent(in) :: pivoted
-        !> The state; if the loads cannot be held only its motion, which shows the reason
+        !> State of the loop; if the loads are infeasible, only its motion, which shows the reason
         type(loop_state), intent(out) :: state
-        !> No state, no termination, or singular equations
+        !> Set if there is no solution, the loop stalls, or the equations are singular
         type(error_type), allocatable, intent(out) :: error
 
         integer, allocatable :: first(:)
@@ -76,7 +77,7 @@ contains
             end if
         end if
         do
-            call settle(problem, compliance, state, error)
+            call solve_active(problem, compliance, state, error)
             if (allocated(error)) return
             call most_penetrating(problem, compliance, state, entering)   ! Eq. (30), (31)
             if (entering == 0) then
@@ -94,14 +95,14 @@ contains
         if (any(state%waiting)) call check_waiting(problem, compliance, state, error)
     end subroutine single_loop
 
-    !> Record whether the number of penetrating pairs or, with a symmetric K, the energy is at a
-    !> minimum.
+    !> Record a decrease of the number of penetrating pairs or, for a symmetric K, of the stored
+    !> energy.
     pure subroutine update_progress(problem, state, progress)
-        !> The problem
+        !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> The state, with just the active pairs touching
+        !> State of the loop, with the equations of the active pairs satisfied
         type(loop_state), intent(in) :: state
-        !> Progress
+        !> Progress of the loop
         type(loop_progress), intent(inout) :: progress
 
         integer :: open
@@ -114,7 +115,7 @@ contains
             progress%steps_without = 0
         end if
         if (.not. (problem%symmetric .and. problem%same_rows)) return
-        ! ½ Fᵀ K F + g0 F with K F = B q - g0 where F > 0
+        ! ½ Fᵀ K F + g0 F, with K F = B q - g0 for active pairs
         energy = 0.5_wp*(dot_product(problem%loads, state%motion) &
             & + dot_product(problem%gaps, state%forces))
         if (energy < progress%least_energy) then
@@ -123,15 +124,15 @@ contains
         end if
     end subroutine update_progress
 
-    !> Move towards the state in which just the active pairs touch; pairs whose force becomes zero
-    !> on the way leave.
-    pure subroutine settle(problem, compliance, state, error)
-        !> The problem and its K
+    !> Move to the solution of the equations of the active pairs, and remove pairs whose force
+    !> becomes zero on the way.
+    pure subroutine solve_active(problem, compliance, state, error)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> No termination, or singular equations
+        !> Set if the loop stalls, or the equations are singular
         type(error_type), allocatable, intent(out) :: error
 
         real(wp), allocatable :: target(:), forces(:), motion(:)
@@ -141,6 +142,7 @@ contains
 
         rejected = .false.
         do
+            ! Eq. (18), (19)
             call solve_bordered(state%system, problem, -problem%gaps(state%system%pairs), &
                 & problem%loads, target, motion, solved, state%tangent)
             if (.not. solved .and. state%left_last > 0) then
@@ -155,7 +157,7 @@ contains
             if (leaving == 0) then
                 state%left_last = 0
                 if (.not. rejected) state%waiting = .false.
-                state%forces(state%system%pairs) = max(target, 0.0_wp)
+                state%forces(state%system%pairs) = max(target, 0.0_wp)   ! Eq. (20)
                 state%motion = motion
                 return
             end if
@@ -169,7 +171,7 @@ contains
             if (fraction > 0.0_wp) then
                 state%waiting = .false.
             else if (leaving == size(forces)) then
-                ! The pair that just entered has a tensile force: without a change it would enter
+                ! The pair entered last and has a tensile force: it waits, since it would enter
                 ! again.
                 rejected = .true.
                 state%waiting(pair) = .true.
@@ -180,17 +182,17 @@ contains
             if (.not. solved) exit
         end do
         call fatal_error(error, singular_contact, 'the pairs in contact are singular')
-    end subroutine settle
+    end subroutine solve_active
 
-    !> The pair that left last constrained a motion that no other one does: its force follows from
-    !> the loads, and only rounding has made it negative.
+    !> Add the pair that left last again: it alone constrains a motion, so that its force follows
+    !> from the loads and was negative only by rounding.
     pure subroutine readmit(problem, compliance, state, taken)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> False if the equations are singular with it, too
+        !> False if the equations are singular with this pair, too
         logical, intent(out) :: taken
 
         call append_pairs(state%system, problem, compliance, [state%left_last], taken)
@@ -200,16 +202,16 @@ contains
         state%pivots = state%pivots + 1
     end subroutine readmit
 
-    !> Add a pair; if its row depends on those in contact, it replaces another pair.
+    !> Add a pair; if its row depends on those of the active pairs, it replaces one of them.
     pure subroutine add_entering(problem, compliance, entering, state, error)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> Number of the pair
+        !> Index of the pair
         integer, intent(in) :: entering
-        !> The state
+        !> State of the loop
         type(loop_state), intent(inout) :: state
-        !> Singular equations
+        !> Set if the equations are singular
         type(error_type), allocatable, intent(out) :: error
 
         real(wp), allocatable :: column(:), change(:), motion(:), forces(:)
@@ -227,7 +229,7 @@ contains
             state%left_last = 0
             state%pinned = .false.
             if (accepted) return
-            ! The force of the entering pair grows without resistance until another has become zero.
+            ! The force of the entering pair increases freely until another force becomes zero.
             associate (pairs => state%system%pairs)
                 column = problem%row_scale(pairs)*problem%row_scale(entering) &
                     & *compliance(pairs, entering)
@@ -250,14 +252,14 @@ contains
         call fatal_error(error, singular_contact, 'a pair depends on the pairs in contact')
     end subroutine add_entering
 
-    !> Waiting pairs may penetrate only by rounding; otherwise the loop cycles.
+    !> Check that waiting pairs penetrate only by rounding; otherwise the loop cycles.
     pure subroutine check_waiting(problem, compliance, state, error)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The state
+        !> State of the loop
         type(loop_state), intent(in) :: state
-        !> A pair penetrates and would have a tensile force if it entered
+        !> Set if a pair penetrates that would have a tensile force in contact
         type(error_type), allocatable, intent(out) :: error
 
         integer :: i

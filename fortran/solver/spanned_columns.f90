@@ -1,4 +1,4 @@
-!> Nearly dependent columns as the product of independent columns and a triangle.
+!> Factorization of nearly dependent columns into independent columns and a triangle.
 module flankload_spanned_columns
     use flankload_kinds, only: wp
     implicit none
@@ -6,27 +6,27 @@ module flankload_spanned_columns
 
     public :: spanned, factor_columns, solve_triangular
 
-    !> Columns = columns' M, where M is a triangle except for the order of its columns.
+    !> Factorization A = C M, where M is triangular up to the order of its columns.
     type :: spanned
-        !> Columns', whose largest entries are one, each in a row in which the following columns are
-        !> zero, shape (k, q)
+        !> Columns C with a largest entry of one, in a row in which all following columns are zero,
+        !> shape (k, q)
         real(wp), allocatable :: columns(:, :)
-        !> M, shape (q, q), and its column in which each row has its pivot
+        !> Matrix M, shape (q, q), and the column of the pivot of each of its rows, shape (q)
         real(wp), allocatable :: triangle(:, :)
         integer, allocatable :: order(:)
-        !> False if a column depends on the others
+        !> False if the columns of A are linearly dependent
         logical :: independent = .false.
     end type spanned
 
-    !> Remainder of an entry after elimination, relative to the sizes of its terms, if it is zero
-    !> except for rounding. Measured in each row individually, since rows may be many decades apart.
+    !> Remainder of an entry after elimination, relative to its terms, below which it is zero. Each
+    !> row has its own scale, since rows may differ by many orders of magnitude.
     real(wp), parameter :: nothing = 64.0_wp*epsilon(1.0_wp)
 
 contains
 
-    !> Elimination by the largest remaining entry.
+    !> Factor columns by elimination with complete pivoting.
     pure function factor_columns(columns) result(span)
-        !> The columns, shape (k, q)
+        !> Columns A, shape (k, q)
         real(wp), intent(in) :: columns(:, :)
         type(spanned) :: span
 
@@ -56,13 +56,13 @@ contains
         span%independent = .true.
     end function factor_columns
 
-    !> Solve M x = b or Mᵀ x = b for each column of b.
+    !> Solve M x = b or Mᵀ x = b for each column b.
     pure subroutine solve_triangular(span, transposed, x)
-        !> M
+        !> Factorization with M
         type(spanned), intent(in) :: span
-        !> Mᵀ instead of M
+        !> True for Mᵀ instead of M
         logical, intent(in) :: transposed
-        !> Right-hand sides, then solutions, shape (q, any)
+        !> Right-hand sides, then solutions, shape (q, number of right-hand sides)
         real(wp), intent(inout) :: x(:, :)
 
         integer :: q, c, j

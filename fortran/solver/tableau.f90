@@ -1,4 +1,4 @@
-!> A contact problem without g F = 0 as a tableau of basic variables, for the dual simplex method.
+!> Tableau of a contact problem without complementarity (g F = 0), for the dual simplex method.
 module flankload_tableau
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
@@ -9,37 +9,38 @@ module flankload_tableau
     public :: new_tableau, rebuilt_tableau, exchange
     public :: safety, negligible
 
-    !> basic = value + table nonbasic; nonbasic variables are zero. Variables: forces 1 … n, gaps n
-    !> + 1 … 2 n, then motions and load residuals.
+    !> Tableau: basic = value + table × nonbasic, where nonbasic variables are zero. Variables 1 … n
+    !> are forces, n + 1 … 2 n gaps, then motions and load residuals.
     type :: simplex_tableau
         integer, allocatable :: basic(:)
         integer, allocatable :: nonbasic(:)
         real(wp), allocatable :: value(:)
-        !> Scale of the rounding error of each basic value, and of each variable at the start
+        !> Rounding error of each basic value, and least rounding error of each variable
         real(wp), allocatable :: rounding(:)
         real(wp), allocatable :: least_rounding(:)
         real(wp), allocatable :: table(:, :)
-        !> Variables that are zero in this case
+        !> True for variables that are zero in this node
         logical, allocatable :: fixed(:)
         !> Largest entry of the tableau so far
         real(wp) :: largest = 1.0_wp
     end type simplex_tableau
 
-    !> The rounding error of a value is multiplied by this factor before decisions.
+    !> Factor of safety on rounding errors in decisions
     real(wp), parameter :: safety = 1.0e3_wp
-    !> Entries below this fraction of the largest count as zero.
+    !> Entry relative to the largest one below which it is zero
     real(wp), parameter :: negligible = 1.0e-13_wp
 
 contains
 
-    !> The tableau without any pair decided: motions are expressed by gaps, the loads are held.
+    !> Build the tableau of the root node: motions are expressed by gaps, and the loads are
+    !> balanced.
     pure subroutine new_tableau(problem, compliance, start, consistent)
-        !> The problem and its K
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> The tableau
+        !> Simplex tableau
         type(simplex_tableau), intent(out) :: start
-        !> False if no forces hold the loads
+        !> False if no forces balance the loads
         logical, intent(out) :: consistent
 
         integer :: i, j, c, n, q
@@ -78,7 +79,7 @@ contains
                 consistent = consistent .and. abs(start%value(i)) <= safety*start%rounding(i)
             end if
         end do
-        ! Motions may have any value; load residuals stay zero.
+        ! Motions have any value; load residuals remain zero.
         start%fixed(2*n + 1:) = .true.
         rows = pack([(i, i=1, n + q)], start%basic <= 2*n)
         columns = pack([(j, j=1, n + q)], start%nonbasic <= 2*n .or. start%nonbasic > 2*n + q)
@@ -89,12 +90,12 @@ contains
         start%nonbasic = start%nonbasic(columns)
     end subroutine new_tableau
 
-    !> The same tableau without the rounding errors of many exchanges: recomputed from the start,
-    !> each time by the largest entry.
+    !> Return a tableau with the same basic variables and fewer rounding errors, computed from the
+    !> start by pivots on the largest entries.
     pure function rebuilt_tableau(start, table) result(rebuilt)
-        !> The tableau without any pair decided
+        !> Tableau of the root node
         type(simplex_tableau), intent(in) :: start
-        !> The tableau
+        !> Simplex tableau
         type(simplex_tableau), intent(in) :: table
         type(simplex_tableau) :: rebuilt
 
@@ -125,11 +126,11 @@ contains
 
     !> Exchange a basic and a nonbasic variable.
     pure subroutine exchange(table, row, column)
-        !> The tableau
+        !> Simplex tableau
         type(simplex_tableau), intent(inout) :: table
-        !> Row of the one that leaves the basis
+        !> Row of the variable that leaves the basis
         integer, intent(in) :: row
-        !> Column of the one that enters it
+        !> Column of the variable that enters it
         integer, intent(in) :: column
 
         integer :: j, leaving
@@ -142,7 +143,7 @@ contains
         value = -table%value(row)/pivot
         table%value = table%value + entering*value
         table%value(row) = value
-        ! The scale of the rounding error, not its worst case.
+        ! Estimate of the rounding error, not a bound
         table%rounding = max(table%rounding, epsilon(1.0_wp)*abs(entering*value))
         table%rounding(row) = max(table%least_rounding(table%nonbasic(column)), &
             & epsilon(1.0_wp)*abs(value))

@@ -1,8 +1,8 @@
-!> An updatable factor of a matrix that gains and loses one row and column at a time.
+!> Updatable factor of a matrix that gains and loses single rows and columns.
 !>
-!> Cholesky (L in the lower triangle) if the matrix is symmetric, else LU in one array. LU has no
-!> row exchanges; the caller monitors its growth and may request a new factorisation with exchanges.
-!> A block factored in this way can grow, but not shrink.
+!> Cholesky (L in the lower triangle) for symmetric matrices, else LU in one array. Updates of LU
+!> exchange no rows; the caller monitors the growth factor and may request a new factorization with
+!> row exchanges. A factor with row exchanges can be extended, but not reduced.
 module flankload_updatable_factor
     use flankload_kinds, only: wp
     use flankload_lapack, only: potrf, getrf, permute_rows, solve_triangle
@@ -14,34 +14,34 @@ module flankload_updatable_factor
     public :: estimate_condition
     public :: dependent
 
-    !> The factor of a matrix of a given order in the leading part of a larger array.
+    !> Factor of a matrix in the leading rows and columns of a larger array.
     type :: updatable_factor
-        !> Cholesky, else LU
+        !> True for Cholesky, false for LU
         logical :: symmetric = .true.
         !> Order of the matrix
         integer :: order = 0
-        !> Order of the leading block that was factored with row exchanges (LU), 0 if none
+        !> Order of the leading block that was factored with row exchanges (LU), else 0
         integer :: n_exchanged = 0
         !> L, or L and U, shape (capacity, capacity)
         real(wp), allocatable :: matrix(:, :)
-        !> Row swapped with each row of that leading block, shape (n_exchanged)
+        !> Index of the row exchanged with each row of that block, shape (n_exchanged)
         integer, allocatable :: row_swaps(:)
-        !> Largest matrix entry factored so far
+        !> Largest entry of the matrix so far
         real(wp) :: largest = 0.0_wp
-        !> Largest entry of L, or of U over `largest`: loss of accuracy without row exchanges
+        !> Growth factor: largest entry of L, or of U relative to `largest`
         real(wp) :: growth = 1.0_wp
     end type updatable_factor
 
-    !> A pivot this small relative to its diagonal entry is rounding: the new row is dependent.
+    !> Pivot relative to its diagonal entry below which the row is numerically dependent
     real(wp), parameter :: dependent = 8.0_wp*epsilon(1.0_wp)
-    !> Initial number of rows
+    !> Initial capacity in rows
     integer, parameter :: first_capacity = 32
 
 contains
 
-    !> An empty factor.
+    !> Return an empty factor.
     pure function new_updatable_factor(symmetric) result(factor)
-        !> Matrix symmetric and positive definite: Cholesky
+        !> True if the matrix is symmetric and positive definite (Cholesky)
         logical, intent(in) :: symmetric
         type(updatable_factor) :: factor
 
@@ -50,9 +50,9 @@ contains
         allocate (factor%row_swaps(0))
     end function new_updatable_factor
 
-    !> Allocate space for a matrix of a given order.
+    !> Reserve space for a matrix of a given order.
     pure subroutine reserve(factor, order)
-        !> The factor
+        !> Factor
         type(updatable_factor), intent(inout) :: factor
         !> Required order
         integer, intent(in) :: order
@@ -67,14 +67,14 @@ contains
         call move_alloc(larger, factor%matrix)
     end subroutine reserve
 
-    !> Remove a row and its column, with O(order²) work.
+    !> Remove a row and its column with O(order²) operations.
     !>
-    !> The contribution of the removed row is added to the rows behind it as a rank-one change. Not
-    !> for a factor with row exchanges.
+    !> The contribution of the removed row returns to the following rows as a rank-one change. Not
+    !> valid for a factor with row exchanges.
     pure subroutine shrink(factor, index)
-        !> The factor
+        !> Factor
         type(updatable_factor), intent(inout) :: factor
-        !> Number of the row and column
+        !> Index of the row and column
         integer, intent(in) :: index
 
         integer :: k, j
@@ -100,14 +100,14 @@ contains
         end if
     end subroutine shrink
 
-    !> L Lᵀ + x xᵀ for the trailing part of a Cholesky factor, by plane rotations.
+    !> Update the trailing part of a Cholesky factor to that of L Lᵀ + x xᵀ by plane rotations.
     pure subroutine add_rank_one_cholesky(matrix, first, last, x)
-        !> Holds L
+        !> Array with L
         real(wp), intent(inout) :: matrix(:, :)
         !> First and last row of the trailing part
         integer, intent(in) :: first
         integer, intent(in) :: last
-        !> Its change, overwritten, shape (last - first + 1)
+        !> Vector x, overwritten, shape (last - first + 1)
         real(wp), intent(inout) :: x(:)
 
         integer :: j, i
@@ -126,15 +126,15 @@ contains
         end do
     end subroutine add_rank_one_cholesky
 
-    !> L U + x yᵀ for the trailing part of an LU factor, by Bennett's recurrence.
+    !> Update the trailing part of an LU factor to that of L U + x yᵀ by Bennett's algorithm.
     pure subroutine add_rank_one_lu(factor, first, x, y)
-        !> Holds L and U
+        !> Factor with L and U
         type(updatable_factor), intent(inout) :: factor
         !> First row of the trailing part
         integer, intent(in) :: first
-        !> Column of the change, overwritten
+        !> Column x of the change, overwritten
         real(wp), intent(inout) :: x(:)
-        !> Row of the change, overwritten
+        !> Row y of the change, overwritten
         real(wp), intent(inout) :: y(:)
 
         integer :: j, k, m
@@ -160,20 +160,21 @@ contains
             end do
         end associate
         factor%growth = max(factor%growth, largest_l, largest_u/factor%largest)
-        ! A pivot of zero leaves NaN behind, the last one only itself: unlimited growth.
+        ! A zero pivot makes all following entries NaN, except if it is the last one: the growth
+        ! factor is then infinite.
         if (k >= first) then
             if (abs(pivot) <= dependent*factor%growth*factor%largest) factor%growth = huge(1.0_wp)
         end if
         if (.not. factor%growth <= huge(1.0_wp)) factor%growth = huge(1.0_wp)
     end subroutine add_rank_one_lu
 
-    !> Factor the complete matrix: Cholesky, or LU with row exchanges.
+    !> Factor a matrix: Cholesky, or LU with row exchanges.
     pure subroutine factor_anew(factor, matrix, accepted)
-        !> The factor
+        !> Factor
         type(updatable_factor), intent(inout) :: factor
-        !> The matrix; only the lower triangle is read if it is symmetric
+        !> Matrix, shape (k, k); only its lower triangle is read if it is symmetric
         real(wp), intent(in) :: matrix(:, :)
-        !> False if the matrix is singular to rounding
+        !> False if the matrix is numerically singular
         logical, intent(out) :: accepted
 
         integer :: k, i, info
@@ -208,9 +209,9 @@ contains
 
     !> Solve for several right-hand sides.
     pure subroutine solve_factored(factor, x)
-        !> The factor
+        !> Factor
         type(updatable_factor), intent(in) :: factor
-        !> Right-hand sides, then solutions, shape (order, any)
+        !> Right-hand sides, then solutions, shape (order, number of right-hand sides)
         real(wp), contiguous, intent(inout) :: x(:, :)
 
         if (factor%symmetric) then
@@ -223,10 +224,10 @@ contains
         end if
     end subroutine solve_factored
 
-    !> Lower bound of the condition number in the 1-norm: two steps of Hager's estimate from an
-    !> oscillating start, to which the inverse of a smooth kernel responds most.
+    !> Return a lower bound of the condition number in the 1-norm: two steps of Hager's estimator
+    !> from an oscillating start vector, to which the inverse of a smooth kernel responds most.
     pure function estimate_condition(factor, norm) result(condition)
-        !> The factor
+        !> Factor
         type(updatable_factor), intent(in) :: factor
         !> 1-norm of the matrix
         real(wp), intent(in) :: norm
@@ -242,7 +243,7 @@ contains
             x(i, 1) = merge(1.0_wp, -1.0_wp, mod(i, 2) == 1)*(1.0_wp + (i - 1.0_wp)/max(k - 1, 1))
         end do
         size_before = sum(abs(x))
-        ! Row exchanges change no norm of the inverse: the triangles are sufficient.
+        ! Row exchanges do not change the 1-norm of the inverse.
         if (factor%symmetric) then
             call solve_factored(factor, x)
             condition = sum(abs(x))/size_before

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 import flankload as fl
 from flankload.contact.body_record import body_records
 from flankload.contact.core_call import Level
-from flankload.contact.sweep import Sweep, sweep
+from flankload.contact.sweep import FlankContact, Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
@@ -53,17 +53,13 @@ class Job:
         self, count: int, torques_Nmm: Sequence[float], *, level: Level = "pairs"
     ) -> tuple[Sweep, ...]:
         """Positions of a period under torques."""
-        pair = self.bodies
-        return sweep(
-            (pair.body_1, pair.body_2),
-            compliances=self.compliances,
-            pairing=pair.pairing,
-            position_rad=self.positions(count),
-            torques_Nmm=torques_Nmm,
-            face_width_mm=self.scene.pair.face_width_mm,
-            grid=pair.discretization.grid,
-            level=level,
-        )
+        contact = self.contact(self.bodies.discretization.grid, level)
+        return sweep(contact, self.positions(count), torques_Nmm)
+
+    def contact(self, grid: Grid, level: Level = "pairs") -> FlankContact:
+        """Of both bodies, without friction."""
+        pair, width = self.bodies, self.scene.pair.face_width_mm
+        return FlankContact(pair.bodies, self.compliances, pair.pairing, width, grid, level)
 
 
 @dataclass(frozen=True)
@@ -115,8 +111,6 @@ def _numbers(job: Job, count: int, torque_Nmm: float, grid: Grid) -> NDArray[np.
     knobs = (grid.strips_per_half_width, grid.corner_strips_per_half_width, grid.zone_half_widths)
     head = [count, torque_Nmm, *knobs, pair.pairing.center_distance_mm]
     parts: list[Any] = [head, *pair.pairing.turns(job.positions(count))]
-    for record in body_records(
-        (pair.body_1, pair.body_2), job.compliances, pair.pairing, job.scene.pair.face_width_mm
-    ):
+    for record in body_records(job.contact(grid)):
         parts += [[record.size], record]
     return np.concatenate([np.ravel(part) for part in parts]).astype(float)

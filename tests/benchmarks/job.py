@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 import flankload as fl
-from flankload.contact.sweep import Sweep, sweep
+from flankload.contact.sweep import FlankContact, Sweep, sweep
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.paths import SCENES
@@ -66,13 +66,15 @@ def run() -> str:
 
     def positions() -> Sweep:
         (found,) = sweep(
-            bodies,
-            compliances=(compliances[0], compliances[1]),
-            pairing=pair.pairing,
-            position_rad=position_rad,
-            torques_Nmm=[302e3],
-            face_width_mm=14.0,
-            grid=pair.discretization.grid,
+            FlankContact(
+                bodies,
+                compliances=(compliances[0], compliances[1]),
+                pairing=pair.pairing,
+                face_width_mm=14.0,
+                grid=pair.discretization.grid,
+            ),
+            position_rad,
+            [302e3],
         )
         return found
 

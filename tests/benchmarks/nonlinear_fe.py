@@ -14,7 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 
 import flankload as fl
-from flankload.contact.sweep import sweep
+from flankload.contact.sweep import FlankContact, sweep
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.discretization import Grid
@@ -71,13 +71,15 @@ def flankload_positions(scene: fl.Scene, strips: float) -> tuple[float, float]:
     for _ in range(4):
         start = time.process_time()
         (found,) = sweep(
-            (pair.body_1, pair.body_2),
-            compliances=(compliances[0], compliances[1]),
-            pairing=pair.pairing,
-            position_rad=position_rad,
-            torques_Nmm=[1000.0 * scene.torques_Nm[0]],
-            face_width_mm=scene.pair.face_width_mm,
-            grid=Grid(strips_per_half_width=strips),
+            FlankContact(
+                (pair.body_1, pair.body_2),
+                compliances=(compliances[0], compliances[1]),
+                pairing=pair.pairing,
+                face_width_mm=scene.pair.face_width_mm,
+                grid=Grid(strips_per_half_width=strips),
+            ),
+            position_rad,
+            [1000.0 * scene.torques_Nm[0]],
         )
         times.append(time.process_time() - start)
     peak = float(found.site_peak_N_per_mm[0].max()) / scene.pair.face_width_mm

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 import flankload as fl
-from flankload.contact.sweep import Sweep, sweep
+from flankload.contact.sweep import FlankContact, Sweep, sweep
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -101,15 +101,17 @@ def measured(name: str) -> Measured:
 
     def positions() -> Sweep:
         (found,) = sweep(
-            (pair.body_1, pair.body_2),
-            compliances=compliances,
-            pairing=pair.pairing,
-            position_rad=np.radians(TWO_PAIRS),
-            torques_Nmm=[1000.0 * scene.torques_Nm[0]],
-            face_width_mm=scene.pair.face_width_mm,
-            grid=pair.discretization.grid,
-            level="lumped",
-            slices=pair.slices,
+            FlankContact(
+                (pair.body_1, pair.body_2),
+                compliances=compliances,
+                pairing=pair.pairing,
+                face_width_mm=scene.pair.face_width_mm,
+                grid=pair.discretization.grid,
+                level="lumped",
+                slices=pair.slices,
+            ),
+            np.radians(TWO_PAIRS),
+            [1000.0 * scene.torques_Nm[0]],
             keep_pairs=False,
             watched=False,
         )
@@ -117,7 +119,7 @@ def measured(name: str) -> Measured:
 
     of_bodies, compliances = shortest(bodies)
     of_positions, found = shortest(positions)
-    force = found.site_force_N if found.slice_force_N is None else found.slice_force_N
+    force = found.site_force_N if found.slices is None else found.slices.force_N
     return Measured(
         of_bodies,
         of_positions / TWO_PAIRS.size,

@@ -1,8 +1,8 @@
-!> Core times of the contact loop, of the paper's loop and of the practical limit L.
+!> Benchmark: times of the contact loop, of the paper's loop and of the practical limit L.
 !>
-!> Arguments are files with one problem each, written by tests/benchmarks/_core.py; one line of
-!> numbers is printed for each: n, pairs in contact, then shortest times [ms] in the order of the
-!> constants below. A way that fails, or ends with other forces, has the time -1.
+!> Each argument is a file with one problem, written by tests/benchmarks/_core.py. The program
+!> prints one line of numbers per problem: n, active pairs, then the shortest times [ms] in the
+!> order of the constants below, -1 for a method that fails or finds other forces.
 program bench_contact
     use, intrinsic :: iso_fortran_env, only: int64
     use flankload, only: wp, solve_contact_problem, contact_result, error_type, method_auto, &
@@ -15,9 +15,9 @@ program bench_contact
     use bench_paper, only: paper_dgesv
     implicit none
 
-    !> The limit; the loop without its certificate; with it, K known to be definite; with the proof
-    !> from the whole of K; one pair at a time; from the final pairs; the paper's loop with its kept
-    !> factor and as printed, both without a certificate.
+    !> Methods: the limit; the loop without its certificate; with it, K declared as definite; with
+    !> the proof of uniqueness from all of K; single pairs; from the final active set; the paper's
+    !> loop with an updated factor, and as printed, both without a certificate.
     integer, parameter :: way_limit = 1
     integer, parameter :: way_bare = 2
     integer, parameter :: way_auto = 3
@@ -28,31 +28,31 @@ program bench_contact
     integer, parameter :: way_dgesv = 8
     integer, parameter :: n_ways = 8
 
-    !> A problem and its solution
+    !> A problem and its solution.
     type :: bench_case
         !> K, and A of the paper, shape (n, n)
         real(wp), allocatable :: compliance(:, :)
         real(wp), allocatable :: influence(:, :)
-        !> g0, and ε of the paper, shape (n)
+        !> Gaps g0, and ε of the paper, shape (n)
         real(wp), allocatable :: gaps(:)
         real(wp), allocatable :: angles(:)
-        !> b and m, shape (n, 1)
+        !> Levers b and m, shape (n, 1)
         real(wp), allocatable :: levers(:, :)
         real(wp), allocatable :: row(:, :)
         real(wp) :: torque = 0.0_wp
-        !> What is known of K, with and without the word that it is definite
+        !> Structure of K, with and without the declaration that it is definite
         integer :: known = definite_matrix
         integer :: unknown = symmetric_matrix
-        !> Forces and pairs in contact
+        !> Forces and active pairs
         real(wp), allocatable :: forces(:)
         integer, allocatable :: pairs(:)
     end type bench_case
 
-    !> Every way is run so many times over, each time for at least this long [s]: what disturbs the
-    !> machine for a while then hits all ways and spoils none.
+    !> Number of rounds, and shortest time of a method in a round [s]: a disturbance of the machine
+    !> then affects all methods in some rounds only
     integer, parameter :: n_rounds = 5
     real(wp), parameter :: long_enough = 0.1_wp
-    !> Forces that differ by less, relative to the largest, are the same
+    !> Relative difference up to which forces are equal
     real(wp), parameter :: same = 1.0e-8_wp
     integer :: i
 
@@ -62,9 +62,9 @@ program bench_contact
 
 contains
 
-    !> Read the problem of one argument and solve it.
+    !> Read a problem from a file and solve it.
     function read_case(argument) result(case)
-        !> Number of the argument
+        !> Number of the command argument
         integer, intent(in) :: argument
         type(bench_case) :: case
 
@@ -95,9 +95,9 @@ contains
         case%pairs = state%active_pairs
     end function read_case
 
-    !> Print one line.
+    !> Measure all methods and print one line.
     subroutine measure(case)
-        !> The problem
+        !> Problem
         type(bench_case), intent(in) :: case
 
         integer :: round, way
@@ -112,9 +112,9 @@ contains
         print '(2(i0, 1x), *(es12.5, 1x))', size(case%gaps), size(case%pairs), best
     end subroutine measure
 
-    !> Shortest time of one way in one round [ms].
+    !> Return the shortest time of a method in one round [ms].
     function shortest_time(case, way) result(best)
-        !> The problem and the way
+        !> Problem, and number of the method
         type(bench_case), intent(in) :: case
         integer, intent(in) :: way
         real(wp) :: best
@@ -137,12 +137,12 @@ contains
         best = merge(1.0e3_wp*best, -1.0_wp, right)
     end function shortest_time
 
-    !> Solve a problem in one way.
+    !> Solve a problem by one method.
     subroutine go(case, way, right)
-        !> The problem and the way
+        !> Problem, and number of the method
         type(bench_case), intent(in) :: case
         integer, intent(in) :: way
-        !> The answer is that of the case
+        !> True if the forces are those of the case
         logical, intent(out) :: right
 
         real(wp), allocatable :: found(:)
@@ -168,12 +168,12 @@ contains
         if (right) right = all(abs(found - case%forces) <= same*maxval(case%forces))
     end subroutine go
 
-    !> The loop as it is called, with its certificate.
+    !> Solve with the certificate, as callers do.
     subroutine go_certified(case, way, found)
-        !> The problem and the way
+        !> Problem, and number of the method
         type(bench_case), intent(in) :: case
         integer, intent(in) :: way
-        !> Its forces
+        !> Forces [N], shape (n)
         real(wp), allocatable, intent(out) :: found(:)
 
         type(contact_result) :: state
@@ -188,12 +188,12 @@ contains
         if (.not. allocated(error)) call move_alloc(state%forces, found)
     end subroutine go_certified
 
-    !> A loop alone: the problem scaled, the loop, its forces.
+    !> Solve by a loop alone, without a certificate.
     subroutine go_bare(case, way, found)
-        !> The problem and the way
+        !> Problem, and number of the method
         type(bench_case), intent(in) :: case
         integer, intent(in) :: way
-        !> Its forces
+        !> Forces [N], shape (n)
         real(wp), allocatable, intent(out) :: found(:)
 
         type(contact_problem) :: problem
@@ -212,7 +212,7 @@ contains
         if (.not. allocated(error)) found = problem%load_scale*problem%row_scale*state%forces
     end subroutine go_bare
 
-    !> Wall time [s].
+    !> Return the wall time [s].
     function seconds() result(now)
         real(wp) :: now
 

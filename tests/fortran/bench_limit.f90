@@ -1,4 +1,4 @@
-!> The practical limit L: what the final state alone costs when its pairs are known.
+!> Practical limit L: the cost of the final state for a known active set.
 module bench_limit
     use flankload, only: wp
     use flankload_lapack, only: potrf, getrf, permute_rows, solve_triangle, add_product
@@ -9,25 +9,25 @@ module bench_limit
 
 contains
 
-    !> One factorisation of the pairs in contact (Cholesky, with friction LU), two right-hand sides,
-    !> one check of all gaps.
+    !> Compute the final gaps with one factorization of the active pairs (Cholesky, LU with
+    !> friction), two right-hand sides and one product for all gaps.
     pure subroutine limit_gaps(compliance, gaps, levers, row, torque, symmetric, pairs, final, info)
-        !> K [mm/N], shape (n, n)
+        !> Compliance matrix K [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: compliance(:, :)
-        !> g0 [mm], shape (n)
+        !> Gaps g0 [mm], shape (n)
         real(wp), intent(in) :: gaps(:)
-        !> b and m [mm], shape (n)
+        !> Levers b and m [mm], shape (n)
         real(wp), intent(in) :: levers(:)
         real(wp), intent(in) :: row(:)
-        !> M [N mm]
+        !> Torque M [N mm]
         real(wp), intent(in) :: torque
-        !> K is symmetric
+        !> True if K is symmetric
         logical, intent(in) :: symmetric
-        !> The pairs, a run of neighbours
+        !> Active pairs, consecutive
         integer, intent(in) :: pairs(:)
         !> Final gaps [mm], shape (n)
         real(wp), allocatable, intent(out) :: final(:)
-        !> Not zero: no factor
+        !> Nonzero if the factorization fails
         integer, intent(out) :: info
 
         integer :: k, first, last

@@ -1,4 +1,4 @@
-!> The paper's growing loop as printed: (32) assembled and solved anew at every step.
+!> Growing loop of the paper as printed: Eq. (32) is assembled and solved again at every step.
 module bench_paper
     use flankload, only: wp
     use flankload_lapack, only: add_product
@@ -19,22 +19,22 @@ module bench_paper
 
 contains
 
-    !> Run the loop of Fig. 6, (34) with Σ a_ij F_j and the least gap angle subtracted first.
+    !> Run the loop of Fig. 6, with Σ a_ij F_j in Eq. (34) and the least gap angle subtracted first.
     pure subroutine paper_dgesv(influence, angles, row, torque, forces, info)
-        !> A [rad/N], shape (n, n)
+        !> Flexibility matrix A [rad/N], shape (n, n)
         real(wp), contiguous, intent(in) :: influence(:, :)
-        !> ε [rad], shape (n)
+        !> Gap angles ε [rad], shape (n)
         real(wp), intent(in) :: angles(:)
-        !> m [mm], shape (n)
+        !> Torque levers m [mm], shape (n)
         real(wp), intent(in) :: row(:)
-        !> M [N mm]
+        !> Torque M [N mm]
         real(wp), intent(in) :: torque
-        !> F [N], shape (n)
+        !> Forces F [N], shape (n)
         real(wp), allocatable, intent(out) :: forces(:)
-        !> Not zero: the equations are singular
+        !> Nonzero if the equations are singular
         integer, intent(out) :: info
 
-        !> What rounding leaves of a closed gap, relative to the largest Σ a_ij F_j
+        !> Rounding error of a closed gap, relative to the largest Σ a_ij F_j
         real(wp), parameter :: closed = 1.0e-12_wp
         integer :: k, j, n, first, swaps(size(angles)), pairs(size(angles))
         real(wp) :: start(size(angles)), recession(size(angles)), final(size(angles))

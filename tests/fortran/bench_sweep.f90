@@ -1,8 +1,8 @@
-!> Where the time of a position goes: its stages one by one, and the whole.
+!> Benchmark: times of the stages of a position, and of the whole position.
 !>
-!> Arguments are files with one sweep each, written by tests/benchmarks/_sweep_core.py; one line of
-!> numbers is printed for each: pairs and pairs in contact of a position on average, then shortest
-!> times per position [ms] in the order of the constants below.
+!> Each argument is a file with one sweep, written by tests/benchmarks/_sweep_core.py. The program
+!> prints one line of numbers per sweep: mean numbers of pairs and of active pairs of a position,
+!> then the shortest times per position [ms] in the order of the constants below.
 program bench_sweep
     use, intrinsic :: iso_fortran_env, only: int64
     use flankload, only: wp, body_type, contact_result, definite_matrix, error_type, &
@@ -17,9 +17,9 @@ program bench_sweep
     use flankload_recorded_body, only: read_body
     implicit none
 
-    !> Zones; lumped level; cells and pairs; influence numbers; the loop as a position calls it; all
-    !> of that in the one call of a sweep. Then the loop begun cold, with the very pairs of its
-    !> state, and without the proof that no other state exists.
+    !> Stages: zones; lumped contact; cells and pairs; influence coefficients; contact loop as
+    !> called by a position; all of these in one call of a sweep. Then the loop from a cold start,
+    !> from its final active set, and without the proof of uniqueness.
     integer, parameter :: way_zones = 1
     integer, parameter :: way_lumped = 2
     integer, parameter :: way_pairs = 3
@@ -31,17 +31,17 @@ program bench_sweep
     integer, parameter :: way_trusted = 9
     integer, parameter :: n_ways = 9
 
-    !> A sweep under one torque
+    !> A sweep under one torque.
     type :: bench_case
         type(body_type) :: bodies(2)
         type(grid_settings) :: settings
-        !> Turns of the bodies [rad], shape (positions, 2), and torque on body 1 [N mm]
+        !> Angles of the bodies [rad], shape (positions, 2), and torque on body 1 [N mm]
         real(wp), allocatable :: angles(:, :)
         real(wp) :: torque = 0.0_wp
     end type bench_case
 
-    !> What disturbs the machine spoils few of so many rounds: the shortest time of each position
-    !> counts.
+    !> Number of rounds; the shortest time of each position counts, since disturbances affect few
+    !> rounds.
     integer, parameter :: n_rounds = 7
     integer :: i
 
@@ -51,9 +51,9 @@ program bench_sweep
 
 contains
 
-    !> Read the sweep of one argument: numbers alone, all of them real.
+    !> Read a sweep from a file of real numbers.
     function read_case(argument) result(case)
-        !> Number of the argument
+        !> Number of the command argument
         integer, intent(in) :: argument
         type(bench_case) :: case
 
@@ -82,9 +82,9 @@ contains
 
     !> Read the record of one body.
     subroutine read_one(unit, body)
-        !> The file
+        !> Unit of the file
         integer, intent(in) :: unit
-        !> The body
+        !> Body
         type(body_type), intent(out) :: body
 
         real(wp) :: length
@@ -98,9 +98,9 @@ contains
         if (.not. valid) error stop 3
     end subroutine read_one
 
-    !> Print one line.
+    !> Measure a sweep and print one line.
     subroutine measure(case)
-        !> The sweep
+        !> Sweep
         type(bench_case), intent(in) :: case
 
         integer :: round, k
@@ -121,13 +121,13 @@ contains
 
     !> Add the times of one position.
     subroutine take_position(case, angles, times, pairs)
-        !> The sweep
+        !> Sweep
         type(bench_case), intent(in) :: case
-        !> Turns of the bodies
+        !> Angles of the bodies [rad]
         real(wp), intent(in) :: angles(2)
-        !> Seconds of each way
+        !> Times of the stages [s]
         real(wp), intent(inout) :: times(n_ways)
-        !> Pairs, and pairs in contact
+        !> Number of pairs, and of active pairs
         real(wp), intent(inout) :: pairs(2)
 
         type(position_type) :: position
@@ -182,18 +182,18 @@ contains
 
     !> Run the contact loop and add its time.
     subroutine solve(laid, matrix, torque, structure, begin, state, clock, time)
-        !> The pairs and their influence numbers
+        !> Pairs, and their influence coefficients
         type(pairs_type), intent(in) :: laid
         real(wp), contiguous, intent(in) :: matrix(:, :)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> What is known of K
+        !> Structure of K
         integer, intent(in) :: structure
-        !> Pairs to begin with
+        !> Pairs of the warm start
         integer, intent(in) :: begin(:)
-        !> The state
+        !> Contact state
         type(contact_result), intent(out) :: state
-        !> Clock at the start, then now, and what it adds to
+        !> Start time, then current time [s], and the time to which the difference is added [s]
         real(wp), intent(inout) :: clock
         real(wp), intent(inout) :: time
 
@@ -208,11 +208,11 @@ contains
         call lap(clock, time)
     end subroutine solve
 
-    !> Add what has passed since the clock was looked at.
+    !> Add the time since the last call.
     subroutine lap(clock, time)
-        !> Clock then and now
+        !> Time of the last call, then current time [s]
         real(wp), intent(inout) :: clock
-        !> What is added to
+        !> Time to which the difference is added [s]
         real(wp), intent(inout) :: time
 
         real(wp) :: now
@@ -222,7 +222,7 @@ contains
         clock = seconds()
     end subroutine lap
 
-    !> Seconds of a clock that runs on.
+    !> Return the wall time [s].
     function seconds() result(now)
         real(wp) :: now
 

@@ -1,4 +1,4 @@
-!> Tests of cells in slices without Python: stops with an error where one fails.
+!> Tests of cells in slices without Python; a failed test stops the program with an error.
 program test_cells
     use, intrinsic :: iso_fortran_env, only: real128
     use flankload, only: wp, slices_type
@@ -11,9 +11,9 @@ program test_cells
     use flankload_tangential_potential, only: rectangle_field
     implicit none
 
-    !> Identities hold to rounding; cancellation of the closed form grows with the distance.
+    !> Tolerance of identities; cancellation in the closed form grows with the distance.
     real(wp), parameter :: round_off = 100.0_wp*epsilon(1.0_wp), cancelled = 1.0e-11_wp
-    !> Midpoint rules of many points; moments far away.
+    !> Tolerances of midpoint rules with many points, and of far-field moments
     real(wp), parameter :: quadrature = 1.0e-5_wp, by_moments = 4.0e-6_wp
 
     call test_potential_in_more_digits
@@ -28,7 +28,7 @@ program test_cells
 
 contains
 
-    !> The potential near and far against its closed form in 34 digits, which has no far form.
+    !> Near and far potentials agree with the closed form in 34 digits, which needs no far form.
     subroutine test_potential_in_more_digits
         real(wp), parameter :: across(7) = [0.0_wp, 0.02_wp, -0.02_wp, 0.5_wp, 1.7_wp, 3.0_wp, &
             & 30.0_wp]
@@ -50,7 +50,7 @@ contains
         end do
     end subroutine test_potential_in_more_digits
 
-    !> The closed form in 34 digits.
+    !> Return the closed form in 34 digits.
     function exact_potential(across, along, width, length, other) result(potential)
         !> Distances, width and lengths
         real(wp), intent(in) :: across
@@ -76,7 +76,7 @@ contains
         potential = real(total/(real(width, real128)*length*other), wp)
     end function exact_potential
 
-    !> 1/r, integrated once over x and twice over y.
+    !> Return the integral of 1/r, once over x and twice over y.
     function integrated(x, y) result(value)
         !> Coordinates
         real(real128), intent(in) :: x
@@ -88,7 +88,8 @@ contains
             & + x*y*asinh(y/abs(x)) + 0.5_real128*y**2*asinh(x/abs(y))
     end function integrated
 
-    !> The mean along a rectangle of Love's displacements beside and within the loaded one.
+    !> The closed form is the mean over a rectangle of Love's displacements, beside and within the
+    !> loaded rectangle.
     subroutine test_mean_of_love
         integer, parameter :: n = 4000
         real(wp), parameter :: a = 0.1_wp, b = 0.3_wp, other = 0.5_wp
@@ -112,7 +113,7 @@ contains
         end do
     end subroutine test_mean_of_love
 
-    !> x asinh(y/|x|) + y asinh(x/|y|).
+    !> Return x asinh(y/|x|) + y asinh(x/|y|).
     function love(x, y) result(value)
         !> Coordinates
         real(wp), intent(in) :: x
@@ -124,7 +125,7 @@ contains
         if (abs(y) > 0.0_wp) value = value + y*asinh(x/abs(y))
     end function love
 
-    !> A long cell displaces as a strip of the plane.
+    !> A long cell has the displacements of a strip in plane strain.
     subroutine test_strip_of_the_plane
         real(wp), parameter :: length = 1.0e6_wp, width = 0.2_wp
         real(wp), parameter :: across(4) = [0.0_wp, 0.1_wp, 0.3_wp, 5.0_wp]
@@ -137,7 +138,7 @@ contains
         end do
     end subroutine test_strip_of_the_plane
 
-    !> A row of neighbours has the values of each, whichever of them are near.
+    !> A row of neighbours has the values of its single cells, near and far.
     subroutine test_row_of_potentials
         integer, parameter :: n = 200
         real(wp), parameter :: steps(2) = [0.05_wp, -0.05_wp], along(3) = [0.0_wp, 1.5_wp, 9.0_wp]
@@ -158,8 +159,8 @@ contains
         end do
     end subroutine test_row_of_potentials
 
-    !> Uneven slices, cells of several widths, modes, images and shafts: symmetric to the last bit,
-    !> and without modes definite.
+    !> K is symmetric to the last bit for uneven slices, several cell widths, modes, images and
+    !> shafts; without modes it is definite.
     subroutine test_matrix_is_symmetric_and_definite
         integer :: i, j
         real(wp), allocatable :: matrix(:, :)
@@ -184,7 +185,7 @@ contains
         end do
     end subroutine test_matrix_is_symmetric_and_definite
 
-    !> Tables of slices have the values of single cells; modes those of single places; shafts.
+    !> Entries of K agree with single cells (tables), single points (modes) and shafts.
     subroutine test_entries_by_hand
         integer :: i, j, k, e
         real(wp) :: wanted, x, away, rigid, along
@@ -230,7 +231,7 @@ contains
     end subroutine test_entries_by_hand
 
     !> Each column has the friction of its own pair: modes, images behind corners, and half-spaces
-    !> of which one moves out of the material where the other one moves inwards.
+    !> whose tangential displacements have opposite signs.
     subroutine test_friction_by_hand
         integer :: i, j, k
         real(wp) :: wanted, x, away
@@ -275,9 +276,9 @@ contains
         end do
     end subroutine test_friction_by_hand
 
-    !> Both half-spaces, of the strength 2.
+    !> Return the displacement of both half-spaces, of strength 2.
     function between(one, other, across, distance, cells) result(potential)
-        !> The slices
+        !> Indices of the slices
         type(segment_type), intent(in) :: one
         type(segment_type), intent(in) :: other
         !> Distances, and widths of both cells
@@ -290,7 +291,7 @@ contains
             & other%length)
     end function between
 
-    !> Beside an end of strength 1 cells move as if the mirrored half were loaded, too.
+    !> Beside an end face of strength 1, cells move as if the mirrored half were loaded too.
     subroutine test_end_faces_mirror_cells
         integer :: i, n
         real(wp) :: half(6, 6), whole(12, 12)
@@ -328,13 +329,13 @@ contains
             & < 1.0e-10_wp*whole(1, 1)), 'mirror')
     end subroutine test_end_faces_mirror_cells
 
-    !> K of the cells below, with a shaft of one component.
+    !> Return K of the cells below, with a shaft of one component.
     function matrix_of(bodies, compliance, rubs) result(matrix)
-        !> The bodies
+        !> Bodies
         type(compliance_type), intent(in) :: bodies(2)
         !> Compliance of the shaft
         real(wp), intent(in) :: compliance
-        !> Whether cells have friction
+        !> True for cells with friction
         logical, intent(in), optional :: rubs
         real(wp), allocatable :: matrix(:, :)
 
@@ -352,7 +353,8 @@ contains
             & compliance*rigid, matrix)
     end function matrix_of
 
-    !> Two flanks of four uneven slices, one of them without cells; cells of one width in some.
+    !> Set up two flanks of four uneven slices, one of them without cells; some slices have cells of
+    !> one width.
     subroutine cells_of(slices, segments, pairs)
         !> Slices, contact lines and cells
         type(slices_type), intent(out) :: slices
@@ -378,7 +380,7 @@ contains
                 pairs%zone(pairs%n) = z
                 pairs%cell_1(pairs%n) = width(z)
                 pairs%s_1(pairs%n) = segments(z)%s(1) + (k - 3)*width(z)
-                ! finer towards greater arc length
+                ! Finer towards greater arc lengths
                 if (z == 7) pairs%cell_1(pairs%n) = width(z)/k
                 if (z == 7) pairs%s_1(pairs%n) = segments(z)%s(1) + 0.25_wp*k - 0.02_wp*k**2
                 pairs%s_2(pairs%n) = 5.0_wp - pairs%s_1(pairs%n)
@@ -386,9 +388,9 @@ contains
         end do
     end subroutine cells_of
 
-    !> A body with 2 x 3 modes, an end of strength and a corner.
+    !> Return a body with 2 x 3 modes, the strength of an end face, and a corner.
     function body_of(random) result(body)
-        !> Whether its modes yield, at random
+        !> True for random modes, false for modes without displacement
         logical, intent(in) :: random
         type(compliance_type) :: body
 
@@ -413,11 +415,11 @@ contains
         body%smooth(:, :, 3) = transpose(numbers)
     end function body_of
 
-    !> Stop with words where something is false.
+    !> Stop with a message if a condition is false.
     subroutine expect(holds, what)
-        !> What must be true
+        !> Condition
         logical, intent(in) :: holds
-        !> Its words
+        !> Message
         character(len=*), intent(in) :: what
 
         if (.not. holds) then

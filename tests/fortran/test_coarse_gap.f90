@@ -1,5 +1,6 @@
-!> The bound of the gap by which slices are chosen that are searched: no zone of random involute
-!> flanks, with sharp and with rounded tips, has a smaller gap. Stops with an error where one has.
+!> Test of the lower bound of the gap by which slices are selected: no zone of random involute
+!> flanks with sharp or rounded tips has a smaller gap. A failed test stops the program with an
+!> error.
 program test_coarse_gap
     use flankload, only: wp
     use flankload_coarse_gap, only: coarse_gap
@@ -10,7 +11,7 @@ program test_coarse_gap
 
     integer, parameter :: n_pairs = 40, n_places = 60
     real(wp), parameter :: half_turn = acos(-1.0_wp)
-    !> Several times what loads close [rad]
+    !> Several times the gap that loads close [rad]
     real(wp), parameter :: leaning = 0.02_wp
     integer :: i, k, n_zones, n_seen, n_far
     real(wp) :: bases(2), rounding(2), distance, bound, least, turn, draws(8)
@@ -30,7 +31,7 @@ program test_coarse_gap
         bases = 20.0_wp + 60.0_wp*draws(:2)
         rounding = merge(0.0_wp, 0.2_wp + 0.3_wp*draws(3:4), modulo(i, 2) == 0)
         distance = sum(bases)/cos(0.3_wp + 0.15_wp*draws(5))
-        ! from near the base circle, or from higher up as on a tooth with a large fillet
+        ! From near the base circle, or from a greater radius as on a tooth with a large fillet
         flank_1 = new_flank(involute(bases(1), 0.04_wp + 0.2_wp*draws(6), 0.72_wp, rounding(1)))
         flank_2 = new_flank(involute(bases(2), 0.04_wp + 0.2_wp*draws(7), 0.72_wp, rounding(2)))
         do k = 1, n_places
@@ -49,9 +50,9 @@ program test_coarse_gap
             end if
             n_seen = n_seen + n_zones
             least = minval(zones(:n_zones)%gap_angle)
-            ! farther flanks lean over and stand off their polygons a little more
+            ! Flanks that are further apart are more inclined, and their polygons less accurate.
             if (least < min(bound, leaning)) call stop_with('a zone below the bound')
-            ! searches are saved only if the bound is near the gap
+            ! The bound saves searches only if it is close to the gap.
             if (min(least, leaning) > bound + 0.3_wp/bases(1)) then
                 call stop_with('a bound far from the gap')
             end if
@@ -62,14 +63,14 @@ program test_coarse_gap
 
 contains
 
-    !> An involute between two roll angles with a rounded or sharp tip.
+    !> Return an involute between two roll angles with a rounded or sharp tip.
     function involute(base, first, last, radius) result(curve)
         !> Radius of the base circle [mm]
         real(wp), intent(in) :: base
         !> Roll angles [rad]
         real(wp), intent(in) :: first
         real(wp), intent(in) :: last
-        !> Radius of the rounding [mm]; 0: a sharp tip
+        !> Radius of the rounding [mm]; 0 for a sharp tip
         real(wp), intent(in) :: radius
         type(flank_curve_type) :: curve
 
@@ -82,7 +83,7 @@ contains
 
         do j = 0, n_flank
             t = first + (last - first)*j/n_flank
-            ! arc lengths grow from the root to the tip, with the material on the right
+            ! Arc length increases from root to tip, with the material on the right.
             point(:, j) = base*[cos(t) + t*sin(t), t*cos(t) - sin(t)]
             tangent(:, j) = [cos(t), -sin(t)]
             s(j) = 0.5_wp*base*(t**2 - first**2)
@@ -112,9 +113,9 @@ contains
         curve = new_flank_curve(s(:n), c(:, :, :n), corners(:n))
     end function involute
 
-    !> Stop with words.
+    !> Stop with a message.
     subroutine stop_with(what)
-        !> The words
+        !> Message
         character(len=*), intent(in) :: what
 
         print '(2a, 2es24.16)', 'failed: ', what, minval(zones(:n_zones)%gap_angle), bound

@@ -1,4 +1,4 @@
-!> Tests of the core without Python: stops with an error where one fails.
+!> Tests of the core without Python; a failed test stops the program with an error.
 program test_core
     use, intrinsic :: iso_fortran_env, only: real128
     use flankload, only: wp, version_number, solve_contact_problem, contact_result, error_type, &
@@ -26,7 +26,7 @@ program test_core
     use flankload_bordered_solution, only: solve_bordered, invert
     implicit none
 
-    !> Identities hold to rounding.
+    !> Tolerance of identities
     real(wp), parameter :: round_off = 100.0_wp*epsilon(1.0_wp)
     integer, parameter :: n = 24
     integer :: seed_size
@@ -70,7 +70,7 @@ program test_core
 
 contains
 
-    !> Tables are read between nodes by what these have, and beyond the last one as there.
+    !> Tables are interpolated between nodes, and constant beyond the last node.
     subroutine test_tables_between_nodes
         integer, parameter :: nodes = 6, places = 4
         real(wp), parameter :: s(places) = [0.3_wp, 2.5_wp, 4.2_wp, 6.0_wp]
@@ -112,7 +112,8 @@ contains
         end do
     end subroutine test_tables_between_nodes
 
-    !> Places of every interval and beyond both ends, the first interval of a flank too.
+    !> Points in every interval and beyond both ends are located, in the first interval of a flank
+    !> too.
     subroutine test_place_before_the_second_point
         real(wp), parameter :: points(4) = [1.0_wp, 2.0_wp, 4.0_wp, 5.0_wp]
         real(wp), parameter :: s(7) = &
@@ -132,7 +133,7 @@ contains
         call expect(place%point == 1, 'a place between the only two points')
     end subroutine test_place_before_the_second_point
 
-    !> A cell on nodes ends half-way to the next node, also where nodes are unevenly spaced.
+    !> A cell on a node ends half-way to the next node, for uneven spacing too.
     subroutine test_cells_of_uneven_nodes
         real(wp), parameter :: nodes(6) = [0.0_wp, 1.0_wp, 3.0_wp, 4.0_wp, 8.0_wp, 9.0_wp]
         type(zone_type) :: zone
@@ -154,7 +155,7 @@ contains
             & 'ends of the cells of a part of a zone')
     end subroutine test_cells_of_uneven_nodes
 
-    !> The slope of the mean sign of sliding is that of its differences by u = v_0/(|v'| h).
+    !> The derivative of the mean sign of sliding agrees with differences by u = v_0/(|v'| h).
     subroutine test_slope_of_the_mean_sign
         real(wp), parameter :: step = 1.0e-5_wp
         real(wp), parameter :: u(6) = [-0.95_wp, -0.6_wp, -0.1_wp, 0.0_wp, 0.4_wp, 0.9_wp]
@@ -175,8 +176,8 @@ contains
             & 'one sign over a whole contact')
     end subroutine test_slope_of_the_mean_sign
 
-    !> b - mu sigma sign(P x n) P x t has the sense of the torque's lever |P x n|, whichever way n
-    !> turns about O1.
+    !> b - μσ sign(P×n) P×t has the sign of the torque lever |P×n| for both directions of n about
+    !> O1.
     subroutine test_lever_of_friction
         real(wp), parameter :: point(2) = [3.0_wp, 1.0_wp]
         real(wp), parameter :: normal(2, 2) = reshape([0.6_wp, 0.8_wp, 0.6_wp, -0.8_wp], [2, 2])
@@ -184,7 +185,7 @@ contains
         integer :: k
 
         do k = 1, 2
-            ! t to the right of n, as n is t turned to the left
+            ! t points to the right of n, since n is t rotated to the left.
             along = point(1)*(-normal(1, k)) - point(2)*normal(2, k)
             wanted = -along*merge(1.0_wp, -1.0_wp, k == 1)
             call expect(abs(friction_lever(point, normal(:, k)) - wanted) <= round_off, &
@@ -192,8 +193,8 @@ contains
         end do
     end subroutine test_lever_of_friction
 
-    !> A straight flank pushed by a force, whatever its size: where its line then cuts a circle is
-    !> known, and so is the line through the angles of all steps.
+    !> A straight flank displaced by a force of any size: the intersection with a circle is known in
+    !> closed form, and so is the line through the angles of all steps.
     subroutine test_flank_pushed_far
         integer, parameter :: points = 9, steps = 7
         real(wp), parameter :: from(2) = [20.0_wp, 1.0_wp], along(2) = [0.8_wp, 0.6_wp]
@@ -209,7 +210,7 @@ contains
             do step = 1, steps
                 part = force*step/steps
                 associate (moved => from + part*push)
-                    ! moved + reach*along on the circle of the point
+                    ! moved + reach*along is on the circle of the point.
                     reach = sqrt(dot_product(moved, along)**2 - dot_product(moved, moved) &
                         & + dot_product(line(:, i), line(:, i))) - dot_product(moved, along)
                     angles = angles + part*(atan2(moved(2) + reach*along(2), &
@@ -217,7 +218,7 @@ contains
                 end associate
                 squares = squares + part**2
             end do
-            ! of a small force: push.n/(P.t), with the normal (-t_y, t_x)
+            ! Small force: push·n/(P·t), with the normal (-t_y, t_x)
             expected = angles/squares - (push(2)*along(1) - push(1)*along(2)) &
                 & /dot_product(line(:, i), along)
             call expect(abs(found(i) - expected) <= 1.0e4_wp*epsilon(1.0_wp), 'a flank pushed far')
@@ -225,7 +226,7 @@ contains
         end do
     end subroutine test_flank_pushed_far
 
-    !> A flank along the radii moved across these as if it turned: by atan of what it would turn by.
+    !> A radial flank displaced tangentially rotates by atan of the linear angle.
     subroutine test_flank_turned_far
         integer, parameter :: points = 5
         real(wp), parameter :: force = 0.1_wp
@@ -241,8 +242,8 @@ contains
         call expect(all(abs(found - expected) <= 1.0e4_wp*epsilon(1.0_wp)), 'a flank turned far')
     end subroutine test_flank_turned_far
 
-    !> As the force goes to 0 nothing is left, on bent flanks and at their ends too, and what there
-    !> is grows evenly with the force.
+    !> The departure from linearity vanishes with the force, on curved flanks and at their ends too,
+    !> and is proportional to a small force.
     subroutine test_small_forces_depart_little
         integer, parameter :: points = 6
         real(wp) :: flank(2, points), moves(2, points), large(points), small(points)
@@ -261,8 +262,8 @@ contains
             & 'they depart in proportion')
     end subroutine test_small_forces_depart_little
 
-    !> The mean over a strip is that of many narrow parts of it, the same from both sides, and goes
-    !> over smoothly to what stands for it far away.
+    !> The mean over a strip agrees with many narrow parts, is the same from both sides, and changes
+    !> smoothly to its far-field approximation.
     subroutine test_mean_over_a_strip
         integer, parameter :: parts = 20000
         real(wp), parameter :: widths(2) = [0.4_wp, 0.03_wp], kernel = 1.7_wp
@@ -287,7 +288,8 @@ contains
         call expect(abs(near - far) <= 2.0e-6_wp*kernel, 'mean of a strip far away')
     end subroutine test_mean_over_a_strip
 
-    !> Displacement under a strip, in twice the working precision: no digits are lost far away.
+    !> Return the displacement under a strip in twice the working precision, accurate at any
+    !> distance.
     pure function exact_strip(distance, cell, kernel) result(displacement)
         !> Distance and width [mm], strength of the logarithm [mm/N]
         real(wp), intent(in) :: distance
@@ -303,7 +305,7 @@ contains
             & wp)
     end function exact_strip
 
-    !> The closed form near a strip and the sum far from it have all their digits.
+    !> The closed form near a strip and the sum far from it are accurate to all digits.
     subroutine test_strip_near_and_far
         real(wp), parameter :: places(6) = [0.0_wp, 0.1_wp, 1.19_wp, 1.21_wp, 2.7_wp, 40.0_wp]
         real(wp), parameter :: cell = 0.3_wp, kernel = 1.7_wp
@@ -317,14 +319,14 @@ contains
         end do
     end subroutine test_strip_near_and_far
 
-    !> Cells that are even, nearly even (run up or down) or neither move each other as strips of
-    !> their mean width, and so do their mirror images behind corners at both ends, near and far;
-    !> only the lower triangle is added to.
+    !> Cells of equal, nearly equal (increasing or decreasing) and different widths displace each
+    !> other as strips of their mean width, and so do their images behind corners at both ends, near
+    !> and far; only the lower triangle is changed.
     subroutine test_near_field_of_cells
         real(wp), parameter :: kernel = 1.7_wp, growth(3) = [1.0_wp, 1.004_wp, 1.05_wp]
         real(wp), parameter :: wedge(2) = [0.3_wp, 0.9_wp], away(3) = [0.0_wp, 0.3_wp, 3.0_wp]
         integer, parameter :: first = 3
-        !> Far images of nearly even cells have the derivatives of a logarithm
+        !> Far images of nearly equal cells have derivatives of a logarithm
         real(wp), parameter :: series = 1.0e-7_wp
         real(wp) :: s(n), cell(n), matrix(n + first, n + first), plain(n + first, n + first)
         real(wp) :: wanted, mean, slack
@@ -337,7 +339,7 @@ contains
                 k = 1 + (way - 1)/size(growth)
                 cell = [(0.02_wp*growth(1 + modulo(way - 1, size(growth)))**i, i=1, n)]
                 s = [(2.0_wp + sense*(sum(cell(:i)) - 0.5_wp*cell(i)), i=1, n)]
-                ! the first or the last cell ends in the corner, or some way before it
+                ! The first or the last cell ends at the corner or before it.
                 body%s_low = minval(s - 0.5_wp*cell) - away(k)
                 body%s_high = maxval(s + 0.5_wp*cell) + away(k)
                 body%wedge = 0.0_wp
@@ -367,7 +369,8 @@ contains
         end do
     end subroutine test_near_field_of_cells
 
-    !> Narrow strips on a closed flank move each other by the logarithm of the chord, near and far.
+    !> Narrow strips on a closed flank displace each other by the logarithm of the chord, near and
+    !> far.
     subroutine test_strips_of_a_closed_flank
         real(wp), parameter :: pi = acos(-1.0_wp), length = 30.0_wp, kernel = 1.7_wp
         real(wp), parameter :: parts(4) = [0.002_wp, 0.1_wp, 0.25_wp, 0.45_wp], cell = 1.0e-5_wp
@@ -383,7 +386,7 @@ contains
         end do
     end subroutine test_strips_of_a_closed_flank
 
-    !> A contact that reaches further up flank 1 is nearer to the upper end of flank 1, and further
+    !> A contact that extends further up flank 1 is nearer to the upper end of flank 1, and further
     !> from that of flank 2, which runs down.
     subroutine test_image_of_a_contact_beside_its_place
         type(compliance_type) :: body
@@ -402,7 +405,7 @@ contains
         end do
     end subroutine test_image_of_a_contact_beside_its_place
 
-    !> Over a strip that is loaded along the flank the displacement changes linearly.
+    !> Over a strip that is loaded along the flank, the displacement is linear.
     subroutine test_jump_over_a_strip
         real(wp), parameter :: cell = 0.2_wp, jump = 3.0_wp
         real(wp), parameter :: places(5) = [-0.3_wp, -0.05_wp, 0.0_wp, 0.025_wp, 0.1_wp]
@@ -412,8 +415,8 @@ contains
             & 'the jump over a strip')
     end subroutine test_jump_over_a_strip
 
-    !> The modes of a tip follow the direction of the force: it does the same on both sides of a
-    !> chamfer's corner, and on a rounding as where the normal has this direction.
+    !> Modes of a tip depend on the direction of the force: on both sides of the corner of a
+    !> chamfer, and on a rounding as at the point with that normal.
     subroutine test_modes_of_a_tip
         real(wp), parameter :: little = 1.0e-9_wp, angle = 0.5_wp, part = 0.2_wp
         type(compliance_type) :: body
@@ -440,8 +443,8 @@ contains
             & < round_off), 'middle of a rounding')
     end subroutine test_modes_of_a_tip
 
-    !> Loads without a resultant take up work in the near field of a sharp corner, whatever the
-    !> widths of their cells: all pivots of K projected on them are positive.
+    !> Loads without a resultant do positive work in the near field of a sharp corner for any cell
+    !> widths: all pivots of the projected K are positive.
     subroutine test_images_take_up_work
         real(wp), parameter :: growth(3) = [1.0_wp, 1.004_wp, 1.3_wp]
         real(wp) :: s(n), cell(n), matrix(n, n)
@@ -459,7 +462,7 @@ contains
             do j = 1, n
                 matrix(j, j:) = matrix(j:, j)
             end do
-            ! from the last cell each load is taken that stands against the others
+            ! Subtract each load from that of the last cell.
             do j = 1, n - 1
                 matrix(:n - 1, j) = matrix(:n - 1, j) - matrix(n, j)
             end do
@@ -477,11 +480,11 @@ contains
         end do
     end subroutine test_images_take_up_work
 
-    !> Stop where something does not hold.
+    !> Stop with a message if a condition is false.
     subroutine expect(holds, what)
-        !> What must be true
+        !> Condition
         logical, intent(in) :: holds
-        !> Its words
+        !> Message
         character(len=*), intent(in) :: what
 
         if (.not. holds) then
@@ -490,9 +493,9 @@ contains
         end if
     end subroutine expect
 
-    !> The same random numbers in every run.
+    !> Set the seed of the random numbers.
     subroutine seed(number)
-        !> Any number
+        !> Seed
         integer, intent(in) :: number
 
         integer :: i
@@ -500,9 +503,9 @@ contains
         call random_seed(put=[(number + 37*i, i=1, seed_size)])
     end subroutine seed
 
-    !> A well-conditioned matrix of order n, symmetric and positive definite or neither.
+    !> Return a random well-conditioned matrix of order n, symmetric positive definite or general.
     function random_matrix(symmetric) result(matrix)
-        !> Which of both
+        !> True for a symmetric positive definite matrix
         logical, intent(in) :: symmetric
         real(wp) :: matrix(n, n)
 
@@ -515,11 +518,11 @@ contains
         end do
     end function random_matrix
 
-    !> Factor a matrix row by row.
+    !> Return the factor of a matrix, extended row by row.
     function grown_factor(matrix, symmetric) result(factor)
-        !> The matrix
+        !> Matrix
         real(wp), intent(in) :: matrix(:, :)
-        !> Which kind
+        !> True if it is symmetric
         logical, intent(in) :: symmetric
         type(updatable_factor) :: factor
 
@@ -533,11 +536,11 @@ contains
         end do
     end function grown_factor
 
-    !> Largest relative difference to a fresh factorisation of the same rows, random right sides.
+    !> Return the largest relative difference to a new factorization, for random right-hand sides.
     function distance_to_fresh(factor, matrix) result(distance)
-        !> The factor that grew or shrank
+        !> Updated factor
         type(updatable_factor), intent(in) :: factor
-        !> What it should be the factor of
+        !> Matrix that it should represent
         real(wp), intent(in) :: matrix(:, :)
         real(wp) :: distance
 
@@ -556,9 +559,9 @@ contains
         distance = maxval(abs(kept - anew))/maxval(abs(anew))
     end function distance_to_fresh
 
-    !> Rows that join one by one give the factor of the whole matrix.
+    !> Rows added one by one give the factor of the whole matrix.
     subroutine test_extend(symmetric)
-        !> Which kind
+        !> True for a symmetric matrix
         logical, intent(in) :: symmetric
 
         real(wp) :: matrix(n, n)
@@ -568,9 +571,9 @@ contains
             & 'extended factor = fresh factor')
     end subroutine test_extend
 
-    !> Any row may leave: first, last, between, several.
+    !> Any row can be removed: the first, the last, one between, several.
     subroutine test_shrink(symmetric)
-        !> Which kind
+        !> True for a symmetric matrix
         logical, intent(in) :: symmetric
 
         integer :: i, k
@@ -591,10 +594,10 @@ contains
         end do
     end subroutine test_shrink
 
-    !> Rows that join in blocks, the last ones cut off and others in their place, give the factor of
-    !> the whole matrix; a block with a repeated row is refused.
+    !> Rows added in blocks, after removal of the last ones too, give the factor of the whole
+    !> matrix; a block with a repeated row is rejected.
     subroutine test_block(symmetric)
-        !> Which kind
+        !> True for a symmetric matrix
         logical, intent(in) :: symmetric
 
         integer, parameter :: ends(4) = [0, 5, 6, n]
@@ -623,7 +626,7 @@ contains
         call expect(distance_to_fresh(factor, matrix) < round_off, 'grown again = fresh factor')
     end subroutine test_block
 
-    !> A row that repeats another is refused and leaves the factor as it was.
+    !> A row that repeats another one is rejected, and the factor is unchanged.
     subroutine test_dependent_row
         real(wp) :: matrix(n, n)
         type(updatable_factor) :: factor
@@ -637,8 +640,8 @@ contains
         call expect(distance_to_fresh(factor, matrix) < round_off, 'a refusal changes nothing')
     end subroutine test_dependent_row
 
-    !> A skew compliance makes unpivoted elimination lose digits: rows are exchanged, and the pairs
-    !> can still join and leave.
+    !> Elimination without pivoting loses digits for a skew compliance: rows are exchanged, and
+    !> pairs can still enter and leave.
     subroutine test_exchange
         real(wp), parameter :: small = 1.0e-6_wp
         real(wp) :: compliance(4, 4), forces_wanted(3), r(3)
@@ -678,7 +681,7 @@ contains
             & 'the bordered equations give back their forces')
     end subroutine test_exchange
 
-    !> The inverse of a small matrix whose best pivots stand off the diagonal.
+    !> Inverse of a small matrix with its best pivots off the diagonal.
     subroutine test_small_inverse
         real(wp) :: matrix(3, 3), inverse(3, 3), one(3, 3), least_pivot
         integer :: i
@@ -698,7 +701,7 @@ contains
         call expect(least_pivot <= 0.0_wp, 'a singular matrix has no inverse')
     end subroutine test_small_inverse
 
-    !> The smallest problem in which a pair must leave: F = (5, 0, 5), φ = 91, gaps (0, 3, 0).
+    !> Smallest problem in which a pair must leave: F = (5, 0, 5), φ = 91, gaps (0, 3, 0).
     subroutine test_three_pairs
         real(wp) :: flexibility(3, 3), levers(3, 1)
         integer, allocatable :: warm(:)
@@ -718,7 +721,7 @@ contains
         call expect(all(state%active_pairs == [1, 3]), 'active pairs')
     end subroutine test_three_pairs
 
-    !> What failed leaves no numbers behind.
+    !> A failure leaves no numbers in the result.
     subroutine test_no_numbers_after_failure
         real(wp) :: compliance(2, 2), levers(2, 1)
         integer, allocatable :: warm(:)
@@ -737,7 +740,7 @@ contains
         call expect(size(state%active_pairs) == 0, 'no pair is active')
     end subroutine test_no_numbers_after_failure
 
-    !> Two equal springs: one that carries all while the other is pushed in is no state.
+    !> Two equal springs: a state in which one carries all and the other one penetrates is rejected.
     subroutine test_certificate_of_a_wrong_state
         real(wp) :: compliance(2, 2), levers(2, 1)
         type(contact_problem) :: problem
@@ -775,7 +778,7 @@ contains
         call expect(is_unique(problem, compliance, [1, 2], condition), 'one state')
     end subroutine test_uniqueness_from_the_condition
 
-    !> (1 + 2^-30)² - (1 + 2^-29) = 2^-60, of which a product of doubles keeps nothing.
+    !> (1 + 2^-30)² - (1 + 2^-29) = 2^-60, which a product of doubles loses.
     subroutine test_what_products_lose
         type(two_part) :: total
         real(wp), parameter :: factor = 1.0_wp + 2.0_wp**(-30)
@@ -785,7 +788,7 @@ contains
         call expect(abs(rounded(total) - 2.0_wp**(-60)) <= 0.0_wp, 'what products lose')
     end subroutine test_what_products_lose
 
-    !> A place that carries all: b φ = c F (1/2 + ln(2/h)) with the half-width of Hertz.
+    !> One contact carries all: b φ = c F (1/2 + ln(2/h)) with Hertz's half-width h.
     subroutine test_estimate_of_one_place
         real(wp), parameter :: kernel = 1.0e-5_wp, force = 100.0_wp, lever = 2.0_wp
         real(wp), parameter :: half_width = 0.2_wp
@@ -803,7 +806,8 @@ contains
         call expect(abs(lever*rotation - approach) <= round_off*approach, 'the approach of Hertz')
     end subroutine test_estimate_of_one_place
 
-    !> (2 u, u³) turns to the left, away from the material: -12 u/(4 + 9 u⁴)^(3/2).
+    !> The curve (2 u, u³) turns to the left, away from the material: curvature -12 u/(4 + 9
+    !> u⁴)^(3/2).
     subroutine test_curvature_of_a_cubic
         type(flank_curve_type) :: curve
         real(wp) :: coefficients(4, 2, 1), point(2), tangent(2), curvature, u, wanted

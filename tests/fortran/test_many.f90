@@ -1,4 +1,4 @@
-!> A compliance matrix that makes its columns when they are asked for.
+!> Source that returns columns of a given matrix on demand.
 module matrix_columns
     use flankload_kinds, only: wp
     use flankload_column_demand, only: column_source
@@ -15,7 +15,7 @@ module matrix_columns
 
 contains
 
-    !> Columns of the matrix.
+    !> Return columns of the matrix.
     pure subroutine fill(self, pairs, columns)
         class(matrix_source), intent(in) :: self
         integer, intent(in) :: pairs(:)
@@ -26,8 +26,8 @@ contains
 
 end module matrix_columns
 
-!> Tests of many contact problems and of columns on demand, without Python; linked with base/ and
-!> solver/ alone.
+!> Tests of several contact problems in one call and of columns on demand, without Python; linked
+!> with base/ and solver/ only.
 program test_many
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
@@ -40,7 +40,7 @@ program test_many
     implicit none
 
     integer, parameter :: n = 200
-    !> Identities hold to the accuracy of the solver.
+    !> Tolerance of identities of the solver
     real(wp), parameter :: solver = 1.0e-9_wp
     real(wp), parameter :: levers(n, 1) = 25.0_wp
     real(wp) :: compliance(n, n), gaps(n)
@@ -59,11 +59,11 @@ program test_many
 
 contains
 
-    !> Stop where something does not hold.
+    !> Stop with a message if a condition is false.
     subroutine expect(holds, what)
-        !> What must be true
+        !> Condition
         logical, intent(in) :: holds
-        !> Its words
+        !> Message
         character(len=*), intent(in) :: what
 
         if (.not. holds) then
@@ -72,7 +72,7 @@ contains
         end if
     end subroutine expect
 
-    !> The state of a torque by itself.
+    !> Return the state of one torque, solved alone.
     function alone(torque) result(state)
         !> Torque [N mm]
         real(wp), intent(in) :: torque
@@ -85,9 +85,9 @@ contains
         call expect(.not. allocated(error), 'the torque is held')
     end function alone
 
-    !> Both are the same state.
+    !> Require two equal states.
     subroutine expect_same(state, other)
-        !> A state and another way to it
+        !> A state, and the same state computed in another way
         type(contact_result), intent(in) :: state
         type(contact_result), intent(in) :: other
 
@@ -99,7 +99,7 @@ contains
             & 'the certificate is clean')
     end subroutine expect_same
 
-    !> Only pairs near contact have their columns made.
+    !> Columns are computed only for pairs near contact.
     subroutine test_on_demand
         type(matrix_source) :: source
         type(contact_result) :: state
@@ -115,7 +115,7 @@ contains
         call expect(size(known) < n/2, 'most columns were never made')
     end subroutine test_on_demand
 
-    !> Several torques at once are the torques one by one, whatever their order.
+    !> Several torques in one call give the states of single calls, in any order of the torques.
     subroutine test_loads
         real(wp), parameter :: torques(1, 5) = reshape( &
             & [20.0_wp, 1.0_wp, 400.0_wp, 0.0_wp, 1.0e6_wp], [1, 5])
@@ -130,7 +130,7 @@ contains
         end do
     end subroutine test_loads
 
-    !> Problems one after the other are the problems one by one.
+    !> A sequence of problems gives the states of single calls.
     subroutine test_sequence
         integer, parameter :: count = 12
         type(contact_result) :: states(1, count)

@@ -1,4 +1,4 @@
-!> Tests of the fields of slices without Python: stops with an error where one fails.
+!> Tests of the fields of slices without Python; a failed test stops the program with an error.
 program test_slices
     use flankload, only: new_friction, wp, slices_type
     use flankload_compliance_field, only: compliance_type, mode_values
@@ -15,12 +15,12 @@ program test_slices
     use flankload_tangential_potential, only: rectangle_field, segment_field
     implicit none
 
-    !> Twice as many digits.
+    !> Kind of numbers with twice the digits
     integer, parameter :: qp = selected_real_kind(30)
 
-    !> Identities hold to rounding.
+    !> Tolerance of identities
     real(wp), parameter :: round_off = 100.0_wp*epsilon(1.0_wp)
-    !> Differences of closed forms, midpoint rules of many points.
+    !> Tolerance of differences of closed forms, and of midpoint rules with many points
     real(wp), parameter :: quadrature = 1.0e-5_wp
 
     call test_mean_potential
@@ -67,7 +67,7 @@ contains
         end do
     end subroutine test_mean_potential
 
-    !> Far away the closed form goes over into the moments of both segments.
+    !> At large distances the closed form agrees with the moments of both segments.
     subroutine test_far_potential
         real(wp), parameter :: length = 1.0_wp, across(2) = [1.0e-3_wp, 5.0_wp]
         real(wp), parameter :: beside = 1.0e-9_wp
@@ -82,8 +82,8 @@ contains
         end do
     end subroutine test_far_potential
 
-    !> Beside a long segment the potential is the logarithm of the plane; its slope is that of
-    !> differences.
+    !> Beside a long segment the potential is the logarithm of the plane problem, and its slope
+    !> agrees with differences.
     subroutine test_own_potential
         real(wp), parameter :: across = 1.0e-3_wp, length = 2.0_wp, step = 1.0e-5_wp
         real(wp), parameter :: places(3) = [0.05_wp, 1.0_wp, 60.0_wp]
@@ -103,19 +103,19 @@ contains
         end do
     end subroutine test_own_potential
 
-    !> A load spread over a segment is that over its parts.
+    !> A load distributed over a segment is the sum over its parts.
     subroutine test_parts_of_a_segment
         real(wp), parameter :: across = 0.1_wp
         real(wp) :: whole, parts
 
         whole = mean_potential(2.0_wp, 1.0_wp, 1.5_wp, across)
-        ! from 1.25 to 1.75 and from 1.75 to 2.75 beside the other one around 0
+        ! Parts 1.25 … 1.75 and 1.75 … 2.75, beside a segment around 0
         parts = (0.5_wp*mean_potential(1.5_wp, 0.5_wp, 1.0_wp, across) &
             & + 1.0_wp*mean_potential(2.25_wp, 1.0_wp, 1.0_wp, across))/1.5_wp
         call expect(abs(whole - parts) < round_off, 'parts of a segment')
     end subroutine test_parts_of_a_segment
 
-    !> Loads along the surface of a rectangle: near, on edges and corners, far.
+    !> Loads along the surface of a rectangle: near, at edges and corners, and far.
     subroutine test_rectangle_of_cerruti
         real(wp), parameter :: sides(3, 3) = reshape([0.02_wp, 0.25_wp, 0.1_wp, 1.0_wp, 1.0_wp, &
             & 1.0_wp, 0.5_wp, 0.1_wp, 0.3_wp], [3, 3])
@@ -147,8 +147,8 @@ contains
         end do
     end subroutine test_rectangle_of_cerruti
 
-    !> The integral of X/(X² + Y²) over X, and over Y from all places of one segment to all of the
-    !> other.
+    !> Return the integral of X/(X² + Y²) over X, and over Y from all points of one segment to all
+    !> points of the other.
     pure function ends(x, y, l, m) result(value)
         !> Distances across and along
         real(qp), intent(in) :: x
@@ -165,10 +165,10 @@ contains
         value = corner(x, y + h) - corner(x, y + d) - corner(x, y - d) + corner(x, y - h)
     end function ends
 
-    !> The integral of X/(X² + Y²), once over X and twice over Y, with all its polynomials: of
-    !> Y/2 ln(X² + Y²) - Y + X atan(Y/X) over Y.
+    !> Return the integral of X/(X² + Y²), once over X and twice over Y, including the polynomials
+    !> in the integral Y/2 ln(X² + Y²) - Y + X atan(Y/X).
     pure function corner(x, y) result(value)
-        !> Corner from the place
+        !> Coordinates of the corner relative to the point
         real(qp), intent(in) :: x
         real(qp), intent(in) :: y
         real(qp) :: value
@@ -182,7 +182,8 @@ contains
         if (abs(x) > 0.0_qp) value = value + x*y*atan(y/x)
     end function corner
 
-    !> Over a long rectangle the field is that of the plane: pi sign(x), linear over the load.
+    !> Over a long rectangle the field is that of the plane problem, π sign(x), and linear within
+    !> the load.
     subroutine test_long_rectangle_is_the_plane
         real(wp), parameter :: length = 1.0e6_wp, a = 0.4_wp, pi = acos(-1.0_wp)
         real(wp), parameter :: places(4) = [-0.7_wp, -0.2_wp, 0.1_wp, 2.0_wp]
@@ -199,7 +200,7 @@ contains
         end do
     end subroutine test_long_rectangle_is_the_plane
 
-    !> The mean of x/(x² + y²) over both segments, near and far.
+    !> The closed form is the mean of x/(x² + y²) over both segments, near and far.
     subroutine test_segments_of_cerruti
         integer, parameter :: n = 400
         real(wp), parameter :: along(5) = [0.0_wp, 0.8_wp, 3.0_wp, 12.0_wp, 0.0_wp]
@@ -222,8 +223,9 @@ contains
         end do
     end subroutine test_segments_of_cerruti
 
-    !> Out of the material behind a force, into it in front of the force; on one contact line a
-    !> half-space has no field, and the image behind a corner is that of loads along the normal.
+    !> The displacement is out of the material behind a force and into it in front; on a single
+    !> contact line it is zero on a half-space, and the image behind a corner is that of normal
+    !> loads.
     subroutine test_tangential_field
         real(wp), parameter :: psi = -0.4_wp
         integer :: i
@@ -257,7 +259,7 @@ contains
             & 'image of a force along the profile')
     end subroutine test_tangential_field
 
-    !> Legendre polynomials on average over slices.
+    !> Mean values of Legendre polynomials over slices.
     subroutine test_axial_means
         integer, parameter :: n = 2000
         real(wp), parameter :: edges(4) = [-2.0_wp, -1.5_wp, 1.0_wp, 3.0_wp]
@@ -291,7 +293,7 @@ contains
         call expect(all(abs(width_of(slices, [4, 8]) - [1.0_wp, 2.0_wp]) < round_off), 'widths')
     end subroutine test_sites_are_slices
 
-    !> V g V' with the products of modes, block by block, symmetric to the last bit.
+    !> V g Vᵀ with products of modes agrees block by block, symmetric to the last bit.
     subroutine test_smooth_part
         integer, parameter :: site(5) = [1, 3, 4, 5, 6]
         real(wp), parameter :: s(5) = [1.0_wp, 1.2_wp, 2.0_wp, 2.5_wp, 3.0_wp]
@@ -332,7 +334,7 @@ contains
                 call expect(.not. abs(matrix(i, j) - matrix(j, i)) > 0.0_wp, 'symmetric modes')
             end do
         end do
-        ! loads along the profile: no block is the transpose of another one
+        ! Loads along the profile: the blocks are not transposes of each other.
         allocate (body%tangential(6, 6, 3))
         call random_number(body%tangential)
         matrix = sliced_tangential(body, slices, site, s)
@@ -345,8 +347,8 @@ contains
         end do
     end subroutine test_smooth_part
 
-    !> Slices thinner than the contact is wide, and uneven ones: symmetric to the last bit, and
-    !> definite, as are the derivatives by the forces.
+    !> For slices narrower than the contact, and for uneven slices, the matrix is symmetric to the
+    !> last bit and definite, and so are its derivatives with respect to the forces.
     subroutine test_field_is_symmetric_and_definite
         integer, parameter :: n = 20
         real(wp), parameter :: half_width = 1.0_wp, beside = 0.5_wp*half_width
@@ -368,7 +370,7 @@ contains
         matrix = 0.5_wp*matrix
         call expect(.not. any(abs(matrix - transpose(matrix)) > 0.0_wp), 'symmetry of the field')
         do i = 1, n
-            ! 1/2 + ln(2/h) in place of -ln(beside), less the derivative by the force
+            ! 1/2 + ln(2/h) instead of -ln(distance), minus the derivative with respect to the force
             matrix(i, i) = matrix(i, i) + body%kernel/segments(i)%length &
                 & *(0.5_wp + log(2.0_wp*beside/half_width) - 0.5_wp)
         end do
@@ -380,7 +382,7 @@ contains
         end do
     end subroutine test_field_is_symmetric_and_definite
 
-    !> Beside an end of strength 1 a flank moves as if the mirrored half were loaded, too.
+    !> Beside an end face of strength 1, a flank moves as if the mirrored half were loaded too.
     subroutine test_end_faces_mirror
         real(wp) :: half(2, 2), whole(4, 4)
         integer :: i
@@ -400,7 +402,7 @@ contains
         call expect(all(abs(half - whole(3:, 3:) - whole(3:, 2:1:-1)) < round_off), 'mirror')
     end subroutine test_end_faces_mirror
 
-    !> The image of a long slice behind a corner of its profile is that of the plane.
+    !> The image of a long slice behind a corner of its profile is that of the plane problem.
     subroutine test_image_of_a_long_slice
         real(wp), parameter :: length = 1.0e6_wp, reach(2) = [0.1_wp, 0.2_wp]
         real(wp) :: plane, by_plane(2), long, by_long(2)
@@ -416,8 +418,8 @@ contains
         call expect(all(abs(by_long - by_plane) < quadrature), 'its derivative')
     end subroutine test_image_of_a_long_slice
 
-    !> Rigid bodies on shafts of any compliance: wᵀ S w of both by hand, with the cross products of
-    !> helical normals, symmetric to the last bit.
+    !> Rigid bodies on shafts of any compliance: wᵀ S w of both bodies agrees with the cross
+    !> products of helical normals, symmetric to the last bit.
     subroutine test_shafts_by_hand
         integer, parameter :: n = 5, site(n) = [1, 2, 3, 4, 6]
         real(wp), parameter :: twist = 0.01_wp, distance = 90.0_wp
@@ -450,7 +452,7 @@ contains
                 pair%s_2 = 5.0_wp
                 pair%point_1 = [40.0_wp + i, -3.0_wp*i]
                 pair%point_2 = pair%point_1
-                ! flanks run from root to tip or back, a corner has the normal of the other flank
+                ! Flanks from root to tip or reversed; a corner has the normal of the other flank.
                 pair%tangent_1 = (-1)**i*[cos(angle), sin(angle)]
                 pair%tangent_2 = [cos(0.1_wp), sin(0.1_wp)]
                 if (i == 3) then
@@ -464,7 +466,7 @@ contains
                 zone%lever = abs(lever)
                 cosine = 1.0_wp/sqrt(1.0_wp + (twist*lever)**2)
                 w(:3, i) = cosine*[n_t(1), n_t(2), -twist*abs(lever)]
-                ! the normal is the tangent turned to the left
+                ! The normal is the tangent rotated to the left.
                 t(:3, i) = [n_t(2), -n_t(1), 0.0_wp]
             end associate
         end do
@@ -482,7 +484,7 @@ contains
                 t(6, i) = place(1)*t(2, i) - place(2)*t(1, i)
             end do
             matrix = matrix + matmul(transpose(w), matmul(bodies(z)%shaft%compliance, w))
-            ! the force on body 1 is -n F + T t, and it recedes against n
+            ! The force on body 1 is -n F + T t, and its displacement is positive against n.
             rubbed = rubbed - matmul(transpose(w), matmul(bodies(z)%shaft%compliance, t))
         end do
         call expect(all(abs(position%tangential - rubbed) <= round_off*maxval(abs(rubbed))), &
@@ -501,7 +503,7 @@ contains
         call expect(all(abs(position%smooth) <= 0.0_wp), 'no shafts')
     end subroutine test_shafts_by_hand
 
-    !> Forces of the places that carry are those of the contact loop, or another one is reported.
+    !> Forces of the contacts agree with the contact loop, or another active set is reported.
     subroutine test_places_that_carry
         integer, parameter :: n = 12, n_problems = 200
         real(wp), parameter :: tolerance = 1.0e-9_wp
@@ -528,7 +530,7 @@ contains
             call solve_contact_problem(matrix, gaps, levers, levers, [2.0_wp], symmetric_matrix, &
                 & method_single, [integer ::], contact, error)
             call expect(.not. allocated(error), 'a problem for the contact loop')
-            ! all of them, or without one that carries
+            ! All contacts, or all but one
             call random_number(fraction)
             forces = 1.0_wp
             if (modulo(p, 2) == 0) forces(1 + int(fraction*n)) = 0.0_wp
@@ -542,9 +544,9 @@ contains
         call expect(n_solved >= n_problems/2 .and. n_solved < n_problems, 'places that are missed')
     end subroutine test_places_that_carry
 
-    !> A body without modes.
+    !> Return a body without modes.
     function body_between(low, high) result(body)
-        !> Its end faces
+        !> Coordinates of its end faces [mm]
         real(wp), intent(in) :: low
         real(wp), intent(in) :: high
         type(compliance_type) :: body
@@ -553,11 +555,11 @@ contains
         body%z_high = high
     end function body_between
 
-    !> Stop with words where something is false.
+    !> Stop with a message if a condition is false.
     subroutine expect(holds, what)
-        !> What must be true
+        !> Condition
         logical, intent(in) :: holds
-        !> Its words
+        !> Message
         character(len=*), intent(in) :: what
 
         if (.not. holds) then

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import flankload as fl
 from flankload import _core
-from flankload.contact.sweep import Sweep, sweep
+from flankload.contact.sweep import FlankContact, Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance, Expansion, FlankModes, NearField
 from flankload.scene.discretization import Grid
 from tests.support.nodal_position import NodalPosition
@@ -128,13 +128,15 @@ def rollers(text: str) -> None:
 
     def solve(part: float) -> tuple[Sweep, ...]:
         return sweep(
-            cylinders(one, two),
-            compliances=(compliance, warm),
-            pairing=one_site(90.0),
-            position_rad=2e-3 * np.arange(3),
-            torques_Nmm=[part * 3.6e4, part * 3.6e5],
-            face_width_mm=width,
-            grid=Grid(),
+            FlankContact(
+                cylinders(one, two),
+                compliances=(compliance, warm),
+                pairing=one_site(90.0),
+                face_width_mm=width,
+                grid=Grid(),
+            ),
+            2e-3 * np.arange(3),
+            [part * 3.6e4, part * 3.6e5],
         )
 
     expected = [0.0]

@@ -237,7 +237,7 @@ _FORTRAN = (
         ("kernel(end)*log(2.0_wp*distance)", "kernel(end)*log(0.5_wp*distance)"),
     ),
     *_in(
-        "elasticity/compliance/modes.py",
+        "elasticity/compliance/loads.py",
         "physics/test_corner_image.py",
         ("[own, :n, :n] += field.kernel * near", "[own, :n, :n] += self.kernel * 0.9 * near"),
     ),
@@ -422,9 +422,9 @@ _PYTHON = (
         ("slack * two) / one", "slack * one) / one"),
     ),
     *_in(
-        "mechanisms/chain/description.py",
+        "mechanisms/wrapped.py",
         "unit/mechanisms/test_chain_scene.py",
-        ("/ sprocket.pitch_radius_mm + slack", "/ sprocket.pitch_radius_mm"),
+        ("/ pitch_radius_mm + slack_of(scene)", "/ pitch_radius_mm"),
     ),
     *_in(
         "mechanisms/chain/contact.py",
@@ -465,6 +465,12 @@ _PYTHON = (
         ("block[:2, :2] = ", "block[1:, 1:] = "),
     ),
     *_in(
+        "elasticity/sector_closure.py",
+        "unit/export/test_fields.py unit/export/test_solid_fields.py",
+        ("np.roll(two, 1, axis=1)", "two"),
+        ("right_left / wave\n", "right_left * wave\n"),
+    ),
+    *_in(
         "elasticity/prism/axial_basis.py",
         "unit/elasticity/prism/test_axial_basis.py",
         ("(k[:, None] < k)", "(k[:, None] > k)"),
@@ -503,20 +509,19 @@ _PYTHON = (
     *_in(
         "elasticity/prism/loaded_prism.py",
         "unit/export/test_solid_fields.py",
-        ("np.roll(two, 1, axis=1)", "two"),
         ("found[row, :, :2] = turned(moved[:, :, :2, k], k * pitch)", "pass"),
         ("twist * (y * by_x - x * by_y + about)", "twist * (y * by_x - x * by_y)"),
         ("by_y[..., 2] + along[..., 1],", "by_x[..., 2] + along[..., 1],"),
     ),
     *_in(
-        "mechanisms/flank_pair/loaded_solids.py",
+        "mechanisms/flank_pair/loaded_bodies.py",
         "unit/export/test_solid_fields.py physics/test_roots_over_width.py",
         ("-shape.twist_rad_per_mm * lever", "shape.twist_rad_per_mm * lever"),
-        ("half = turned_by(half, 2.0 * turns)", "half = turned_by(half, turns)"),
-        ("-(angle + self.loaded.prism.twist * z)", "-angle"),
+        ("half = turned(half, 2.0 * turns)", "half = turned(half, turns)"),
+        ("-(angle + twist * z)", "-angle"),
     ),
     *_in(
-        "elasticity/prism/end_faces.py",
+        "elasticity/prism/flank_surface.py",
         "unit/elasticity/prism/test_end_faces.py",
         ("-twist * body.normal_lever_mm", "twist * body.normal_lever_mm"),
         ("at_right_angle / at_steel", "1.0"),
@@ -528,7 +533,6 @@ _PYTHON = (
         ("for z_change in (apart, -apart):", "for z_change in (apart, apart):"),
         ("outward * (two - one), one + two", "outward * (one - two), one + two"),
         ("2.0 * self._overlap(apart)", "self._overlap(apart)"),
-        ("(self.slope(s) + self.slope(s_load))", "(self.slope(s) + self.slope(s))"),
         ("* lines.secants[0][at] * lines.secants[1][at]", "* lines.secants[0][at]"),
         ("np.maximum(low, low_ahead - ahead)", "np.maximum(low, low_ahead)"),
         ("psi * rule.behind_end(face)", "psi * rule.behind_end(1 - face)"),
@@ -542,12 +546,25 @@ _PYTHON = (
         ("surface.products(n_modes)", "surface.products(n_modes) * surface.cos_base_helix"),
         ("along=each, tip=body.tip, twist=", "along=each, twist="),
         ("twisted=prism.twist != 0.0", "twisted=False"),
+    ),
+    *_in(
+        "elasticity/prism/flank_surface.py",
+        "unit/elasticity/prism/test_prism_compliance.py physics/test_prism.py",
         ("-_turning(body, twist, s)[0]", "_turning(body, twist, s)[0]"),
+    ),
+    *_in(
+        "elasticity/prism/flank_surface.py",
+        "unit/elasticity/prism/test_flank_potential.py",
+        ("(self.slope(s) + self.slope(s_load))", "(self.slope(s) + self.slope(s))"),
     ),
     *_in(
         "elasticity/prism/compliance.py",
         "physics/test_friction_of_slices.py",
         ("response[0, :p, p:] -= tangential", "response[0, :p, p:] += tangential"),
+    ),
+    *_in(
+        "elasticity/prism/flank_surface.py",
+        "physics/test_friction_of_slices.py",
         ("wedge_along=along_strengths(body)", "wedge_along=image_strengths(body)"),
     ),
     *_in(
@@ -556,7 +573,7 @@ _PYTHON = (
         ("np.pad(secant[..., None] * tangent,", "np.pad(tangent,"),
     ),
     *_in(
-        "mechanisms/flank_pair/shaft_loads.py",
+        "mechanisms/flank_pair/from_sweep.py",
         "physics/test_friction_of_slices.py",
         ("np.column_stack([-up, across,", "np.column_stack([up, across,"),
         ("sign * (normal + rubbing)", "sign * normal"),
@@ -570,13 +587,9 @@ _PYTHON = (
     *_in(
         "elasticity/prism/axial_basis.py",
         "unit/elasticity/prism/test_axial_regions.py",
-        ("self.bases[code // k**2])", "self.bases[code % k])"),
+        ("bases[code // k**2])", "bases[code % k])"),
         ("(a, slope_b), (slope_a, b)", "(slope_a, b), (a, slope_b)"),
-        ("return share_middle([basis.range_mm for basis in self.bases])", "return True"),
-    ),
-    *_in(
-        "elasticity/prism/regions.py",
-        "unit/elasticity/prism/test_axial_regions.py",
+        ("return share_middle([basis.range_mm for basis in self._bases])", "return True"),
         ("range(len(ranges) - 1, -1, -1)", "range(len(ranges))"),
     ),
     *_in(
@@ -592,7 +605,7 @@ _PYTHON = (
         ("middle = 0.5 * (range_mm[0] + range_mm[1]) + offset_mm", "middle = offset_mm"),
     ),
     *_in(
-        "elasticity/expansion_loads.py",
+        "elasticity/compliance/job.py",
         "unit/pairing/test_growth.py",
         ("growth.strain - growth.held_strain", "growth.strain + growth.held_strain"),
         ("growth.speed_rad_per_s**2", "growth.speed_rad_per_s"),
@@ -632,7 +645,7 @@ _PYTHON = (
         ("0.5 - (kink - start) / width", "0.4 - (kink - start) / width"),
     ),
     *_in(
-        "mechanisms/flank_pair/backlash.py",
+        "mechanisms/flank_pair/premises.py",
         "unit/mechanisms/test_coast_flank.py unit/mechanisms/test_premises.py "
         "unit/result/test_result_contacts.py unit/mechanisms/test_large_wind_up.py "
         "unit/pairing/test_spline.py::test_twice_the_offset_is_taken_off_the_backlash",
@@ -702,7 +715,7 @@ _PYTHON = (
         ("loads[:, 2, 2] = axial * pushed[bearings]", "loads[:, 2, 2] = pushed[bearings]"),
     ),
     *_in(
-        "mechanisms/flank_pair/shaft_loads.py",
+        "mechanisms/flank_pair/from_sweep.py",
         "physics/test_shafts.py",
         ("zip(shafts, (-1.0, 1.0)", "zip(shafts, (1.0, -1.0)"),
         ("across[0] * turned[1] - across[1] * turned[0]", "across[0] * turned[1]"),
@@ -742,14 +755,13 @@ _PYTHON = (
     *_in(
         "mechanisms/flank_pair/loaded_bodies.py",
         "unit/export/test_fields.py",
-        ("* (-1.0 if coast else 1.0)", "* (1.0 if coast else -1.0)"),
+        ("*= -1.0 if coast else 1.0", "*= 1.0 if coast else -1.0"),
         ("tables.append((result.coast.pair_tables[p], True))", "pass"),
-        ("across = 2.0 * sine", "across = -2.0 * sine"),
+        ("mean + half[..., 0], mean - half", "mean - half[..., 0], mean + half"),
     ),
     *_in(
         "elasticity/loaded_body.py",
         "unit/export/test_fields.py",
-        ("right_left / waves", "right_left * waves"),
         (" - coupling.T @ moved[cut]", ""),
         ("on_edges(s, s_mm[own])", "on_edges(s, s_mm[own] + 1.0)"),
     ),

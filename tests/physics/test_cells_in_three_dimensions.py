@@ -14,7 +14,7 @@ import flankload as fl
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.prediction import predicted_work
 from flankload.plot import plot_loaded_pair
-from flankload.plot.slices import contact_pattern
+from flankload.plot.load_maps import contact_pattern
 from flankload.scene.discretization import Grid
 from tests.support.crowned_cylinders import hertz_ellipse, press
 from tests.support.finite_elements_3d import (
@@ -69,7 +69,7 @@ def test_the_ellipse_of_hertz(crown_radius: float) -> None:
     edges = np.linspace(-1.15, 1.15, 32) * wanted.large
     gap = (edges[1:] ** 3 - edges[:-1] ** 3) / np.diff(edges) / (6.0 * crown_radius)
     found = press(force, radius, edges, gap, level="pairs", grid=Grid(6.0, 9.0, 2.0))
-    np.testing.assert_allclose(found.slice_peak_MPa.max(), wanted.pressure, rtol=3e-3)
+    np.testing.assert_allclose(found.slices.peak_MPa.max(), wanted.pressure, rtol=3e-3)
     np.testing.assert_allclose(found.rotation_rad[0] * 1000.0, wanted.approach, rtol=1e-3)
     # levers of cells differ on a circle of 1 m
     np.testing.assert_allclose(found.site_force_N.sum(), force, rtol=1e-6)

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import flankload as fl
-import flankload.pairing.common_height as common
+import flankload.pairing.spline_fit as common
+from flankload.base.rotation import turned
 from flankload.contact import solve_contact_general
 from flankload.contact.conforming import conforming_slices, conforming_sweep
 from flankload.elasticity.prism.strip_field import StripField, mean_potential, strip_distances
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of
-from flankload.pairing.common_height import turned
+from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of
 from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import deviation, tree_of
 from tests.support.tolerances import SOLVER
@@ -98,24 +98,21 @@ def test_one_unknown_per_slice_beside_strips_of_the_height(monkeypatch: pytest.M
     keys = {"accuracy__slices": 6, **CROWNED, **MISALIGNED}
     own = scene(**keys)
     pair = build_bodies(own)
-    bodies = (pair.body_1, pair.body_2)
-    compliances = (compliance_of(bodies[0], own), compliance_of(bodies[1], own))
-    assert pair.slices is not None
-    reduced = conforming_slices(bodies, compliances, pair.pairing, pair.slices)
-    (found,) = conforming_sweep(
-        reduced, bodies, pair.pairing, pair.slices, pair.position_rad, [TORQUE_NMM]
-    )
+    compliances = (compliance_of(pair.body_1, own), compliance_of(pair.body_2, own))
+    contact = contact_of(own, pair, compliances)
+    reduced = conforming_slices(contact)
+    (found,) = conforming_sweep(reduced, contact, pair.position_rad, [TORQUE_NMM])
     matrix, gaps = _of_strips(pair, compliances, reduced.gap_mm)
-    base_mm = bodies[0].base_radius_mm
+    base_mm = pair.body_1.base_radius_mm
     levers = np.full(gaps.size, base_mm)
     state = solve_contact_general(matrix, gaps.ravel(), levers, TORQUE_NMM)
     force = state.normal_forces.reshape(gaps.shape).sum(axis=2)
-    assert found.slice_force_N is not None
+    assert found.slices is not None
     wind_up = state.rotation - gaps.min() / base_mm
     assert abs(found.rotation_rad[0] - state.rotation) < 4e-3 * wind_up
     total = force.sum()
     np.testing.assert_allclose(found.site_force_N[0] / total, force.sum(1) / total, atol=6e-3)
-    assert found.slice_force_N[0].max() == pytest.approx(force.max(), rel=1e-2)
+    assert found.slices.force_N[0].max() == pytest.approx(force.max(), rel=1e-2)
 
 
 def _of_strips(pair: Any, compliances: Any, gap_mm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from flankload.contact.sweep import Sweep
 from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of, sweep_of
+from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of, swept
 from flankload.scene.discretization import DEFAULT, Discretization, Grid
 from tests.support.finer_solutions import compared
 from tests.support.random_scenes import scenes
@@ -192,12 +193,8 @@ def test_half_as_many_cells_tell_an_error_of_second_order_exactly() -> None:
     """Not half as much again: c/n² leaves c/n² where n/2 cells add 3 c/n²."""
     scene = fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}})
     pair = build_bodies(scene)
-    (limit,) = sweep_of(scene, pair)(
-        position_rad=pair.position_rad,
-        torques_Nmm=[302e3],
-        compliances=tuple(compliance_of(body, scene) for body in (pair.body_1, pair.body_2)),
-        grid=pair.discretization.grid,
-    )
+    compliances = tuple(compliance_of(body, scene) for body in (pair.body_1, pair.body_2))
+    (limit,) = swept(contact_of(scene, pair, compliances), pair.position_rad, [302e3])
     limit = replace(limit, site_corner=np.zeros_like(limit.site_corner))
     error = np.array([2e-3, -1e-3])
 
@@ -241,10 +238,8 @@ def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
         compliance_of(body, scene, estimate=True) for body in (pair.body_1, pair.body_2)
     )
 
-    def run(**changes: object) -> tuple[Sweep, ...]:
-        changes.pop("part", None)
-        keys = {"position_rad": pair.position_rad, "torques_Nmm": [302e3], **changes}
-        found = sweep_of(scene, pair)(**keys)
+    def run(*, part: int = 0, **changes: Any) -> tuple[Sweep, ...]:
+        found = swept(contact_of(scene, pair, **changes), pair.position_rad, [302e3])
         return tuple(replace(part, site_corner=np.ones_like(part.site_corner)) for part in found)
 
     grid = pair.discretization.grid

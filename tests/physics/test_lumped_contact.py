@@ -12,7 +12,7 @@ import pytest
 import flankload as fl
 from flankload.analysis.estimate import lumped_error
 from flankload.contact.core_call import CORE_COUNTERS, Level
-from flankload.contact.sweep import Sweep, sweep
+from flankload.contact.sweep import FlankContact, Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.errors import InputError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -65,16 +65,17 @@ def swept(
     """A scene under so many times its torque."""
     scene = scene_of(name)
     pair, compliances = built(name, mu)
+    position_rad = changes.pop("position_rad", pair.position_rad)
     options = {
         "pairing": pair.pairing,
-        "position_rad": pair.position_rad,
-        "torques_Nmm": [1000 * torque * scene.torques_Nm[0]],
         "face_width_mm": scene.pair.face_width_mm,
         "friction": pair.friction,
         "grid": FINE,
     }
-    bodies = (pair.body_1, pair.body_2)
-    (found,) = sweep(bodies, compliances=compliances, level=level, **{**options, **changes})
+    contact = FlankContact(
+        pair.bodies, compliances=compliances, level=level, **{**options, **changes}
+    )
+    (found,) = sweep(contact, position_rad, [1000 * torque * scene.torques_Nm[0]])
     return found
 
 

@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.base.rotation import turned
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
-from flankload.elasticity.loaded_body import turned
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism.root_surface import root_surface_stress
-from flankload.mechanisms.flank_pair.loaded_bodies import field_bodies
-from flankload.mechanisms.flank_pair.loaded_solids import SolidBody
+from flankload.mechanisms.flank_pair.loaded_bodies import SolidBody, field_bodies
 from tests.support.ring_bodies import gear
 from tests.support.solving import solve
 from tests.support.three_dimensional import HELICAL, MIRRORED, OTHER_HANDS, SMALL, tree_of

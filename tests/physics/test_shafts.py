@@ -15,8 +15,8 @@ from flankload.bodies.shaft import Shaft
 from flankload.contact.sweep import Sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.shaft_loads import shaft_loads
-from flankload.mechanisms.flank_pair.stages import compliance_of, sweep_of
+from flankload.mechanisms.flank_pair.from_sweep import shaft_loads
+from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of, swept
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.slices import Slices
 from flankload.result.shafts import ShaftLoads
@@ -81,12 +81,7 @@ def on_shafts(pair: BodyPair, *shafts: np.ndarray | None) -> BodyPair:
 
 def run(pair: BodyPair, helix: float = 0.0, torque: float = TORQUE) -> Sweep:
     scene, _, compliances = prepared(helix)
-    (found,) = sweep_of(scene, pair)(
-        compliances=compliances,
-        position_rad=POSITIONS,
-        torques_Nmm=[torque],
-        grid=pair.discretization.grid,
-    )
+    (found,) = swept(contact_of(scene, pair, compliances), POSITIONS, [torque])
     return found
 
 
@@ -157,10 +152,10 @@ def test_shafts_are_gaps_that_follow_the_forces(helix: float, which: tuple[bool,
         np.testing.assert_allclose(
             by_hand.rotation_rad[p] - rigid.rotation_rad[p], turned, rtol=AS_GAPS
         )
-        moved = found.slice_force_N[p] - rigid.slice_force_N[p]
-        assert np.abs(moved).max() > 0.01 * found.slice_force_N[p].max()
+        moved = found.slices.force_N[p] - rigid.slices.force_N[p]
+        assert np.abs(moved).max() > 0.01 * found.slices.force_N[p].max()
         np.testing.assert_allclose(
-            by_hand.slice_force_N[p] - rigid.slice_force_N[p],
+            by_hand.slices.force_N[p] - rigid.slices.force_N[p],
             moved,
             rtol=0.0,
             atol=FORCES_AS_GAPS * np.abs(moved).max(),
@@ -172,9 +167,9 @@ def test_displaced_bodies_turn_by_the_work_of_the_force() -> None:
     _, pair, _ = prepared()
     rows = np.diag([2e-6, 1e-6, 3e-6, 0.0, 0.0, 0.0])
     rigid, found = run(pair), run(on_shafts(pair, rows, None))
-    scale = rigid.slice_force_N.max()
+    scale = rigid.slices.force_N.max()
     np.testing.assert_allclose(
-        found.slice_force_N, rigid.slice_force_N, rtol=0.0, atol=SETTLED * scale
+        found.slices.force_N, rigid.slices.force_N, rtol=0.0, atol=SETTLED * scale
     )
     assert pair.pairing.mesh is not None
     angle = pair.pairing.mesh.pressure_angle_rad
@@ -190,9 +185,9 @@ def test_a_stiff_shaft_is_a_fixed_bore(helix: float) -> None:
     rigid = run(pair, helix)
     found = run(on_shafts(pair, 1e-10 * soft(), 1e-10 * soft()), helix)
     np.testing.assert_allclose(found.rotation_rad, rigid.rotation_rad, rtol=SOLVER)
-    scale = rigid.slice_force_N.max()
+    scale = rigid.slices.force_N.max()
     np.testing.assert_allclose(
-        found.slice_force_N, rigid.slice_force_N, rtol=0.0, atol=SOLVER * scale
+        found.slices.force_N, rigid.slices.force_N, rtol=0.0, atol=SOLVER * scale
     )
 
 
@@ -204,7 +199,7 @@ def test_a_shaft_of_either_body() -> None:
     half = run(on_shafts(pair, 0.5 * rows, 0.5 * rows))
     for other in (two, half):
         np.testing.assert_allclose(other.rotation_rad, one.rotation_rad, rtol=SOLVER)
-        np.testing.assert_allclose(other.slice_force_N, one.slice_force_N, atol=1e-5)
+        np.testing.assert_allclose(other.slices.force_N, one.slices.force_N, atol=1e-5)
 
 
 def test_mirrored_bodies_on_mirrored_shafts() -> None:
@@ -215,9 +210,9 @@ def test_mirrored_bodies_on_mirrored_shafts() -> None:
     mirrored = [MIRROR @ soft(seed) @ MIRROR for seed in (1, 2)]
     two = run(on_shafts(other, *mirrored), -15.0)
     np.testing.assert_allclose(two.rotation_rad, one.rotation_rad, rtol=1e-8)
-    scale = one.slice_force_N.max()
+    scale = one.slices.force_N.max()
     np.testing.assert_allclose(
-        two.slice_force_N[..., ::-1], one.slice_force_N, rtol=0.0, atol=1e-7 * scale
+        two.slices.force_N[..., ::-1], one.slices.force_N, rtol=0.0, atol=1e-7 * scale
     )
 
 
@@ -232,9 +227,9 @@ def test_the_tilt_is_a_helix_slope() -> None:
     for p, slope in enumerate(tilt):
         gap = slope / 1000.0 * (pair.slices.z_mm - pair.slices.z_mm[0])
         sloped = replace(pair.slices, removed_mm=(gap, np.zeros_like(gap)))
-        wanted = run(replace(pair, slices=sloped)).slice_force_N[p]
+        wanted = run(replace(pair, slices=sloped)).slices.force_N[p]
         np.testing.assert_allclose(
-            found.slice_force_N[p], wanted, rtol=0.0, atol=5.0 * SETTLED * wanted.max()
+            found.slices.force_N[p], wanted, rtol=0.0, atol=5.0 * SETTLED * wanted.max()
         )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.contact.sweep import Sweep, sweep
+from flankload.contact.sweep import FlankContact, Sweep, sweep
 from flankload.elasticity.compliance import AxialModes, BodyCompliance
 from flankload.errors import InputError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -59,19 +59,21 @@ def run(
     if deviations is not None:
         pairing = replace(pairing, site_deviations_mm=deviations)
     (found,) = sweep(
-        (pair.body_1, pair.body_2),
-        compliances=compliances,
-        pairing=pairing,
-        position_rad=np.linspace(0.0, pair.pairing.period_rad, 8, endpoint=False),
-        torques_Nmm=[torque],
-        face_width_mm=width,
-        friction=None if mu is None else rubbing(mu),
-        **{
-            "level": "lumped",
-            "slices": slices,
-            "grid": pair.discretization.grid,
-            **keywords,
-        },
+        FlankContact(
+            (pair.body_1, pair.body_2),
+            compliances=compliances,
+            pairing=pairing,
+            face_width_mm=width,
+            friction=None if mu is None else rubbing(mu),
+            **{
+                "level": "lumped",
+                "slices": slices,
+                "grid": pair.discretization.grid,
+                **keywords,
+            },
+        ),
+        np.linspace(0.0, pair.pairing.period_rad, 8, endpoint=False),
+        [torque],
     )
     return found
 
@@ -117,10 +119,10 @@ def test_the_ellipse_of_hertz(crown_radius: float, slices: int) -> None:
     gap = (edges[1:] ** 3 - edges[:-1] ** 3) / np.diff(edges) / (6.0 * crown_radius)
     found = press(force, radius, edges, gap)
     pressure, approach = LINES[crown_radius]
-    np.testing.assert_allclose(found.slice_peak_MPa.max(), wanted.pressure, rtol=pressure)
+    np.testing.assert_allclose(found.slices.peak_MPa.max(), wanted.pressure, rtol=pressure)
     np.testing.assert_allclose(found.rotation_rad[0] * 1000.0, wanted.approach, rtol=approach)
     np.testing.assert_allclose(found.site_force_N.sum(), force, rtol=SOLVER)
-    loaded = np.abs(edges[:-1] + edges[1:])[found.slice_force_N[0, 0] > 0] / 2.0
+    loaded = np.abs(edges[:-1] + edges[1:])[found.slices.force_N[0, 0] > 0] / 2.0
     np.testing.assert_allclose(loaded.max(), wanted.large, atol=2.0 * np.diff(edges)[0])
 
 
@@ -140,7 +142,7 @@ def test_one_long_slice_is_the_plane(mu: float | None) -> None:
         np.testing.assert_allclose(
             getattr(found, name), getattr(wanted, name), rtol=0.0, atol=1e-6 * scale
         )
-    assert found.slice_force_N.shape == (*found.site_force_N.shape, 1)
+    assert found.slices.force_N.shape == (*found.site_force_N.shape, 1)
     if mu is not None:
         for name in ("sliding", "friction"):
             np.testing.assert_allclose(
@@ -180,10 +182,10 @@ def test_friction_of_zero_changes_nothing(level: str) -> None:
         found, _ = short(twist=twist, mu=0.0, level=level)
         np.testing.assert_allclose(found.rotation_rad, without.rotation_rad, rtol=1e-12)
         np.testing.assert_allclose(
-            found.slice_force_N,
-            without.slice_force_N,
+            found.slices.force_N,
+            without.slices.force_N,
             rtol=0.0,
-            atol=1e-12 * without.slice_force_N.max(),
+            atol=1e-12 * without.slices.force_N.max(),
         )
 
 
@@ -219,7 +221,7 @@ def short(
 def test_a_large_torque_closes_slices_that_are_far_from_each_other() -> None:
     """As many slices are loaded as where all of them are searched."""
     heavy, _ = short(twist=7e-3, torque=40.0 * TORQUE)
-    loaded = (heavy.slice_force_N > 0).sum(axis=(1, 2))
+    loaded = (heavy.slices.force_N > 0).sum(axis=(1, 2))
     np.testing.assert_array_equal(loaded, [21, 22, 20, 20, 20, 20, 20, 21])
 
 
@@ -231,10 +233,10 @@ def test_mirrored_bodies_carry_mirrored_forces(twist: float, mu: float | None) -
     two, _ = short(twist=twist, gap=gap, mu=mu, mirrored=True)
     np.testing.assert_allclose(two.rotation_rad, one.rotation_rad, rtol=1e-10)
     np.testing.assert_allclose(
-        two.slice_force_N[..., ::-1],
-        one.slice_force_N,
+        two.slices.force_N[..., ::-1],
+        one.slices.force_N,
         rtol=0.0,
-        atol=1e-9 * one.slice_force_N.max(),
+        atol=1e-9 * one.slices.force_N.max(),
     )
 
 
@@ -275,7 +277,7 @@ def test_pressures_are_those_of_hertz_in_the_normal_plane(twist: float) -> None:
         np.testing.assert_allclose(
             (force / (cell * length))[smooth], wanted[smooth], rtol=PARABOLAS
         )
-        peak = found.slice_peak_MPa[k][sites, slices]
+        peak = found.slices.peak_MPa[k][sites, slices]
         np.testing.assert_allclose(peak[smooth], wanted[smooth], rtol=PARABOLAS)
         compared += smooth.sum()
     assert compared > 50
@@ -286,7 +288,7 @@ def test_helix_slopes_of_both_signs() -> None:
     slope = 0.01 * np.linspace(0.0, 1.0, 10)
     even, edges = short()
     sloped, _ = short(gap=slope)
-    load = sloped.slice_force_N.sum(axis=1) / np.diff(edges)
+    load = sloped.slices.force_N.sum(axis=1) / np.diff(edges)
     assert (load[:, 1] > load[:, -2]).all()
     assert (sloped.rotation_rad > even.rotation_rad).all()
 
@@ -299,7 +301,9 @@ def test_a_gap_of_all_slices_is_a_pitch_deviation() -> None:
     back = (-gap, np.zeros_like(gap))
     wanted, _ = short(deviations=back)
     np.testing.assert_allclose(found.rotation_rad, wanted.rotation_rad, rtol=SOLVER)
-    np.testing.assert_allclose(found.slice_force_N, wanted.slice_force_N, rtol=SOLVER, atol=SOLVER)
+    np.testing.assert_allclose(
+        found.slices.force_N, wanted.slices.force_N, rtol=SOLVER, atol=SOLVER
+    )
 
 
 @pytest.mark.parametrize(("twist", "mu"), [(0.0, None), (7e-3, None), (7e-3, 0.2)])

@@ -15,12 +15,11 @@ import numpy as np
 import pytest
 
 from flankload.bodies.body import Material
-from flankload.contact.sweep import sweep
+from flankload.contact.sweep import FlankContact, sweep
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.elasticity.near_field import jump_strength, logarithm_strength
 from flankload.pairing.friction import Friction
-from flankload.pairing.pairing import Pairing
-from flankload.pairing.period import Period
+from flankload.pairing.pairing import Pairing, Period
 from flankload.scene.discretization import Grid
 from tests.support.pressed_cylinders import arc
 
@@ -61,17 +60,19 @@ def sliding_contact(mu: float, *, elastic: tuple[bool, bool], sense: int = 1) ->
     )
     # body 1 turns faster than body 2, so that body 2 slides along +x, towards the tip of body 1
     (state,) = sweep(
-        (
-            SimpleNamespace(curve=one, rigid=not elastic[0], teeth=1, active_range_mm=None),
-            SimpleNamespace(curve=two, rigid=not elastic[1], teeth=1, active_range_mm=None),
+        FlankContact(
+            (
+                SimpleNamespace(curve=one, rigid=not elastic[0], teeth=1, active_range_mm=None),
+                SimpleNamespace(curve=two, rigid=not elastic[1], teeth=1, active_range_mm=None),
+            ),
+            compliances=(yielding if elastic[0] else rigid, yielding if elastic[1] else rigid),
+            pairing=pairing,
+            face_width_mm=1.0,
+            grid=Grid(strips_per_half_width=20),
+            friction=Friction(np.zeros(1), np.full((1, 1), mu), sense),
         ),
-        compliances=(yielding if elastic[0] else rigid, yielding if elastic[1] else rigid),
-        pairing=pairing,
-        position_rad=np.zeros(1),
-        torques_Nmm=[LOAD_N_PER_MM * (LEVER + sense * mu * ASIDE)],
-        face_width_mm=1.0,
-        grid=Grid(strips_per_half_width=20),
-        friction=Friction(np.zeros(1), np.full((1, 1), mu), sense),
+        np.zeros(1),
+        [LOAD_N_PER_MM * (LEVER + sense * mu * ASIDE)],
     )
     column = state.pairs.column
     return np.stack([column("x") - LEVER, column("force"), column("lever")])

@@ -17,11 +17,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from flankload.contact.sweep import sweep
+from flankload.contact.sweep import FlankContact, sweep
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.flank import CurvePiece, fit_flank_curve
-from flankload.pairing.pairing import Pairing
-from flankload.pairing.period import Period
+from flankload.pairing.pairing import Pairing, Period
 from flankload.scene.discretization import Grid
 
 #: The contact lies at (LEVER, 0), its normal along y; far from O1, so that levers hardly differ.
@@ -134,29 +133,31 @@ def solved(shape: Shape, strips: float) -> Found:
     ]
     none = np.zeros(1)
     (found,) = sweep(
-        (bodies[0], bodies[1]),
-        compliances=tuple(
-            BodyCompliance(
-                np.full((1, 1, 1), 3 * kernel), NearField(kernel), FlankModes((0.0, 1.0))
-            )
-            for kernel in (0.0, KERNEL)
+        FlankContact(
+            (bodies[0], bodies[1]),
+            compliances=tuple(
+                BodyCompliance(
+                    np.full((1, 1, 1), 3 * kernel), NearField(kernel), FlankModes((0.0, 1.0))
+                )
+                for kernel in (0.0, KERNEL)
+            ),
+            pairing=Pairing(
+                center_distance_mm=DISTANCE,
+                turns_at_zero_rad=(0.0, 0.0),
+                ratio=1.0,
+                period=Period(1.0),
+                sites=np.zeros(1, int),
+                site_teeth=(np.zeros(1, int), np.zeros(1, int)),
+                site_angles_rad=(none, none),
+                site_deviations_mm=(none, none),
+                mesh=None,
+                warnings=(),
+            ),
+            face_width_mm=1.0,
+            grid=Grid(strips_per_half_width=strips, corner_strips_per_half_width=3 * strips),
         ),
-        pairing=Pairing(
-            center_distance_mm=DISTANCE,
-            turns_at_zero_rad=(0.0, 0.0),
-            ratio=1.0,
-            period=Period(1.0),
-            sites=np.zeros(1, int),
-            site_teeth=(np.zeros(1, int), np.zeros(1, int)),
-            site_angles_rad=(none, none),
-            site_deviations_mm=(none, none),
-            mesh=None,
-            warnings=(),
-        ),
-        position_rad=np.zeros(1),
-        torques_Nmm=[LOAD * LEVER],
-        face_width_mm=1.0,
-        grid=Grid(strips_per_half_width=strips, corner_strips_per_half_width=3 * strips),
+        np.zeros(1),
+        [LOAD * LEVER],
     )
     assert found.status[0] == 0
     assert found.site_corner[0, 0] <= 0

@@ -110,16 +110,16 @@ def test_arguments_stand_in_the_order_of_the_call() -> None:
         assert [word for row in rows for word in re.findall(r"`(\w+)`", row)] == calls[name]
 
 
-def test_the_door_is_described_procedure_by_procedure() -> None:
+def test_the_flat_interface_is_described_procedure_by_procedure() -> None:
     text = (FORTRAN / "README.md").read_text(encoding="utf-8")
-    table = text.split("## The flat door")[1].split("## ")[0]
-    door = {name for path in (FORTRAN / "flat").glob("*.f90") for name in procedures_of(path)}
-    assert {name for name in door if f"`{name}" not in table} == set()
+    table = text.split("## The flat interface")[1].split("## ")[0]
+    names = {name for path in (FORTRAN / "flat").glob("*.f90") for name in procedures_of(path)}
+    assert {name for name in names if f"`{name}" not in table} == set()
 
 
 def test_public_names_of_the_module_are_described() -> None:
     text = (FORTRAN / "README.md").read_text(encoding="utf-8")
-    table = text.split("**What `use flankload` brings:**")[1].split("\n\n")[1]
+    table = text.split("**Public names of module `flankload`:**")[1].split("\n\n")[1]
     rows = [row.split("|")[1] for row in table.splitlines()[2:]]
     described = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
     public = runpy.run_path(str(FORTRAN / "install" / "exported_symbols.py"))["public_names"]

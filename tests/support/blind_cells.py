@@ -14,7 +14,7 @@ from math import acos, cos, pi, radians, sin, sqrt, tan
 import numpy as np
 
 import flankload as fl
-from flankload.contact.sweep import Sweep, sweep
+from flankload.contact.sweep import FlankContact, Sweep, sweep
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
 from flankload.errors import SceneError
@@ -115,13 +115,15 @@ class Job:
 
     def run(self, position_rad: np.ndarray, **grid: float) -> Sweep:
         (found,) = sweep(
-            self.bodies,
-            compliances=self.fields,
-            pairing=self.pairing,
-            position_rad=np.asarray(position_rad, dtype=float),
-            torques_Nmm=[self.torque],
-            face_width_mm=self.width,
-            grid=replace(Grid(), **grid),
+            FlankContact(
+                self.bodies,
+                compliances=self.fields,
+                pairing=self.pairing,
+                face_width_mm=self.width,
+                grid=replace(Grid(), **grid),
+            ),
+            np.asarray(position_rad, dtype=float),
+            [self.torque],
         )
         return found
 

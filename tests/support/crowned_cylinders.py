@@ -10,10 +10,9 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from flankload.contact.core_call import Level
-from flankload.contact.sweep import Sweep, sweep
+from flankload.contact.sweep import FlankContact, Sweep, sweep
 from flankload.elasticity.compliance import AxialModes, BodyCompliance, FlankModes, NearField
-from flankload.pairing.pairing import Pairing
-from flankload.pairing.period import Period
+from flankload.pairing.pairing import Pairing, Period
 from flankload.pairing.slices import Slices
 from flankload.scene.discretization import Grid
 from tests.support.pressed_cylinders import arc
@@ -104,14 +103,16 @@ def press(
         warnings=(),
     )
     (found,) = sweep(
-        (bodies[0], bodies[1]),
-        compliances=(half_space, half_space),
-        pairing=pairing,
-        position_rad=np.zeros(1),
-        torques_Nmm=[force * LEVER],
-        face_width_mm=1.0,
-        grid=grid,
-        level=level,
-        slices=cut(edges, (ends, ends), gap),
+        FlankContact(
+            (bodies[0], bodies[1]),
+            compliances=(half_space, half_space),
+            pairing=pairing,
+            face_width_mm=1.0,
+            grid=grid,
+            level=level,
+            slices=cut(edges, (ends, ends), gap),
+        ),
+        np.zeros(1),
+        [force * LEVER],
     )
     return found

@@ -8,11 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 
 from flankload.contact.core_call import Level
-from flankload.contact.sweep import sweep
+from flankload.contact.sweep import FlankContact, sweep
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
-from flankload.pairing.pairing import Pairing
-from flankload.pairing.period import Period
+from flankload.pairing.pairing import Pairing, Period
 from flankload.scene.discretization import Grid
 from tests.support.paths import REFERENCE_SOLUTIONS
 
@@ -63,13 +62,15 @@ def contact(force_N_per_mm: float, grid: Grid, level: Level = "pairs"):
     kernel = 2 * (1 - CASE["poisson_ratio"] ** 2) / (np.pi * CASE["young_modulus_MPa"])
     half_plane = BodyCompliance(np.zeros((1, 1, 1)), NearField(kernel), FlankModes((0.0, 1.0)))
     (found,) = sweep(
-        cylinders(one, two),
-        compliances=(half_plane, half_plane),
-        pairing=one_site(DISTANCE),
-        position_rad=np.zeros(1),
-        torques_Nmm=[force_N_per_mm * LEVER],
-        face_width_mm=1.0,
-        grid=grid,
-        level=level,
+        FlankContact(
+            cylinders(one, two),
+            compliances=(half_plane, half_plane),
+            pairing=one_site(DISTANCE),
+            face_width_mm=1.0,
+            grid=grid,
+            level=level,
+        ),
+        np.zeros(1),
+        [force_N_per_mm * LEVER],
     )
     return found

@@ -9,7 +9,7 @@ import numpy as np
 
 import flankload as fl
 from flankload.contact.core_call import Level
-from flankload.contact.sweep import Sweep, sweep
+from flankload.contact.sweep import FlankContact, Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
@@ -62,14 +62,16 @@ def run(
 ) -> tuple[Sweep, ...]:
     pair, compliances = job(kind, count)
     return sweep(
-        (pair.body_1, pair.body_2),
-        compliances=compliances,
-        pairing=pairing or pair.pairing,
-        position_rad=pair.position_rad,
-        torques_Nmm=torques,
-        face_width_mm=14.0,
-        grid=pair.discretization.grid,
-        level=level,
+        FlankContact(
+            (pair.body_1, pair.body_2),
+            compliances=compliances,
+            pairing=pairing or pair.pairing,
+            face_width_mm=14.0,
+            grid=pair.discretization.grid,
+            level=level,
+        ),
+        pair.position_rad,
+        torques,
         keep_pairs=keep_pairs,
         progress=progress,
     )

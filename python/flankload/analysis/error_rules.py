@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.analysis.adaptive_positions import Window
-    from flankload.contact.sweep import Sweep
+    from flankload.contact.sweep import SliceStates, Sweep
 
     Floats = NDArray[np.float64]
 
@@ -164,7 +164,7 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
     if found.coast is not None:
         change = _coast_shares(other) - _coast_shares(base)
         left[COAST] = _at_each(_of_shares(rule), change, 1.0)
-    if found.slice_force_N is not None:
+    if found.slices is not None:
         left |= _of_line_loads(rule, found, base, other)
     return left
 
@@ -177,8 +177,7 @@ def _of_line_loads(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[
     largest = float(np.max(_line_loads(found)))
     change = _line_loads(other) - _line_loads(base, other)
     change = change[..., _slices_around(found, other)]
-    assert found.slice_corner is not None
-    change = np.where(found.slice_corner > 0, 0.0, change)
+    change = np.where(_slices(found).corner > 0, 0.0, change)
     factors = [float(_face_load_factors(part).max()) for part in (found, base, other)]
     return {
         LINE_LOAD: _at_each(of_loads, change, largest),
@@ -190,33 +189,26 @@ def _line_loads(part: Sweep, on: Sweep | None = None) -> Floats:
     """(P, S, J) Force per mm of face width in the slices of a sweep, or in those of another one
     whose edges are among them.
     """
-    on = part if on is None else on
-    assert part.slice_edges_mm is not None
-    assert on.slice_edges_mm is not None
-    first = np.searchsorted(part.slice_edges_mm, on.slice_edges_mm[:-1])
-    return np.asarray(np.add.reduceat(_forces(part), first, axis=2) / _widths(on))
+    mine, others = _slices(part), _slices(part if on is None else on)
+    first = np.searchsorted(mine.edges_mm, others.edges_mm[:-1])
+    return np.asarray(np.add.reduceat(mine.force_N, first, axis=2) / np.diff(others.edges_mm))
 
 
 def _slices_around(part: Sweep, other: Sweep) -> NDArray[np.int64]:
     """Slices of another sweep that contain those of a sweep."""
-    assert part.slice_edges_mm is not None
-    assert other.slice_edges_mm is not None
-    middle = 0.5 * (part.slice_edges_mm[1:] + part.slice_edges_mm[:-1])
-    return np.asarray(np.searchsorted(other.slice_edges_mm, middle) - 1)
+    edges = _slices(part).edges_mm
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    return np.asarray(np.searchsorted(_slices(other).edges_mm, middle) - 1)
 
 
 def _face_load_factors(part: Sweep) -> Floats:
-    return face_load_factors(_forces(part), _widths(part), each=part.conforming)
+    slices = _slices(part)
+    return face_load_factors(slices.force_N, np.diff(slices.edges_mm), each=slices.conforming)
 
 
-def _forces(part: Sweep) -> Floats:
-    assert part.slice_force_N is not None
-    return part.slice_force_N
-
-
-def _widths(part: Sweep) -> Floats:
-    assert part.slice_edges_mm is not None
-    return np.diff(part.slice_edges_mm)
+def _slices(part: Sweep) -> SliceStates:
+    assert part.slices is not None
+    return part.slices
 
 
 def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str, Left]:
@@ -236,7 +228,7 @@ def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str
     """
     errors = between_positions(found, window, position_rad)
     left = {name: Left(*both) for name, both in errors.items()}
-    if found.slice_force_N is not None and position_rad.size > 1:
+    if found.slices is not None and position_rad.size > 1:
         factors = _face_load_factors(found)
         at = int(factors.argmax())
         # beside a kink, the largest value may lie half the step to a neighbour above the sample

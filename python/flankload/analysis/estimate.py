@@ -296,7 +296,7 @@ def lumped_error(
     -------
     dict
     """
-    if found.conforming:
+    if found.slices is not None and found.slices.conforming:
         return SPREAD | dict.fromkeys(OVERALL, SPREAD["transmission_error"])
     loaded = found.pairs.column("force") > 0
     half_width = np.max(found.pairs.column("cell") * (2.0 / np.pi), initial=0.0, where=loaded)
@@ -307,7 +307,7 @@ def lumped_error(
         quantity: max(square * ratio**2 + least, linear * ratio * shaped)
         for quantity, (square, least, linear) in LUMPED.items()
     }
-    if found.slice_force_N is not None:
+    if found.slices is not None:
         for quantity, least in LUMPED_IN_SLICES.items():
             errors[quantity] = max(least, errors.get(quantity, 0.0))
     if found.coast is not None:
@@ -322,14 +322,13 @@ def _shaped_part(found: Sweep) -> float:
     weighted by the forces. In slices only some of a flank's places are of that kind; in the plane,
     and where a sharp corner carries, the whole load counts.
     """
-    if found.slice_corner is None or found.slice_force_N is None:
-        corner, force = found.site_corner, found.site_force_N
-    else:
-        corner, force = found.slice_corner, found.slice_force_N
+    corner, force = found.site_corner, found.site_force_N
+    if found.slices is not None:
+        corner, force = found.slices.corner, found.slices.force_N
     marked = (corner != 0) & (corner != END_WOULD_TOUCH) & (force > 0)
     if not marked.any():
         return 0.0
-    if found.slice_corner is None or (marked & (corner > 0)).any():
+    if found.slices is None or (marked & (corner > 0)).any():
         return 1.0
     each = tuple(range(1, force.ndim))
     return float(np.max(np.where(marked, force, 0.0).sum(axis=each) / force.sum(axis=each)))

@@ -7,24 +7,26 @@ import contextlib
 import os
 import shlex
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from flankload.cli.benchmarking import benchmark
-from flankload.cli.checking import check
-from flankload.cli.compliance import compliance
-from flankload.cli.designing import study
+from flankload.cli.body_files import compliance, mesh
+from flankload.cli.checking import check, schema
+from flankload.cli.designing import optimise, study
 from flankload.cli.importing import scene
-from flankload.cli.optimising import optimise
-from flankload.cli.planning import plan
-from flankload.cli.reporting import report
-from flankload.cli.solving import mesh, run, schema
-from flankload.cli.studying import accuracy
-from flankload.cli.verifying import verify
+from flankload.cli.judging import accuracy, benchmark, verify
+from flankload.cli.solving import plan, report, run
 from flankload.errors import FlankloadError, SceneError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+
+#: Types of values by their words; of others, text.
+KINDS = {"DIR": Path, "S": float, "ID": int}
+#: An option that may be repeated.
+REPEATED: dict[str, Any] = {"action": "append", "default": []}
+JSON_TABLE = "print JSON instead of the table"
 
 SOLVED, NOT_SOLVED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
@@ -109,319 +111,222 @@ def parser() -> argparse.ArgumentParser:
     )
     top.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = top.add_subparsers(metavar="COMMAND", required=True)
-
-    _add_run(commands)
-    _add_report(commands)
-    _add_plan(commands)
-    _add_mesh(commands)
-    compliance_parser = _command(
-        commands, "compliance", compliance, "write the flanks of both bodies and their compliance"
-    )
-    _add_folder(compliance_parser)
-    _add_accuracy(commands)
-    _add_study(commands)
-    _add_verify(commands)
-    _add_benchmark(commands)
-    _add_optimise(commands)
-    _add_scene(commands)
-    check_parser = _described(
-        commands, "check", "validate a scene or a mesh file and print how it is interpreted"
-    )
-    check_parser.add_argument("file", metavar="FILE", type=Path, help="scene (.toml) or mesh file")
-    check_parser.set_defaults(command=check)
-    schema_parser = _described(commands, "schema", "print the JSON schema of scene files")
-    schema_parser.add_argument(
-        "--paths",
-        action="store_true",
-        help="print a line for each key instead: path, unit, range, meaning",
-    )
-    schema_parser.set_defaults(command=schema)
+    for add in (
+        *(_add_run, _add_report, _add_plan, _add_mesh, _add_compliance, _add_accuracy, _add_study),
+        *(_add_verify, _add_benchmark, _add_optimise, _add_scene, _add_check, _add_schema),
+    ):
+        add(commands)
     return top
 
 
-def _command(commands: Any, name: str, function: Callable[..., None], text: str) -> Any:
-    """Parser of a command that reads a scene."""
-    parser = _described(commands, name, text)
-    parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (TOML)")
+def _command(
+    commands: Any,
+    name: str,
+    function: Callable[..., None],
+    text: str,
+    file: tuple[str, str] | None = ("SCENE", "scene file (TOML)"),
+) -> partial[None]:
+    """Add a command that reads a file; return the function that adds its options."""
+    parser = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
+    if file is not None:
+        key = "scene" if file[0] == "SCENE" else "file"
+        parser.add_argument(key, metavar=file[0], type=Path, help=file[1])
     parser.set_defaults(command=function)
-    return parser
+    return partial(_add, parser)
 
 
-def _described(commands: Any, name: str, text: str) -> Any:
-    return commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
-
-
-def _add_folder(parser: Any) -> None:
-    parser.add_argument(
-        "-o", dest="folder", metavar="DIR", type=Path, required=True, help="output folder"
-    )
+def _add(parser: Any, option: str, text: str, **options: Any) -> None:
+    """Add an option, with the word for its value behind it; without a value it is a switch."""
+    name, _, word = option.partition(" ")
+    kinds: dict[str, Any] = {"metavar": word} if word else {"action": "store_true"}
+    if word in KINDS:
+        kinds["type"] = KINDS[word]
+    parser.add_argument(name, help=text, **(kinds | options))
 
 
 def _add_run(commands: Any) -> None:
-    parser = _command(commands, "run", run, "solve a scene and print a table of the result")
-    parser.add_argument("--json", metavar="FILE", help="write the result as JSON (- for stdout)")
-    parser.add_argument("--csv", metavar="FILE", help="write the positions as CSV (- for stdout)")
-    parser.add_argument(
-        "--stiffness-csv",
-        metavar="FILE",
-        help="write transmission error and stiffness over angle and torque (- for stdout)",
+    add = _command(commands, "run", run, "solve a scene and print a table of the result")
+    add("--json FILE", "write the result as JSON (- for stdout)")
+    add("--csv FILE", "write the positions as CSV (- for stdout)")
+    add(
+        "--stiffness-csv FILE",
+        "write transmission error and stiffness over angle and torque (- for stdout)",
     )
-    parser.add_argument(
-        "--csv-format", metavar="WORD,…", default="",
-        help="form of both CSV files: semicolon or tab (separator), decimal-comma, degrees",
-    )  # fmt: skip
-    parser.add_argument("--xlsx", metavar="FILE", help="write a workbook with a sheet per quantity")
-    parser.add_argument(
-        "--modelica", metavar="FILE",
-        help="write tables over angle and torque for Modelica (- for stdout)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--fmu", metavar="FILE",
-        help="write these tables as an FMU for co-simulation (FMI 2.0)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--vtu", metavar="DIR", type=Path,
-        help="write displacement, stress and pressure of the bodies to this folder, for ParaView",
-    )  # fmt: skip
-    parser.add_argument(
-        "--vtu-positions", metavar="K,…", default="",
-        help="indices of the positions of --vtu; default: all",
-    )  # fmt: skip
-    parser.add_argument("--plot", metavar="DIR", type=Path, help="write plots to this folder")
-    parser.add_argument(
-        "--report", metavar="FILE", help="write a self-contained HTML page (- for stdout)"
+    add(
+        "--csv-format WORD,…",
+        "form of both CSV files: semicolon or tab (separator), decimal-comma, degrees",
+        default="",
     )
-    parser.add_argument(
-        "--format", dest="formats", metavar="F,…", action="append", default=[],
-        help="format of the plots: png, svg, pdf, or several; may be repeated; default: png",
-    )  # fmt: skip
-    parser.add_argument(
-        "--dpi", metavar="N", help="pixels per inch of PNG files, 30 to 1200; default: 160"
+    add("--xlsx FILE", "write a workbook with a sheet per quantity")
+    add("--modelica FILE", "write tables over angle and torque for Modelica (- for stdout)")
+    add("--fmu FILE", "write these tables as an FMU for co-simulation (FMI 2.0)")
+    add(
+        "--vtu DIR",
+        "write displacement, stress and pressure of the bodies to this folder, for ParaView",
     )
-    parser.add_argument(
-        "--size", metavar="WxH",
-        help="width and height of a plot in mm; plots with several panels keep their ratio to it; "
+    add("--vtu-positions K,…", "indices of the positions of --vtu; default: all", default="")
+    add("--plot DIR", "write plots to this folder")
+    add("--report FILE", "write a self-contained HTML page (- for stdout)")
+    add(
+        "--format F,…",
+        "format of the plots: png, svg, pdf, or several; may be repeated; default: png",
+        dest="formats",
+        **REPEATED,
+    )
+    add("--dpi N", "pixels per inch of PNG files, 30 to 1200; default: 160")
+    add(
+        "--size WxH",
+        "width and height of a plot in mm; plots with several panels keep their ratio to it; "
         "default: 183x107",
-    )  # fmt: skip
-    parser.add_argument(
-        "--cost", action="store_true", help="print predicted and actual cost of each stage"
     )
-    parser.add_argument("--quiet", action="store_true", help="print no table and no progress")
+    add("--cost", "print predicted and actual cost of each stage")
+    add("--quiet", "print no table and no progress")
 
 
 def _add_report(commands: Any) -> None:
-    parser = _command(
-        commands,
-        "report",
-        report,
+    words = (
         "solve a scene and write one self-contained HTML page about it; adaptive positions if the "
-        "scene names none",
+        "scene names none"
     )
-    parser.add_argument(
-        "-o", dest="output", metavar="FILE", required=True, help="page to write (- for stdout)"
-    )
-    parser.add_argument("--quiet", action="store_true", help="print no progress and no file name")
+    add = _command(commands, "report", report, words)
+    add("-o FILE", "page to write (- for stdout)", dest="output", required=True)
+    add("--quiet", "print no progress and no file name")
 
 
 def _add_plan(commands: Any) -> None:
-    parser = _command(
-        commands,
-        "plan",
-        plan,
-        "print the effects that a run will include, with reason, cost and size",
-    )
-    parser.add_argument("--json", action="store_true", help="print JSON instead of the table")
-    parser.add_argument(
-        "--levels", action="store_true", help="also try the model levels that are off"
-    )
-    parser.add_argument(
-        "--dimension", action="store_true", help="also try three dimensions of a plane scene"
-    )
+    words = "print the effects that a run will include, with reason, cost and size"
+    add = _command(commands, "plan", plan, words)
+    add("--json", JSON_TABLE)
+    add("--levels", "also try the model levels that are off")
+    add("--dimension", "also try three dimensions of a plane scene")
 
 
 def _add_mesh(commands: Any) -> None:
-    parser = _command(commands, "mesh", mesh, "write the finite element meshes of both bodies")
-    _add_folder(parser)
-    parser.add_argument(
-        "--format", choices=("msh", "vtu", "inp"), default="msh", help="default: msh"
-    )
+    add = _command(commands, "mesh", mesh, "write the finite element meshes of both bodies")
+    add("-o DIR", "output folder", dest="folder", required=True)
+    add("--format", "default: msh", action="store", choices=("msh", "vtu", "inp"), default="msh")
+
+
+def _add_compliance(commands: Any) -> None:
+    words = "write the flanks of both bodies and their compliance"
+    add = _command(commands, "compliance", compliance, words)
+    add("-o DIR", "output folder", dest="folder", required=True)
 
 
 def _add_accuracy(commands: Any) -> None:
-    parser = _command(
-        commands,
-        "accuracy",
-        accuracy,
+    words = (
         "print error and CPU time for each discretization parameter, and the cheapest "
-        "discretizations for errors of 1 %%, 0.1 %% and 0.01 %%",
+        "discretizations for errors of 1 %%, 0.1 %% and 0.01 %%"
     )
-    parser.add_argument(
-        "--budget", metavar="S", type=float, default=60.0,
-        help="CPU seconds after which no further run starts; default: 60",
-    )  # fmt: skip
-    parser.add_argument(
-        "--quantities", metavar="Q,…", default="transmission_error,peak_pressure",
-        help="quantities to judge: transmission_error, load_share, peak_pressure, stiffness; "
+    add = _command(commands, "accuracy", accuracy, words)
+    add("--budget S", "CPU seconds after which no further run starts; default: 60", default=60.0)
+    add(
+        "--quantities Q,…",
+        "quantities to judge: transmission_error, load_share, peak_pressure, stiffness; "
         "default: transmission_error,peak_pressure",
-    )  # fmt: skip
-    parser.add_argument("--csv", metavar="FILE", help="write one line per run (- for stdout)")
-    parser.add_argument("--json", metavar="FILE", help="write the study as JSON (- for stdout)")
-    parser.add_argument(
-        "--plot", metavar="DIR", type=Path, help="write the work-precision diagram to this folder"
+        default="transmission_error,peak_pressure",
     )
-    parser.add_argument(
-        "--resume", metavar="FILE", type=Path,
-        help="file of finished runs: read if it exists, updated after each run",
-    )  # fmt: skip
-
-
-def _add_optimise(commands: Any) -> None:
-    parser = _described(
-        commands,
-        "optimise",
-        "find the values of scene keys for which a key figure is smallest, with gradients",
-    )
-    parser.add_argument(
-        "file", metavar="OPTIMISATION", type=Path,
-        help="file (TOML) with the scene, variables, objective and constraints",
-    )  # fmt: skip
-    parser.add_argument(
-        "-o", dest="output", metavar="FILE", type=Path, help="write the optimal scene to this file"
-    )
-    parser.set_defaults(command=optimise)
-
-
-def _add_scene(commands: Any) -> None:
-    parser = _described(
-        commands,
-        "scene",
-        "write the scene of a gear stage of a REXS gearbox model; without -o, list the stages",
-    )
-    parser.add_argument(
-        "file", metavar="GEARBOX", type=Path, help="model (.rexs, .rexsj, .rexsz, .rexs.zip)"
-    )
-    parser.add_argument(
-        "--stage", metavar="ID", type=int, help="id of the stage; default: the only one"
-    )
-    parser.add_argument(
-        "-o",
-        dest="output",
-        metavar="FILE",
-        type=Path,
-        help="write the scene to this file (- for stdout)",
-    )
-    parser.add_argument(
-        "--torque-Nm", dest="torque_Nm", metavar="T", type=float,
-        help="torque on gear 1; required if the model has none of this stage",
-    )  # fmt: skip
-    parser.add_argument(
-        "--load-case", metavar="ID", type=int, help="id of the load case; default: the only one"
-    )
-    parser.add_argument(
-        "--flank", choices=("left", "right"),
-        help="loaded flank, if the model does not define it and the flanks of a gear differ",
-    )  # fmt: skip
-    parser.add_argument(
-        "--set", dest="settings", metavar="KEY=VALUE", action="append", default=[],
-        help="value of a key of the scene, in place of that of the model; may be repeated",
-    )  # fmt: skip
-    parser.set_defaults(command=scene)
-
-
-def _add_benchmark(commands: Any) -> None:
-    parser = _described(
-        commands, "benchmark", "compare with reference results of other programs and closed forms"
-    )
-    parser.add_argument(
-        "cases", metavar="CASE", nargs="*",
-        help="cases, each with all of its quantities; default: all, a line each",
-    )  # fmt: skip
-    parser.add_argument(
-        "--folder", metavar="DIR", type=Path, default=Path("benchmarks"),
-        help="folder of the cases; default: benchmarks",
-    )  # fmt: skip
-    parser.add_argument(
-        "--answers", metavar="FILE", type=Path,
-        help="compare the answers of another program in this file (JSON) instead",
-    )  # fmt: skip
-    parser.add_argument(
-        "-o",
-        dest="output",
-        metavar="FILE",
-        type=Path,
-        help="write the answers to this file (JSON; - for stdout, in place of the table)",
-    )
-    parser.add_argument("--json", action="store_true", help="print JSON instead of the table")
-    parser.set_defaults(command=benchmark)
+    add("--csv FILE", "write one line per run (- for stdout)")
+    add("--json FILE", "write the study as JSON (- for stdout)")
+    add("--plot DIR", "write the work-precision diagram to this folder")
+    words = "file of finished runs: read if it exists, updated after each run"
+    add("--resume FILE", words, type=Path)
 
 
 def _add_study(commands: Any) -> None:
-    parser = _described(
-        commands,
-        "study",
+    words = (
         "solve many designs of a scene and print the range of each quantity; after an interruption "
-        "the same command resumes",
+        "the same command resumes"
     )
-    parser.add_argument("file", metavar="STUDY", type=Path, help="study file (TOML)")
-    parser.add_argument(
-        "-o", dest="outputs", metavar="FILE", action="append", default=[],
-        help="write a row per design as CSV or Parquet, by the suffix (- for CSV on stdout); may "
+    add = _command(commands, "study", study, words, ("STUDY", "study file (TOML)"))
+    add(
+        "-o FILE",
+        "write a row per design as CSV or Parquet, by the suffix (- for CSV on stdout); may "
         "be repeated",
-    )  # fmt: skip
-    parser.add_argument(
-        "--plot", metavar="DIR", type=Path,
-        help="write the plots that suit the study to this folder",
-    )  # fmt: skip
-    parser.add_argument(
-        "--workers", metavar="N", type=int, help="number of workers; default: one per processor"
+        dest="outputs",
+        **REPEATED,
     )
-    workers = parser.add_mutually_exclusive_group()
-    workers.add_argument(
-        "--processes", action="store_true", help="use processes instead of threads"
-    )
-    workers.add_argument(
-        "--scheduler", metavar="ADDRESS", help="use the workers of this dask scheduler"
-    )
-    parser.add_argument("--quiet", action="store_true", help="print no table and no progress")
-    parser.set_defaults(command=study)
+    add("--plot DIR", "write the plots that suit the study to this folder")
+    add("--workers N", "number of workers; default: one per processor", type=int)
+    workers = partial(_add, add.args[0].add_mutually_exclusive_group())
+    workers("--processes", "use processes instead of threads")
+    workers("--scheduler ADDRESS", "use the workers of this dask scheduler")
+    add("--quiet", "print no table and no progress")
 
 
 def _add_verify(commands: Any) -> None:
-    parser = _command(
-        commands,
-        "verify",
-        verify,
-        "compare one position with a nonlinear finite element solution (CalculiX)",
+    words = "compare one position with a nonlinear finite element solution (CalculiX)"
+    add = _command(commands, "verify", verify, words)
+    add("--position K", "index of the position; default: 0", type=int, default=0)
+    add("-o DIR", "folder that keeps input deck and output", dest="folder")
+    add("--no-run", "only write the input deck")
+    add("--json", JSON_TABLE)
+    add("--large-displacement", "let CalculiX include the deformation of the geometry")
+    add(
+        "--dimension",
+        "solve the scene as plane bodies or as solids in both programs; default: as it is",
+        action="store",
+        type=int,
+        choices=(2, 3),
     )
-    parser.add_argument(
-        "--position", metavar="K", type=int, default=0, help="index of the position; default: 0"
-    )
-    parser.add_argument(
-        "-o",
-        dest="folder",
-        metavar="DIR",
-        type=Path,
-        help="folder that keeps input deck and output",
-    )
-    parser.add_argument("--no-run", action="store_true", help="only write the input deck")
-    parser.add_argument("--json", action="store_true", help="print JSON instead of the table")
-    parser.add_argument(
-        "--large-displacement",
-        action="store_true",
-        help="let CalculiX include the deformation of the geometry",
-    )
-    parser.add_argument(
-        "--dimension", type=int, choices=(2, 3),
-        help="solve the scene as plane bodies or as solids in both programs; default: as it is",
-    )  # fmt: skip
-    parser.add_argument(
-        "--elements", metavar="N", type=float,
-        help="elements on the half-width of each contact; default: 6, or 1 of solids, whose "
+    add(
+        "--elements N",
+        "elements on the half-width of each contact; default: 6, or 1 of solids, whose "
         "other elements and layers follow in proportion",
-    )  # fmt: skip
-    parser.add_argument(
-        "--time-limit", metavar="S", type=float, help="stop CalculiX after this many seconds"
+        type=float,
     )
-    parser.add_argument(
-        "--program", metavar="CCX", default="ccx", help="name or path of CalculiX; default: ccx"
+    add("--time-limit S", "stop CalculiX after this many seconds")
+    add("--program CCX", "name or path of CalculiX; default: ccx", default="ccx")
+
+
+def _add_benchmark(commands: Any) -> None:
+    words = "compare with reference results of other programs and closed forms"
+    add = _command(commands, "benchmark", benchmark, words, None)
+    words = "cases, each with all of its quantities; default: all, a line each"
+    add("cases CASE", words, nargs="*")
+    add("--folder DIR", "folder of the cases; default: benchmarks", default=Path("benchmarks"))
+    words = "compare the answers of another program in this file (JSON) instead"
+    add("--answers FILE", words, type=Path)
+    words = "write the answers to this file (JSON; - for stdout, in place of the table)"
+    add("-o FILE", words, dest="output", type=Path)
+    add("--json", JSON_TABLE)
+
+
+def _add_optimise(commands: Any) -> None:
+    words = "find the values of scene keys for which a key figure is smallest, with gradients"
+    file = ("OPTIMISATION", "file (TOML) with the scene, variables, objective and constraints")
+    add = _command(commands, "optimise", optimise, words, file)
+    add("-o FILE", "write the optimal scene to this file", dest="output", type=Path)
+
+
+def _add_scene(commands: Any) -> None:
+    words = "write the scene of a gear stage of a REXS gearbox model; without -o, list the stages"
+    file = ("GEARBOX", "model (.rexs, .rexsj, .rexsz, .rexs.zip)")
+    add = _command(commands, "scene", scene, words, file)
+    add("--stage ID", "id of the stage; default: the only one")
+    add("-o FILE", "write the scene to this file (- for stdout)", dest="output", type=Path)
+    words = "torque on gear 1; required if the model has none of this stage"
+    add("--torque-Nm T", words, dest="torque_Nm", type=float)
+    add("--load-case ID", "id of the load case; default: the only one")
+    add(
+        "--flank",
+        "loaded flank, if the model does not define it and the flanks of a gear differ",
+        action="store",
+        choices=("left", "right"),
     )
+    add(
+        "--set KEY=VALUE",
+        "value of a key of the scene, in place of that of the model; may be repeated",
+        dest="settings",
+        **REPEATED,
+    )
+
+
+def _add_check(commands: Any) -> None:
+    words = "validate a scene or a mesh file and print how it is interpreted"
+    _command(commands, "check", check, words, ("FILE", "scene (.toml) or mesh file"))
+
+
+def _add_schema(commands: Any) -> None:
+    add = _command(commands, "schema", schema, "print the JSON schema of scene files", None)
+    add("--paths", "print a line for each key instead: path, unit, range, meaning")

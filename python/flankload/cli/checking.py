@@ -1,7 +1,8 @@
-"""The command check: print the interpreted scene or mesh file."""
+"""The commands check and schema: print an interpreted scene or mesh file, and keys of scenes."""
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -67,3 +68,16 @@ def _print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
     print(f"\n{title}")
     for name, value in rows:
         print(f"  {name:<{width}}  {value}")
+
+
+def schema(arguments: Namespace) -> None:
+    """Print the JSON schema of a scene file, or the paths of its keys."""
+    from flankload.scene import scene_paths, scene_schema
+
+    if arguments.paths:
+        for key in scene_paths():
+            kinds = f" ({key.kinds})" if key.kinds else ""
+            unit = f" [{key.unit}]" if key.unit else ""
+            print(f"{key.path}{unit}: {key.expected}; {key.meaning}{kinds}")
+        return
+    print(json.dumps(scene_schema(), indent=2, ensure_ascii=False))

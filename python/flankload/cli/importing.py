@@ -6,7 +6,7 @@ import sys
 import tomllib
 from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import STDOUT, check_file
+from flankload.cli.outputs import STDOUT, check_apart, check_file, write_text
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -28,7 +28,8 @@ def scene(arguments: Namespace) -> None:
     path: Path | None = arguments.output
     printed = path is not None and str(path) == STDOUT
     if path is not None and not printed:
-        _check_output(path, arguments.file)
+        check_file("-o", path)
+        check_apart([("-o", path)], None, {"the model": arguments.file})
     elif arguments.stage is not None:
         raise SceneError(key="-o", expected="a file for the scene of the stage", found="nothing")
     model = read_model(arguments.file)
@@ -42,13 +43,9 @@ def scene(arguments: Namespace) -> None:
     except SceneError as error:
         raise error.with_file(arguments.file) from None
 
-    from flankload.base.files import write_atomically
-
+    write_text(path, made.scene.to_toml())
     stream = sys.stderr if printed else sys.stdout
-    if printed:
-        print(made.scene.to_toml(), end="")
-    else:
-        write_atomically(path, made.scene.to_toml())
+    if not printed:
         print(f"{path}: {made.stage} of {arguments.file}")
     for line in (*made.lines, *(f"warning: {note}" for note in notes)):
         print(line, file=stream)
@@ -73,10 +70,3 @@ def _settings(given: Iterable[str]) -> dict[str, Any]:
         except tomllib.TOMLDecodeError:
             found[key.strip()] = value.strip()
     return found
-
-
-def _check_output(path: Path, model: Path) -> None:
-    """Refuse an output that could not be written or would replace the model."""
-    check_file("-o", path)
-    if path.exists() and model.exists() and path.samefile(model):
-        raise SceneError(key="-o", expected="a file other than the model", found=path)

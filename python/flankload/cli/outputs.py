@@ -1,4 +1,4 @@
-"""Checks of output paths before the computation."""
+"""Outputs: checks of their paths before the computation, and texts that are written or printed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flankload.base.files import is_stream
+from flankload.base.files import is_stream, write_atomically
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -24,16 +24,7 @@ OF_FILES = (
 
 
 def check_folder(key: str, folder: Path, *, content: str) -> None:
-    """Refuse a folder that cannot be created or written to, or that has the name of a file.
-
-    Parameters
-    ----------
-    key : str
-        Command-line option.
-    folder : Path
-    content : str
-        Description of the files in the folder.
-    """
+    """Refuse a folder (of an option) that cannot be written to, or that has the name of a file."""
     there = next(part for part in (folder, *folder.parents) if part.exists())
     if not there.is_dir():
         raise SceneError(key=key, expected="a folder", found=f"the file {there}")
@@ -65,25 +56,32 @@ def check_file(key: str, path: Path) -> None:
         )
 
 
-def check_apart(outputs: Iterable[tuple[str, Path]], scene: Scene) -> None:
+def check_apart(
+    outputs: Iterable[tuple[str, Path]], scene: Scene | None, read: Mapping[str, Path] | None = None
+) -> None:
     """Refuse an output that would replace the scene, a file that it reads or another output.
 
-    Parameters
-    ----------
-    outputs : iterable of (str, Path)
-        Each file or folder with its command-line option.
-    scene : Scene
+    Each file or folder follows its command-line option; `read` are further inputs by their names.
     """
-    taken: Mapping[str, Path] = {f"that of {key}": path for key, path in scene.files.items()}
-    if scene.file is not None:
-        taken = {"the scene": scene.file, **taken}
+    taken = dict(read or {})
+    if scene is not None:
+        taken |= {"the scene": scene.file} if scene.file is not None else {}
+        taken |= {f"that of {key}": path for key, path in scene.files.items()}
     for key, path in outputs:
         if is_stream(path):
             continue
         for owner, other in taken.items():
             if _same(path, other):
                 raise SceneError(key=key, expected=f"a file other than {owner}", found=path)
-        taken = {**taken, f"that of {key}": path}
+        taken[f"that of {key}"] = path
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text, or print it."""
+    if str(path) == STDOUT:
+        print(text, end="")
+    else:
+        write_atomically(path, text)
 
 
 def _same(one: Path, other: Path) -> bool:

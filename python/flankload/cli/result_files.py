@@ -1,12 +1,12 @@
-"""The files of the command run."""
+"""Files and plots of the command run: options, checks, writing."""
 
 from __future__ import annotations
 
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import STDOUT, check_file, check_folder
+from flankload.cli.outputs import STDOUT, check_file, check_folder, write_text
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 PRINTABLE = ("json", "csv", "stiffness_csv", "modelica", "report")
 FILES = (*PRINTABLE, "xlsx", "fmu")
 FORM_WORDS = ("semicolon", "tab", "decimal-comma", "degrees")
+FORMATS = ("png", "svg", "pdf")
+#: Range of pixels per inch, and of width and height in mm.
+DPI, MM = (30.0, 1200.0), (40.0, 1000.0)
 
 
 def files_of(arguments: Namespace) -> dict[str, str]:
@@ -40,18 +43,7 @@ def places_of(arguments: Namespace) -> Iterator[tuple[str, Path]]:
 
 
 def check_outputs(arguments: Namespace, formats: Sequence[str]) -> None:
-    """Refuse outputs that could not be written, before the computation.
-
-    Parameters
-    ----------
-    arguments : Namespace
-    formats : sequence of str
-        Of the plots.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Refuse outputs that could not be written (plots in these formats), before the computation."""
     files = files_of(arguments)
     printed = [key for key, path in files.items() if path == STDOUT]
     for key in printed:
@@ -84,13 +76,7 @@ def check_outputs(arguments: Namespace, formats: Sequence[str]) -> None:
 
 
 def csv_form(words: str) -> CsvForm:
-    """The form of CSV files from words with commas between them.
-
-    Raises
-    ------
-    SceneError
-        If a word is unknown, or two name a separator.
-    """
+    """The form of CSV files from words with commas between them, one separator at most."""
     from flankload.result.csv_form import SEPARATORS, CsvForm
 
     found = [word.strip() for word in words.split(",")] if words else []
@@ -109,13 +95,7 @@ def csv_form(words: str) -> CsvForm:
 
 
 def indices(text: str) -> list[int] | None:
-    """Indices with commas between them; None if there are none.
-
-    Raises
-    ------
-    SceneError
-        If a part is no index.
-    """
+    """Indices with commas between them; None if there are none."""
     parts = [part.strip() for part in text.split(",")] if text else []
     if not all(part.isascii() and part.isdigit() for part in parts):
         raise SceneError(
@@ -127,26 +107,9 @@ def indices(text: str) -> list[int] | None:
 def write_files(
     arguments: Namespace, scene: Scene, results: Sequence[Result], *, listed: bool
 ) -> list[str]:
-    """Write or print the requested files.
+    """Write or print the requested files; lines about those that need words.
 
-    Parameters
-    ----------
-    arguments : Namespace
-    scene : Scene
-    results : sequence of Result
-        One per torque.
-    listed : bool
-        Whether the scene has a list of torques.
-
-    Returns
-    -------
-    list of str
-        Lines about files that need words.
-
-    Raises
-    ------
-    SceneError
-        If the positions do not suit a file.
+    There is a result per torque; `listed`: the scene has a list of torques.
     """
     from flankload.result import (
         results_to_csv,
@@ -157,9 +120,9 @@ def write_files(
 
     form, said = csv_form(arguments.csv_format), []
     if arguments.json is not None:
-        _write(arguments.json, results_to_json(results if listed else results[0]))
+        write_text(arguments.json, results_to_json(results if listed else results[0]))
     if arguments.csv is not None:
-        _write(arguments.csv, results_to_csv(results, form=form))
+        write_text(arguments.csv, results_to_csv(results, form=form))
     if arguments.xlsx is not None:
         results_to_xlsx(results, arguments.xlsx)
     tables = (arguments.stiffness_csv, arguments.modelica, arguments.fmu)
@@ -179,9 +142,9 @@ def write_files(
 def _write_tables(arguments: Namespace, table: StiffnessTable, form: CsvForm) -> list[str]:
     """Write tables over angle and torque."""
     if arguments.stiffness_csv is not None:
-        _write(arguments.stiffness_csv, table.to_csv(form=form))
+        write_text(arguments.stiffness_csv, table.to_csv(form=form))
     if arguments.modelica is not None:
-        _write(arguments.modelica, table.to_modelica())
+        write_text(arguments.modelica, table.to_modelica())
     if arguments.fmu is None:
         return []
     compiled = table.to_fmu(arguments.fmu)
@@ -189,11 +152,40 @@ def _write_tables(arguments: Namespace, table: StiffnessTable, form: CsvForm) ->
     return [f"{arguments.fmu}: C sources and {content}"]
 
 
-def _write(path: str, text: str) -> None:
-    """Write a text, or print it."""
-    if path == STDOUT:
-        print(text, end="")
-        return
-    from flankload.base.files import write_atomically
+def plot_options(arguments: Namespace) -> dict[str, Any]:
+    """Formats, resolution and size of the plots: keywords of `flankload.plot.plot_all`."""
+    given = {"--format": arguments.formats, "--dpi": arguments.dpi, "--size": arguments.size}
+    for key, value in given.items():
+        if value and arguments.plot is None:
+            raise SceneError(key=key, expected="--plot DIR beside it", found="no --plot")
+    dpi, size, sizes = arguments.dpi, arguments.size, "WxH, such as 160x100, each {} mm"
+    return {
+        "formats": _formats(arguments.formats),
+        "dpi": None if dpi is None else _numbers("--dpi", dpi, 1, DPI, "a number {}")[0],
+        "size_mm": None if size is None else _numbers("--size", size, 2, MM, sizes),
+    }
 
-    write_atomically(path, text)
+
+def _formats(given: list[str]) -> tuple[str, ...]:
+    """Formats in their order, each once."""
+    names = [name.strip().lower() for each in given for name in each.split(",")]
+    for name in names:
+        if name not in FORMATS:
+            expected = "png, svg or pdf, or several with commas"
+            raise SceneError(key="--format", expected=expected, found=repr(name))
+    return tuple(dict.fromkeys(names)) or FORMATS[:1]
+
+
+def _numbers(
+    key: str, text: str, count: int, bounds: tuple[float, float], what: str
+) -> tuple[float, ...]:
+    """Numbers with x between them, all within bounds."""
+    try:
+        numbers = tuple(float(part) for part in text.lower().replace("×", "x").split("x"))
+    except ValueError:
+        numbers = ()
+    low, high = bounds
+    if len(numbers) != count or not all(low <= number <= high for number in numbers):
+        expected = what.format(f"from {low:g} to {high:g}")
+        raise SceneError(key=key, expected=expected, found=repr(text))
+    return numbers

@@ -1,25 +1,28 @@
-"""The commands that solve and write: run, mesh, schema."""
+"""The commands that solve one scene, or predict it: run, report, plan."""
 
 from __future__ import annotations
 
-import json
 import sys
-from functools import partial
 from importlib import import_module
 from pathlib import Path
 from threading import Thread, Timer
 from typing import TYPE_CHECKING, Any, Self
 
-from flankload.cli.drawing import plot_options
-from flankload.cli.outputs import STDOUT, check_apart, check_folder
-from flankload.cli.result_files import check_outputs, files_of, places_of, write_files
+from flankload.cli.outputs import STDOUT, check_apart, check_file, write_text
+from flankload.cli.result_files import (
+    check_outputs,
+    files_of,
+    places_of,
+    plot_options,
+    write_files,
+)
 
 if TYPE_CHECKING:
     from argparse import Namespace
 
     from flankload.mechanisms.duration import Duration
+    from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.studies.plan import Plan
 
 #: Seconds after which a run first shows progress.
 PATIENCE_S = 1.0
@@ -36,14 +39,8 @@ def run(arguments: Namespace) -> None:
 
     scene = read_scene(arguments.scene)
     check_apart(places_of(arguments), scene)
-    from flankload.api import solve
-
-    if arguments.plot is not None or arguments.report is not None:
-        import_plot_meanwhile()
-    with Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress:
-        plan = _plan(scene, progress) if arguments.cost else None
-        on_duration = None if arguments.quiet else partial(announce, progress)
-        found = solve(scene, progress=progress.tell, plan=plan, on_duration=on_duration)
+    drawn = arguments.plot is not None or arguments.report is not None
+    found = _solve(scene, quiet=arguments.quiet, drawn=drawn, planned=arguments.cost)
     results = found.by_torque
     written: tuple[Path, ...] = ()
     if arguments.plot is not None:
@@ -52,9 +49,7 @@ def run(arguments: Namespace) -> None:
         written = plot_all(results, arguments.plot, **options)
     said = write_files(arguments, scene, results, listed=found.has_torque_list)
     if arguments.report is not None:
-        from flankload.cli.reporting import write_page
-
-        write_page(found, scene, arguments.report, arguments.line)
+        _write_page(found, scene, arguments.report, arguments.line)
         written += (Path(arguments.report),) * (arguments.report != STDOUT)
     from flankload.result import results_to_text
 
@@ -69,23 +64,63 @@ def run(arguments: Namespace) -> None:
         print("\n\n".join(texts))
 
 
-def import_plot_meanwhile() -> None:
-    """Import the plots beside the run: that needs a third of the time of a small run."""
-    Thread(target=import_module, args=("flankload.plot",), daemon=True).start()
+def report(arguments: Namespace) -> None:
+    """Solve a scene and write its report."""
+    output: str = arguments.output
+    if output != STDOUT:
+        check_file("-o", Path(output))
+    from flankload.scene import read_scene
+
+    scene = read_scene(arguments.scene)
+    if output != STDOUT:
+        check_apart([("-o", Path(output))], scene)
+    from flankload.report.positions import scene_of_report
+
+    scene = scene_of_report(scene)
+    found = _solve(scene, quiet=arguments.quiet, drawn=True)
+    _write_page(found, scene, output, arguments.line)
+    if output != STDOUT and not arguments.quiet:
+        print(f"wrote {output}")
 
 
-def announce(progress: Progress, duration: Duration) -> None:
-    """Announce the predicted duration of a long run."""
-    if duration.seconds > LONG_S:
-        progress.say(f"flankload: {duration}")
+def plan(arguments: Namespace) -> None:
+    """Print the effects of a run, their cost and their size."""
+    from flankload.scene import read_scene
+
+    scene = read_scene(arguments.scene)
+    from flankload.studies.plan import plan as plan_of
+
+    found = plan_of(scene, levels=arguments.levels, dimension=arguments.dimension)
+    print(found.to_json() if arguments.json else found)
 
 
-def _plan(scene: Scene, progress: Progress) -> Plan:
-    """Predicted cost of the run."""
-    from flankload.studies.plan import plan
+def _write_page(found: Result, scene: Scene, output: str, line: str) -> None:
+    """Write the page of a report to a file, or to stdout."""
+    from flankload.report import report_html
 
-    progress.tell("plan", 0, 1)
-    return plan(scene)
+    write_text(output, report_html(found, scene, line=line))
+
+
+def _solve(scene: Scene, *, quiet: bool, drawn: bool, planned: bool = False) -> Result:
+    """Solve with progress; announce a run that takes long by its prediction."""
+    from flankload.api import solve
+
+    if drawn:  # the import needs a third of the time of a small run: beside it
+        Thread(target=import_module, args=("flankload.plot",), daemon=True).start()
+    with Progress(wanted=not quiet and sys.stderr.isatty()) as progress:
+
+        def announce(duration: Duration) -> None:
+            if duration.seconds > LONG_S:
+                progress.say(f"flankload: {duration}")
+
+        predicted = None
+        if planned:
+            from flankload.studies.plan import plan as plan_of
+
+            progress.tell("plan", 0, 1)
+            predicted = plan_of(scene)
+        on_duration = None if quiet else announce
+        return solve(scene, progress=progress.tell, plan=predicted, on_duration=on_duration)
 
 
 class Progress:
@@ -140,42 +175,3 @@ class Progress:
         self._task = bar.add_task(stage, completed=done, total=total)
         bar.start()
         self._bar = bar
-
-
-def mesh(arguments: Namespace) -> None:
-    """Write the meshes of both bodies at position zero."""
-    folder: Path = arguments.folder
-    check_folder("-o", folder, content="both meshes")
-    from flankload.scene import read_scene
-
-    scene = read_scene(arguments.scene)
-    bodies = (folder / f"body_{z}.{arguments.format}" for z in (1, 2))
-    check_apart((("-o", path) for path in bodies), scene)
-    from flankload.bodies.imported.body_file import write_body
-    from flankload.mechanisms.registry import mechanism_of
-    from flankload.studies.tolerance import first_scene
-
-    scene = first_scene(scene)
-    meshes = list(mechanism_of(scene).meshes(scene))
-    if any(item.mesh is not None for item in meshes):
-        folder.mkdir(parents=True, exist_ok=True)
-    for item in meshes:
-        if item.mesh is None:
-            print(f"{item.name}: {item.words}")
-            continue
-        path = folder / f"{item.name}.{arguments.format}"
-        write_body(path, item.mesh, turn_rad=item.turn_rad)
-        print(f"{path}: {len(item.mesh.nodes)} nodes, {item.words}")
-
-
-def schema(arguments: Namespace) -> None:
-    """Print the JSON schema of a scene file, or the paths of its keys."""
-    from flankload.scene import scene_paths, scene_schema
-
-    if arguments.paths:
-        for key in scene_paths():
-            kinds = f" ({key.kinds})" if key.kinds else ""
-            unit = f" [{key.unit}]" if key.unit else ""
-            print(f"{key.path}{unit}: {key.expected}; {key.meaning}{kinds}")
-        return
-    print(json.dumps(scene_schema(), indent=2, ensure_ascii=False))

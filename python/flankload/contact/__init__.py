@@ -12,8 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import flankload._core as _core
-from flankload.contact.answer import CoreAnswer, Vector, state_of
-from flankload.contact.arguments import pair_numbers
 from flankload.contact.many import solve_contact_sequence, solve_contact_torques
 from flankload.contact.on_demand import solve_contact_on_demand
 from flankload.contact.problem import (
@@ -22,9 +20,10 @@ from flankload.contact.problem import (
     general,
     loads_of_motions,
     method_number,
+    pair_numbers,
     torque_loads,
 )
-from flankload.contact.state import ContactInfo, ContactState
+from flankload.contact.state import ContactInfo, ContactState, CoreAnswer, Vector, state_of
 
 __all__ = [
     "ContactInfo",
@@ -154,8 +153,8 @@ def solve_contact_general(
         compliance_matrix,
         normal_gaps,
         motions,
-        load.size,
-        load_rows=load_rows,
+        load_rows,
+        n_motions=load.size,
         positive_definite=positive_definite,
     )
     return _solve(problem, load, method=method, warm_pairs=warm_pairs)

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
+    from flankload.contact.sweep import FlankContact
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.flank import FlankCurve
     from flankload.pairing.friction import Friction
@@ -45,62 +46,36 @@ PARTS = (
 CUT_END = 2
 
 
-def body_records(
-    bodies: tuple[Body, Body],
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    pairing: Pairing,
-    face_width_mm: float,
-    *,
-    friction: Friction | None = None,
-    tangential: bool = False,
-    slices: Slices | None = None,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Records of both bodies for the sweep of the core.
-
-    Parameters
-    ----------
-    bodies, compliances, pairing
-        From the previous stages.
-    face_width_mm : float
-        Width over which both bodies are in contact.
-    friction : Friction, optional
-        Friction of the flanks.
-    tangential : bool
-        Whether the compliances under loads along the flanks are needed.
-    slices : Slices, optional
-        Cut flanks; compliances are then those of the whole width, in mm/N.
-
-    Returns
-    -------
-    two (n,) arrays
+def body_records(contact: FlankContact) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Records (n,) of both bodies for the sweep of the core.
 
     Raises
     ------
     InputError
         If the core refuses an argument.
     """
-    common = _pair_parts(pairing, friction, slices), ()
-    width = face_width_mm if slices is None else 1.0
-    own = [_of_width(compliance, width) for compliance in compliances]
-    sections = [_sections(body, slices, z) for z, body in enumerate(bodies)]
-    one, two = (
-        _packed(
-            _main_arguments(body, compliance, pairing, z, slices, sections[z]),
-            [
-                *_compliance_parts(compliance, _teeth(pairing, z)),
-                *(
-                    _tangential_parts(compliance, coast=pairing.coast is not None)
-                    if tangential
-                    else ()
-                ),
-                *common[z],
-                *(() if slices is None else _slice_parts(body, compliance, slices, z)),
-                *_section_parts(sections[z]),
-            ],
-        )
-        for z, (body, compliance) in enumerate(zip(bodies, own, strict=True))
-    )
+    one, two = (_record_of(contact, z) for z in (0, 1))
     return one, two
+
+
+def _record_of(contact: FlankContact, z: int) -> NDArray[np.float64]:
+    """Record of body z; body 1 has the parts that concern both."""
+    body, pairing, slices = contact.bodies[z], contact.pairing, contact.slices
+    width = contact.face_width_mm if slices is None else 1.0
+    compliance = _of_width(contact.compliances[z], width)
+    sections = _sections(body, slices, z)
+    parts = _compliance_parts(compliance, _teeth(pairing, z))
+    if contact.friction is not None or contact.finite_steps > 0:
+        parts += _tangential_parts(compliance, coast=pairing.coast is not None)
+    if z == 0:
+        parts += _pair_parts(pairing, contact.friction, slices)
+    if slices is not None:
+        parts += _slice_parts(body, compliance, slices, z)
+    if sections:
+        flanks = [_powers_first(curve).ravel(order="F") for curve in sections]
+        parts.append(("sections", np.concatenate(flanks)))
+    curve = sections[0] if sections else _active(body, body.curve)
+    return _packed(_main_arguments(contact, compliance, z, curve), parts)
 
 
 def _of_width(compliance: BodyCompliance, face_width_mm: float) -> BodyCompliance:
@@ -122,14 +97,10 @@ def _teeth(pairing: Pairing, z: int) -> NDArray[np.int64]:
 
 
 def _main_arguments(
-    body: Body,
-    compliance: BodyCompliance,
-    pairing: Pairing,
-    z: int,
-    slices: Slices | None,
-    sections: list[FlankCurve],
+    contact: FlankContact, compliance: BodyCompliance, z: int, curve: FlankCurve
 ) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
     """Arguments of `flankload_pack_body` up to the record."""
+    body, pairing, slices = contact.bodies[z], contact.pairing, contact.slices
     angles, deviations = pairing.site_angles_rad[z], pairing.site_deviations_mm[z]
     if pairing.coast is not None:
         angles = np.concatenate([angles, pairing.coast.site_angles_rad[z]])
@@ -139,7 +110,6 @@ def _main_arguments(
         deviations = deviations[:, np.newaxis] + slices.tooth_deviations(pairing.sites, z)
         angles, deviations = slices.site_angles(angles, z), slices.site_deviations(deviations, z)
         block = slices.site_blocks(block)
-    curve = sections[0] if sections else _active(body, body.curve)
     corners = curve.corners.astype(np.intc)
     if body.active_range_mm is not None:
         corners[[0, -1]] = CUT_END
@@ -176,21 +146,20 @@ def _powers_first(curve: FlankCurve) -> NDArray[np.float64]:
 
 def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> list[Part]:
     """Parts of a compliance under loads along the normal; those that it lacks are left out."""
-    parts: list[Part] = []
-    if compliance.modes.tip is not None:
-        parts.append(("tip", np.array(compliance.modes.tip, dtype=float)))
-    if any(compliance.near.wedge):
-        parts.append(("wedge", np.array(compliance.near.wedge, dtype=float)))
-    if any(compliance.near.wedge_along):
-        parts.append(("wedge_along", np.array(compliance.near.wedge_along, dtype=float)))
-    turned = compliance.turned_blocks()
-    if turned is not None:
-        parts.append(("turned", turned.ravel()))
-    if compliance.modes.nodes is not None:
-        parts.append(("nodes", compliance.modes.nodes))
-    if compliance.expansion.shifts:
-        parts.append(("shift", compliance.shift_of(teeth).ravel()))
-    return parts
+    modes, near = compliance.modes, compliance.near
+    given = {
+        "tip": modes.tip,
+        "wedge": near.wedge if any(near.wedge) else None,
+        "wedge_along": near.wedge_along if any(near.wedge_along) else None,
+        "turned": compliance.turned_blocks(),
+        "nodes": modes.nodes,
+        "shift": compliance.shift_of(teeth) if compliance.expansion.shifts else None,
+    }
+    return [
+        (name, np.asarray(values, dtype=float).ravel())
+        for name, values in given.items()
+        if values is not None
+    ]
 
 
 def _slice_parts(body: Body, compliance: BodyCompliance, slices: Slices, z: int) -> list[Part]:
@@ -205,14 +174,6 @@ def _slice_parts(body: Body, compliance: BodyCompliance, slices: Slices, z: int)
         return parts
     numbers = [axial.count, *axial.range_mm, axial.twist, *axial.end]
     return [("axial", np.array(numbers, dtype=float)), *parts]
-
-
-def _section_parts(sections: list[FlankCurve]) -> list[Part]:
-    """The flank of each slice, if they differ."""
-    if not sections:
-        return []
-    coefficients = [_powers_first(curve).ravel(order="F") for curve in sections]
-    return [("sections", np.concatenate(coefficients))]
 
 
 def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:
@@ -259,13 +220,7 @@ def _packed(
 
 
 def _checked(procedure: str, info: int) -> int:
-    """`info` of a procedure.
-
-    Raises
-    ------
-    InputError
-        If it refuses an argument.
-    """
+    """`info` of a procedure; raises an InputError if it refuses an argument."""
     if info < 0:
         raise InputError(f"argument {-info} of {procedure} is not valid")
     return int(info)

@@ -18,24 +18,23 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.contact import solve_contact_general
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.pair_table import COLUMNS, PackedPairs
-from flankload.contact.sweep import Sweep
+from flankload.contact.sweep import SliceStates, Sweep
 from flankload.elasticity.prism.strip_field import StripField
-from flankload.pairing.common_height import turned
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
-    from flankload.bodies.body import Body
+    from flankload.contact.sweep import FlankContact
     from flankload.cost import Account
-    from flankload.elasticity.compliance import BodyCompliance
-    from flankload.pairing.common_height import CommonHeight
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
+    from flankload.pairing.spline_fit import CommonHeight
 
     Floats = NDArray[np.float64]
 
@@ -44,14 +43,8 @@ if TYPE_CHECKING:
 class ConformingSlices:
     """Compliance and gaps of S sites and J slices.
 
-    Attributes
-    ----------
-    spread : (N,) array
-        Part of the force on each strip of the height, q.
-    compliance : (S J, S J) array
-        K, mm/N.
-    gap_mm : (S, J) array
-        Gaps by deviations of the teeth and along the width.
+    `spread` (N,), q, is the part of the force on each strip of the height; `compliance` (S J, S J),
+    K, mm/N; `gap_mm` (S, J) are gaps by deviations of the teeth and along the width.
     """
 
     spread: Floats
@@ -60,62 +53,31 @@ class ConformingSlices:
 
 
 def sweep_splines(
-    bodies: tuple[Body, Body],
-    *,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    pairing: Pairing,
+    contact: FlankContact,
     position_rad: Floats,
     torques_Nmm: Sequence[float],
-    slices: Slices,
+    *,
     account: Account | None = None,
     progress: Callable[[int, int], None] | None = None,
     **_: object,
 ) -> tuple[Sweep, ...]:
-    """`sweep` of splines whose slices have a common height; options of the core have no effect.
-
-    Parameters
-    ----------
-    bodies, compliances, pairing, position_rad, torques_Nmm, slices, account, progress
-        As in `sweep`.
-
-    Returns
-    -------
-    tuple of Sweep, one per torque
-    """
-    reduced = conforming_slices(bodies, compliances, pairing, slices)
-    positions = np.asarray(position_rad, dtype=float)
-    if account is not None:
+    """`sweep` of splines whose slices have a common height; options of the core have no effect."""
+    slices, positions = contact.slices, np.asarray(position_rad, dtype=float)
+    if account is not None and slices is not None:
         states = positions.size * len(torques_Nmm)
         account.count(states=states, slices=slices.count * states)
-    return conforming_sweep(
-        reduced, bodies, pairing, slices, positions, torques_Nmm, progress=progress
-    )
+    reduced = conforming_slices(contact)
+    return conforming_sweep(reduced, contact, positions, torques_Nmm, progress=progress)
 
 
-def conforming_slices(
-    bodies: tuple[Body, Body],
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    pairing: Pairing,
-    slices: Slices,
-) -> ConformingSlices:
-    """Reduce both bodies to one unknown per slice.
-
-    Parameters
-    ----------
-    bodies, compliances, pairing
-        From the previous stages; the compliances are those of the whole width.
-    slices : Slices
-        With a common height.
-
-    Returns
-    -------
-    ConformingSlices
-    """
-    height = slices.conforming
-    assert height is not None
+def conforming_slices(contact: FlankContact) -> ConformingSlices:
+    """Reduce both bodies, whose slices have a common height, to one unknown per slice."""
+    pairing, slices, height, _ = _of_splines(contact)
     fields = [
         StripField.of(compliance, body.teeth, s, height.strip_mm, slices.edges_mm)
-        for body, compliance, s in zip(bodies, compliances, height.s_mm, strict=True)
+        for body, compliance, s in zip(
+            contact.bodies, contact.compliances, height.s_mm, strict=True
+        )
     ]
     even = fields[0].of_even_load() + fields[1].of_even_load()
     together = np.linalg.solve(even, np.ones(len(even)))
@@ -128,14 +90,22 @@ def conforming_slices(
     return ConformingSlices(
         spread=spread,
         compliance=0.5 * (compliance + compliance.T),
-        gap_mm=_gaps(bodies, pairing, slices),
+        gap_mm=_gaps(contact),
     )
 
 
-def _gaps(bodies: tuple[Body, Body], pairing: Pairing, slices: Slices) -> Floats:
-    """Gaps (S, J) of teeth on a common axis: pitch errors, lead modifications, slopes of teeth."""
-    base_mm = bodies[0].base_radius_mm
+def _of_splines(contact: FlankContact) -> tuple[Pairing, Slices, CommonHeight, float]:
+    """Pairing, slices, their common height and the lever of all normals."""
+    slices, base_mm = contact.slices, contact.bodies[0].base_radius_mm
+    assert slices is not None
+    assert slices.conforming is not None
     assert base_mm is not None
+    return contact.pairing, slices, slices.conforming, base_mm
+
+
+def _gaps(contact: FlankContact) -> Floats:
+    """Gaps (S, J) of teeth on a common axis: pitch errors, lead modifications, slopes of teeth."""
+    pairing, slices, _, base_mm = _of_splines(contact)
     one, two = pairing.site_angles_rad
     gaps = base_mm * (two - one)[:, None] + slices.removed_mm[0] + slices.removed_mm[1]
     for of_teeth, teeth in zip(slices.of_teeth_mm, pairing.site_teeth, strict=True):
@@ -146,51 +116,28 @@ def _gaps(bodies: tuple[Body, Body], pairing: Pairing, slices: Slices) -> Floats
 
 def conforming_sweep(
     reduced: ConformingSlices,
-    bodies: tuple[Body, Body],
-    pairing: Pairing,
-    slices: Slices,
+    contact: FlankContact,
     position_rad: Floats,
     torques_Nmm: Sequence[float],
     *,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Sweep, ...]:
-    """Solve all positions for all torques.
+    """Solve all positions (P,) for all torques, >= 0; raises a ContactError without a state.
 
-    Parameters
-    ----------
-    reduced : ConformingSlices
-    bodies, pairing, slices
-        As for `conforming_slices`.
-    position_rad : (P,) array
-    torques_Nmm : sequence of float
-        >= 0.
-    progress : callable, optional
-        Called as progress(done, P) after each position.
-
-    Returns
-    -------
-    tuple of Sweep, one per torque
-
-    Raises
-    ------
-    ContactError
-        If a position has no state.
+    Called as progress(done, P) after each position.
     """
-    height, base_mm = slices.conforming, bodies[0].base_radius_mm
-    assert height is not None
-    assert base_mm is not None
+    pairing, slices, height, base_mm = _of_splines(contact)
+    turns = pairing.turns(position_rad)[0][:, None] + pairing.site_angles_rad[0]
     states: list[list[_State]] = [[] for _ in torques_Nmm]
-    for p, turn in enumerate(pairing.turns(position_rad)[0]):
-        angles = turn + pairing.site_angles_rad[0]
+    for p, angles in enumerate(turns):
         gaps = reduced.gap_mm + height.gap_mm(angles, slices.z_mm, reduced.spread)
         for t, torque in enumerate(torques_Nmm):
             warm = states[t][-1].active if p else None
             states[t].append(_solved(reduced.compliance, gaps, base_mm, torque, warm))
         if progress is not None:
             progress(p + 1, len(position_rad))
-    turns = pairing.turns(position_rad)[0][:, None] + pairing.site_angles_rad[0]
     return tuple(
-        _as_sweep(torque, own, turns, height, slices, base_mm)
+        _as_sweep(torque, own, turns, slices, base_mm)
         for torque, own in zip(torques_Nmm, states, strict=True)
     )
 
@@ -231,14 +178,11 @@ def _solved(
 
 
 def _as_sweep(
-    torque: float,
-    states: Sequence[_State],
-    turns_rad: Floats,
-    height: CommonHeight,
-    slices: Slices,
-    base_mm: float,
+    torque: float, states: Sequence[_State], turns_rad: Floats, slices: Slices, base_mm: float
 ) -> Sweep:
     """States of all positions under a torque; the pressure is the mean over the height."""
+    height = slices.conforming
+    assert height is not None
     forces = np.array([state.force_N for state in states])
     pressures = forces / (slices.width_mm * height.height_mm)
     counters = np.zeros((len(states), len(CORE_COUNTERS)), dtype=np.int64)
@@ -261,11 +205,7 @@ def _as_sweep(
         pairs=_pairs(
             forces, np.array([state.gap_mm for state in states]), turns_rad, height, base_mm
         ),
-        slice_force_N=forces,
-        slice_peak_MPa=pressures,
-        slice_corner=corner,
-        slice_edges_mm=slices.edges_mm,
-        conforming=True,
+        slices=SliceStates(forces, pressures, corner, slices.edges_mm, conforming=True),
     )
 
 

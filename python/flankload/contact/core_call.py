@@ -1,14 +1,14 @@
-"""Calls of the sweep of the core: its arguments for some positions, its outputs joined."""
+"""Calls of the sweep of the core, which can be interrupted and report their progress."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from threading import Event, Thread
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 
 from flankload import _core
-from flankload.contact.interruptible import call_and_watch
 from flankload.contact.pair_table import PackedPairs, columns_of
 from flankload.contact.status import NO_ROOM, STOPPED
 from flankload.cost import Account, held_bytes
@@ -19,13 +19,17 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from flankload.scene.discretization import Grid
+    from flankload.contact.sweep import FlankContact
+
+    Outcome = TypeVar("Outcome")
 
 #: Contact models in order of decreasing cost, as numbered in the core.
 Level = Literal["pairs", "lumped"]
 LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
 #: Lumped contacts, summed over the states, that take less than 0.02 s.
 SHORT_CALL = 1000
+#: Seconds between two reads of the core's progress.
+TICK_S = 0.05
 #: Counters of the core for every state, in its order.
 CORE_COUNTERS = (
     "pivots",
@@ -42,14 +46,9 @@ CORE_COUNTERS = (
 class Found:
     """Outputs of the core for P positions and T torques; S sites.
 
-    Attributes
-    ----------
-    status, rotation_rad, tangent_rad_per_Nmm, n_pairs, first_pair : (P, T) arrays
-        `first_pair` is -1 where no pair is stored.
-    certificate, counters : (3, P, T) and (7, P, T) arrays
-    site_force_N, site_peak_N_per_mm, site_corner : (S, P, T) arrays
-    pair_site, pair_table : (N,) and (N, columns) arrays
-        Pairs of all states.
+    Arrays are (P, T), with another axis in front for certificate (3), counters (7) and sites (S).
+    `first_pair` is -1 where no pair is stored; `pair_site` (N,) and `pair_table` (N, columns) have
+    the pairs of all states.
     """
 
     status: NDArray[np.int64]
@@ -97,12 +96,8 @@ class Found:
 class KnownContacts:
     """Pairs in contact in a sweep, for a similar one.
 
-    Attributes
-    ----------
-    touches : (N,) array of C ints
-        1 for a pair in contact, else 0.
-    count, first : (P, T) arrays
-        Number of pairs of each state, 0 if they are not to be used; index of the first of them.
+    `touches` (N,) is 1 for a pair in contact, else 0; `count`, `first` (P, T) are the number of
+    pairs of each state, 0 if they are not to be used, and the index of the first of them.
     """
 
     touches: NDArray[np.intc]
@@ -119,52 +114,23 @@ class KnownContacts:
 class CoreCall:
     """The constant arguments of the core, and its call.
 
-    Attributes
-    ----------
-    n_sites : int
-    motion : (4, P) array
-        Angles of both bodies, rad, and their speeds, rad per rad of the position.
-    center_distance_mm : float
-    torques_Nmm : (T,) array
-    records : two arrays
-        From `body_records`.
-    grid, level, finite_steps
-        As in `sweep`.
-    friction : bool
-        Whether the record of body 1 has friction.
-    account : Account
-    progress, watched
-        As in `sweep`.
-    known : KnownContacts or None
+    `n_sites` are those of the core, which has several for each pair of flanks; `motion` (4, P) has
+    the angles of both bodies, rad, and their speeds, rad per rad of the position; `records` are
+    from `body_records`.
     """
 
+    contact: FlankContact
     n_sites: int
     motion: NDArray[np.float64]
-    center_distance_mm: float
     torques_Nmm: NDArray[np.float64]
     records: tuple[NDArray[np.float64], NDArray[np.float64]]
-    grid: Grid
-    level: Level
-    finite_steps: int
-    friction: bool
     account: Account
     progress: Callable[[int, int], None] | None
     watched: bool
     known: KnownContacts | None = None
 
     def holds(self, position: int, torques_Nmm: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whether a position has a state under other torques.
-
-        Parameters
-        ----------
-        position : int
-            Its number.
-        torques_Nmm : (T,) array
-
-        Returns
-        -------
-        (T,) array
-        """
+        """Whether a position has a state under other torques (T,): (T,)."""
         alone = replace(
             self,
             motion=self.motion[:, position : position + 1],
@@ -177,10 +143,7 @@ class CoreCall:
     def all_positions(self, room: int) -> Found:
         """Solve every position; repeat those whose pairs exceeded the allocated number.
 
-        Parameters
-        ----------
-        room : int
-            Allocated pairs of a state in the first call; 0: no pairs are stored.
+        `room` is the number of allocated pairs of a state in the first call; 0: none are stored.
         """
         n = self.motion.shape[1]
         found = self._call(np.arange(n), room * n, done=0)
@@ -196,7 +159,7 @@ class CoreCall:
         control = np.zeros(2, dtype=np.intc)
         room *= len(self.torques_Nmm)
         site = np.empty(room, dtype=np.intc)
-        n_columns = len(columns_of(friction=self.friction))
+        n_columns = len(columns_of(friction=self.contact.friction is not None))
         table = np.empty(room * n_columns)
 
         core = _core.flankload_sweep if self.known is None else _core.flankload_sweep_continued
@@ -206,7 +169,7 @@ class CoreCall:
             found: tuple[Any, ...] = core(
                 self.n_sites,
                 np.asfortranarray(self.motion[:, which]),
-                self.center_distance_mm,
+                self.contact.pairing.center_distance_mm,
                 self.torques_Nmm,
                 *self.records,
                 self._settings(),
@@ -231,21 +194,13 @@ class CoreCall:
     def _is_short(self, n_positions: int) -> bool:
         """Whether the call ends before anyone would look at its progress."""
         sites = n_positions * self.torques_Nmm.size * self.n_sites
-        return self.level == "lumped" and sites <= SHORT_CALL
+        return self.contact.level == "lumped" and sites <= SHORT_CALL
 
     def _settings(self) -> NDArray[np.float64]:
         """(5,) Cell sizes, contact model and steps of finite forces."""
-        grid = self.grid
-        return np.array(
-            [
-                grid.strips_per_half_width,
-                grid.corner_strips_per_half_width,
-                grid.zone_half_widths,
-                LEVELS[self.level],
-                self.finite_steps,
-            ],
-            dtype=float,
-        )
+        grid, level = self.contact.grid, LEVELS[self.contact.level]
+        cells = (grid.strips_per_half_width, grid.corner_strips_per_half_width)
+        return np.array([*cells, grid.zone_half_widths, level, self.contact.finite_steps], float)
 
     def _found(
         self, outputs: tuple[Any, ...], site: NDArray[np.intc], table: NDArray[np.float64]
@@ -259,20 +214,8 @@ class CoreCall:
         _count(status, work, self.account)
         used = int(np.max(first_pair - 1 + n_pairs, initial=0, where=first_pair > 0))
         site[:used] -= 1
-        return Found(
-            status=status,
-            rotation_rad=rotation,
-            tangent_rad_per_Nmm=tangent,
-            certificate=certificate,
-            counters=work,
-            site_force_N=force,
-            site_peak_N_per_mm=peak,
-            site_corner=corner,
-            n_pairs=n_pairs,
-            first_pair=first_pair - 1,
-            pair_site=site[:used],
-            pair_table=table[:used],
-        )
+        states = (status, rotation, tangent, certificate, work, force, peak, corner, n_pairs)
+        return Found(*states, first_pair - 1, site[:used], table[:used])
 
 
 def _count(status: NDArray[Any], counters: NDArray[Any], account: Account) -> None:
@@ -280,3 +223,41 @@ def _count(status: NDArray[Any], counters: NDArray[Any], account: Account) -> No
     begun = ~np.isin(status, (NO_ROOM, STOPPED)) | counters.any(axis=0)
     sums = counters.sum(axis=(1, 2), dtype=np.int64).tolist()
     account.count(states=int(begun.sum()), **dict(zip(CORE_COUNTERS, sums, strict=True)))
+
+
+def call_and_watch(
+    call: Callable[[], Outcome],
+    control: NDArray[np.intc],
+    *,
+    tell: Callable[[int], None] | None = None,
+) -> Outcome:
+    """Return the value of a call of the core, which runs in a separate thread without the GIL.
+
+    An exception during the waiting (Ctrl-C, or from `tell`) stops the core and is raised again once
+    the core has returned. `control`, two C ints, is shared with the core: [0] requests it to stop,
+    [1] is the completed work, with which `tell` is called several times a second.
+    """
+    outcome: list[Outcome] = []
+    failure: list[BaseException] = []
+    ended = Event()
+
+    def work() -> None:
+        try:
+            outcome.append(call())
+        except BaseException as error:
+            failure.append(error)
+        finally:
+            ended.set()
+
+    Thread(target=work, name="flankload core").start()
+    try:
+        while not ended.wait(TICK_S):
+            if tell is not None:
+                tell(int(control[1]))
+    except BaseException:
+        control[0] = 1
+        ended.wait()
+        raise
+    if failure:
+        raise failure[0]
+    return outcome[0]

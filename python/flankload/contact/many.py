@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import flankload._core as _core
-from flankload.contact.answer import CoreAnswer, state_of
 from flankload.contact.problem import ContactProblem, from_angles, method_number, torque_loads
-from flankload.contact.state import ContactState
+from flankload.contact.state import ContactState, CoreAnswer, state_of
 from flankload.errors import ContactError, InputError
 
 Vector = NDArray[np.float64]

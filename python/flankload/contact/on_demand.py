@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import flankload._core as _core
-from flankload.contact.answer import CoreAnswer, failure, state_of
-from flankload.contact.arguments import array, columns, expect_shape
 from flankload.contact.problem import (
-    DEFINITE,
-    DEFINITE_PART,
-    GENERAL,
-    SYMMETRIC,
     ContactProblem,
+    array,
     expect_positive_diagonal,
+    expect_shape,
     loads_of_motions,
     method_number,
+    structure_of,
+    unchecked,
 )
-from flankload.contact.state import ContactState
+from flankload.contact.state import ContactState, CoreAnswer, failure, state_of
 from flankload.errors import InputError
 
 Vector = NDArray[np.float64]
@@ -72,29 +71,15 @@ def solve_contact_on_demand(
     if scale.size == 0:
         raise InputError("diagonal: expected at least one pair, found shape (0,)")
     expect_positive_diagonal(scale, "diagonal")
-    n = scale.size
-    gaps = array("normal_gaps", normal_gaps, 1)
-    expect_shape("normal_gaps", gaps, (n,))
     load = loads_of_motions(loads)
-    levers = columns("motions", motions, (n, load.size))
-    rows = levers if load_rows is None else columns("load_rows", load_rows, (n, load.size))
+    nothing = np.empty((scale.size, 0), order="F")
+    problem = unchecked(
+        nothing, "influence_columns", normal_gaps, motions, load_rows, n_motions=load.size
+    )
     if method == "paper":
         raise InputError("method: 'paper' expected the whole matrix, found columns on demand")
     definite = symmetric if positive_definite is None else positive_definite
-    if symmetric:
-        structure = DEFINITE if definite else SYMMETRIC
-    else:
-        structure = DEFINITE_PART if definite else GENERAL
-    problem = ContactProblem(
-        compliance=np.empty((n, 0), order="F"),
-        gaps=gaps,
-        motions=np.asfortranarray(levers),
-        load_rows=np.asfortranarray(rows),
-        structure=structure,
-        gap_scale=np.ones(n),
-        load_unit=1.0,
-        names=("influence_columns", "influence_columns"),
-    )
+    problem = replace(problem, structure=structure_of(symmetric=symmetric, definite=definite))
     return _follow(influence_columns, scale, problem, load, method_number(method, problem))
 
 

@@ -58,6 +58,10 @@ class PackedPairs:
     count: NDArray[np.int64]
     slice_number: NDArray[np.intc] | None = None
 
+    def columns_at(self, p: int) -> dict[str, NDArray[np.float64]]:
+        """Columns (n,) of the pairs of position p, by name; views."""
+        return dict(zip(self.names, self.table[self._rows_of(p)].T, strict=True))
+
     def at(self, p: int) -> tuple[NDArray[np.intc], NDArray[np.float64]]:
         """Sites (n,) and table (n, columns) of the pairs of position p; views."""
         rows = self._rows_of(p)
@@ -109,15 +113,7 @@ class PackedPairs:
     def parted_at(self, site: int) -> tuple[PackedPairs, PackedPairs]:
         """Split the pairs at a site number; the numbers of the second part restart at 0.
 
-        Parameters
-        ----------
-        site : int
-            At each position the pairs of smaller numbers come first.
-
-        Returns
-        -------
-        below, above : PackedPairs
-            Both use the same table.
+        At each position the pairs of smaller numbers come first. Both parts use the same table.
         """
         above = self.site >= site
         rows = np.concatenate([[0], np.cumsum(above)])
@@ -140,15 +136,7 @@ class PackedPairs:
 def join_pairs(parts: Sequence[PackedPairs], order: NDArray[np.int64]) -> PackedPairs:
     """Concatenate the pairs of all positions of several tables, without those of other torques.
 
-    Parameters
-    ----------
-    parts : sequence of PackedPairs
-    order : (P,) array
-        Indices into the concatenated positions of the parts, in their new order.
-
-    Returns
-    -------
-    PackedPairs
+    `order` (P,) are indices into the concatenated positions of the parts, in their new order.
     """
     rows = [part._rows() for part in parts]
     count = np.concatenate([part.count for part in parts])

@@ -1,14 +1,15 @@
-"""Contact problem after validation, in the form of the core."""
+"""Contact problem in the form of the core, and the validation of all arguments, by name."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import flankload._core as _core
-from flankload.contact.arguments import array, columns, expect_finite, expect_shape
 from flankload.errors import InputError
 
 Vector = NDArray[np.float64]
@@ -32,35 +33,23 @@ _FEW_PAIRS = 60
 
 @dataclass(frozen=True)
 class ContactProblem:
-    """A contact problem in the general form.
+    """A contact problem of n pairs in the general form, its arrays in Fortran order.
 
-    Attributes
-    ----------
-    compliance : ndarray of shape (n, n)
-        K [mm/N], Fortran order.
-    gaps : ndarray of shape (n,)
-        g0 [mm].
-    motions, load_rows : ndarray of shape (n, q)
-        B and R, Fortran order.
-    structure : int
-        Properties of K that are passed to the core.
-    gap_scale : ndarray of shape (n,)
-        Divisors of final gaps: the row scales of the angle form, else one.
-    load_unit : float
-        Divisor of loads and load rows: the row scale of the angle form if it is the same for all
-        rows, else one.
-    names : tuple of str
-        Names of K for the caller, in errors of an entry and of the whole.
+    `compliance` K [mm/N] is (n, n), `gaps` g0 [mm] (n,), `motions` B and `load_rows` R are (n, q).
+    `names` are those of K for the caller, in errors of an entry and of the whole; `structure` has
+    the properties of K that are passed to the core. `gap_scale` divides final gaps: the row scales
+    of the angle form, else one. `load_unit` divides loads and load rows: the row scale of the angle
+    form if it is the same for all rows, else one.
     """
 
     compliance: Vector
     gaps: Vector
     motions: Vector
     load_rows: Vector
-    structure: int
-    gap_scale: Vector
-    load_unit: float
     names: tuple[str, str]
+    structure: int = GENERAL
+    gap_scale: Vector | float = 1.0
+    load_unit: float = 1.0
 
     @property
     def n(self) -> int:
@@ -79,17 +68,12 @@ def from_angles(
     """Problem of influence coefficients and gap angles: K = diag(b) A, g0 = b ε, B = b, R = m."""
     matrix = _square("flexibility_matrix", flexibility_matrix)
     n = matrix.shape[0]
-    torque_row = array("lever_arms", lever_arms, 1)
-    expect_shape("lever_arms", torque_row, (n,))
-    gaps = array("gap_angles", gap_angles, 1)
-    expect_shape("gap_angles", gaps, (n,))
-    if normal_lever_arms is None:
-        row_scale = np.abs(torque_row)
-        name = "lever_arms"
-    else:
-        row_scale = array("normal_lever_arms", normal_lever_arms, 1)
-        expect_shape("normal_lever_arms", row_scale, (n,))
+    torque_row = vector("lever_arms", lever_arms, n)
+    gaps = vector("gap_angles", gap_angles, n)
+    row_scale, name = np.abs(torque_row), "lever_arms"
+    if normal_lever_arms is not None:
         name = "normal_lever_arms"
+        row_scale = vector(name, normal_lever_arms, n)
     least = row_scale.min()
     if not least > 0.0:
         raise InputError(
@@ -107,45 +91,47 @@ def from_angles(
     if not scaled:
         row_scale = np.ones(n)
         torque_row = torque_row / load_unit
-    return _problem(
-        matrix,
-        row_scale if scaled else None,
-        row_scale * gaps,
-        row_scale[:, np.newaxis],
-        torque_row[:, np.newaxis],
-        positive_definite=positive_definite,
+    problem = ContactProblem(
+        compliance=matrix,
+        gaps=row_scale * gaps,
+        motions=np.asfortranarray(row_scale[:, np.newaxis]),
+        load_rows=np.asfortranarray(torque_row[:, np.newaxis]),
+        names=("flexibility_matrix", "diag(normal_lever_arms) flexibility_matrix"),
         gap_scale=row_scale,
         load_unit=load_unit,
-        names=("flexibility_matrix", "diag(normal_lever_arms) flexibility_matrix"),
     )
+    return _checked(problem, row_scale if scaled else None, positive_definite)
 
 
 def general(
     compliance_matrix: ArrayLike,
     normal_gaps: ArrayLike,
     motions: ArrayLike,
-    n_motions: int,
-    *,
     load_rows: ArrayLike | None,
+    n_motions: int,
     positive_definite: bool | None,
 ) -> ContactProblem:
     """The problem in its general form."""
     matrix = _square("compliance_matrix", compliance_matrix)
-    n = matrix.shape[0]
-    gaps = array("normal_gaps", normal_gaps, 1)
-    expect_shape("normal_gaps", gaps, (n,))
+    problem = unchecked(matrix, "compliance_matrix", normal_gaps, motions, load_rows, n_motions)
+    return _checked(problem, None, positive_definite)
+
+
+def unchecked(
+    compliance: Vector,
+    name: str,
+    normal_gaps: ArrayLike,
+    motions: ArrayLike,
+    load_rows: ArrayLike | None,
+    n_motions: int,
+) -> ContactProblem:
+    """The problem in its general form, before its compliance is checked or known."""
+    n = len(compliance)
+    gaps = vector("normal_gaps", normal_gaps, n)
     levers = columns("motions", motions, (n, n_motions))
     rows = levers if load_rows is None else columns("load_rows", load_rows, (n, n_motions))
-    return _problem(
-        matrix,
-        None,
-        gaps,
-        levers,
-        rows,
-        positive_definite=positive_definite,
-        gap_scale=np.ones(n),
-        load_unit=1.0,
-        names=("compliance_matrix", "compliance_matrix"),
+    return ContactProblem(
+        compliance, gaps, np.asfortranarray(levers), np.asfortranarray(rows), names=(name, name)
     )
 
 
@@ -202,19 +188,16 @@ def _square(name: str, values: ArrayLike) -> Vector:
     return matrix
 
 
-def _problem(
-    matrix: Vector,
-    row_scale: Vector | None,
-    gaps: Vector,
-    motions: Vector,
-    load_rows: Vector,
-    *,
-    positive_definite: bool | None,
-    gap_scale: Vector,
-    load_unit: float,
-    names: tuple[str, str],
+def _checked(
+    problem: ContactProblem, row_scale: Vector | None, positive_definite: bool | None
 ) -> ContactProblem:
-    """Scale rows and check the whole matrix in one pass, without unnecessary copies."""
+    """Scale rows and check the whole matrix in one pass, without unnecessary copies.
+
+    A symmetric matrix is assumed to belong to elastic bodies unless an entry contradicts this or
+    the caller requests a proof; for few pairs the proof costs nothing. Nothing is assumed about a
+    matrix that is not symmetric.
+    """
+    matrix, name = problem.compliance, problem.names[0]
     if not matrix.flags.forc:
         matrix = np.asfortranarray(matrix)
     by_rows = not matrix.flags.f_contiguous
@@ -229,34 +212,92 @@ def _problem(
         )
         finite = symmetric
     if not finite:
-        expect_finite(names[0], matrix)
-    expect_positive_diagonal(compliance.diagonal(), names[0])
-    return ContactProblem(
-        compliance=compliance,
-        gaps=gaps,
-        motions=np.asfortranarray(motions),
-        load_rows=np.asfortranarray(load_rows),
-        structure=_structure(
-            symmetric=symmetric == 1,
-            elastic=elastic == 1,
-            n=gaps.size,
-            positive_definite=positive_definite,
-        ),
-        gap_scale=gap_scale,
-        load_unit=load_unit,
-        names=names,
-    )
+        expect_finite(name, matrix)
+    expect_positive_diagonal(compliance.diagonal(), name)
+    definite = positive_definite
+    if definite is None:
+        definite = symmetric == 1 and elastic == 1 and problem.n > _FEW_PAIRS
+    structure = structure_of(symmetric=symmetric == 1, definite=definite)
+    return replace(problem, compliance=compliance, structure=structure)
 
 
-def _structure(*, symmetric: bool, elastic: bool, n: int, positive_definite: bool | None) -> int:
-    """Properties of K that are passed to the core.
+def structure_of(*, symmetric: bool, definite: bool) -> int:
+    """Properties of K that are passed to the core."""
+    if symmetric:
+        return DEFINITE if definite else SYMMETRIC
+    return DEFINITE_PART if definite else GENERAL
 
-    A symmetric matrix is assumed to belong to elastic bodies unless an entry contradicts this or
-    the caller requests a proof; for few pairs the proof costs nothing. Nothing is assumed about a
-    matrix that is not symmetric.
-    """
-    if not symmetric:
-        return DEFINITE_PART if positive_definite else GENERAL
-    if positive_definite or (positive_definite is None and elastic and n > _FEW_PAIRS):
-        return DEFINITE
-    return SYMMETRIC
+
+def array(name: str, values: Any, n_axes: int | None, *, finite: bool = True) -> Vector:
+    """Double-precision numbers, or an InputError that names the argument."""
+    try:
+        given = np.asarray(values)
+        real = not np.iscomplexobj(given)
+        # a cast would drop imaginary parts without a warning
+        numbers = given.astype(np.float64, copy=False) if real else np.empty(0)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{name}: expected an array of numbers, found {error}") from None
+    if not real:
+        raise InputError(f"{name}: expected real numbers, found {given.dtype}")
+    if n_axes and numbers.ndim == 0:
+        shape = "(n,)" if n_axes == 1 else "(n, n)"
+        raise InputError(f"{name}: expected an array of shape {shape}, found a single number")
+    if n_axes is not None and numbers.ndim != n_axes:
+        kind = ("a number", "1 axis")[n_axes] if n_axes < 2 else f"{n_axes} axes"
+        raise InputError(f"{name}: expected {kind}, found shape {numbers.shape}")
+    if finite:
+        expect_finite(name, numbers)
+    return numbers
+
+
+def expect_finite(name: str, numbers: Vector) -> None:
+    """Raise an InputError if a number is NaN or infinite."""
+    # The sum of squares is the fastest check; if it overflows, each number is checked.
+    flat = numbers.ravel(order="K")
+    if not np.vdot(flat, flat) < np.inf and not np.isfinite(flat).all():
+        place = np.argwhere(~np.isfinite(numbers))[0].tolist()
+        found = numbers[tuple(place)]
+        at = f" at {place}" if place else ""
+        raise InputError(f"{name}: expected finite numbers, found {found}{at}")
+
+
+def vector(name: str, values: ArrayLike, n: int) -> Vector:
+    """One finite number per pair."""
+    numbers = array(name, values, 1)
+    expect_shape(name, numbers, (n,))
+    return numbers
+
+
+def expect_shape(name: str, numbers: Vector, shape: tuple[int, ...]) -> None:
+    """Raise an InputError if the shape differs from the expected one."""
+    if numbers.shape != shape:
+        raise InputError(f"{name}: expected shape {shape}, found {numbers.shape}")
+
+
+def columns(name: str, values: ArrayLike, shape: tuple[int, int]) -> Vector:
+    """An array with one column per motion; a vector is one column."""
+    result = array(name, values, None)
+    if result.ndim == 1 and shape[1] == 1:
+        result = result[:, np.newaxis]
+    expect_shape(name, result, shape)
+    return result
+
+
+def pair_numbers(warm_pairs: ArrayLike | Sequence[int] | None, n: int) -> NDArray[np.int32]:
+    """Distinct numbers of pairs, from 0."""
+    if warm_pairs is None:
+        return np.empty(0, dtype=np.int32)
+    pairs = np.asarray(warm_pairs)
+    if pairs.size == 0:
+        return np.empty(0, dtype=np.int32)
+    if pairs.ndim != 1 or not np.issubdtype(pairs.dtype, np.integer):
+        raise InputError(
+            f"warm_pairs: expected a list of integers, found shape {pairs.shape} of {pairs.dtype}"
+        )
+    if pairs.min() < 0 or pairs.max() >= n:
+        raise InputError(
+            f"warm_pairs: expected numbers from 0 to {n - 1}, found {pairs.min()} to {pairs.max()}"
+        )
+    if np.unique(pairs).size != pairs.size:
+        raise InputError("warm_pairs: expected each pair once, found a pair twice")
+    return pairs.astype(np.int32)

@@ -1,15 +1,19 @@
-"""Status codes of the core and their exceptions; the messages come from the core."""
+"""Status codes of the core and their exceptions, with the largest possible torque of a position."""
 
 from __future__ import annotations
 
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
 from flankload import _core
-from flankload.errors import (
-    ContactError,
-    InputError,
-    NoContactState,
-    PivotLimit,
-    SingularContact,
-)
+from flankload.errors import ContactError, InputError, NoContactState, PivotLimit, SingularContact
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
 
 #: Status codes: the state exceeds the range of double precision; the workspace was too small for
 #: the pairs of a position, which is repeated with a larger one; a position was not started.
@@ -34,8 +38,87 @@ EXCEPTIONS: dict[int, type[ContactError]] = {
     -22: InputError,
 }
 
+#: Replacements for general terms of the core by terms of a scene.
+IN_A_SCENE = {
+    -1: "no state of contact was found for this torque",
+    -3: "no pair holds the rotation, or the pairs in contact depend on each other",
+    -5: "no pair could carry the torque",
+    -7: "forces, gaps or rotation beyond the range of a double",
+    -17: (
+        'effects.contact = "lumped" sums a contact up in one place, but here flanks conform '
+        'and touch over a length (contact = "pairs" follows that)'
+    ),
+    -21: "only tips or fillets come near here, which effects.tip_contact = false leaves out",
+    -22: "cells in slices along the face width are without finite forces, slices without growth",
+}
+#: Start and number of steps of the search for the largest torque that a jammed pair can hold; the
+#: given number of rounds locates it to 3e-4.
+LEAST_HELD, HELD_STEPS, HELD_ROUNDS = 1e-4, 40, 3
+
 
 def words(code: int) -> str:
     """Message of a status (`fortran/base/status.f90`)."""
 
     return _core.flankload_status_text(code).decode("ascii").strip()
+
+
+def raise_first_failure(
+    status: NDArray[np.int64],
+    position_rad: NDArray[np.float64],
+    torques: NDArray[np.float64],
+    certificate: NDArray[np.float64],
+    *,
+    rubs: bool,
+    holds: Callable[[int, NDArray[np.float64]], NDArray[np.bool_]] | None = None,
+) -> None:
+    """Raise the exception of the first state without a solution, if there is one.
+
+    `status` (P, T) is negative if no state was found; `certificate` (3, P, T) then has the part of
+    the torque, N mm, that can be held, and 1 if that is proven. `rubs`: friction acts.
+    `holds(k, torques)` returns which torques position k can hold: `NoContactState` contains the
+    largest one.
+    """
+    failed = np.argwhere(status < 0)
+    if failed.size == 0:
+        return
+    k, t = (int(number) for number in failed[0])
+    where = (
+        f"position {k} ({np.degrees(position_rad[k]):.4f} deg), torque {torques[t] / 1000.0:g} N m"
+    )
+    more = f" ({len(failed)} of {status.size} states failed)" if len(failed) > 1 else ""
+    code = int(status[k, t])
+    kind, reason = EXCEPTIONS[code], IN_A_SCENE.get(code) or words(code)
+    if code != NoContactState.code:
+        raise kind(f"{where}: {reason}{more}")
+    part, proven = certificate[:2, k, t]
+    held = float(torques[t] * part)
+    if held > 0.0 and holds is not None:
+        held = _largest_held(held, float(torques[t]), partial(holds, k))
+    jams = "the pair jams by friction, " if rubs else ""
+    raise NoContactState(
+        f"{where}: {jams}{reason}; about {held / 1000.0:.4g} N m can be held there{more}",
+        proven=bool(proven),
+        largest_torque=held,
+    )
+
+
+def _largest_held(
+    guess: float, torque: float, holds: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+) -> float:
+    """Largest torque that can be held, N mm; the guess if none of those tried can be held.
+
+    The guess comes from cells for the requested torque, as wide as its contacts would be; here each
+    torque has its own cells.
+    """
+    found = guess
+    tried = np.geomspace(LEAST_HELD * torque, torque, HELD_STEPS)
+    for _ in range(HELD_ROUNDS):
+        held = np.flatnonzero(holds(tried))
+        if held.size == 0:
+            return found
+        last = int(held[-1])
+        found = float(tried[last])
+        if last + 1 == tried.size:
+            return found
+        tried = np.linspace(found, tried[last + 1], HELD_STEPS)
+    return found

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from flankload.contact.body_record import body_records
 from flankload.contact.core_call import CORE_COUNTERS, CoreCall, Found, KnownContacts, Level
 from flankload.contact.pair_table import PackedPairs, join_pairs
-from flankload.contact.sweep_failure import raise_first_failure
+from flankload.contact.status import raise_first_failure
 from flankload.cost import Account
 
 if TYPE_CHECKING:
@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from flankload.pairing.slices import Slices
     from flankload.scene.discretization import Grid
 
+    Record = TypeVar("Record", "Sweep", "CoastSweep", "SliceStates")
+
+#: Fields of a sweep that have no row for each position.
+OF_ALL_POSITIONS = ("torque_Nmm", "edges_mm", "conforming")
 #: Value of the core for a site at which an omitted end would touch.
 END_WOULD_TOUCH = -3
 #: Allocated pairs in the first call, per position and torque: twice the number that most jobs need.
@@ -38,21 +42,76 @@ LEAST_CELLS, MESHING_FLANKS = 8, 4
 
 
 @dataclass(frozen=True)
-class CoastSweep:
-    """Results of the core on coast flanks, at the pair numbers of the working flanks.
+class FlankContact:
+    """Two bodies whose flanks can touch, and how their contact is modelled.
 
     Attributes
     ----------
-    site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
-        As in `Sweep`.
-    pairs : PackedPairs
-        Their torque lever arms are negative.
+    bodies, compliances, pairing
+        From the previous stages. Compliances of slices are those of the whole width in mm/N, their
+        modes products with Legendre polynomials over it.
+    face_width_mm : float
+        Width over which both bodies are in contact.
+    grid : Grid
+        Cell sizes.
+    level : str
+        "pairs": contact pairs on cells. "lumped": one unknown for each place of contact, with the
+        width of a Hertz contact; no cells, hence no influence columns, and one pair per place in
+        the table. Its cell is π/2 half-widths, over which the largest pressure would carry the
+        force. Conforming flanks have no such place.
+    friction : Friction or None
+        Friction of the flanks; it requires compliances with tangential parts.
+    finite_steps : int
+        Number of force steps for influence coefficients of finite forces, 0: of small forces.
+        Finite steps require compliances with tangential parts, with friction also those along the
+        flanks.
+    slices : Slices or None
+        Flanks cut along the face width: contact in three dimensions.
+    """
+
+    bodies: tuple[Body, Body]
+    compliances: tuple[BodyCompliance, BodyCompliance]
+    pairing: Pairing
+    face_width_mm: float
+    grid: Grid
+    level: Level = "pairs"
+    friction: Friction | None = None
+    finite_steps: int = 0
+    slices: Slices | None = None
+
+
+@dataclass(frozen=True)
+class CoastSweep:
+    """Results of the core on coast flanks, at the pair numbers of the working flanks.
+
+    As in `Sweep`; the torque lever arms of their pairs are negative.
     """
 
     site_force_N: NDArray[np.float64]
     site_peak_N_per_mm: NDArray[np.float64]
     site_corner: NDArray[np.int64]
     pairs: PackedPairs
+
+
+@dataclass(frozen=True)
+class SliceStates:
+    """Results in J slices of the flanks.
+
+    Attributes
+    ----------
+    force_N, peak_MPa, corner : (P, S, J) arrays
+        Force, largest pressure and corner (as `Sweep.site_corner`) of each slice.
+    edges_mm : (J + 1,) array
+        Ends of the slices along the axis.
+    conforming : bool
+        Whether the flanks conform: their pressures are means over the height.
+    """
+
+    force_N: NDArray[np.float64]
+    peak_MPa: NDArray[np.float64]
+    corner: NDArray[np.int64]
+    edges_mm: NDArray[np.float64]
+    conforming: bool = False
 
 
 @dataclass(frozen=True)
@@ -70,7 +129,8 @@ class Sweep:
     site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
         Force; maximum of force divided by cell width; body with contact on a sharp corner (0: none;
         -1: the site that touches without torque, -2: a lumped contact that no parabola
-        approximates, both off corners; -3: an omitted end would touch).
+        approximates, both off corners; -3: an omitted end would touch). Of slices, the sum of the
+        forces and the largest pressure, in MPa.
     site_force_per_torque : (P, S) array
         Derivative of the forces with respect to the torque, 1/mm; before it is known, force divided
         by torque.
@@ -80,15 +140,10 @@ class Sweep:
         Pairs of working flanks; empty if pairs are not kept.
     coast : CoastSweep or None
         Results of the coast flanks, if they can carry load.
-    slice_force_N, slice_peak_MPa, slice_corner : (P, S, J) arrays or None
-        Force, largest pressure and corner of each slice, if flanks are cut; `site_force_N` is then
-        the sum over the slices, and `site_peak_N_per_mm` the largest pressure, in MPa.
-    slice_edges_mm : (J + 1,) array or None
-        Ends of the slices along the axis.
+    slices : SliceStates or None
+        If flanks are cut.
     unloaded_rad : (P,) array or None
         Rotation without torque, if computed.
-    conforming : bool
-        Whether slices are those of flanks that conform: their pressures are means over the height.
     """
 
     torque_Nmm: float
@@ -104,12 +159,8 @@ class Sweep:
     n_pairs: NDArray[np.int64]
     pairs: PackedPairs
     coast: CoastSweep | None = None
-    slice_force_N: NDArray[np.float64] | None = None
-    slice_peak_MPa: NDArray[np.float64] | None = None
-    slice_corner: NDArray[np.int64] | None = None
-    slice_edges_mm: NDArray[np.float64] | None = None
+    slices: SliceStates | None = None
     unloaded_rad: NDArray[np.float64] | None = None
-    conforming: bool = False
 
     @property
     def turned_rad(self) -> NDArray[np.float64]:
@@ -119,138 +170,82 @@ class Sweep:
 
 
 def sweep(
-    bodies: tuple[Body, Body],
-    *,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    pairing: Pairing,
+    contact: FlankContact,
     position_rad: NDArray[np.float64],
     torques_Nmm: Sequence[float],
-    face_width_mm: float,
-    grid: Grid,
-    level: Level = "pairs",
-    friction: Friction | None = None,
-    finite_steps: int = 0,
-    slices: Slices | None = None,
+    *,
     known: KnownContacts | None = None,
     keep_pairs: bool = True,
     account: Account | None = None,
     progress: Callable[[int, int], None] | None = None,
     watched: bool = True,
 ) -> tuple[Sweep, ...]:
-    """Solve all positions for all torques in one call of the core.
+    """Solve all positions for all torques in one call of the core: a Sweep for each torque.
 
     The core runs beside the main thread: Ctrl-C, or an exception from `progress`, stops it within
-    milliseconds. The result for a torque at a position is bitwise independent of other torques,
-    other positions and the number of threads.
+    milliseconds, unless it is not `watched`: a very short call needs no thread. The result for a
+    torque at a position is bitwise independent of other torques, other positions and the number of
+    threads.
 
     Parameters
     ----------
-    bodies, compliances, pairing
-        From the previous stages.
     position_rad : (P,) array
         Angle of body 1 from position zero.
     torques_Nmm : sequence of float
         Torques on body 1, >= 0.
-    face_width_mm : float
-        Width over which both bodies are in contact.
-    grid : Grid
-        Cell sizes.
-    level : str
-        "pairs": contact pairs on cells. "lumped": one unknown for each place of contact, with the
-        width of a Hertz contact; no cells, hence no influence columns, and one pair per place in
-        the table. Its cell is π/2 half-widths, over which the largest pressure would carry the
-        force. Conforming flanks have no such place.
-    friction : Friction, optional
-        Friction of the flanks; it requires compliances with tangential parts.
-    finite_steps : int
-        Number of force steps for influence coefficients of finite forces, 0: of small forces.
-        Finite steps require compliances with tangential parts, with friction also those along the
-        flanks.
-    slices : Slices, optional
-        Flanks cut along the face width: contact in three dimensions.
-        Compliances are those of the whole width in mm/N, their modes products with Legendre
-        polynomials over it.
     known : KnownContacts, optional
         Pairs in contact in a similar sweep (`known_contacts`): states with as many pairs are those
         of these, without a search and without a certificate.
     keep_pairs : bool
         Whether single pairs are stored; results per site are always stored.
-    account : Account, optional
-        Account of all work of the core, including that for states without a solution.
-    progress : callable, optional
-        Called as progress(done, P) several times a second.
-    watched : bool
-        Whether Ctrl-C stops the core within milliseconds; a very short call needs no thread.
-
-    Returns
-    -------
-    tuple of Sweep, one per torque
+    account, progress : optional
+        Account of all work, including that for states without a solution; progress(done, P) is
+        called several times a second.
 
     Raises
     ------
     FlankloadError
-        If a position has no solution for a torque; the message names the first one.
-        `NoContactState` contains the largest torque that is possible there.
+        Names the first position without a solution for a torque. `NoContactState` contains the
+        largest torque that is possible there.
     """
-    spent = Account() if account is None else account
+    spent, slices = Account() if account is None else account, contact.slices
     torques = np.asarray(torques_Nmm, dtype=float)
     positions = np.asarray(position_rad, dtype=float)
     core = CoreCall(
-        n_sites=pairing.sites.size * _parts_of_site(pairing, slices),
-        motion=_motion(pairing, positions, friction),
-        center_distance_mm=pairing.center_distance_mm,
+        contact=contact,
+        n_sites=_core_sites(contact),
+        motion=_motion(contact, positions),
         torques_Nmm=torques,
-        records=body_records(
-            bodies,
-            compliances,
-            pairing,
-            face_width_mm,
-            friction=friction,
-            tangential=friction is not None or finite_steps > 0,
-            slices=slices,
-        ),
-        grid=grid,
-        level=level,
-        finite_steps=finite_steps,
-        friction=friction is not None,
+        records=body_records(contact),
         account=spent,
         progress=progress,
         watched=watched,
         known=known,
     )
-    room = _first_room(pairing, grid, slices, level) if keep_pairs else 0
-    found = core.all_positions(room)
+    found = core.all_positions(_first_room(contact) if keep_pairs else 0)
     spent.workspace_bytes = max(spent.workspace_bytes, found.nbytes)
     raise_first_failure(
         found.status,
         positions,
         torques,
         found.certificate,
-        rubs=friction is not None,
+        rubs=contact.friction is not None,
         holds=core.holds,
     )
     if slices is not None:
         spent.count(slices=slices.count * positions.size * torques.size)
-    found_of = (_sweep_of(found, pairing, t, float(torques[t])) for t in range(torques.size))
-    return tuple(found_of if slices is None else (_summed(one, slices) for one in found_of))
+    by_torque = (_sweep_of(found, contact.pairing, t, torque) for t, torque in enumerate(torques))
+    return tuple(by_torque if slices is None else (_summed(one, slices) for one in by_torque))
 
 
 def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
-    """Pairs in contact in sweeps of the same positions, for similar ones.
+    """Pairs in contact in sweeps of the same positions, one for each torque, for similar ones.
 
-    Parameters
-    ----------
-    found : sequence of Sweep
-        One for each torque of the similar sweep.
-
-    Returns
-    -------
-    KnownContacts or None
-        None for lumped contacts in slices, which have no cells. States whose cells were laid more
-        than once are left out: their cells depend on the forces found before.
+    None for lumped contacts in slices, which have no cells. States whose cells were laid more than
+    once are left out: their cells depend on the forces found before.
     """
     passes = CORE_COUNTERS.index("contact_passes")
-    if any(part.slice_force_N is not None and not part.counters[:, passes].any() for part in found):
+    if any(part.slices is not None and not part.counters[:, passes].any() for part in found):
         return None
     touches, count = [], []
     for part in found:
@@ -270,9 +265,10 @@ def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
     )
 
 
-def _parts_of_site(pairing: Pairing, slices: Slices | None) -> int:
-    """Sites of the core for each pair of flanks: coast flanks, slices."""
-    return (1 if pairing.coast is None else 2) * (1 if slices is None else slices.count)
+def _core_sites(contact: FlankContact) -> int:
+    """Sites of the core: those of each pair of flanks, coast flanks, slices."""
+    sites = contact.pairing.sites.size * (1 if contact.pairing.coast is None else 2)
+    return sites * (1 if contact.slices is None else contact.slices.count)
 
 
 def _summed(found: Sweep, slices: Slices) -> Sweep:
@@ -290,98 +286,71 @@ def _summed(found: Sweep, slices: Slices) -> Sweep:
         site_peak_N_per_mm=peak.max(axis=2),
         site_corner=worst,
         site_force_per_torque=force.sum(axis=2) / (found.torque_Nmm or 1.0),
-        slice_force_N=force,
-        slice_peak_MPa=peak,
-        slice_corner=corner,
-        slice_edges_mm=slices.edges_mm,
+        slices=SliceStates(force, peak, corner, slices.edges_mm),
         pairs=found.pairs.in_slices(slices.count),
     )
 
 
-def _motion(
-    pairing: Pairing, position_rad: NDArray[np.float64], friction: Friction | None
-) -> NDArray[np.float64]:
+def _motion(contact: FlankContact, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
     """(4, P) angles of both bodies, rad, and with friction their speeds, else 0."""
     motion = np.zeros((4, position_rad.size))
-    motion[:2] = pairing.turns(position_rad)
-    if friction is not None:
-        motion[2:] = friction.speeds(pairing, position_rad)
+    motion[:2] = contact.pairing.turns(position_rad)
+    if contact.friction is not None:
+        motion[2:] = contact.friction.speeds(contact.pairing, position_rad)
     return motion
 
 
 def _sweep_of(found: Found, pairing: Pairing, t: int, torque_Nmm: float) -> Sweep:
     """Results for one torque; those of coast flanks separately."""
-    n = len(found.site_force_N) // (1 if pairing.coast is None else 2)
+    sites = ("site_force_N", "site_peak_N_per_mm", "site_corner")
+    of_torque: dict[str, Any] = {name: part[..., t].T for name, part in found.states.items()}
     pairs, coast = found.pairs_of(t), None
-    force, peak = found.site_force_N[..., t].T, found.site_peak_N_per_mm[..., t].T
-    corner = found.site_corner[..., t].T
     if pairing.coast is not None:
+        n = of_torque["site_force_N"].shape[1] // 2
         pairs, coast_pairs = pairs.parted_at(n)
-        coast = CoastSweep(force[:, n:], peak[:, n:], corner[:, n:], coast_pairs)
+        coast = CoastSweep(**{name: of_torque[name][:, n:] for name in sites}, pairs=coast_pairs)
+        of_torque |= {name: of_torque[name][:, :n] for name in sites}
     return Sweep(
-        torque_Nmm=torque_Nmm,
-        status=found.status[:, t],
-        rotation_rad=found.rotation_rad[:, t],
-        tangent_rad_per_Nmm=found.tangent_rad_per_Nmm[:, t],
-        certificate=found.certificate[..., t].T,
-        counters=found.counters[..., t].T,
-        site_force_N=force[:, :n],
-        site_peak_N_per_mm=peak[:, :n],
-        site_corner=corner[:, :n],
-        site_force_per_torque=force[:, :n] / (torque_Nmm or 1.0),
-        n_pairs=found.n_pairs[:, t],
+        torque_Nmm=float(torque_Nmm),
+        site_force_per_torque=of_torque["site_force_N"] / (torque_Nmm or 1.0),
         pairs=pairs,
         coast=coast,
+        **of_torque,
     )
 
 
-def _first_room(pairing: Pairing, grid: Grid, slices: Slices | None, level: Level) -> int:
+def _first_room(contact: FlankContact) -> int:
     """Allocated pairs of a state, sufficient for nearly all states."""
-    sides = 1 if pairing.coast is None else 2
+    pairing, slices = contact.pairing, contact.slices
+    sides, sites = 1 if pairing.coast is None else 2, pairing.sites.size
+    cells = contact.grid.zone_half_widths * contact.grid.strips_per_half_width
     if slices is not None:
-        cells = 2.0 * grid.zone_half_widths * grid.strips_per_half_width + LEAST_CELLS
-        flanks = min(pairing.sites.size, MESHING_FLANKS)
-        return slices.count * (2 * pairing.sites.size if level == "lumped" else int(flanks * cells))
+        of_cells = int(min(sites, MESHING_FLANKS) * (2.0 * cells + LEAST_CELLS))
+        return slices.count * (2 * sites if contact.level == "lumped" else of_cells)
     if not pairing.whole_circle:
         return sides * FIRST_ROOM
-    cells = grid.zone_half_widths * grid.strips_per_half_width
-    return sides * max(FIRST_ROOM, int(ROOM_OF_CELL * cells * pairing.sites.size))
+    return sides * max(FIRST_ROOM, int(ROOM_OF_CELL * cells * sites))
 
 
 def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
     """Join sweeps of different positions for the same torque and the same sites.
 
-    Parameters
-    ----------
-    parts : sequence of Sweep
-    order : (P,) array
-        Indices into the concatenated positions of the parts, in their new order.
-
-    Returns
-    -------
-    Sweep
+    `order` (P,) are indices into the concatenated positions of the parts, in their new order.
     """
-    coasts = [part.coast for part in parts if part.coast is not None]
-    return Sweep(
-        torque_Nmm=parts[0].torque_Nmm,
-        slice_edges_mm=parts[0].slice_edges_mm,
-        coast=CoastSweep(**_joined(coasts, order)) if coasts else None,
-        conforming=parts[0].conforming,
-        **_joined(parts, order),
-    )
+    return _joined(parts, order)
 
 
-def _joined(
-    parts: Sequence[Sweep] | Sequence[CoastSweep], order: NDArray[np.int64]
-) -> dict[str, Any]:
-    """Fields with a row for each position, and the pairs."""
-    single = ("torque_Nmm", "pairs", "coast", "slice_edges_mm", "unloaded_rad", "conforming")
-    names = [
-        item.name
-        for item in fields(parts[0])
-        if item.name not in single and getattr(parts[0], item.name) is not None
-    ]
-    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-    return {name: values[order] for name, values in joined.items()} | {
-        "pairs": join_pairs([part.pairs for part in parts], order)
-    }
+def _joined(parts: Sequence[Record], order: NDArray[np.int64]) -> Record:
+    """Records with a row for each position, joined field by field."""
+    joined: dict[str, Any] = {}
+    for item in fields(parts[0]):
+        values = [getattr(part, item.name) for part in parts]
+        if values[0] is None or item.name in OF_ALL_POSITIONS:
+            continue
+        if isinstance(values[0], PackedPairs):
+            joined[item.name] = join_pairs(values, order)
+        elif isinstance(values[0], np.ndarray):
+            joined[item.name] = np.concatenate(values)[order]
+        else:
+            joined[item.name] = _joined(values, order)
+    return replace(parts[0], **joined)

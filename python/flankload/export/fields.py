@@ -22,8 +22,7 @@ from flankload.studies.tolerance import first_scene
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.mechanisms.flank_pair.loaded_bodies import FieldBody
-    from flankload.mechanisms.flank_pair.loaded_solids import SolidBody
+    from flankload.mechanisms.flank_pair.loaded_bodies import FieldBody, SolidBody
     from flankload.result import PairTable
     from flankload.scene import Scene, SceneLike
 

@@ -68,6 +68,16 @@ class BodyPair:
     slices: Slices | None = None
 
     @property
+    def bodies(self) -> tuple[Body, Body]:
+        """Both bodies."""
+        return self.body_1, self.body_2
+
+    @property
+    def elastic(self) -> tuple[bool, bool]:
+        """Whether each body is elastic."""
+        return self.effects.elastic_body_1, self.effects.elastic_body_2
+
+    @property
     def period_rad(self) -> float:
         """Period of the curves, rad: the range of the positions if it is a whole period."""
         if self.closed and self.pitches is not None:

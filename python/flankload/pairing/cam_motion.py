@@ -14,20 +14,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import Roller
 from flankload.errors import SceneError
-from flankload.pairing.cam_search import (
-    Places,
-    cross,
-    dot,
-    first_of,
-    places_of,
-    polar,
-    samples_of,
-    turned,
-    wrapped,
-    zeros_on,
-)
+from flankload.pairing.interference import along
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,6 +29,9 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+#: Samples in each interval of the profile, between which zeros are searched.
+SAMPLES = 4
+MOST_STEPS = 40
 #: Positions that are processed at once, which limits the memory.
 BLOCK = 256
 #: Least lever arm of the force about the follower's axis relative to the distance from there; below
@@ -49,18 +42,39 @@ HOLLOW = 0.98
 
 
 @dataclass(frozen=True)
+class Places:
+    """Points of a profile, (m,) of them: arc lengths, mm, and vectors (m, 2) in its frame.
+
+    `point` is relative to the axis of the profile or to another point; `curvature`, 1/mm, is
+    positive where convex.
+    """
+
+    s: Floats
+    point: Floats
+    tangent: Floats
+    normal: Floats
+    curvature: Floats
+
+    def seen_from(self, apart: Floats) -> Places:
+        """The same points relative to another origin: `apart` (m, 2) or (2,) is added."""
+        return Places(self.s, self.point + apart, self.tangent, self.normal, self.curvature)
+
+    def repeated(self, count: int) -> Places:
+        """All points, repeated `count` times."""
+        return Places(*(np.concatenate([part] * count) for part in vars(self).values()))
+
+
+def places_of(curve: FlankCurve, s: Floats) -> Places:
+    """Points of a curve at arc lengths s (m,)."""
+    return Places(s, curve.point(s), curve.tangent(s), curve.normal(s), curve.curvature(s))
+
+
+@dataclass(frozen=True)
 class CamMotion:
     """A follower on its cam.
 
-    Attributes
-    ----------
-    cam : FlankCurve
-        Closed, in the frame of the cam.
-    head : Roller or Flat
-        In the frame of the follower.
-    center_distance_mm : float
-    sense : int
-        1 if the cam turns counter-clockwise, -1 if clockwise.
+    The curve of the cam is closed, in its own frame; the head is in the frame of the follower;
+    `sense` is 1 if the cam turns counter-clockwise, -1 if clockwise.
     """
 
     cam: FlankCurve
@@ -73,16 +87,7 @@ class CamMotion:
         return np.pi + self.sense * np.asarray(position_rad, dtype=float)
 
     def stand(self, position_rad: Floats) -> Stand:
-        """Angles and contact points of the follower on the cam.
-
-        Parameters
-        ----------
-        position_rad : (P,) array
-            Angles by which the cam has turned.
-
-        Returns
-        -------
-        Stand
+        """Angles and contact points at positions (P,), the angles by which the cam has turned.
 
         Raises
         ------
@@ -130,7 +135,7 @@ class CamMotion:
     @cached_property
     def samples(self) -> Places:
         """Points all around the cam, in its frame."""
-        return samples_of(self.cam)
+        return places_of(self.cam, along(self.cam, SAMPLES))
 
     def apart(self, turn_2: Floats) -> Floats:
         """Vector from O1 to O2 (P, 2) in the frame of the cam, mm."""
@@ -164,8 +169,8 @@ class CamMotion:
 
         k, at = self._zeros(turn_2, from_line)
         # the flat points against the cam's tangent
-        along = -dot(at.point, at.tangent)
-        there = (along >= low) & (along <= high)
+        place = -dot(at.point, at.tangent)
+        there = (place >= low) & (place <= high)
         return k[there], at.s[there], polar(-at.tangent, turn_2[k])[there]
 
     def _end_places(self, turn_2: Floats, end: float) -> tuple[NDArray[np.int64], Floats, Floats]:
@@ -184,14 +189,8 @@ class CamMotion:
 class Stand:
     """Angles and contact points of a follower at P positions.
 
-    Attributes
-    ----------
-    motion : CamMotion
-    position_rad : (P,) array
-    turn_1, turn_2 : (P,) arrays
-        Angles of both frames, rad.
-    arc_length_mm : (P,) array
-        Contact point on the cam.
+    `turn_1`, `turn_2` (P,) are the angles of both frames, rad; `arc_length_mm` (P,) gives the
+    contact points on the cam.
     """
 
     motion: CamMotion
@@ -218,13 +217,7 @@ class Stand:
         return -cross(point, normal)
 
     def check(self) -> None:
-        """Refuse a follower whose force cannot carry a torque, or whose arm touches the cam.
-
-        Raises
-        ------
-        SceneError
-            Names the position.
-        """
+        """Raise a SceneError if the force cannot carry a torque, or the arm touches the cam."""
         head = self.motion.head
         point, normal = self.contact()
         lever, radius = self.levers(), np.hypot(*point.T)
@@ -250,19 +243,8 @@ class Stand:
 def cam_motion(follower: Body, cam: Body, center_distance_mm: float) -> CamMotion:
     """Combine a follower and its cam.
 
-    Parameters
-    ----------
-    follower, cam : Body
-    center_distance_mm : float
-
-    Returns
-    -------
-    CamMotion
-
-    Raises
-    ------
-    SceneError
-        If the cam would reach the follower's axis, or the roller does not fit into a hollow.
+    Raises a SceneError if the cam would reach the follower's axis, or the roller does not fit into
+    a hollow.
     """
     head = follower.touches
     assert head is not None
@@ -300,3 +282,69 @@ def _refuse_where(
             expected=expected,
             found=f"{found(k)} at a cam angle of {np.degrees(position[k]):.3f} deg",
         )
+
+
+# --- zeros of functions on a closed profile, at many positions at once ----------------------------
+def zeros_on(
+    curve: FlankCurve,
+    samples: Places,
+    apart: Floats,
+    rest: Callable[[Places], tuple[Floats, Floats]],
+) -> tuple[NDArray[np.int64], Floats]:
+    """Points of a closed curve at which a function changes its sign, at each of P positions.
+
+    `samples` are all around the curve, the last one equals the first; `apart` (P, 2) is added to
+    the points at each position. `rest` returns values (m,) at Places (m,), and their derivatives by
+    arc length. Returns positions (k,) and arc lengths (k,), accurate to rounding.
+    """
+    count, n = len(apart), samples.s.size
+    value, _ = rest(samples.repeated(count).seen_from(np.repeat(apart, n, axis=0)))
+    value = value.reshape(count, n)
+    value[:, -1] = value[:, 0]
+    position, i = np.nonzero((value[:, :-1] < 0) != (value[:, 1:] < 0))
+    low, high, below = samples.s[i], samples.s[i + 1], value[position, i] < 0
+    s = 0.5 * (low + high)
+    for _ in range(MOST_STEPS):
+        # Newton's method in an interval that encloses the zero, with bisection as the fallback
+        found, slope = rest(places_of(curve, s).seen_from(apart[position]))
+        left = (found < 0) == below
+        low, high = np.where(left, s, low), np.where(left, high, s)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            new = s - found / slope
+        new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
+        done = np.abs(new - s).max(initial=0.0) <= 1e-15 * curve.length_mm
+        s = new
+        if done:
+            break
+    return position, s
+
+
+def first_of(
+    count: int, position: NDArray[np.int64], s: Floats, turn: Floats
+) -> tuple[Floats, Floats]:
+    """Arc length and angle of the least angle at each of `count` positions; NaN if none."""
+    order = np.lexsort((turn, position))
+    known, first = np.unique(position[order], return_index=True)
+    found = np.full((2, count), np.nan)
+    found[:, known] = s[order][first], turn[order][first]
+    return found[0], found[1]
+
+
+def wrapped(angle: Floats) -> Floats:
+    """Angles in (-pi, pi]."""
+    return np.asarray(np.pi - (np.pi - angle) % (2 * np.pi))
+
+
+def polar(vectors: Floats, turn: Floats) -> Floats:
+    """Polar angles in (-pi, pi] of vectors (m, 2) of a frame that is rotated by `turn`."""
+    return wrapped(np.arctan2(vectors[:, 1], vectors[:, 0]) + turn)
+
+
+def dot(a: Floats, b: Floats) -> Floats:
+    """Scalar products (m,) of vectors (m, 2)."""
+    return np.asarray((a * b).sum(axis=1))
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """z components (m,) of the vector products of vectors (m, 2)."""
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])

@@ -32,17 +32,7 @@ KG_M3 = 1e-12
 
 @dataclass(frozen=True)
 class Growth:
-    """Causes of the expansion of a body.
-
-    Attributes
-    ----------
-    strain : float
-        alpha dT of the body.
-    held_strain : float
-        alpha dT of its support.
-    speed_rad_per_s : float
-    density_Ns2_per_mm4 : float
-    """
+    """Causes of the expansion of a body: speed, density, strains alpha dT of body and support."""
 
     strain: float = 0.0
     held_strain: float = 0.0
@@ -61,18 +51,9 @@ class Growth:
 
 
 def growth_of(scene: Scene, pairing: Pairing) -> tuple[Growth | None, Growth | None]:
-    """Causes of the expansion of both bodies of a scene.
+    """Causes of the expansion of both bodies of a scene; None for a body that does not expand.
 
-    Parameters
-    ----------
-    scene : Scene
-    pairing : Pairing
-        Body 2 turns faster or slower by its ratio.
-
-    Returns
-    -------
-    two Growth or None
-        None for a body that does not expand. A rigid body only expands by its own temperature.
+    A rigid body only expands by its own temperature. Body 2 turns faster or slower by the ratio.
     """
     asked = scene.effects
     rises = _of_both(asked.temperature_rise_K, 0.0)
@@ -120,15 +101,7 @@ def growth_notes(scene: Scene) -> tuple[str, ...]:
 def grown(body: Body, strain: float) -> Body:
     """The body scaled by 1 + strain: its curve and the range of its modes.
 
-    Parameters
-    ----------
-    body : Body
-    strain : float
-
-    Returns
-    -------
-    Body
-        Mesh, radii and notes are those of the unscaled body.
+    Mesh, radii and notes are those of the unscaled body.
     """
     if strain == 0.0:
         return body
@@ -154,17 +127,7 @@ def grown_slices(
 ) -> Slices:
     """Slices of bodies whose helices have grown along the axis; the face widths remain.
 
-    Parameters
-    ----------
-    slices : Slices
-        Of the bodies before.
-    shapes : two AxialShape
-        The bodies before.
-    strains : (float, float)
-
-    Returns
-    -------
-    Slices
+    Slices and shapes are those of the bodies before.
     """
     one, two = (
         turns

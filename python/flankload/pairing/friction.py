@@ -10,6 +10,8 @@ import numpy as np
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
@@ -27,15 +29,9 @@ STEPS = 32
 class Friction:
     """Coulomb friction at S sites.
 
-    Attributes
-    ----------
-    places_mm : (n,) array
-        Arc lengths on flank 1, ascending.
-    coefficients : (n, S) array
-        Coefficients at these arc lengths; linear between them, constant beyond.
-    sense : int
-        1 if body 1 drives and turns in the sense of its torque, -1 if it is driven against its
-        torque.
+    `coefficients` (n, S) are those at ascending arc lengths (n,) on flank 1; linear between them,
+    constant beyond. `sense` is 1 if body 1 drives and turns in the sense of its torque, -1 if it is
+    driven against its torque.
     """
 
     places_mm: NDArray[np.float64]
@@ -53,17 +49,7 @@ class Friction:
 
 
 def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None:
-    """Friction of a scene at the sites of its pairing.
-
-    Parameters
-    ----------
-    scene : Scene
-    body_1 : Body
-    pairing : Pairing
-
-    Returns
-    -------
-    Friction, or None if the scene has none or all its coefficients are 0
+    """Friction of a scene at the sites of its pairing; None without any, or if it is 0.
 
     Raises
     ------
@@ -92,10 +78,7 @@ def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None
 def coefficients_by_tooth(scene: Scene, body_1: Body) -> tuple[float, ...]:
     """One coefficient per tooth of body 1, if the scene has such a list; else empty.
 
-    Raises
-    ------
-    SceneError
-        If the list has another length.
+    Raises a SceneError if the list has another length.
     """
     asked = scene.effects.friction_coefficient
     if not isinstance(asked, tuple) or isinstance(asked[0], tuple):
@@ -140,12 +123,10 @@ def _arc_lengths(body: Body, radius: NDArray[np.float64]) -> NDArray[np.float64]
     return np.asarray(np.interp(radius, distance, s))
 
 
-def friction_notes(friction: Friction | None, pairing: Pairing) -> tuple[str, ...]:
+def friction_notes(friction: Friction | None, pairing: Pairing) -> Iterator[str]:
     """Remarks on the friction of a pair for the user."""
-    if friction is None or pairing.center_distance_mm > 0.0:
-        return ()
-    note = (
-        "on common axes both bodies turn together and no flank slides: friction does nothing "
-        "(pair.center_offset_mm parts the axes)"
-    )
-    return (note,)
+    if friction is not None and pairing.center_distance_mm <= 0.0:
+        yield (
+            "on common axes both bodies turn together and no flank slides: friction does nothing "
+            "(pair.center_offset_mm parts the axes)"
+        )

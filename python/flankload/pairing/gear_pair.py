@@ -86,10 +86,6 @@ class _Pair:
         """Distance from O1 at which a circle about O2 intersects the line of centres, mm."""
         return self.sense * (self.distance - radius_2)
 
-    def bound(self, value: float, *, least: bool) -> str:
-        """A limit of the centre distance in words; for internal teeth least and largest swap."""
-        return f"{'more' if least == (self.sense > 0) else 'less'} than {value:.4f} mm"
-
 
 def gear_mesh(
     body_1: Body,
@@ -99,27 +95,9 @@ def gear_mesh(
     *,
     coast_flanks: bool = False,
 ) -> Mesh:
-    """Working geometry of two bodies with involute flanks.
+    """Working geometry of two bodies with involute flanks; body 1 has external teeth.
 
-    Parameters
-    ----------
-    body_1, body_2 : Body
-        Bodies with involutes; body 1 has external teeth.
-    distance : float
-        Centre distance, mm.
-    warnings : list of str
-        Warnings for the user are appended.
-    coast_flanks : bool
-        The coast flanks can carry, too.
-
-    Returns
-    -------
-    Mesh
-
-    Raises
-    ------
-    SceneError
-        If the bodies cannot mesh; states by how much.
+    Warnings for the user are appended. A SceneError states by how much bodies cannot mesh.
     """
     assert body_1.involute is not None
     assert body_2.involute is not None
@@ -316,11 +294,11 @@ def _check_clearances(pair: _Pair) -> None:
         ("2", "1", pair.on_centers(two.tip_radius_mm) - one.root_radius_mm),
     ):
         if clearance <= 0.0:
-            side = "small" if pair.sense > 0 else "large"
+            bound, side = ("more", "small") if pair.sense > 0 else ("less", "large")
             raise SceneError(
                 key=DISTANCE,
-                expected=f"{pair.bound(distance - pair.sense * clearance, least=True)}, where the "
-                f"tip of body_{name} clears the root of body_{other}",
+                expected=f"{bound} than {distance - pair.sense * clearance:.4f} mm, where the tip "
+                f"of body_{name} clears the root of body_{other}",
                 found=f"{distance:g} mm, {-clearance:.4f} mm too {side}",
             )
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
     from flankload.bodies.profile.involute import Involute
+    from flankload.flank import FlankCurve
 
     Floats = NDArray[np.float64]
 
@@ -36,16 +37,10 @@ LEAST_PART = 1e-4
 
 @dataclass(frozen=True)
 class Overlap:
-    """The deepest overlap of a part of the flanks.
+    """The deepest overlap of a part of the flanks, along the circumference.
 
-    Attributes
-    ----------
-    depth_mm : float
-        Depth along the circumference.
-    radius_1_mm, radius_2_mm : float
-        Place of the overlap: distances from the bodies' own axes.
-    at_tips : bool
-        Both points are on the outer halves of their flanks.
+    The radii are distances of the place from the bodies' own axes; `at_tips`: both points are on
+    the outer halves of their flanks.
     """
 
     depth_mm: float
@@ -59,17 +54,8 @@ def root_contacts(
 ) -> Iterator[str]:
     """Warn if the mate's tip meets the fillet instead of the involute.
 
-    Parameters
-    ----------
-    involutes : two Involute
-    lengths_mm : (float, float)
-        End of each path of contact at the root: length along the line of action from the base
-        circle.
-
-    Yields
-    ------
-    str
-        Warning.
+    `lengths_mm` are the ends of each path of contact at the root, along the line of action from the
+    base circle.
     """
     for name, involute, length in zip("12", involutes, lengths_mm, strict=True):
         deepest = hypot(involute.base_radius_mm, max(0.0, length))
@@ -85,22 +71,9 @@ def root_contacts(
 def overlapping_flanks(
     body_1: Body, body_2: Body, pitch_radii_mm: tuple[float, float], distance_mm: float
 ) -> Iterator[str]:
-    """Warn of flanks that overlap off the path of contact.
+    """Warn of a root that pushes a tip back; raises a SceneError if tips cannot pass each other.
 
-    Parameters
-    ----------
-    body_1, body_2, pitch_radii_mm, distance_mm
-        As for `overlaps_of`.
-
-    Yields
-    ------
-    str
-        Warning of a root that pushes a tip back.
-
-    Raises
-    ------
-    SceneError
-        If tips cannot pass each other.
+    Parameters as for `overlaps_of`.
     """
     for overlap in overlaps_of(body_1, body_2, pitch_radii_mm, distance_mm):
         where = (
@@ -126,18 +99,8 @@ def overlaps_of(
 ) -> Iterator[Overlap]:
     """The deepest overlap at the tips and the deepest one elsewhere, if there are any.
 
-    Parameters
-    ----------
-    body_1, body_2 : Body
-        Bodies with involutes; body 1 turns in the sense of its torque.
-    pitch_radii_mm : (float, float)
-        Radii of the working pitch circles, where pair 0 touches at position zero.
-    distance_mm : float
-        Centre distance.
-
-    Yields
-    ------
-    Overlap
+    The bodies have involutes, body 1 turns in the sense of its torque; on the working pitch circles
+    pair 0 touches at position zero.
     """
     (r_1, angle_1, tip_1), (r_2, angle_2, tip_2) = (
         _places(body, radius) for body, radius in zip((body_1, body_2), pitch_radii_mm, strict=True)
@@ -159,12 +122,17 @@ def overlaps_of(
             yield Overlap(float(chosen[i, j]), float(r_1[i]), float(r_2[j]), part)
 
 
+def along(curve: FlankCurve, count: int) -> Floats:
+    """Arc lengths of so many points in each interval of a curve, and of its end."""
+    points = np.linspace(curve.breaks[:-1], curve.breaks[1:], count, endpoint=False)
+    return np.append(points.T.ravel(), curve.breaks[-1])
+
+
 def _places(body: Body, pitch_radius: float) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Radii and angles of points on a flank, the angles from its point on the pitch circle."""
     curve, involute = body.curve, body.involute
     assert involute is not None
-    ends = np.linspace(curve.breaks[:-1], curve.breaks[1:], PLACES, endpoint=False)
-    s = np.append(ends.T.ravel(), curve.breaks[-1])
+    s = along(curve, PLACES)
     x, y = curve.point(s).T
     angle = np.arctan2(y, x) - involute.polar_angle_at(pitch_radius)
     return (

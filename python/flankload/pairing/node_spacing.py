@@ -32,35 +32,25 @@ CONFORMING_NODES = 40
 class HertzContact:
     """Contact of two flanks at mid-height under one force.
 
-    Attributes
-    ----------
-    half_width_mm : float
-    flattening_mm : float
-        Distance of the unloaded flanks at the ends of the contact.
+    `flattening_mm` is the distance of the unloaded flanks at the ends of the contact.
     """
 
     half_width_mm: float
     flattening_mm: float
 
 
-def hertz_contact(body_1: Body, body_2: Body, force_N_per_mm: float) -> HertzContact | None:
-    """Hertz contact of both flanks, away from root and tip.
+def _hertz_contact(
+    bodies: tuple[Body, Body], torque_Nm: float, face_width_mm: float
+) -> HertzContact | None:
+    """Hertz contact away from root and tip, with all of a torque on one flank.
 
-    Parameters
-    ----------
-    body_1, body_2 : Body
-    force_N_per_mm : float
-        Force per face width.
-
-    Returns
-    -------
-    HertzContact or None
-        None without force, or if the flanks do not curve away from each other.
+    None without force, or if the flanks do not curve away from each other.
     """
-    curvature = sum(_middle_curvature(body) for body in (body_1, body_2))
+    force_N_per_mm = 1000 * torque_Nm / bodies[0].reference_radius_mm / face_width_mm
+    curvature = sum(_middle_curvature(body) for body in bodies)
     yielding = sum(
         (1 - body.material.poisson_ratio**2) / body.material.young_modulus_MPa
-        for body in (body_1, body_2)
+        for body in bodies
         if not body.rigid
     )
     if curvature <= 0.0 or force_N_per_mm <= 0.0 or yielding == 0.0:
@@ -74,22 +64,12 @@ def spacing_notes(
 ) -> Iterator[str]:
     """Notes on the node spacing of curves through nodes, relative to the contact width.
 
-    Parameters
-    ----------
-    bodies : two Body
-    torques_Nm : tuple of float
-        Torques on body 1; the smallest one above 0 gives the narrowest contact.
-    face_width_mm : float
-
-    Yields
-    ------
-    str
+    The smallest torque above 0 gives the narrowest contact.
     """
     loads = [torque for torque in torques_Nm if torque > 0]
     if not loads or not any(body.flank_nodes for body in bodies):
         return
-    force = 1000 * min(loads) / bodies[0].reference_radius_mm / face_width_mm
-    contact = hertz_contact(*bodies, force)
+    contact = _hertz_contact(bodies, min(loads), face_width_mm)
     if contact is None:
         return
     where = f"with {min(loads):g} N m on one flank"
@@ -111,25 +91,15 @@ def spacing_notes(
 def spacing_for_loads(
     bodies: tuple[Body, Body], torques_Nm: tuple[float, ...], face_width_mm: float
 ) -> float | None:
-    """Node distance that nodal forces need, mm.
+    """Node distance that nodal forces need, mm; None without torque.
 
-    Parameters
-    ----------
-    bodies : two Body
-    torques_Nm : tuple of float
-        Torques on body 1; the largest determines the node distance.
-    face_width_mm : float
-
-    Returns
-    -------
-    float or None
-        A fifth of the Hertz half-width with the whole torque on one flank; for conforming flanks a
-        fraction of their length. None without torque.
+    A fifth of the Hertz half-width with the whole torque, the largest one, on one flank; for
+    conforming flanks a fraction of their length.
     """
     torque = max(torques_Nm)
     if torque <= 0.0 or all(body.rigid for body in bodies):
         return None
-    contact = hertz_contact(*bodies, 1000 * torque / bodies[0].reference_radius_mm / face_width_mm)
+    contact = _hertz_contact(bodies, torque, face_width_mm)
     low, high = bodies[0].mode_range_mm
     widest = (high - low) / CONFORMING_NODES
     return widest if contact is None else min(widest, NODES_PART * contact.half_width_mm)
@@ -138,22 +108,9 @@ def spacing_for_loads(
 def half_widths_apart(
     bodies: tuple[Body, Body], nodes_mm: float, torque_Nm: float, face_width_mm: float
 ) -> float | None:
-    """Distance of nodes relative to the half-width of the contact.
+    """Distance of nodes relative to the half-width of the contact, all the torque on one flank.
 
-    Parameters
-    ----------
-    bodies : two Body
-    nodes_mm : float
-        Distance of the nodes.
-    torque_Nm : float
-        Torque on body 1, all of it on one flank.
-    face_width_mm : float
-
-    Returns
-    -------
-    For conforming flanks, `NODES_PART` at the distance of `spacing_for_loads`. None without
-    torque.
-        without torque.
+    For conforming flanks, `NODES_PART` at the distance of `spacing_for_loads`. None without torque.
     """
     wanted = spacing_for_loads(bodies, (torque_Nm,), face_width_mm)
     return None if wanted is None else NODES_PART * nodes_mm / wanted
@@ -165,23 +122,8 @@ def wide_nodes_notes(
     torque_Nm: float,
     face_width_mm: float,
 ) -> Iterator[str]:
-    """Notes on nodes with forces that are too far apart for the contact.
-
-    Parameters
-    ----------
-    bodies : two Body
-    nodes_mm : two (n,) arrays, or None
-        Arc lengths of the nodes.
-    torque_Nm : float
-        Torque on body 1.
-    face_width_mm : float
-
-    Yields
-    ------
-    str
-    """
-    force = 1000 * torque_Nm / bodies[0].reference_radius_mm / face_width_mm
-    contact = hertz_contact(*bodies, force)
+    """Notes on nodes with forces, at arc lengths (n,), that are too far apart for the contact."""
+    contact = _hertz_contact(bodies, torque_Nm, face_width_mm)
     for name, nodes in zip(("body_1", "body_2"), nodes_mm, strict=True):
         if contact is None or nodes is None:
             continue

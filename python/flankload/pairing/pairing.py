@@ -11,12 +11,17 @@ On a spline every tooth is a site: pair j is tooth j, counted in the sense of th
 
 A cam has one site. Positions are angles by which the cam has turned; the follower (body 1) has the
 angle at which it touches the cam.
+
+In the mirror image about the line of centres coast flanks are working flanks: for teeth with equal
+sides they are the same curve, on bodies that turn in the opposite direction. The coast flank of a
+tooth of body 1 faces the tooth of body 2 that meets the next tooth of body 1 with its working
+flank; if body 2 has internal teeth, it faces the other side of its own space.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import nan, pi
+from dataclasses import dataclass, replace
+from math import lcm, nan, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,9 +29,7 @@ import numpy as np
 from flankload.base.rounding import round_down, round_up
 from flankload.errors import SceneError
 from flankload.pairing.cam_motion import CamMotion, cam_motion
-from flankload.pairing.coast_sites import CoastSites, coast_sites
 from flankload.pairing.gear_pair import Mesh, gear_mesh
-from flankload.pairing.period import Period, period_of
 from flankload.pairing.spline_fit import SplineFit, spline_fit
 
 if TYPE_CHECKING:
@@ -36,6 +39,41 @@ if TYPE_CHECKING:
 
 #: Sites on each side of pair 0 if the path of contact is unknown.
 UNKNOWN_PATH_SITES = 3
+
+
+@dataclass(frozen=True)
+class Period:
+    """Period of the positions, in tooth pitches of body 1.
+
+    `pitches` is the number after which equal teeth meet again: 1 if all teeth of each body are
+    equal; otherwise the number of teeth, or the size of the smallest group that repeats; for two
+    such bodies the least common multiple. Teeth are equal if they have equal deviations, equal
+    friction and, where it is known, equal compliance.
+    """
+
+    pitch_rad: float
+    pitches: int = 1
+
+    @property
+    def rad(self) -> float:
+        """Rotation of body 1 after which everything repeats, rad."""
+        return self.pitches * self.pitch_rad
+
+    def with_compliance(self, groups: tuple[int, int]) -> Period:
+        """The period for bodies whose compliances repeat after the given numbers of teeth."""
+        return replace(self, pitches=lcm(self.pitches, *groups))
+
+
+@dataclass(frozen=True)
+class CoastSites:
+    """S sites of coast flanks; each is named by the tooth of body 1, like a pair.
+
+    For each body the tooth (S,) at each site, and its angle (S,) in the mirrored frame of the body,
+    relative to the negative of the body's angle.
+    """
+
+    site_teeth: tuple[NDArray[np.int64], NDArray[np.int64]]
+    site_angles_rad: tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -79,8 +117,8 @@ class Pairing:
     site_teeth: tuple[NDArray[np.int64], NDArray[np.int64]]
     site_angles_rad: tuple[NDArray[np.float64], NDArray[np.float64]]
     site_deviations_mm: tuple[NDArray[np.float64], NDArray[np.float64]]
-    mesh: Mesh | None
-    warnings: tuple[str, ...]
+    mesh: Mesh | None = None
+    warnings: tuple[str, ...] = ()
     fit: SplineFit | None = None
     motion: CamMotion | None = None
     coast: CoastSites | None = None
@@ -134,31 +172,27 @@ def pair_bodies(
     position_rad: NDArray[np.float64],
     coast_flanks: bool = False,
 ) -> Pairing:
-    """Combine two bodies.
+    """Combine two bodies at a centre distance, of splines the offset of their axes.
 
-    Parameters
-    ----------
-    body_1, body_2 : Body
-    center_distance_mm : float
-        For a spline: the offset of its axes.
-    position_rad : (P,) array
-        Requested positions, which determine the number of sites.
-    coast_flanks : bool
-        Coast flanks can carry, too: flanks may overlap without load.
-
-    Returns
-    -------
-    Pairing
-
-    Raises
-    ------
-    SceneError
-        If the flanks cannot mesh at this centre distance; states by how much.
+    The positions (P,) determine the number of sites. If coast flanks can carry, too, flanks may
+    overlap without load. Raises a SceneError that states by how much flanks cannot mesh.
     """
     if body_1.conforms:
         return _pair_spline(body_1, body_2, center_distance_mm, coast_flanks=coast_flanks)
     if body_1.touches is not None:
         return _pair_cam(body_1, body_2, center_distance_mm, position_rad)
+    return _pair_gears(body_1, body_2, center_distance_mm, position_rad, coast_flanks=coast_flanks)
+
+
+def _pair_gears(
+    body_1: Body,
+    body_2: Body,
+    distance: float,
+    position_rad: NDArray[np.float64],
+    *,
+    coast_flanks: bool,
+) -> Pairing:
+    """Pair bodies whose teeth pass each other."""
     if body_1.outward < 0:
         raise SceneError(
             key="body_1",
@@ -169,14 +203,12 @@ def pair_bodies(
     warnings: list[str] = []
     mesh = None
     if body_1.involute is not None and body_2.involute is not None:
-        mesh = gear_mesh(body_1, body_2, center_distance_mm, warnings, coast_flanks=coast_flanks)
+        mesh = gear_mesh(body_1, body_2, distance, warnings, coast_flanks=coast_flanks)
     # the pitch point follows from the ratio, also if the mate has the angle of its file
     circles = abs(body_1.teeth + sense * body_2.teeth) or 1
     turns = (
-        _turn_to_pitch_point(
-            body_1, center_distance_mm * body_1.teeth / circles, 0.0 if sense > 0 else pi
-        ),
-        _turn_to_pitch_point(body_2, center_distance_mm * body_2.teeth / circles, pi),
+        _turn_to_pitch_point(body_1, distance * body_1.teeth / circles, 0.0 if sense > 0 else pi),
+        _turn_to_pitch_point(body_2, distance * body_2.teeth / circles, pi),
     )
     sites = _sites(mesh, body_1.teeth, body_2.teeth, position_rad, coast_flanks=coast_flanks)
     sites = _with_flanks(sites, body_1, body_2)
@@ -185,7 +217,7 @@ def pair_bodies(
         _at_sites(body_2, sites, -sense),
     )
     return Pairing(
-        center_distance_mm=center_distance_mm,
+        center_distance_mm=distance,
         turns_at_zero_rad=turns,
         ratio=sense * body_1.teeth / body_2.teeth,
         period=period_of(body_1, body_2),
@@ -214,7 +246,6 @@ def _pair_spline(shaft: Body, hub: Body, offset: float, *, coast_flanks: bool) -
         site_teeth=(sites, sites),
         site_angles_rad=(angles + _pitch_turns(shaft, sites), angles + _pitch_turns(hub, sites)),
         site_deviations_mm=(np.zeros(sites.size), np.zeros(sites.size)),
-        mesh=None,
         warnings=tuple(warnings),
         fit=fit,
         coast=coast_sites(sites, shaft, hub) if coast_flanks else None,
@@ -238,8 +269,6 @@ def _pair_cam(
         site_teeth=(site, site),
         site_angles_rad=(none, none),
         site_deviations_mm=(none, none),
-        mesh=None,
-        warnings=(),
         motion=motion,
     )
 
@@ -308,13 +337,9 @@ def _at_sites(
     """
     teeth = sense * sites % body.teeth
     angles = sense * 2 * pi * sites / body.teeth
-    return teeth, angles + _pitch_turns(body, -sites) + _own_turns(body, teeth)
-
-
-def _own_turns(body: Body, teeth: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Angles (S,) of flanks from their equal shares of the body, rad."""
-    turns = body.flank_turns_rad
-    return np.asarray(turns)[teeth] if turns else np.zeros(teeth.size)
+    # flanks from a file may differ from their equal shares of the body
+    own = np.asarray(body.flank_turns_rad)[teeth] if body.flank_turns_rad else 0.0
+    return teeth, angles + _pitch_turns(body, -sites) + own
 
 
 def _pitch_turns(body: Body, entries: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -327,3 +352,48 @@ def _pitch_turns(body: Body, entries: NDArray[np.int64]) -> NDArray[np.float64]:
         return np.zeros(entries.size)
     errors_mm = np.asarray(body.pitch_errors_um)[entries % body.teeth] / 1000.0
     return body.outward * errors_mm / (body.base_radius_mm or body.reference_radius_mm)
+
+
+def coast_sites(numbers: NDArray[np.int64], body_1: Body, body_2: Body) -> CoastSites:
+    """Sites of the coast flanks of some teeth of body 1, which pair numbers (S,) name.
+
+    Both flanks of a tooth are assumed to be equal. Pitch errors are defined for working flanks;
+    they do not move coast flanks.
+    """
+    assert body_1.involute is not None
+    assert body_2.involute is not None
+    sense = body_2.outward
+    other = numbers - 1 if sense > 0 else numbers
+    return CoastSites(
+        site_teeth=(numbers % body_1.teeth, -sense * other % body_2.teeth),
+        site_angles_rad=(
+            -2 * np.pi * numbers / body_1.teeth - 2 * body_1.involute.turn_rad,
+            sense * 2 * np.pi * other / body_2.teeth - 2 * body_2.involute.turn_rad,
+        ),
+    )
+
+
+def period_of(body_1: Body, body_2: Body, *, by_tooth: tuple[float, ...] = ()) -> Period:
+    """Period of a pair; `by_tooth` is another property of each tooth of body 1 (friction)."""
+    return Period(
+        pitch_rad=2 * pi / body_1.teeth,
+        pitches=lcm(_teeth_until_alike(body_1, by_tooth), _teeth_until_alike(body_2)),
+    )
+
+
+def _teeth_until_alike(body: Body, by_tooth: tuple[float, ...] = ()) -> int:
+    """Teeth after which the flanks' places, and another property, repeat around a body."""
+    places = np.zeros((4, body.teeth))
+    if by_tooth:
+        places[2] = by_tooth
+    if body.pitch_errors_um:
+        places[0] = body.pitch_errors_um
+    if body.flank_turns_rad:
+        places[1] = body.flank_turns_rad
+    if body.axial is not None and body.axial.tooth_slopes_mm:
+        places[3] = body.axial.tooth_slopes_mm
+    return next(
+        group
+        for group in range(1, body.teeth + 1)
+        if body.teeth % group == 0 and np.array_equal(np.roll(places, group, axis=1), places)
+    )

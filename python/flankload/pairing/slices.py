@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.body import Body
-    from flankload.pairing.common_height import CommonHeight
+    from flankload.pairing.spline_fit import CommonHeight
 
     Floats = NDArray[np.float64]
 
@@ -66,6 +66,11 @@ class Slices:
     def z_mm(self) -> Floats:
         """(J,) Middle of each slice."""
         return np.asarray(0.5 * (self.edges_mm[1:] + self.edges_mm[:-1]))
+
+    @property
+    def from_middle_mm(self) -> Floats:
+        """(J,) Middle of each slice from the middle of the width."""
+        return self.z_mm - 0.5 * (self.edges_mm[0] + self.edges_mm[-1])
 
     @property
     def width_mm(self) -> Floats:
@@ -130,17 +135,12 @@ def slices_of(
 
     Parameters
     ----------
-    shapes : two AxialShape
     count : int or None
         Number of slices, `SLICES` by default.
     misalignment_per_mm : float
         Gap per length along z by the misalignment of the axes.
     graded : bool
         Narrower slices at both ends, which resolve the pressure there; else equal ones.
-
-    Returns
-    -------
-    Slices
     """
     one, two = shapes
     low = max(one.range_mm[0], two.range_mm[0])
@@ -188,16 +188,8 @@ def gap_by_misalignment(
 ) -> float:
     """Gap per length along z by a misalignment of the axes, along the base tangent (ISO 6336-1).
 
-    Parameters
-    ----------
-    inclination_um_per_mm, deviation_um_per_mm : float
-        In the plane of both axes and across it.
-    pressure_angle_rad : float
-        Working transverse pressure angle.
-
-    Returns
-    -------
-    float
+    The inclination is in the plane of both axes, the deviation across it; the angle is the working
+    transverse pressure angle.
     """
     gap = inclination_um_per_mm * sin(pressure_angle_rad)
     gap += deviation_um_per_mm * cos(pressure_angle_rad)
@@ -205,18 +197,9 @@ def gap_by_misalignment(
 
 
 def reached_positions(position_rad: Floats, body_1: Body) -> Floats:
-    """Positions at which the sections of body 1 are, over its whole width.
+    """Positions (n,) at which the sections of body 1 are, over its whole width.
 
-    Parameters
-    ----------
-    position_rad : (P,) array
-        Angles of the section at z = 0.
-    body_1 : Body
-
-    Returns
-    -------
-    (n,) array
-        The same in a plane scene.
+    `position_rad` (P,) are the angles of the section at z = 0: the same in a plane scene.
     """
     if body_1.axial is None or not body_1.axial.twist_rad_per_mm:
         return position_rad

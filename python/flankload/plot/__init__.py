@@ -2,96 +2,74 @@
 
 Figures are created as objects (no pyplot, no global state) and drawn on the Agg canvas, so they are
 the same with and without a screen. Each plot is a pair: `draw_…(axes, results)` draws on any Axes,
-`plot_…(results)` returns a figure with title and margins.
+`plot_…(results)` returns a figure with title and margins; `results` is a result or a sequence of
+results, one per torque. Both are made by the decorators of `picture.py`.
 """
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flankload.base.arguments import is_index, refuse_argument, require
-from flankload.base.files import write_atomically
-from flankload.plot.belt import (
-    draw_belt_on_pulley,
-    draw_force_through_wrap,
-    draw_load_around_wrap,
-    draw_tension_around_wrap,
-    plot_belt_on_pulley,
-    plot_force_through_wrap,
-    plot_load_around_wrap,
-)
-from flankload.plot.chain import (
-    draw_chain_on_sprocket,
-    draw_tensions,
-    plot_chain_on_sprocket,
-    plot_tensions,
-)
 from flankload.plot.curves import (
+    draw_flank_forces,
     draw_follower_motion,
     draw_load_sharing,
     draw_peak_pressure,
+    draw_stiffness,
+    draw_torque_sweep,
     draw_transmission_error,
-    plot_follower_motion,
-    plot_load_sharing,
-    plot_peak_pressure,
-    plot_transmission_error,
-)
-from flankload.plot.design_study import study_figures, write_study
-from flankload.plot.diameters import (
-    draw_pressure_over_diameter,
-    path_on_flank,
-    plot_pressure_over_diameter,
-)
-from flankload.plot.figures import as_results, fit
-from flankload.plot.flank_forces import draw_flank_forces, plot_flank_forces
-from flankload.plot.load_map import draw_load_map, plot_load_map
-from flankload.plot.loaded_pair import draw_loaded_pair, plot_loaded_pair
-from flankload.plot.profile_deviation import draw_profile_deviation, plot_profile_deviation
-from flankload.plot.root_stress import (
-    draw_root_stress,
-    draw_root_stress_over_width,
-    plot_root_stress,
-    plot_root_stress_over_width,
-)
-from flankload.plot.slices import (
-    draw_contact_pattern,
-    draw_line_load,
-    draw_line_load_map,
-    plot_contact_pattern,
-    plot_line_load,
-    plot_line_load_map,
-)
-from flankload.plot.spectrum import (
     draw_transmission_error_spectrum,
-    plot_transmission_error_spectrum,
+    plot_torque_sweep,
     spectrum,
 )
-from flankload.plot.stiffness import draw_stiffness, plot_stiffness
-from flankload.plot.study_axes import (
+from flankload.plot.design_study import (
     draw_bands,
     draw_curve,
     draw_histogram,
     draw_map,
     draw_over_torque,
     draw_pareto,
+    study_figures,
+    write_study,
 )
-from flankload.plot.style import FORMATS, SIZE, file_of, png_of
-from flankload.plot.torque_sweep import draw_torque_sweep, plot_torque_sweep
-from flankload.plot.whole_circle import (
-    draw_flank_pressure,
-    draw_load_per_tooth,
-    plot_flank_pressure,
-    plot_load_per_tooth,
+from flankload.plot.figures import as_results, fit
+from flankload.plot.involutes import (
+    draw_pressure_over_diameter,
+    draw_profile_deviation,
+    path_on_flank,
+    plot_pressure_over_diameter,
+    plot_profile_deviation,
+)
+from flankload.plot.load_maps import (
+    draw_contact_pattern,
+    draw_line_load,
+    draw_line_load_map,
+    draw_load_map,
+    plot_contact_pattern,
+)
+from flankload.plot.loaded_pair import draw_loaded_pair, plot_loaded_pair
+from flankload.plot.picture import DRAWINGS, PICTURES
+from flankload.plot.root_stress import draw_root_stress, draw_root_stress_over_width
+from flankload.plot.style import FORMATS, SIZE, file_of, png_of, write_pictures
+from flankload.plot.whole_circle import draw_flank_pressure, draw_load_per_tooth
+from flankload.plot.wrapped import (
+    draw_belt_on_pulley,
+    draw_chain_on_sprocket,
+    draw_force_through_wrap,
+    draw_load_around_wrap,
+    draw_tension_around_wrap,
+    draw_tensions,
+    plot_load_around_wrap,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
+    from pathlib import Path
 
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from flankload.result import Result
 
@@ -160,66 +138,30 @@ __all__ = [
     "plot_transmission_error_spectrum",
     "png_of",
     "study_figures",
+    "suited",
     "write_study",
 ]
 
 MM_PER_INCH = 25.4
 
-
-#: All plots by name.
-PICTURES: dict[str, Callable[..., Figure]] = {
-    "transmission_error": plot_transmission_error,
-    "transmission_error_spectrum": plot_transmission_error_spectrum,
-    "load_sharing": plot_load_sharing,
-    "peak_pressure": plot_peak_pressure,
-    "pressure_over_diameter": plot_pressure_over_diameter,
-    "load_map": plot_load_map,
-    "loaded_pair": plot_loaded_pair,
-    "flank_forces": plot_flank_forces,
-    "stiffness": plot_stiffness,
-    "torque_sweep": plot_torque_sweep,
-    "profile_deviation": plot_profile_deviation,
-    "follower_motion": plot_follower_motion,
-    "load_per_tooth": plot_load_per_tooth,
-    "flank_pressure": plot_flank_pressure,
-    "root_stress": plot_root_stress,
-    "root_stress_over_width": plot_root_stress_over_width,
-    "line_load": plot_line_load,
-    "line_load_map": plot_line_load_map,
-    "contact_pattern": plot_contact_pattern,
-    "belt_on_pulley": plot_belt_on_pulley,
-    "load_around_wrap": plot_load_around_wrap,
-    "force_through_wrap": plot_force_through_wrap,
-    "chain_on_sprocket": plot_chain_on_sprocket,
-    "tensions": plot_tensions,
-}
-#: The functions that draw them on given Axes; of several panels they draw one.
-DRAWINGS: dict[str, Callable[..., None]] = {
-    "transmission_error": draw_transmission_error,
-    "transmission_error_spectrum": draw_transmission_error_spectrum,
-    "load_sharing": draw_load_sharing,
-    "peak_pressure": draw_peak_pressure,
-    "pressure_over_diameter": draw_pressure_over_diameter,
-    "load_map": draw_load_map,
-    "loaded_pair": draw_loaded_pair,
-    "flank_forces": draw_flank_forces,
-    "stiffness": draw_stiffness,
-    "torque_sweep": draw_torque_sweep,
-    "profile_deviation": draw_profile_deviation,
-    "follower_motion": draw_follower_motion,
-    "load_per_tooth": draw_load_per_tooth,
-    "flank_pressure": draw_flank_pressure,
-    "root_stress": draw_root_stress,
-    "root_stress_over_width": draw_root_stress_over_width,
-    "line_load": draw_line_load,
-    "line_load_map": draw_line_load_map,
-    "contact_pattern": draw_contact_pattern,
-    "belt_on_pulley": draw_belt_on_pulley,
-    "load_around_wrap": draw_load_around_wrap,
-    "force_through_wrap": draw_force_through_wrap,
-    "chain_on_sprocket": draw_chain_on_sprocket,
-    "tensions": draw_tensions,
-}
+plot_belt_on_pulley = PICTURES["belt_on_pulley"]
+plot_chain_on_sprocket = PICTURES["chain_on_sprocket"]
+plot_flank_forces = PICTURES["flank_forces"]
+plot_flank_pressure = PICTURES["flank_pressure"]
+plot_follower_motion = PICTURES["follower_motion"]
+plot_force_through_wrap = PICTURES["force_through_wrap"]
+plot_line_load = PICTURES["line_load"]
+plot_line_load_map = PICTURES["line_load_map"]
+plot_load_map = PICTURES["load_map"]
+plot_load_per_tooth = PICTURES["load_per_tooth"]
+plot_load_sharing = PICTURES["load_sharing"]
+plot_peak_pressure = PICTURES["peak_pressure"]
+plot_root_stress = PICTURES["root_stress"]
+plot_root_stress_over_width = PICTURES["root_stress_over_width"]
+plot_stiffness = PICTURES["stiffness"]
+plot_tensions = PICTURES["tensions"]
+plot_transmission_error = PICTURES["transmission_error"]
+plot_transmission_error_spectrum = PICTURES["transmission_error_spectrum"]
 
 
 def plot_all(
@@ -260,21 +202,18 @@ def plot_all(
     """
     if unknown := [kind for kind in formats if kind not in FORMATS]:
         refuse_argument("formats", unknown[0], ", ".join(FORMATS))
-    folder, drawn = Path(directory), {}
+    drawn = {}
     # Every plot is drawn before the first is written.
     several = as_results(results)
     for name in pictures_of(several):
-        figure = PICTURES[name](_suited(name, several))
+        figure = PICTURES[name](suited(name, several))
         if size_mm is not None:
             scale = np.array(size_mm) / MM_PER_INCH / SIZE
             figure.set_size_inches(*(figure.get_size_inches() * scale))
             fit(figure)
         for kind in dict.fromkeys(formats):
             drawn[f"{name}.{kind}"] = file_of(figure, kind, dpi)
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, content in drawn.items():
-        write_atomically(folder / name, content)
-    return tuple(folder / name for name in drawn)
+    return write_pictures(directory, drawn)
 
 
 def draw_on(
@@ -303,8 +242,8 @@ def draw_on(
         If the plot does not suit the results, or if there is no such position or body.
     """
     shown = as_results(results)
-    suited = tuple(dict.fromkeys((*pictures_of(shown), "torque_sweep")))
-    require("plot", name, f"one that suits the results ({', '.join(suited)})", fits=name in suited)
+    names = tuple(dict.fromkeys((*pictures_of(shown), "torque_sweep")))
+    require("plot", name, f"one that suits the results ({', '.join(names)})", fits=name in names)
     count = shown[-1].position_rad.size
     position, body = options.get("position", 0), options.get("body", 1)
     fits = is_index(position) and -count <= position < count
@@ -343,7 +282,7 @@ def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
     return (*found, *["torque_sweep"] * (len(shown) > 1))
 
 
-def _suited(name: str, results: Sequence[Result]) -> Sequence[Result]:
+def suited(name: str, results: Sequence[Result]) -> Sequence[Result]:
     """The results that a plot shows: with load for a stiffness, for instance."""
     return [result for result in results if name in _names(result)] or results
 
@@ -378,8 +317,7 @@ def _of_flanks(result: Result) -> tuple[str, ...]:
         "follower_motion" if result.has_cam else "load_sharing",
         "peak_pressure",
         *["pressure_over_diameter"] * path,
-        # bodies with width are drawn from outside
-        *["loaded_pair"] * (result.slices is None or not result.drawing.is_around),
+        "loaded_pair",
         *["flank_forces"] * (result.coast is not None),
         *["stiffness"] * loaded,
         *["profile_deviation"] * profiles,

@@ -1,4 +1,4 @@
-"""Curves over the positions: transmission error, load sharing, peak pressure, follower."""
+"""Curves over the positions and over the torque: motion, loads, stiffness."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.lines import Line2D
 
-from flankload.plot.figures import heaviest, label_curves, legend_below, one_panel
+from flankload.plot.figures import label_torques, legend_below, note
+from flankload.plot.picture import all_torques, largest, panels, picture
 from flankload.plot.positions import (
     MOST_MARKS,
     curve,
     label_positions,
+    label_way,
     legend_of_pairs,
     lifted,
     marks,
@@ -23,15 +25,18 @@ from flankload.plot.style import (
     BODIES,
     FORCE,
     GREY,
+    SIZE,
     at_corner,
+    coast_sites,
     colour_of,
     loaded_sites,
     pair_name,
     torque_colours,
 )
+from flankload.result.harmonics import over_positions
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -45,23 +50,19 @@ LEAST_SPAN_UM = 1e-3
 LEAST_SPAN_PART = 5e-3
 #: Lines at values that mean nothing.
 DASHED: dict[str, Any] = {"linewidth": 1.1, "linestyle": (0, (3, 2))}
+#: Largest mesh order of a spectrum, and part of an order that the bars of all torques cover.
+MOST_ORDERS, COVERED = 10, 0.8
+#: Place of a second axis beside the labels of the curves, as part of the width of the panel.
+BESIDE_LABELS = 1.17
 ON_SHARP = "a pair carries on a sharp corner"
 ON_CORNER = "dashed: on a sharp corner, not meaningful"
 
 
-def plot_transmission_error(results: Result | Sequence[Result]) -> Figure:
-    """Transmission error over the positions, with its mean and peak to peak; a curve per torque."""
-    return one_panel(draw_transmission_error, results, "Transmission error")
-
-
+@picture(all_torques, "Transmission error")
 def draw_transmission_error(axes: Axes, results: Sequence[Result]) -> None:
     """Draw the transmission error over the positions, a curve per torque.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        One per torque, by ascending torque.
+    One torque: with its mean and peak to peak.
     """
     label_positions(axes, results[0])
     axes.set_ylabel("transmission error in µm")
@@ -80,11 +81,7 @@ def draw_transmission_error(axes: Axes, results: Sequence[Result]) -> None:
         return
     ends = [float(curve(result, result.transmission_error_um)[1][-1]) for result in results]
     spans = [result.summary["transmission_error_peak_to_peak_um"] for result in results]
-    texts = [
-        f"{result.torque_Nm:g} N m\np-p {span:.2f} µm"
-        for result, span in zip(results, spans, strict=True)
-    ]
-    label_curves(axes, ends, texts, colours)
+    label_torques(axes, results, ends, [f"p-p {span:.2f} µm" for span in spans])
 
 
 def _mark_corners(axes: Axes, result: Result, colour: Any) -> None:
@@ -93,23 +90,15 @@ def _mark_corners(axes: Axes, result: Result, colour: Any) -> None:
     if not corner.any():
         return
     few = corner.size <= MOST_MARKS
-    named = axes.get_legend() is not None
+    look: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 5 if few else 1.5}
+
+    def colours(edge: Any) -> dict[str, Any]:
+        return {"markeredgecolor": edge, "markerfacecolor": "white" if few else edge}
+
     x, y = curve(result, np.where(corner, result.transmission_error_um, np.nan))
-    (marked,) = axes.plot(
-        x,
-        y,
-        linestyle="none",
-        marker="o",
-        markersize=5 if few else 1.5,
-        markerfacecolor="white" if few else colour,
-        markeredgecolor=colour,
-        label=ON_SHARP,
-    )
-    if not named:
-        key = Line2D([], [])
-        key.update_from(marked)
-        key.set(markeredgecolor=GREY, markerfacecolor="white" if few else GREY)
-        legend_below(axes, [key], [ON_SHARP])
+    axes.plot(x, y, label=ON_SHARP, **look, **colours(colour))
+    if axes.get_legend() is None:
+        legend_below(axes, [Line2D([], [], **look, **colours(GREY))], [ON_SHARP])
 
 
 def _note_mean(axes: Axes, result: Result) -> None:
@@ -122,41 +111,22 @@ def _note_mean(axes: Axes, result: Result) -> None:
     low, high = mean - 0.5 * (shown - span), mean + 0.5 * (shown - span)
     low, high = min(low, np.nanmin(error)), max(high, np.nanmax(error))
     axes.set_ylim(low - 0.12 * shown, high + 0.30 * shown)
-    axes.text(
-        0.99,
-        0.97,
-        f"mean {mean:.2f} µm (dashed)\npeak to peak {span:.2f} µm",
-        transform=axes.transAxes,
-        ha="right",
-        va="top",
-        fontsize=9,
-        color=GREY,
-        linespacing=1.4,
-    )
+    text = f"mean {mean:.2f} µm (dashed)\npeak to peak {span:.2f} µm"
+    note(axes, text, (0.99, 0.97), "axes fraction", ha="right", va="top", linespacing=1.4)
 
 
-def plot_load_sharing(results: Result | Sequence[Result]) -> Figure:
-    """Load share of each pair over the positions; of several torques, of a pair on its way."""
-    return one_panel(draw_load_sharing, results, "Load sharing")
-
-
+@picture(all_torques, "Load sharing")
 def draw_load_sharing(axes: Axes, results: Sequence[Result]) -> None:
     """Draw the load share of each pair over the positions, with forces on a second axis.
 
     Several torques: the share of a pair on its way through the mesh, a curve per torque.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        One per torque, by ascending torque.
     """
     axes.set_ylim(0, 108)
     axes.set_yticks(range(0, 101, 20))
     axes.set_ylabel("load share in %")
     if len(results) > 1:
         _draw_on_way(axes, results, [100 * result.load_share for result in results])
-        label_curves(axes, [100.0] * len(results), *_torque_labels(results))
+        label_torques(axes, results, [100.0] * len(results))
         return
     (result,) = results
     label_positions(axes, result)
@@ -164,12 +134,11 @@ def draw_load_sharing(axes: Axes, results: Sequence[Result]) -> None:
         angle, share = pair_curve(result, 100 * result.load_share, s)
         label = pair_name(site)
         axes.plot(angle, lifted(share), color=colour_of(result, site), label=label, **marks(result))
-    _add_force_axis(axes, result)
+    # the sum of the forces is almost constant over the positions
+    total = float(result.site_force_N.sum(axis=1).mean()) / 1e3
+    if total > 0:
+        _add_axis(axes, total / 100, f"force in kN (all pairs: {total:.2f} kN)")
     legend_of_pairs(axes)
-
-
-def _torque_labels(results: Sequence[Result]) -> tuple[list[str], list[Any]]:
-    return [f"{result.torque_Nm:g} N m" for result in results], torque_colours(len(results))
 
 
 def _draw_on_way(
@@ -185,11 +154,7 @@ def _draw_on_way(
     if results[0].has_cam:
         label_positions(axes, results[0])
     else:
-        axes.set_xlabel("place of the pair in mesh pitches from the pitch point")
-        places = results[-1].sites + results[-1].position_rad[:, None] / results[-1].pitch_rad
-        loaded = places[results[-1].site_force_N > 0]
-        if loaded.size:
-            axes.set_xlim(loaded.min() - 0.1, loaded.max() + 0.1)
+        label_way(axes, results[-1])
     tops = []
     for result, value, colour in zip(results, values, torque_colours(len(results)), strict=True):
         place, whole = way_curve(result, value)
@@ -216,38 +181,19 @@ def draw_off_corners(
         axes.plot(x, np.where(beside, shown, np.nan), color=look["color"], **DASHED)
 
 
-def _add_force_axis(axes: Axes, result: Result) -> None:
-    """A second axis in kN; the sum of the forces is almost constant over the positions."""
-    total = float(result.site_force_N.sum(axis=1).mean()) / 1e3
-    if total <= 0:
-        return
-
-    def force(share: Any) -> Any:
-        return share * total / 100
-
-    def share(force: Any) -> Any:
-        return force * 100 / total
-
-    second = axes.secondary_yaxis("right", functions=(force, share))
-    second.set_ylabel(f"force in kN (all pairs: {total:.2f} kN)")
+def _add_axis(axes: Axes, factor: float, label: str, place: float = 1.0) -> None:
+    """A second vertical axis of values that are a multiple of the first."""
+    turns = (lambda value: value * factor, lambda value: value / factor)
+    second = axes.secondary_yaxis(place, functions=turns)
+    second.set_ylabel(label)
     second.spines["right"].set_visible(True)
 
 
-def plot_peak_pressure(results: Result | Sequence[Result]) -> Figure:
-    """Peak pressure of each pair over the positions; of several torques, of a pair on its way."""
-    return one_panel(draw_peak_pressure, results, "Peak pressure")
-
-
+@picture(all_torques, "Peak pressure")
 def draw_peak_pressure(axes: Axes, results: Sequence[Result]) -> None:
     """Draw the peak pressure of each pair over the positions, dashed on sharp corners.
 
     Several torques: the pressure of a pair on its way through the mesh, a curve per torque.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        One per torque, by ascending torque.
     """
     axes.set_ylabel("peak pressure in MPa")
     # meaningless values must not compress the range of the others
@@ -256,12 +202,8 @@ def draw_peak_pressure(axes: Axes, results: Sequence[Result]) -> None:
     if len(results) > 1:
         pressures = [result.peak_pressure_MPa for result in results]
         tops = _draw_on_way(axes, results, pressures, corners=True)
-        names, colours = _torque_labels(results)
-        texts = [f"{name}\n{top:.0f} MPa" for name, top in zip(names, tops, strict=True)]
-        label_curves(axes, tops, texts, colours)
-        if any(result.corner_contact.any() for result in results):
-            axes.plot([], [], color=GREY, **DASHED, label=ON_CORNER)
-            legend_below(axes, [axes.lines[-1]], [ON_CORNER])
+        label_torques(axes, results, tops, [f"{top:.0f} MPa" for top in tops])
+        explain_dashes(axes, results)
         return
     (result,) = results
     label_positions(axes, result)
@@ -275,32 +217,22 @@ def draw_peak_pressure(axes: Axes, results: Sequence[Result]) -> None:
     legend_of_pairs(axes)
 
 
-def plot_follower_motion(results: Result | Sequence[Result]) -> Figure:
-    """Angle of a follower over a turn of its cam, and the contact force.
-
-    Raises
-    ------
-    ValueError
-        If there is no cam.
-    """
-    return one_panel(draw_follower_motion, heaviest(results), "Follower motion")
+def explain_dashes(axes: Axes, results: Sequence[Result]) -> None:
+    """Legend of curves that are dashed on corners, if any is."""
+    if any(result.corner_contact.any() for result in results):
+        (dashed,) = axes.plot([], [], color=GREY, **DASHED)
+        legend_below(axes, [dashed], [ON_CORNER])
 
 
-def draw_follower_motion(axes: Axes, results: Sequence[Result]) -> None:
+@picture(largest, "Follower motion")
+def draw_follower_motion(axes: Axes, result: Result) -> None:
     """Draw the angle of a follower over a turn of its cam, and the contact force.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        The force is that of the largest torque.
-
     Raises
     ------
     ValueError
         If there is no cam.
     """
-    result = heaviest(results)
     if result.follower_angle_rad is None:
         raise ValueError("result: expected a follower on its cam, found none")
     label_positions(axes, result)
@@ -315,3 +247,180 @@ def draw_follower_motion(axes: Axes, results: Sequence[Result]) -> None:
         second.plot(angle, force, color=FORCE, linestyle=(0, (6, 3)), **marks(result))
         second.set_ylim(0, 1.25 * float(np.nanmax(force)))
         second.set_ylabel("force in kN (dashed)", color=FORCE)
+
+
+@picture(largest, "Forces on both flanks")
+def draw_flank_forces(axes: Axes, result: Result) -> None:
+    """Draw the force of each pair over the positions, on coast flanks dashed.
+
+    Raises
+    ------
+    ValueError
+        If coast flanks cannot carry load.
+    """
+    if result.coast is None:
+        raise ValueError("result: expected contact on coast flanks, found none")
+    label_positions(axes, result)
+    named: set[int] = set()
+    for sites, force, line in (
+        (loaded_sites(result), result.site_force_N, "-"),
+        (coast_sites(result), result.coast.force_N, "--"),
+    ):
+        for s, site in sites:
+            angle, along = pair_curve(result, force / 1e3, s)
+            look: dict[str, Any] = {"color": colour_of(result, site), **marks(result)}
+            label = None if site in named else pair_name(site)
+            axes.plot(angle, lifted(along), line, label=label, **look)
+            named.add(site)
+    legend_of_pairs(axes, {"dashed: coast flank": Line2D([], [], color=GREY, linestyle="--")})
+    axes.set_ylim(0, None)
+    axes.set_ylabel("force in kN")
+
+
+@picture(all_torques, "Spectrum of the transmission error")
+def draw_transmission_error_spectrum(axes: Axes, results: Sequence[Result]) -> None:
+    """Draw the amplitudes of the transmission error over the mesh orders, a bar per torque.
+
+    If the period has several pitches, the orders between the mesh orders are those of a period.
+    The positions cover the period.
+    """
+    pitches = results[0].period_pitches
+    width = COVERED / (len(results) * pitches)
+    for k, (result, colour) in enumerate(zip(results, torque_colours(len(results)), strict=True)):
+        order, amplitude = spectrum(result)
+        beside = (k - 0.5 * (len(results) - 1)) * width
+        label = f"{result.torque_Nm:g} N m"
+        axes.bar(order + beside, amplitude, width=width, color=colour, label=label)
+    axes.set_xticks(range(1, int(order.max()) + 1))
+    axes.set_xlim(min(0.5, order[0] - 0.5 / pitches), order[-1] + 0.5)
+    axes.grid(visible=False, axis="x")
+    axes.set_xlabel("mesh order (multiple of the tooth mesh frequency)")
+    axes.set_ylabel("amplitude in µm")
+    if len(results) > 1:
+        legend_below(axes, ncols=min(len(results), 5))
+
+
+def spectrum(result: Result) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mesh orders and amplitudes of the transmission error, as far as the positions resolve them.
+
+    Parameters
+    ----------
+    result : Result
+
+    Returns
+    -------
+    order, amplitude_um : (n,) arrays
+        Empty if the positions do not cover the period.
+    """
+    pitches = result.period_pitches
+    count = min(MOST_ORDERS * pitches, (result.position_rad.size - 1) // 2)
+    error = result.transmission_error_um
+    found = over_positions(result).harmonics(error, count=count) if count > 0 else None
+    known = [amplitude for amplitude in found or () if amplitude is not None]
+    return np.arange(1, len(known) + 1) / pitches, np.array(known)
+
+
+@picture(all_torques, "Stiffness")
+def draw_stiffness(axes: Axes, results: Sequence[Result]) -> None:
+    """Draw the stiffness over the positions, along the line of action and torsional.
+
+    One torque: tangent and secant stiffness; several torques: a curve of the tangent stiffness
+    for each.
+    """
+    label_positions(axes, results[0])
+    colours = torque_colours(len(results))
+    # N/um times mm² is N m/rad
+    factor, label = results[0].reference_radius_mm ** 2 / 1e3, "torsional in kN m/rad"
+    if len(results) == 1:
+        _draw_both(axes, results[0], colours[0])
+        _add_axis(axes, factor, label)
+        return
+    axes.set_ylabel("tangent stiffness along the line of action in N/µm")
+    ends = []
+    for result, colour in zip(results, colours, strict=True):
+        angle, shown = curve(result, result.stiffness_tangent_N_per_um)
+        axes.plot(angle, shown, color=colour, **marks(result))
+        ends.append(float(shown[-1]))
+    axes.margins(y=0.1)
+    label_torques(axes, results, ends)
+    _add_axis(axes, factor, label, BESIDE_LABELS)
+
+
+def _draw_both(axes: Axes, result: Result, colour: Any) -> None:
+    """Tangent and secant stiffness of one torque, with their means."""
+    curves = {
+        "tangent": result.stiffness_tangent_N_per_um,
+        "secant": result.stiffness_secant_N_per_um,
+    }
+    for kind, values in curves.items():
+        mean = result.summary[f"stiffness_{kind}_mean_N_per_um"]
+        label = kind if mean is None else f"{kind}, mean {mean:.1f} N/µm"
+        angle, shown = curve(result, values)
+        style = "solid" if kind == "tangent" else (0, (5, 2))
+        axes.plot(angle, shown, color=colour, label=label, linestyle=style, **marks(result))
+    known = np.concatenate([values[np.isfinite(values)] for values in curves.values()])
+    top = float(known.max(initial=0.0)) or 1.0
+    axes.set_ylim(0, 1.1 * top)
+    axes.set_ylabel("along the line of action in N/µm")
+    legend_below(axes, ncols=2)
+
+
+def _largest_force(result: Result) -> float:
+    return float(result.site_force_N.max())
+
+
+#: Quantities over the torque: label with unit, and key of the summary or function of a result.
+QUANTITIES: dict[str, tuple[str, str | Callable[[Result], float]]] = {
+    "transmission_error_peak_to_peak": (
+        "transmission error,\npeak to peak in µm",
+        "transmission_error_peak_to_peak_um",
+    ),
+    "transmission_error_mean": ("transmission error,\nmean in µm", "transmission_error_mean_um"),
+    "peak_pressure": ("peak pressure off\ncorners in MPa", "peak_pressure_off_corners_MPa"),
+    "stiffness": ("tangent stiffness,\nmean in N/µm", "stiffness_tangent_mean_N_per_um"),
+    "tooth_force": ("largest force on\na tooth in N", _largest_force),
+}
+
+
+@panels(all_torques, "Over the torque")
+def plot_torque_sweep(
+    figure: Figure, results: Sequence[Result], *, quantity: str | None = None
+) -> None:
+    """Draw transmission error, pressure or force, and stiffness over the torque."""
+    if quantity is not None:
+        draw_torque_sweep(figure.add_subplot(), results, quantity=quantity)
+        return
+    third = "peak_pressure" if results[0].drive is None else "tooth_force"
+    names = ("transmission_error_peak_to_peak", "transmission_error_mean", third, "stiffness")
+    figure.set_size_inches(SIZE[0], 1.25 * SIZE[1])
+    for axes, name in zip(figure.subplots(2, 2).flat, names, strict=True):
+        draw_torque_sweep(axes, results, quantity=name)
+
+
+@picture(all_torques)
+def draw_torque_sweep(
+    axes: Axes, results: Sequence[Result], *, quantity: str = "transmission_error_peak_to_peak"
+) -> None:
+    """Draw a key figure over the torque.
+
+    Raises
+    ------
+    ValueError
+        If the quantity is none of `QUANTITIES`.
+    """
+    if quantity not in QUANTITIES:
+        expected = ", ".join(QUANTITIES)
+        raise ValueError(f"quantity: expected one of {expected}, found {quantity!r}")
+    label, key = QUANTITIES[quantity]
+    values = [result.summary[key] if isinstance(key, str) else key(result) for result in results]
+    torques = np.array([result.torque_Nm for result in results])
+    numbers = np.array([np.nan if value is None else value for value in values], dtype=float)
+    colours = torque_colours(len(results))
+    axes.plot(torques, numbers, color="#9a9a9a", linewidth=1.2, zorder=1)
+    axes.scatter(torques, numbers, c=colours, s=34, zorder=2)
+    axes.set_xlabel("torque on body 1 in N m")
+    axes.set_ylabel(label)
+    known = numbers[np.isfinite(numbers)]
+    if known.size and known.min() >= 0:
+        axes.set_ylim(0, 1.12 * known.max() or 1.0)
+    axes.set_xlim(min(0.0, torques.min()), 1.06 * torques.max() or 1.0)

@@ -5,16 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
-from flankload.plot.style import GREY, SIZE, STYLE, missing_letters_are_boxes, short
+from flankload.plot.style import GREY, SIZE, STYLE, missing_letters_are_boxes, short, torque_colours
 from flankload.result.plotting import torques_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
@@ -27,17 +26,14 @@ PAD, TITLE = 0.08, 0.34
 LEGEND_BELOW = 36.0
 #: Names up to this number of torques are listed in a title.
 MOST_TORQUES = 4
+#: White behind a text.
+BOX = {"facecolor": "white", "edgecolor": "none"}
 #: Mark of a label of a curve, for `spread_labels`.
 CURVE_LABEL = "label of a curve"
 
 
 def as_results(results: Result | Sequence[Result]) -> tuple[Result, ...]:
-    """Results by ascending torque, each of one torque.
-
-    Parameters
-    ----------
-    results : Result, or sequence of Result
-    """
+    """Results by ascending torque, each of one torque."""
     return tuple(sorted(torques_of(results), key=lambda result: result.torque_Nm))
 
 
@@ -54,46 +50,16 @@ def empty_figure(size: tuple[float, float] = SIZE) -> Figure:
     return figure
 
 
-def one_panel(
-    draw: Callable[..., None],
-    results: Result | Sequence[Result],
-    title: str,
-    size: tuple[float, float] = SIZE,
-    **options: Any,
-) -> Figure:
-    """Figure with one panel, drawn by a function; its title, scene and torque above it.
-
-    Parameters
-    ----------
-    draw : callable
-        Called as draw(axes, results, **options).
-    results : Result, or sequence of Result
-    title : str
-    size : (float, float)
-        Inches.
-    """
-    shown = as_results(results)
-    with rc_context(STYLE):
-        figure = empty_figure(size)
-        axes = figure.add_subplot()
-        draw(axes, shown, **options)
-        axes.set_title(title)
-        look: dict[str, Any] = {"fontsize": 9, "fontweight": "normal", "color": GREY}
-        axes.set_title(subtitle(shown), loc="right", **look)
-        fit(figure)
-        return figure
-
-
-def set_title(figure: Figure, results: Result | Sequence[Result], title: str) -> None:
-    """Title on the left, name and torques on the right."""
+def set_title(figure: Figure, words: str, title: str) -> None:
+    """Title on the left, words (name and torques) on the right."""
     figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold")
-    words = subtitle(as_results(results))
     figure.text(0.99, 0.985, words, ha="right", va="top", fontsize=9, color=GREY)
 
 
-def subtitle(results: Sequence[Result]) -> str:
+def subtitle(results: Result | Sequence[Result]) -> str:
     """Name and torques."""
-    return f"{short(results[0].name)}, {torque_words(results)}"
+    shown = as_results(results)
+    return f"{short(shown[0].name)}, {torque_words(shown)}"
 
 
 def torque_words(results: Sequence[Result]) -> str:
@@ -188,35 +154,44 @@ def legend_below(axes: Axes, *handles_and_labels: Any, **options: Any) -> None:
     )
 
 
+def note(
+    axes: Axes,
+    text: str,
+    place: tuple[float, float],
+    coords: Any = "data",
+    offset: tuple[float, float] = (0.0, 0.0),
+    **look: Any,
+) -> None:
+    """A small grey text at a place, moved by an offset in points.
+
+    The coordinates of the place are "data", "axes fraction", or one of them for each direction.
+    """
+    usual: dict[str, Any] = {"textcoords": "offset points", "fontsize": 9, "color": GREY}
+    axes.annotate(text, place, xytext=offset, xycoords=coords, **(usual | look))
+
+
 def label_curves(
     axes: Axes, heights: Sequence[float], texts: Sequence[str], colours: Sequence[Any]
 ) -> None:
     """A label for each curve at the right of the panel, in its colour and near its height.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        With its final limits.
-    heights : sequence of float
-        Values on the vertical axis.
-    texts : sequence of str
-    colours : sequence of colours
+    The axes have their final limits; heights are values on the vertical axis.
     """
+    coords = ("axes fraction", "data")
+    look: dict[str, Any] = {"va": "center", "linespacing": 1.15, "annotation_clip": False}
     for height, text, colour in zip(heights, texts, colours, strict=True):
-        axes.annotate(
-            text,
-            (1.0, height),
-            xycoords=("axes fraction", "data"),
-            xytext=(5.0, 0.0),
-            textcoords="offset points",
-            va="center",
-            fontsize=9,
-            color=colour,
-            linespacing=1.15,
-            annotation_clip=False,
-            gid=CURVE_LABEL,
-        )
+        place, offset = (1.0, height), (5.0, 0.0)
+        note(axes, text, place, coords, offset, color=colour, gid=CURVE_LABEL, **look)
     spread_labels(axes)
+
+
+def label_torques(
+    axes: Axes, results: Sequence[Result], heights: Sequence[float], notes: Sequence[str] = ()
+) -> None:
+    """A label for the curve of each torque, in its colour, and a note below it."""
+    names = [f"{result.torque_Nm:g} N m" for result in results]
+    texts = ["\n".join(lines) for lines in zip(names, *[notes] * bool(notes), strict=True)]
+    label_curves(axes, heights, texts, torque_colours(len(results)))
 
 
 def spread_labels(axes: Axes) -> None:
@@ -236,13 +211,9 @@ def spread_labels(axes: Axes) -> None:
 def _apart(wanted: np.ndarray, heights: np.ndarray) -> np.ndarray:
     """Ascending places of minimal squared distance from the wanted ones, without overlaps.
 
-    Places minus the summed heights below them have to ascend: isotonic regression, by pooling
-    neighbours that violate it.
+    Places minus the summed heights below them have to ascend: isotonic regression.
     """
+    from scipy.optimize import isotonic_regression
+
     stacked = np.concatenate([[0.0], np.cumsum(0.5 * (heights[1:] + heights[:-1]))])
-    pools: list[list[float]] = []
-    for value in wanted - stacked:
-        pools.append([value])
-        while len(pools) > 1 and np.mean(pools[-2]) > np.mean(pools[-1]):
-            pools[-2:] = [pools[-2] + pools[-1]]
-    return np.concatenate([np.full(len(pool), np.mean(pool)) for pool in pools]) + stacked
+    return np.asarray(isotonic_regression(wanted - stacked).x + stacked)

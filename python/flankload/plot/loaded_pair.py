@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from math import degrees
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 
-from flankload.plot.figures import empty_figure, fit, heaviest, set_title
-from flankload.plot.loaded_pair_3d import draw_loaded_body, plot_loaded_pair_3d
+from flankload.plot.loaded_pair_3d import draw_loaded_body, fill_with_loaded_bodies
+from flankload.plot.picture import at, of_largest_line_load, panels, picture
 from flankload.plot.style import (
     INK,
     SLATE,
     STEEL,
-    STYLE,
+    all_around,
     at_corner,
     coast_sites,
     colour_of,
@@ -26,7 +25,7 @@ from flankload.plot.style import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -34,78 +33,70 @@ if TYPE_CHECKING:
 
     from flankload.result import PairTable, Result
 
+    Floats = NDArray[np.float64]
+
 #: Points of the pressure curve of a lumped contact.
 HERTZ_POINTS = 41
 
 
-def plot_loaded_pair(results: Result | Sequence[Result], position: int | None = None) -> Figure:
-    """Teeth in mesh at one position with pressures on the flanks, and each pressure separately.
+def _representative(result: Result) -> int:
+    """Position of most pairs and most even sharing (cams: largest pressure; 3D: line load)."""
+    if _has_width(result):
+        return of_largest_line_load(result)
+    if result.has_cam:
+        return int(np.argmax(result.peak_pressure_MPa.max(axis=1)))
+    loaded = (result.site_force_N > 0).sum(axis=1)
+    # off corners if possible
+    order = np.lexsort((result.load_share.max(axis=1), at_corner(result), -loaded))
+    return int(order[0])
+
+
+@panels(
+    at(_representative),
+    lambda result, p: f"Loaded pair at {degrees(result.position_rad[p]):.4g}°",
+    (7.2, 4.8),
+)
+def plot_loaded_pair(figure: Figure, result: Result, p: int) -> None:
+    """Draw the teeth in mesh at one position with pressures on the flanks, and each pressure.
 
     Three-dimensional bodies are drawn over their face width, with the line load on their flanks.
-
-    Parameters
-    ----------
-    results : Result, or sequence of Result
-        The one of the largest torque is drawn.
-    position : int, optional
-        Index of the position; by default one with most pairs in contact and the most even load
-        sharing, with a cam the one of the largest pressure, in three dimensions the one of the
-        largest line load.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
-    result = heaviest(results)
     if _has_width(result):
-        return plot_loaded_pair_3d(result, position)
-    p = _representative_position(result) if position is None else position
+        fill_with_loaded_bodies(figure, result, p)
+        return
     carrying = _carrying(result, p)
-    with rc_context(STYLE):
-        figure = empty_figure((7.2, 4.8) if not result.whole_circle else (6.2, 6.4))
-        set_title(figure, result, f"Loaded pair at {degrees(result.position_rad[p]):.4g}°")
-        if result.whole_circle or not carrying:
-            draw_loaded_pair(figure.add_subplot(), (result,), position=p)
-            fit(figure)
-            return figure
-        grid = figure.add_gridspec(len(carrying), 2, width_ratios=(1.55, 1.0))
-        draw_loaded_pair(figure.add_subplot(grid[:, 0]), (result,), position=p)
-        # The panels have the same vertical order as the pairs in the drawing, and the same axes, so
-        # that widths and heights can be compared.
-        curves = [_pressure_along(result, p, site) for _, site in carrying]
-        reach = max((1.6 * float(np.abs(x[y > 0]).max()) for x, y in curves), default=0.0)
-        upwards = carrying if not result.drawing.is_around else carrying[::-1]
-        for row, (s, site) in enumerate(reversed(upwards)):
-            axes = figure.add_subplot(grid[row, 1])
-            _draw_pressure(axes, result, p, s, site, reach)
-            if row < len(carrying) - 1:
-                axes.set_xlabel("")
-                axes.tick_params(labelbottom=False)
-        fit(figure)
-        return figure
+    if result.whole_circle or not carrying:
+        if result.whole_circle:
+            figure.set_size_inches(6.2, 6.4)
+        draw_loaded_pair(figure.add_subplot(), result, position=p)
+        return
+    grid = figure.add_gridspec(len(carrying), 2, width_ratios=(1.55, 1.0))
+    draw_loaded_pair(figure.add_subplot(grid[:, 0]), result, position=p)
+    # The panels have the same vertical order as the pairs in the drawing, and the same axes, so
+    # that widths and heights can be compared.
+    curves = [_pressure_along(result, p, site) for _, site in carrying]
+    reach = max((1.6 * float(np.abs(x[y > 0]).max()) for x, y in curves), default=0.0)
+    upwards = carrying if not result.drawing.is_around else carrying[::-1]
+    for row, (s, site) in enumerate(reversed(upwards)):
+        axes = figure.add_subplot(grid[row, 1])
+        _draw_pressure(axes, result, p, s, site, reach)
+        if row < len(carrying) - 1:
+            axes.set_xlabel("")
+            axes.tick_params(labelbottom=False)
 
 
-def draw_loaded_pair(axes: Axes, results: Sequence[Result], *, position: int | None = None) -> None:
+@picture(at(_representative))
+def draw_loaded_pair(axes: Axes, result: Result, p: int) -> None:
     """Draw the teeth in mesh at one position with pressures on the flanks, forces on a spline.
 
     Three-dimensional bodies: the teeth of body 1 with the line load on their flanks; of splines a
     section as in the plane.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        The one of the largest torque is drawn.
-    position : int, optional
-        Index of the position; by default as in `plot_loaded_pair`.
     """
-    result = heaviest(results)
     if _has_width(result):
-        draw_loaded_body(axes, result, position, 1)
+        draw_loaded_body(axes, result, p, 1)
         return
-    p = _representative_position(result) if position is None else position
     draw = _draw_whole_circle if result.whole_circle else _draw_teeth_in_mesh
-    draw(axes, result, p, _carrying(result, p))
+    draw(axes, result, p)
 
 
 def _has_width(result: Result) -> bool:
@@ -123,48 +114,33 @@ def _carrying(result: Result, p: int) -> list[tuple[int, int]]:
     ]
 
 
-def _draw_whole_circle(axes: Axes, result: Result, p: int, carrying: list[tuple[int, int]]) -> None:
+def _loaded_flanks(result: Result, p: int) -> Iterator[tuple[PairTable, int, float, bool]]:
+    """Table, number and force of the flanks that carry; whether they are coast flanks."""
+    for s, site in _carrying(result, p):
+        yield result.pairs(p), site, result.site_force_N[p, s], False
+    if result.coast is not None:
+        for s, site in coast_sites(result):
+            if result.coast.force_N[p, s] > 0:
+                yield result.coast.pair_tables[p], site, result.coast.force_N[p, s], True
+
+
+def _draw_whole_circle(axes: Axes, result: Result, p: int) -> None:
     """Bodies with contact all around, and a bar for the force on each flank."""
     _draw_bodies(axes, result, p)
-    table, largest = result.pairs(p), _largest_force(result, p)
+    flanks = list(_loaded_flanks(result, p))
+    largest = max((force for _, _, force, _ in flanks), default=0.0)
     part = 0.08 if result.coast is None else 0.05  # less space between two flanks
-    for s, site in carrying:
-        force = result.site_force_N[p, s] / largest
-        _draw_force_on_flank(axes, table, site, force, INK, part)
-    if result.coast is not None:
-        coast = result.coast.pair_tables[p]
-        for s, site in coast_sites(result):
-            force = result.coast.force_N[p, s] / largest
-            _draw_force_on_flank(axes, coast, site, force, SLATE, part)
+    for table, site, force, on_coast in flanks:
+        colour = SLATE if on_coast else INK
+        _draw_force_on_flank(axes, table, site, force / largest, colour, part)
 
 
-def _draw_teeth_in_mesh(
-    axes: Axes, result: Result, p: int, carrying: list[tuple[int, int]]
-) -> None:
+def _draw_teeth_in_mesh(axes: Axes, result: Result, p: int) -> None:
     """Teeth in mesh with the pressure on each flank that carries."""
     _draw_bodies(axes, result, p)
-    table = result.pairs(p)
-    for s, site in carrying:
-        label = f"{result.site_force_N[p, s] / 1e3:.2f} kN"
+    for table, site, force, on_coast in _loaded_flanks(result, p):
+        label = f"{'coast ' * on_coast}{force / 1e3:.2f} kN"
         _draw_pressure_on_flank(axes, result, p, table, site, label)
-    if result.coast is not None:
-        coast = result.coast.pair_tables[p]
-        for s, site in coast_sites(result):
-            if (force := result.coast.force_N[p, s]) > 0:
-                label = f"coast {force / 1e3:.2f} kN"
-                _draw_pressure_on_flank(axes, result, p, coast, site, label)
-
-
-def _representative_position(result: Result) -> int:
-    """Position with most pairs in contact, off corners if possible, and the most even sharing.
-
-    With a cam, the position of the largest pressure.
-    """
-    if result.has_cam:
-        return int(np.argmax(result.peak_pressure_MPa.max(axis=1)))
-    loaded = (result.site_force_N > 0).sum(axis=1)
-    order = np.lexsort((result.load_share.max(axis=1), at_corner(result), -loaded))
-    return int(order[0])
 
 
 def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
@@ -184,12 +160,10 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
     )
     rims = (drawing.bore_radius_1_mm, drawing.bore_radius_2_mm)
     for z, (outline, teeth, angle, centre) in enumerate(bodies):
-        shape = [_around(outline, teeth, angle)]
-        if z == 1 and drawing.is_around:
-            turn = np.linspace(0.0, -2 * np.pi, 721)  # clockwise: the toothed contour is a hole
-            shape.append((rims[z] or 0.0) * np.stack([np.cos(turn), np.sin(turn)], axis=1))
-        elif (result.has_cam or (z == 0 and result.whole_circle)) and rims[z]:
-            turn = np.linspace(0.0, -2 * np.pi, 361)
+        shape = [all_around(outline, teeth, angle)]
+        around = drawing.is_around if z else result.whole_circle
+        if rims[z] and (around or result.has_cam):
+            turn = np.linspace(0.0, -2 * np.pi, 721)  # clockwise: one of both is a hole
             shape.append(rims[z] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
         # not `add_patch`, which needs the time of a whole picture for limits that are known
         axes.add_artist(
@@ -206,26 +180,13 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
             continue
         same_way = z == 0 or drawing.is_around or drawing.cam_turns_clockwise is False
         at_left = (z == 0) != drawing.is_around
-        axes.text(
-            0.03 if at_left else 0.97,
-            0.03,
-            f"body {z + 1} {'↺' if same_way else '↻'}",
-            transform=axes.transAxes,
-            ha="left" if at_left else "right",
-            fontweight="bold",
-            color="#404040",
-        )
+        place, ha = (0.03, "left") if at_left else (0.97, "right")
+        text = f"body {z + 1} {'↺' if same_way else '↻'}"
+        look: dict[str, Any] = {"fontweight": "bold", "color": "#404040"}
+        axes.text(place, 0.03, text, transform=axes.transAxes, ha=ha, **look)
 
 
-def _around(outline: NDArray[np.float64], teeth: int, angle: float) -> NDArray[np.float64]:
-    """(n, 2) Contour of a whole body from that of one sector."""
-    turns = angle + 2 * np.pi / teeth * np.arange(teeth)
-    cosine, sine = np.cos(turns), np.sin(turns)
-    matrices = np.moveaxis(np.array([[cosine, sine], [-sine, cosine]]), 2, 0)
-    return np.asarray((outline @ matrices).reshape(-1, 2))
-
-
-def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _window(result: Result, p: int) -> tuple[Floats, Floats]:
     """Corners of the drawing: all contacts of the position with a margin of about a tooth."""
     drawing = result.drawing
     if result.whole_circle:
@@ -248,7 +209,7 @@ def _window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.flo
     return middle - half, middle + half
 
 
-def _whole_window(result: Result, p: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _whole_window(result: Result, p: int) -> tuple[Floats, Floats]:
     """Corners of the drawing: both bodies, with space for their names below."""
     drawing = result.drawing
     one = turned(drawing.outline_1, drawing.angle_1[p])
@@ -277,11 +238,6 @@ def _draw_force_on_flank(
     height = part * (high - low) * force
     bar = np.vstack([place, (place + normal * height)[::-1]])
     axes.add_patch(Polygon(bar, closed=True, facecolor=colour, edgecolor=colour))
-
-
-def _largest_force(result: Result, p: int) -> float:
-    largest = float(result.site_force_N[p].max())
-    return largest if result.coast is None else max(largest, float(result.coast.force_N[p].max()))
 
 
 def _draw_pressure_on_flank(
@@ -316,7 +272,7 @@ def _draw_pressure_on_flank(
     )
 
 
-def _profile(table: PairTable, site: int) -> tuple[NDArray[np.float64], ...]:
+def _profile(table: PairTable, site: int) -> tuple[Floats, ...]:
     """Arc length on flank 1, place, normal and pressure along one pair.
 
     The pressure of a lumped contact is the Hertz pressure over its width.
@@ -339,9 +295,7 @@ def _profile(table: PairTable, site: int) -> tuple[NDArray[np.float64], ...]:
     )
 
 
-def _pressure_along(
-    result: Result, p: int, site: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _pressure_along(result: Result, p: int, site: int) -> tuple[Floats, Floats]:
     """Arc length on flank 1 from the centre of force, mm, and pressure of one pair."""
     along, _, _, pressure = _profile(result.pairs(p), site)
     return along - float((along * pressure).sum() / pressure.sum()), pressure

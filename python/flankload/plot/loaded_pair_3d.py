@@ -1,22 +1,22 @@
 """The loaded pair in three dimensions: teeth over the face width, line load on their flanks.
 
-Bodies are drawn in frames on their own axes with the teeth in mesh at positive x: that of body 2 is
-the world turned by 180° about z. Loaded flanks then have positive normals y in both.
+Each body is drawn in a frame on its own axis, in which its teeth point to positive x and its loaded
+flanks have positive normals y: that of body 1 is the world, that of body 2 the world turned by 180°
+about z. An internal pair meets at negative x: its body 1 is turned, its body 2 is not.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, degrees, pi, sin
+from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 
-from flankload.plot.figures import empty_figure, fit, set_title
-from flankload.plot.style import GREY, STEEL, STYLE, turned
+from flankload.plot.figures import note
+from flankload.plot.style import GREY, STEEL, turned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,9 +60,9 @@ class Teeth:
     Attributes
     ----------
     contours : tuple of (k, 2) arrays
-        At z = 0, from cut to cut, counter-clockwise.
+        At z = 0, from cut to cut with the body on the left, in the direction of y.
     rim_mm : float
-        Radius of the inner end of what is drawn.
+        Radius at which the drawing ends, below the roots.
     shape : AxialShape
     """
 
@@ -81,9 +81,11 @@ class Teeth:
         return np.vstack(self.contours)
 
     def rim(self) -> Floats:
-        """(n, 2) Inner end, from the last tooth to the first."""
+        """(n, 2) End of the drawing, from the last tooth to the first."""
         first, last = (np.arctan2(*self.contours[k][k, ::-1]) for k in (0, -1))
-        around = np.linspace(last, last - (last - first) % (2 * pi), 10 * len(self.contours))
+        outward = 1.0 if self.rim_mm < np.hypot(*self.contours[0][0]) else -1.0
+        turn = outward * (outward * (last - first) % (2 * pi))
+        around = np.linspace(last, last - turn, 10 * len(self.contours))
         return self.rim_mm * np.column_stack([np.cos(around), np.sin(around)])
 
     def face(self) -> Floats:
@@ -91,71 +93,38 @@ class Teeth:
         return np.vstack([self.contour(), self.rim()])
 
 
-def plot_loaded_pair_3d(result: Result, position: int | None = None) -> Figure:
-    """Teeth of both bodies at one position, and the line load on their flanks.
+def fill_with_loaded_bodies(figure: Figure, result: Result, p: int) -> None:
+    """Draw the teeth of both bodies at position p, and the line load on their flanks.
 
     Each body is drawn from the side of its loaded flanks, its mate as contours of both end faces.
-
-    Parameters
-    ----------
-    result : Result
-        Three-dimensional result.
-    position : int, optional
-        Index of the position; by default that of the largest line load.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
-    p = _of_largest(result) if position is None else position
-    with rc_context(STYLE):
-        figure = empty_figure((7.2, 4.4))
-        set_title(figure, result, f"Loaded pair at {degrees(result.position_rad[p]):.4g}°")
-        grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 0.035))
-        panels = [figure.add_subplot(grid[0, column]) for column in (0, 1)]
-        for body, axes in zip((1, 2), panels, strict=True):
-            shown = draw_loaded_body(axes, result, p, body)
-            axes.set_title(_words(result, body), color=EDGE, fontsize=10)
-        # the same scale for both
-        size = np.max([axes.dataLim.size for axes in panels], axis=0)
-        for axes in panels:
-            low, high = axes.dataLim.get_points().mean(axis=0) + np.outer([-0.52, 0.52], size)
-            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-        figure.colorbar(
-            shown,
-            cax=figure.add_subplot(grid[1, :]),
-            orientation="horizontal",
-            label="line load in N per mm face width" + _largest(result, p),
-        )
-        fit(figure)
-        return figure
+    figure.set_size_inches(7.2, 4.4)
+    grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 0.035))
+    panels = [figure.add_subplot(grid[0, column]) for column in (0, 1)]
+    for body, axes in zip((1, 2), panels, strict=True):
+        shown = draw_loaded_body(axes, result, p, body)
+        axes.set_title(_words(result, body), color=EDGE, fontsize=10)
+    # the same scale for both
+    size = np.max([axes.dataLim.size for axes in panels], axis=0)
+    for axes in panels:
+        low, high = axes.dataLim.get_points().mean(axis=0) + np.outer([-0.52, 0.52], size)
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    figure.colorbar(
+        shown,
+        cax=figure.add_subplot(grid[1, :]),
+        orientation="horizontal",
+        label="line load in N per mm face width" + _largest(result, p),
+    )
 
 
-def _of_largest(result: Result) -> int:
-    """Position of the largest line load."""
-    assert result.slices is not None
-    return int(result.slices.line_load_N_per_mm.max(axis=(1, 2)).argmax())
-
-
-def draw_loaded_body(axes: Axes, result: Result, position: int | None, body: int) -> PolyCollection:
+def draw_loaded_body(axes: Axes, result: Result, p: int, body: int) -> PolyCollection:
     """Draw the teeth of a body over its width, contours of its mate, and the line load.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    result : Result
-        Three-dimensional result.
-    position : int or None
-        Index of the position; None for that of the largest line load.
-    body : int
-        1 or 2.
 
     Returns
     -------
     matplotlib.collections.PolyCollection
         The line load, for a scale of colours.
     """
-    p = _of_largest(result) if position is None else position
     pair = teeth_in_mesh(result, p, 1), teeth_in_mesh(result, p, 2)
     _draw_teeth(axes, pair[body - 1], STEEL[body - 1])
     _draw_mate(axes, result, pair[2 - body], STEEL[2 - body])
@@ -168,40 +137,33 @@ def draw_loaded_body(axes: Axes, result: Result, position: int | None, body: int
 
 
 def teeth_in_mesh(result: Result, p: int, body: int) -> Teeth:
-    """The teeth of a body that carry load at position p, and their neighbours.
-
-    Parameters
-    ----------
-    result : Result
-        Three-dimensional result.
-    p : int
-        Index of the position.
-    body : int
-        1 or 2.
-
-    Returns
-    -------
-    Teeth
-    """
+    """The teeth of body 1 or 2 that carry load at position p, and their neighbours."""
     drawing = result.drawing
     shape = drawing.axial[body - 1]
     assert shape is not None
     outline, teeth, angle, bore = (
         (drawing.outline_1, drawing.teeth_1, drawing.angle_1[p], drawing.bore_radius_1_mm),
-        (drawing.outline_2, drawing.teeth_2, drawing.angle_2[p] + pi, drawing.bore_radius_2_mm),
+        (drawing.outline_2, drawing.teeth_2, drawing.angle_2[p], drawing.bore_radius_2_mm),
     )[body - 1]
+    inwards = drawing.is_around and body == 2
+    outward, meet = (-1.0, pi) if inwards else (1.0, 0.0)
+    if drawing.is_around != (body == 2):
+        angle += pi
     pitch = 2 * pi / teeth
     x, y, z = _loaded_places(result, p, body).T
-    middle = angle + float(np.arctan2(*outline.mean(axis=0)[::-1]))
-    around = np.arctan2(y, x) - shape.twist_rad_per_mm * z - middle
+    middle = angle + float(np.arctan2(*outline.mean(axis=0)[::-1])) - meet
+    around = np.arctan2(outward * y, outward * x) - shape.twist_rad_per_mm * z - middle
     turns = np.rint((around if around.size else np.array([-middle])) / pitch)
     low, high = (float(end(np.hypot(*outline.T))) for end in (np.min, np.max))
-    few = _fewer(outline)
-    return Teeth(
-        tuple(turned(few, angle + pitch * k) for k in np.arange(turns.min() - 1, turns.max() + 2)),
-        max(low - RIM * (high - low), bore or 0.0),
-        shape,
-    )
+    contours = [
+        turned(_fewer(outline), angle + pitch * k)
+        for k in np.arange(turns.min() - 1, turns.max() + 2)
+    ]
+    depth = RIM * (high - low)
+    if inwards:
+        contours = [contour[::-1] for contour in reversed(contours)]
+        return Teeth(tuple(contours), min(high + depth, bore or np.inf), shape)
+    return Teeth(tuple(contours), max(low - depth, bore or 0.0), shape)
 
 
 def _loaded_places(result: Result, p: int, body: int) -> Floats:
@@ -209,7 +171,13 @@ def _loaded_places(result: Result, p: int, body: int) -> Floats:
     table = result.pairs(p)
     assert table.z_mm is not None
     places = np.column_stack([table.x_mm, table.y_mm, table.z_mm])[table.force_N > 0]
+    places *= [_side(result), _side(result), 1.0]
     return places if body == 1 else _other_axis(result, places)
+
+
+def _side(result: Result) -> float:
+    """Side of the axis of body 1 on which the bodies meet: the sign of x."""
+    return -1.0 if result.drawing.is_around else 1.0
 
 
 def _contacts(result: Result, p: int) -> tuple[Floats, Floats, Floats]:
@@ -220,8 +188,8 @@ def _contacts(result: Result, p: int) -> tuple[Floats, Floats, Floats]:
     table = result.pairs(p)
     carries = table.force_N > 0
     force = table.force_N[carries]
-    rows = np.column_stack([_loaded_places(result, p, 1), table.normal_x[carries],
-                            table.normal_y[carries]])  # fmt: skip
+    normal = _side(result) * np.column_stack([table.normal_x, table.normal_y])[carries]
+    rows = np.column_stack([_loaded_places(result, p, 1), normal])
     if table.half_width_mm is None:
         keys = np.column_stack([table.site[carries], rows[:, 2]])
         of_slice, of = np.unique(keys, axis=0, return_inverse=True)
@@ -236,9 +204,8 @@ def _contacts(result: Result, p: int) -> tuple[Floats, Floats, Floats]:
 
 def _other_axis(result: Result, points: Floats) -> Floats:
     """Points (..., 3) of one body's frame in that of its mate: turned by 180° about z."""
-    return np.asarray(
-        np.array([result.drawing.center_distance_mm, 0.0, 0.0]) + points * [-1.0, -1.0, 1.0]
-    )
+    apart = np.array([_side(result) * result.drawing.center_distance_mm, 0.0, 0.0])
+    return np.asarray(apart + points * [-1.0, -1.0, 1.0])
 
 
 def _fewer(contour: Floats) -> Floats:
@@ -333,16 +300,8 @@ def _mark_ends(axes: Axes, teeth: Teeth) -> None:
     """Axial positions of both end faces, below the front edge."""
     edge = teeth.sections(teeth.rim()[:1], 2)[:, 0]
     for (x, y), z, side in zip(edge @ VIEW[:2].T, edge[:, 2], ("right", "center"), strict=True):
-        axes.annotate(
-            f"z = {z:g} mm".replace("-", "−"),
-            (x, y),
-            xytext=(0, -3),
-            textcoords="offset points",
-            ha=side,
-            va="top",
-            fontsize=8,
-            color=GREY,
-        )
+        text = f"z = {z:g} mm".replace("-", "−")
+        note(axes, text, (x, y), offset=(0, -3), ha=side, va="top", fontsize=8)
 
 
 def _largest(result: Result, p: int) -> str:

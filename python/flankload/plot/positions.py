@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from flankload.result import Result
 
+#: Labels of the axis of positions begin with one of them: of body 1, of a cam.
+OF_POSITIONS = ("angle of body 1 in degrees", "cam angle in degrees")
 #: Largest number of uneven positions with markers; more of them look like a line.
 MOST_MARKS = 400
 #: Largest number of pairs that are named one by one.
@@ -29,7 +31,7 @@ CURVE_STEPS = 8
 
 def label_positions(axes: Axes, result: Result) -> None:
     """Range, ticks and label of the axis of positions, in degrees."""
-    angle = "cam angle in degrees" if result.has_cam else "angle of body 1 in degrees"
+    angle = OF_POSITIONS[result.has_cam]
     axes.set_xlabel(angle)
     angles = np.degrees(result.position_rad)
     if is_closed(result):
@@ -42,6 +44,22 @@ def label_positions(axes: Axes, result: Result) -> None:
     elif np.ptp(angles) > 0:
         margin = 0.02 * np.ptp(angles)  # markers at both ends remain complete
         axes.set_xlim(angles.min() - margin, angles.max() + margin)
+
+
+def places_on_way(result: Result) -> NDArray[np.float64]:
+    """(P, S) Places of the pairs in mesh pitches from the pitch point.
+
+    Pair j is j pitches further along than pair 0, so all pairs together are the way of one pair.
+    """
+    return np.asarray(result.sites + result.position_rad[:, None] / result.pitch_rad)
+
+
+def label_way(axes: Axes, result: Result, beside: float = 0.1) -> None:
+    """Label of the axis of these places, and its range: places with load, and some beside."""
+    axes.set_xlabel("place of the pair in mesh pitches from the pitch point")
+    loaded = places_on_way(result)[result.site_force_N > 0]
+    if loaded.size:
+        axes.set_xlim(loaded.min() - beside, loaded.max() + beside)
 
 
 def marks(result: Result) -> dict[str, Any]:
@@ -105,9 +123,8 @@ def way_curve(
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Curve of a quantity of the pairs (P, S) on the way of a pair through the mesh.
 
-    Pair j is j pitches further along than pair 0, so the curves of all pairs, one after the other,
-    are the way of one pair. If the period has several pitches, whose pairs differ, their curves lie
-    above each other. A cam has one pair, at the angle of the cam in degrees.
+    If the period has several pitches, whose pairs differ, their curves lie above each other. A cam
+    has one pair, at the angle of the cam in degrees.
 
     Returns
     -------

@@ -6,42 +6,31 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.plot.figures import heaviest, legend_below, one_panel
+from flankload.plot.figures import legend_below
+from flankload.plot.picture import largest, picture
+from flankload.plot.positions import label_way
 from flankload.plot.style import BODIES, GREY, pair_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from flankload.result import Result
     from flankload.result.root_stress import Extremes
 
 
-#: Number of pitches drawn before and after the mesh.
+#: Pitches drawn before and after the mesh: further away the stress is constant, or the tooth has
+#: completed a turn.
 BESIDE = 0.5
 
 
-def plot_root_stress(results: Result | Sequence[Result]) -> Figure:
-    """Largest tension and compression in the roots over the way of a tooth through the mesh."""
-    return one_panel(draw_root_stress, heaviest(results), "Stress in the tooth roots")
-
-
-def draw_root_stress(axes: Axes, results: Sequence[Result]) -> None:
+@picture(largest, "Stress in the tooth roots")
+def draw_root_stress(axes: Axes, result: Result) -> None:
     """Draw tension and compression in the roots over the way of a tooth through the mesh.
 
     Pair j is j pitches further along than pair 0, so the curves of all pairs, one after the other,
     show the history of one tooth. The teeth of a spline do not change their place: their stress is
     plotted over the tooth number.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        The one of the largest torque is drawn; it has root stress.
     """
-    result = heaviest(results)
     for z, stress in enumerate(result.root_stress):
         if stress is None:
             continue
@@ -50,35 +39,18 @@ def draw_root_stress(axes: Axes, results: Sequence[Result]) -> None:
         name = f"body {z + 1}"
         _draw(axes, result, stress.tension, z, "solid", f"{name}, up to {largest:.0f} MPa")
         _draw(axes, result, stress.compression, z, (0, (4, 2)), f"down to {least:.0f} MPa")
-    if not result.whole_circle and (result.site_force_N > 0).any():
-        place = result.sites + result.position_rad[:, None] / result.pitch_rad
-        carries = place[result.site_force_N > 0]
-        # further away the stress is constant, or the tooth has completed a turn
-        axes.set_xlim(carries.min() - BESIDE, carries.max() + BESIDE)
+    if result.whole_circle:
+        axes.set_xlabel("tooth")
+    else:
+        label_way(axes, result, BESIDE)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
-    axes.set_xlabel(
-        "tooth" if result.whole_circle else "place of the pair in mesh pitches from the pitch point"
-    )
     axes.set_ylabel("tension (solid), compression (dashed) in MPa")
     legend_below(axes, ncols=2)
 
 
-def plot_root_stress_over_width(results: Result | Sequence[Result]) -> Figure:
-    """Largest tension and compression in the roots of the most stressed teeth over the width."""
-    title = "Stress in the tooth roots over the face width"
-    return one_panel(draw_root_stress_over_width, heaviest(results), title)
-
-
-def draw_root_stress_over_width(axes: Axes, results: Sequence[Result]) -> None:
-    """Draw tension and compression over the face width, of each body where they are largest.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        The one of the largest torque is drawn; it is three-dimensional and has root stress.
-    """
-    result = heaviest(results)
+@picture(largest, "Stress in the tooth roots over the face width")
+def draw_root_stress_over_width(axes: Axes, result: Result) -> None:
+    """Draw tension and compression over the face width, of each body where they are largest."""
     for z, stress in enumerate(result.root_stress):
         if stress is None:
             continue

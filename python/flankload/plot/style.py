@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import io
 import warnings
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,10 +18,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import fontManager
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from flankload.base.files import write_atomically
 
-    from matplotlib.axes import Axes
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
     from numpy.typing import NDArray
 
     from flankload.result import Result
@@ -90,30 +92,18 @@ def new_figure(size: tuple[float, float]) -> Figure:
     return figure
 
 
-def draw_forces(axes: Axes, starts: NDArray[np.float64], tips: NDArray[np.float64]) -> None:
-    """Arrows in data units, (k, 2) each; the heads of short arrows are smaller."""
-    axes.update_datalim(tips)
-    axes.quiver(
-        *starts.T,
-        *(tips - starts).T,
-        angles="xy",
-        scale_units="xy",
-        scale=1.0,
-        color=FORCE,
-        units="dots",
-        width=3.5,
-        headwidth=4.0,
-        headlength=4.5,
-        headaxislength=4.5,
-        minshaft=1.6,
-        minlength=0.3,
-        zorder=3,
-    )
-
-
 def png_of(figure: Figure) -> bytes:
     """The plot as PNG; a letter missing in all fonts is a box."""
     return file_of(figure, "png")
+
+
+def write_pictures(directory: str | Path, drawn: Mapping[str, bytes]) -> tuple[Path, ...]:
+    """Write pictures by their names to a folder, which is created if it does not exist."""
+    folder = Path(directory)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in drawn.items():
+        write_atomically(folder / name, content)
+    return tuple(folder / name for name in drawn)
 
 
 @contextlib.contextmanager
@@ -136,8 +126,15 @@ def file_of(figure: Figure, kind: str, dpi: float | None = None) -> bytes:
 
 def turned(places: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
     """Places (n, 2), rotated about the axis."""
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.asarray(places @ np.array([[cosine, sine], [-sine, cosine]]))
+    return all_around(places, 1, angle)
+
+
+def all_around(sector: NDArray[np.float64], teeth: int, angle: float = 0.0) -> NDArray[np.float64]:
+    """(n, 2) Contour of a whole body from that of one sector."""
+    turns = angle + 2 * np.pi / teeth * np.arange(teeth)
+    cosine, sine = np.cos(turns), np.sin(turns)
+    matrices = np.moveaxis(np.array([[cosine, sine], [-sine, cosine]]), 2, 0)
+    return np.asarray((sector @ matrices).reshape(-1, 2))
 
 
 def short(name: str) -> str:

@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import io
 import re
-import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.collections import QuadMesh
 
 from flankload.plot.figures import empty_figure, fit
-from flankload.plot.style import STYLE
+from flankload.plot.positions import OF_POSITIONS
+from flankload.plot.style import STYLE, missing_letters_are_boxes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
 #: Text remains text: it can be searched and copied, and the file is smaller.
 IN_PAGE = {**STYLE, "svg.fonttype": "none"}
@@ -28,6 +27,8 @@ IN_PAGE = {**STYLE, "svg.fonttype": "none"}
 LEAST_POINTS = 3
 #: More points than this in a curve are thinned.
 MOST_POINTS = 600
+#: Significant digits of the curves.
+DIGITS = 4
 #: Points (1/72 inch) per inch: the unit of matplotlib's SVG.
 POINTS = 72.0
 
@@ -41,45 +42,6 @@ LONG = re.compile(r"(\d\.\d\d)\d+")
 
 
 @dataclass(frozen=True)
-class PlottedCurve:
-    """A curve of a plot.
-
-    Attributes
-    ----------
-    name : str
-        Its label; empty if the plot names none.
-    x, y : (n,) arrays
-        Data; NaN where the curve is interrupted.
-    """
-
-    name: str
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class PlottedAxes:
-    """Axes of a plot in the units of its SVG.
-
-    Attributes
-    ----------
-    box : (float, float, float, float)
-        Left, top, width and height.
-    x_range, y_range : (float, float)
-        Data at the left and right, and at the bottom and top.
-    x_label, y_label : str
-    curves : tuple of PlottedCurve
-    """
-
-    box: tuple[float, float, float, float]
-    x_range: tuple[float, float]
-    y_range: tuple[float, float]
-    x_label: str
-    y_label: str
-    curves: tuple[PlottedCurve, ...]
-
-
-@dataclass(frozen=True)
 class Panel:
     """A plot for a page.
 
@@ -89,20 +51,18 @@ class Panel:
         Prefix of its ids.
     svg : str
         An element <svg>, as wide as the page allows.
-    axes : tuple of PlottedAxes
-        Rectangular axes with linear scales that have curves.
+    axes : tuple of dict
+        Rectangular axes with linear scales that have curves, in the units of the SVG: `box` (left,
+        top, width, height), `x` and `y` (ranges), `label` (of the ordinate), `position` (whether
+        the abscissa is the position) and `curves` (name, x, y; None where interrupted).
     """
 
     name: str
     svg: str
-    axes: tuple[PlottedAxes, ...]
+    axes: tuple[dict[str, Any], ...]
 
 
-def panel_of(
-    draw: Callable[[Axes], None],
-    name: str,
-    size: tuple[float, float],
-) -> Panel:
+def panel_of(draw: Callable[[Axes], None], name: str, size: tuple[float, float]) -> Panel:
     """Draw on new axes and return the plot for a page.
 
     Parameters
@@ -113,39 +73,16 @@ def panel_of(
         Prefix of the ids, unique in the page.
     size : (float, float)
         Width and height, inches.
-
-    Returns
-    -------
-    Panel
     """
-    with rc_context(IN_PAGE):
+    out = io.StringIO()
+    with rc_context(IN_PAGE), missing_letters_are_boxes():
         figure = empty_figure(size)
         draw(figure.add_subplot())
         fit(figure)
-        return panel(figure, name)
-
-
-def panel(figure: Figure, name: str) -> Panel:
-    """Return a figure for a page.
-
-    Parameters
-    ----------
-    figure : Figure
-    name : str
-        Prefix of the ids, unique in the page.
-
-    Returns
-    -------
-    Panel
-    """
-    out = io.StringIO()
-    for axes in figure.axes:
-        for artist in axes.collections:
-            # an image: cells drawn one by one are large and have seams
-            artist.set_rasterized(isinstance(artist, QuadMesh))
-    with rc_context(IN_PAGE), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from", UserWarning)
-        warnings.filterwarnings("ignore", r"Matplotlib currently does not support", UserWarning)
+        for axes in figure.axes:
+            for artist in axes.collections:
+                # an image: cells drawn one by one are large and have seams
+                artist.set_rasterized(isinstance(artist, QuadMesh))
         empty = dict.fromkeys(("Creator", "Date", "Format", "Type"))
         figure.savefig(out, format="svg", metadata=empty)
     return Panel(name, _in_page(out.getvalue(), name), _axes_of(figure))
@@ -166,7 +103,7 @@ def _in_page(text: str, name: str) -> str:
     return re.sub(r"\s*\n\s*", "\n", text).strip()
 
 
-def _axes_of(figure: Figure) -> tuple[PlottedAxes, ...]:
+def _axes_of(figure: Figure) -> tuple[dict[str, Any], ...]:
     width, height = (POINTS * length for length in figure.get_size_inches())
     found = []
     for axes in figure.axes:
@@ -174,24 +111,24 @@ def _axes_of(figure: Figure) -> tuple[PlottedAxes, ...]:
         straight = {axes.get_xscale(), axes.get_yscale()} == {"linear"}
         if axes.name != "rectilinear" or not straight or not curves:
             continue
-        place = axes.get_position()
+        at = axes.get_position()
+        box = (at.x0 * width, (1 - at.y1) * height, at.width * width, at.height * height)
         found.append(
-            PlottedAxes(
-                (place.x0 * width, (1 - place.y1) * height, place.width * width,
-                 place.height * height),
-                axes.get_xlim(),
-                axes.get_ylim(),
-                axes.get_xlabel(),
-                axes.get_ylabel().replace("\n", " "),
-                curves,
-            )
-        )  # fmt: skip
+            {
+                "box": [round(float(value), 2) for value in box],
+                "x": _numbers(axes.get_xlim()),
+                "y": _numbers(axes.get_ylim()),
+                "label": axes.get_ylabel().replace("\n", " "),
+                "position": axes.get_xlabel().startswith(OF_POSITIONS),
+                "curves": curves,
+            }
+        )
     return tuple(found)
 
 
-def _curves(axes: Axes) -> tuple[PlottedCurve, ...]:
+def _curves(axes: Axes) -> list[list[Any]]:
     """Curves in data units over ascending abscissas: those with names, if there are any."""
-    found: list[PlottedCurve] = []
+    found = []
     for line in axes.lines:
         x, y = (np.asarray(values, dtype=float) for values in line.get_data())
         known = x[np.isfinite(x)]
@@ -204,6 +141,10 @@ def _curves(axes: Axes) -> tuple[PlottedCurve, ...]:
         label = str(line.get_label())
         step = -(-x.size // MOST_POINTS)
         name = "" if label.startswith("_") else label
-        found.append(PlottedCurve(name, x[::step], y[::step]))
-    named = tuple(curve for curve in found if curve.name)
-    return named or tuple(found)
+        found.append([name, _numbers(x[::step], DIGITS + 1), _numbers(y[::step])])
+    return [curve for curve in found if curve[0]] or found
+
+
+def _numbers(values: Iterable[float], digits: int = DIGITS) -> list[float | None]:
+    """Values with few significant digits; None where they are not finite."""
+    return [float(f"{value:.{digits}g}") if np.isfinite(value) else None for value in values]

@@ -6,16 +6,13 @@ from math import degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
 
-from flankload.plot.figures import empty_figure, fit, heaviest, set_title
-from flankload.plot.style import FORCE, GREY, INK, PALE, SLATE, STYLE
+from flankload.plot.figures import note
+from flankload.plot.picture import at, of_largest_force, picture
+from flankload.plot.style import FORCE, GREY, INK, PALE, SLATE
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from flankload.result import Result
@@ -23,52 +20,30 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-def most_loaded(result: Result) -> tuple[int, int]:
-    """Position and column of the tooth with the largest force."""
-    p, s = np.unravel_index(np.argmax(result.site_force_N), result.site_force_N.shape)
-    return int(p), int(s)
+def _where(result: Result, p: int) -> str:
+    if result.position_rad.size == 1 and result.position_rad[p] == 0:
+        return ""
+    return f" at {degrees(result.position_rad[p]):.4g}°"
 
 
-def plot_load_per_tooth(results: Result | Sequence[Result], position: int | None = None) -> Figure:
-    """Force on each tooth as bars around the axis, at the place of each tooth.
-
-    Parameters
-    ----------
-    results : Result, or sequence of Result
-        The one of the largest torque is drawn.
-    position : int, optional
-        Index of the position; by default the one with the largest tooth force.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
-    result = heaviest(results)
-    p = most_loaded(result)[0] if position is None else position
-    with rc_context(STYLE):
-        figure = empty_figure((6.2, 5.6))
-        axes = figure.add_subplot(projection="polar")
-        draw_load_per_tooth(axes, (result,), position=p)
-        _title(figure, result, f"Load per tooth{_where(result, p)}", _beside_mean(result, p), 24.0)
-        fit(figure)
-        return figure
+def _beside_mean(result: Result, p: int) -> str:
+    force = result.site_force_N[p] / 1e3
+    mean = float(force.mean())
+    coast = "" if result.coast is None else "; coast flanks pale"
+    largest = force.max() / mean if mean else 0
+    return f"mean {mean:.3g} kN (line), largest {largest:.2f} times that{coast}"
 
 
-def draw_load_per_tooth(
-    axes: Axes, results: Sequence[Result], *, position: int | None = None
-) -> None:
-    """Draw the force on each tooth: around the axis on polar Axes, else over the tooth number.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        The one of the largest torque is drawn.
-    position : int, optional
-        Index of the position; by default the one with the largest tooth force.
-    """
-    result = heaviest(results)
-    p = most_loaded(result)[0] if position is None else position
+@picture(
+    at(of_largest_force),
+    lambda result, p: f"Load per tooth{_where(result, p)}",
+    second=_beside_mean,
+    pad=24.0,
+    size=(6.2, 5.6),
+    projection="polar",
+)
+def draw_load_per_tooth(axes: Axes, result: Result, p: int) -> None:
+    """Draw the force on each tooth: around the axis on polar Axes, else over the tooth number."""
     force = result.site_force_N[p] / 1e3
     coast = None if result.coast is None else result.coast.force_N[p] / 1e3
     if axes.name == "polar":
@@ -108,14 +83,6 @@ def _draw_around(axes: Axes, result: Result, p: int, force: Floats, coast: Float
         label.set_zorder(5)
 
 
-def _beside_mean(result: Result, p: int) -> str:
-    force = result.site_force_N[p] / 1e3
-    mean = float(force.mean())
-    coast = "" if result.coast is None else "; coast flanks pale"
-    largest = force.max() / mean if mean else 0
-    return f"mean {mean:.3g} kN (line), largest {largest:.2f} times that{coast}"
-
-
 def _draw_bars(
     axes: Axes,
     place: NDArray[Any],
@@ -139,49 +106,21 @@ def _draw_bars(
         )
 
 
-def plot_flank_pressure(results: Result | Sequence[Result], position: int | None = None) -> Figure:
-    """Pressure over the height of the flank of the tooth with the largest force.
-
-    Parameters
-    ----------
-    results : Result, or sequence of Result
-        The one of the largest torque is drawn.
-    position : int, optional
-        Index of the position; by default the one with the largest tooth force.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
-    result = heaviest(results)
-    p = most_loaded(result)[0] if position is None else position
+def _most_of_all(result: Result, p: int) -> str:
     s = int(np.argmax(result.site_force_N[p]))
-    with rc_context(STYLE):
-        figure = empty_figure()
-        draw_flank_pressure(figure.add_subplot(), (result,), position=p)
-        corner = "; peaks on a sharp corner, not meaningful" if result.corner_contact[p, s] else ""
-        title = f"Pressure on tooth {result.sites[s]}{_where(result, p)}"
-        most = f"{result.site_force_N[p, s] / 1e3:.2f} kN, the most of all teeth{corner}"
-        _title(figure, result, title, most)
-        fit(figure)
-        return figure
+    corner = "; peaks on a sharp corner, not meaningful" if result.corner_contact[p, s] else ""
+    return f"{result.site_force_N[p, s] / 1e3:.2f} kN, the most of all teeth{corner}"
 
 
-def draw_flank_pressure(
-    axes: Axes, results: Sequence[Result], *, position: int | None = None
-) -> None:
-    """Draw the pressure over the height of the flank of the tooth with the largest force.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        The one of the largest torque is drawn.
-    position : int, optional
-        Index of the position; by default the one with the largest tooth force.
-    """
-    result = heaviest(results)
-    p = most_loaded(result)[0] if position is None else position
+@picture(
+    at(of_largest_force),
+    lambda result, p: (
+        f"Pressure on tooth {result.sites[np.argmax(result.site_force_N[p])]}{_where(result, p)}"
+    ),
+    second=_most_of_all,
+)
+def draw_flank_pressure(axes: Axes, result: Result, p: int) -> None:
+    """Draw the pressure over the height of the flank of the tooth with the largest force."""
     s = int(np.argmax(result.site_force_N[p]))
     table = result.pairs(p)
     rows = np.flatnonzero(table.site == result.sites[s])
@@ -197,31 +136,11 @@ def draw_flank_pressure(
         length = float(table.cell_mm[rows][table.force_N[rows] > 0].sum())
         mean = result.site_force_N[p, s] / (length * result.face_width_mm) if length else 0.0
         axes.axhline(mean, color=GREY, linewidth=1, linestyle=(0, (6, 3)))
-        axes.text(
-            0.5,
-            mean,
-            f"mean {mean:.0f} MPa (dashed)",
-            transform=axes.get_yaxis_transform(),
-            ha="center",
-            va="bottom",
-            fontsize=9,
-            color=GREY,
-        )
+        text, coords = f"mean {mean:.0f} MPa (dashed)", ("axes fraction", "data")
+        note(axes, text, (0.5, mean), coords, ha="center", va="bottom")
     axes.set_ylim(0, None)
     axes.set_xlabel("distance from the axis of body 1 in mm (tip of body 1 →)")
     axes.set_ylabel("pressure in MPa")
-
-
-def _where(result: Result, p: int) -> str:
-    if result.position_rad.size == 1 and result.position_rad[p] == 0:
-        return ""
-    return f" at {degrees(result.position_rad[p]):.4g}°"
-
-
-def _title(figure: Figure, result: Result, title: str, second: str, pad: float = 6.0) -> None:
-    set_title(figure, result, title)
-    axes = figure.axes[0]
-    axes.set_title(second, fontsize=9, fontweight="normal", color=GREY, loc="left", pad=pad)
 
 
 def _round_steps(largest: float) -> NDArray[np.float64]:

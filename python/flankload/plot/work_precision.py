@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import ceil
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matplotlib import rc_context
@@ -11,13 +10,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from flankload.base.files import write_atomically
-from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, png_of, short
+from flankload.plot.figures import note
+from flankload.plot.style import COLOURS, GREY, STYLE, new_figure, png_of, short, write_pictures
 from flankload.studies.accuracy.quantities import MEANINGS
 from flankload.studies.accuracy.study_text import GROUPS, NAMED, PARAMETER_LABELS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from matplotlib.axes import Axes
 
@@ -99,11 +99,8 @@ def write_work_precision(study: Study, directory: str | Path) -> Path:
     Path
         work_precision.png.
     """
-    content = png_of(plot_work_precision(study))
-    folder = Path(directory)
-    folder.mkdir(parents=True, exist_ok=True)
-    write_atomically(folder / "work_precision.png", content)
-    return folder / "work_precision.png"
+    drawn = {"work_precision.png": png_of(plot_work_precision(study))}
+    return write_pictures(directory, drawn)[0]
 
 
 def _panel(axes: Axes, study: Study, name: str) -> None:
@@ -111,10 +108,8 @@ def _panel(axes: Axes, study: Study, name: str) -> None:
     axes.loglog()
     axes.set_ylim(LEAST_SHOWN, 1.0)
     axes.set_ylabel("relative error")
-    axes.text(
-        0.99, 0.98, MEANINGS[name], transform=axes.transAxes, ha="right", va="top", fontsize=7,
-        color=GREY,
-    )  # fmt: skip
+    look: dict[str, Any] = {"ha": "right", "va": "top", "fontsize": 7}
+    note(axes, MEANINGS[name], (0.99, 0.98), "axes fraction", **look)
     doubt = min(1.0, max(LEAST_SHOWN, study.doubts.get(name, 0.0)))
     axes.axhspan(LEAST_SHOWN, doubt, color=SHADE, zorder=0)
     for tolerance in NAMED:
@@ -162,35 +157,23 @@ def _points(axes: Axes, points: Points, **style: Any) -> None:
 
 def _legend(study: Study) -> list[Line2D]:
     groups = {row.group for row in study.rows}
-    handles = [
-        Line2D(
-            [],
-            [],
-            color=colour,
-            marker=mark,
-            markersize=5,
-            linewidth=1.4,
-            label=PARAMETER_LABELS[parameter],
-        )
+    looks: list[tuple[str, dict[str, Any]]] = [
+        (PARAMETER_LABELS[parameter], {"color": colour, "marker": mark, "markersize": 5})
         for parameter, (colour, mark) in LOOKS.items()
         if study.steps.get(parameter)
     ]
     if any(row.run.discretization.adaptive is not None for row in study.steps.get("count", ())):
         colour, mark = LOOKS["count"]
-        handles.append(
-            Line2D([], [], color=colour, marker=mark, markerfacecolor="white",
-                   linestyle="none", label="adaptive positions")
-        )  # fmt: skip
-    handles += [
-        Line2D([], [], color="black", marker=mark, linestyle="none", label=GROUPS[level])
-        for level, mark in LEVEL_MARKS.items()
-        if level in groups
+        hollow = {"color": colour, "marker": mark, "markerfacecolor": "white"}
+        looks.append(("adaptive positions", {**hollow, "linestyle": "none"}))
+    for level, mark in LEVEL_MARKS.items():
+        if level in groups:
+            alone = {"color": "black", "marker": mark, "linestyle": "none"}
+            looks.append((GROUPS[level], alone))
+    tolerance = {"color": GREY, "linestyle": (0, (6, 3)), "linewidth": 1.2}
+    looks += [
+        ("Pareto front", {"color": "black", "marker": ".", "linewidth": 1.2}),
+        (f"tolerance of the scene, {study.tolerance:g}", tolerance),
+        ("uncertainty of the limit", {"color": SHADE, "linewidth": 8}),
     ]
-    handles.append(Line2D([], [], color="black", marker=".", linewidth=1.2, label="Pareto front"))
-    handles.append(
-        Line2D([], [], color=GREY, linestyle=(0, (6, 3)), linewidth=1.2,
-               label=f"tolerance of the scene, {study.tolerance:g}")
-    )  # fmt: skip
-    label = "uncertainty of the limit"
-    handles.append(Line2D([], [], color=SHADE, linewidth=8, label=label))
-    return handles
+    return [Line2D([], [], label=label, **({"linewidth": 1.4} | look)) for label, look in looks]

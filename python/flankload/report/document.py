@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import date
 from hashlib import sha256
 from importlib.resources import files
@@ -20,7 +19,6 @@ from flankload.mechanisms.registry import mechanism_of
 from flankload.report.findings import certificate_rows, findings_of, source_rows
 from flankload.report.glossary import terms_of
 from flankload.report.key_figures import key_rows, percent
-from flankload.report.loads import heads_of, legend
 from flankload.report.pictures import curve_data, plots_of
 from flankload.report.turning import turning
 from flankload.result import Result
@@ -39,21 +37,6 @@ INDEXED = re.compile(r"([^\W_]+)_([^\W_]+)")
 PARTS = ("page.html", "style.css", "script.js")
 #: Digits of a digest that are printed.
 SHOWN_DIGITS = 16
-
-
-@dataclass(frozen=True)
-class Origin:
-    """Origin of a report.
-
-    Attributes
-    ----------
-    line : str
-        Command line.
-    day : date
-    """
-
-    line: str
-    day: date
 
 
 def write_report(
@@ -113,8 +96,13 @@ def report_html(
         If an argument has a wrong type.
     """
     scene = scene_of(scene)
-    origin = Origin(line or _line(scene), day or date.today())
-    return str(_template().render(_content(_by_torque(results), scene, origin)))
+    name = "SCENE" if scene.file is None else scene.file.name
+    content = {
+        "line": line or f"flankload report {name} -o report.html",
+        "day": (day or date.today()).isoformat(),
+        **_content(_by_torque(results), scene),
+    }
+    return str(_template().render(content))
 
 
 def _by_torque(results: Result | Sequence[Result]) -> tuple[Result, ...]:
@@ -123,10 +111,6 @@ def _by_torque(results: Result | Sequence[Result]) -> tuple[Result, ...]:
     fits = isinstance(several, Sequence) and all(isinstance(one, Result) for one in several)
     require("results", results, "a Result or a sequence of them", fits=fits and len(several) > 0)
     return tuple(sorted(several, key=lambda result: result.torque_Nm))
-
-
-def _line(scene: Scene) -> str:
-    return f"flankload report {'SCENE' if scene.file is None else scene.file.name} -o report.html"
 
 
 def _template() -> Any:
@@ -157,8 +141,8 @@ def _symbol(text: str) -> Any:
     return Markup(INDEXED.sub(r"\1<sub>\2</sub>", str(escape(text))))
 
 
-def _content(results: Sequence[Result], scene: Scene, origin: Origin) -> dict[str, Any]:
-    """Everything that the template names."""
+def _content(results: Sequence[Result], scene: Scene) -> dict[str, Any]:
+    """Everything else that the template names."""
     scene_text = scene.to_toml()
     plots = plots_of(results)
     turned = turning(results)
@@ -167,7 +151,6 @@ def _content(results: Sequence[Result], scene: Scene, origin: Origin) -> dict[st
     return {
         "scene": scene,
         "results": results,
-        "origin": origin,
         "version": flankload.__version__,
         "positions": _positions(results[-1]),
         "digest": sha256(scene_text.encode()).hexdigest()[:SHOWN_DIGITS],
@@ -179,8 +162,6 @@ def _content(results: Sequence[Result], scene: Scene, origin: Origin) -> dict[st
         "sheet_rows": _merged(sheet),
         "plots": plots,
         "turned": turned,
-        "heads": heads_of(results[-1]),
-        "legend": legend(results[-1]),
         "stages": _stages(results[-1].cost),
         "sources": source_rows(results[-1]),
         "certificates": certificate_rows(results),

@@ -44,17 +44,7 @@ class Findings:
 
 
 def findings_of(results: Sequence[Result]) -> Findings:
-    """Remarks on the results of a scene.
-
-    Parameters
-    ----------
-    results : sequence of Result
-        One per torque.
-
-    Returns
-    -------
-    Findings
-    """
+    """Remarks on the results of a scene, one per torque."""
     lines = warning_lines(results)
     accuracy = results[-1].accuracy
     return Findings(
@@ -97,17 +87,7 @@ def _without_estimate(results: Sequence[Result]) -> Iterator[str]:
 
 
 def certificate_rows(results: Sequence[Result]) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Counts of the statuses and numbers of the solution, a column per torque.
-
-    Parameters
-    ----------
-    results : sequence of Result
-
-    Returns
-    -------
-    tuple of (str, tuple of str)
-        Name and a text per torque.
-    """
+    """Counts of the statuses and numbers of the solution: name, and a text per torque."""
     words = {0: SOLVED, **STATUS_WORDS}
     rows = [
         (
@@ -130,15 +110,7 @@ def certificate_rows(results: Sequence[Result]) -> tuple[tuple[str, tuple[str, .
 def source_rows(result: Result) -> tuple[tuple[str, ...], tuple[tuple[str, ...], ...]]:
     """Estimated errors by source: names of the quantities, and a row per source.
 
-    Parameters
-    ----------
-    result : Result
-
-    Returns
-    -------
-    names : tuple of str
-    rows : tuple of tuple of str
-        Source, then the error of each quantity in per cent; the last row is the whole.
+    A row has the source, then the error of each quantity in per cent; the last row is the whole.
     """
     if result.estimate is None:
         return (), ()

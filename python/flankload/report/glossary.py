@@ -84,20 +84,9 @@ ALWAYS = (
 
 
 def terms_of(symbols: Iterable[str], *, path: bool, orders: bool) -> tuple[tuple[str, str], ...]:
-    """Terms that a report uses.
+    """Terms that a report uses: of the symbols of its tables ("d_w1 / d_w2" are two), and others.
 
-    Parameters
-    ----------
-    symbols : iterable of str
-        Symbols of its tables; "d_w1 / d_w2" are two.
-    path : bool
-        Whether it shows the points of the path of contact.
-    orders : bool
-        Whether it shows mesh orders.
-
-    Returns
-    -------
-    tuple of (str, str)
+    `path` and `orders`: whether it shows the points of the path of contact, and mesh orders.
     """
     used = {part.strip(",") for symbol in symbols for part in symbol.split()}
     used |= {*ALWAYS, *(["A to E"] if path else []), *(["mesh order"] if orders else [])}

@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from math import degrees, isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from flankload.result import Result
+
+    #: Name, symbol, unit, and the cell of a torque.
+    Figure = tuple[str, str, str, Callable[[Result], "Cell | None"]]
 
 #: Relative errors below this are roundoff.
 ROUNDING = 1e-9
@@ -58,18 +61,11 @@ class Row:
 
 
 def key_rows(results: Sequence[Result]) -> tuple[Row, ...]:
-    """Key figures that at least one torque has.
-
-    Parameters
-    ----------
-    results : sequence of Result
-        One per torque.
-
-    Returns
-    -------
-    tuple of Row
-    """
-    rows = [*_of_motion(results), *_of_contact(results), *_of_face(results), *_of_others(results)]
+    """Key figures that at least one torque has."""
+    rows = [
+        Row(name, symbol, unit, tuple(cell(result) for result in results))
+        for name, symbol, unit, cell in _figures(results)
+    ]
     return tuple(row for row in rows if any(cell is not None for cell in row.cells))
 
 
@@ -80,22 +76,90 @@ def percent(error: float | None) -> str:
     return f"{float(f'{100 * error:.2g}') if error > ROUNDING else 0:g} %"
 
 
-def _row(
-    results: Sequence[Result],
-    name: str,
-    symbol: str,
-    unit: str,
-    cell: Callable[[Result], Cell | None],
-) -> Row:
-    return Row(name, symbol, unit, tuple(cell(result) for result in results))
+def _figures(results: Sequence[Result]) -> Iterator[Figure]:
+    """Key figures: name, symbol, unit and cell of each torque."""
+    yield from _of_motion(results)
+    yield from _of_contact(results)
+    yield from (
+        # load over the width, and transverse
+        ("transverse load factor", "K_Hα", "", _transverse),
+        ("face load factor", "K_Hβ", "", _entry("face_load_factor", ".3f")),
+        ("the same by ISO 6336-1, for comparison", "K_Hβ", "", _entry("k_h_beta_iso", ".3f")),
+        ("axial position of the largest line load", "", "mm", _entry("peak_line_load_z_mm", ".2f")),
+        ("axial force, largest", "F_x", "N", _entry("axial_force_N", ".1f")),
+        ("tilting moment, largest", "", "N m", _entry("tilting_moment_Nm", ".3f")),
+        (
+            "tilt of the teeth by the shafts, mean",
+            "",
+            "µm/mm",
+            _entry("tilt_mean_um_per_mm", ".4f"),
+        ),
+    )
+    for z in (1, 2):
+        for side in ("tension", "compression"):
+            name = f"root stress of body {z}, largest {side}"
+            yield name, "σ_F", "MPa", partial(_root, z=z, side=side)
+    sliding = _entry("largest_sliding_mm_per_rad", ".2f")
+    yield from (
+        ("efficiency", "η", "%", _efficiency),
+        ("sliding, largest, per rad of rotation", "", "mm", sliding),
+        ("force of a coast flank, largest", "", "N", _entry("coast_force_N", ".4g")),
+        ("gap of the coast flanks, least", "", "µm", _entry("coast_flank_gap_min_um", ".1f")),
+    )
+
+
+def _of_motion(results: Sequence[Result]) -> Iterator[Figure]:
+    for name, symbol, part in (("mean", "", "mean"), ("peak to peak", "PPTE", "peak_to_peak")):
+        key = f"transmission_error_{part}"
+        yield f"transmission error, {name}", symbol, "µm", _entry(f"{key}_um", ".2f", error=key)
+    if any(_beyond(result) for result in results):
+        by_load = _entry("transmission_error_by_load_mean_um", ".2f")
+        yield "part of the mean by load", "", "µm", by_load
+    count = max(len(one.summary["transmission_error_mesh_harmonics_um"] or ()) for one in results)
+    for k in range(count):
+        yield f"amplitude of mesh order {k + 1}", "", "µm", partial(_harmonic, k=k)
+
+
+def _beyond(result: Result) -> bool:
+    """Whether the state without load is a notable part of the mean."""
+    mean, by_load = (
+        result.summary[f"transmission_error_{kind}mean_um"] for kind in ("", "by_load_")
+    )
+    return bool(abs(by_load - mean) > 1e-3 * abs(mean))
+
+
+def _of_contact(results: Sequence[Result]) -> Iterator[Figure]:
+    circle = all(result.whole_circle for result in results)
+    loaded = "teeth that carry" if circle else f"loaded {results[0].words_for_sites[1]}"
+    yield loaded, "", "", _loaded
+    ratio = _entry("contact_ratio_under_load", ".3f", positive=True)
+    yield "contact ratio under load", "", "", ratio
+    key = "peak_pressure_off_corners"
+    pressure = _entry(f"{key}_MPa", ".0f", error="peak_pressure", place=key, positive=True)
+    yield "largest pressure", "p_max", "MPa", pressure
+    if results[0].drive is None:
+        key = "peak_line_load"
+        line_load = _entry(f"{key}_N_per_mm", ".1f", place=key, positive=True)
+        yield "largest line load", "w_max", "N/mm", line_load
+    else:
+        yield "largest force of one of them", "", "N", _largest_force
+        yield "largest share of the force", "", "%", _largest_share
+    for kind in ("tangent", "secant"):
+        key = f"stiffness_{kind}"
+        stiffness = _entry(f"{key}_mean_N_per_um", ".2f", error=key)
+        yield f"mesh stiffness, {kind}, mean", "", "N/µm", stiffness
+
+
+def _entry(key: str, form: str, **options: Any) -> Callable[[Result], Cell | None]:
+    return partial(_number, key=key, form=form, **options)
 
 
 def _number(
-    result: Result, key: str, form: str, *, error: str = "", place: str = ""
+    result: Result, key: str, form: str, *, error: str = "", place: str = "", positive: bool = False
 ) -> Cell | None:
     """Cell of an entry of the summary; `place` is the prefix of its position and pair."""
     value = result.summary.get(key)
-    if value is None:
+    if value is None or (positive and value <= 0):
         return None
     if key in OF_SEVERAL and result.position_rad.size == 1:
         return None
@@ -107,52 +171,11 @@ def _number(
     return Cell(value, format(value, form), known, note)
 
 
-def _of_motion(results: Sequence[Result]) -> Iterator[Row]:
-    for name, symbol, part in (("mean", "", "mean"), ("peak to peak", "PPTE", "peak_to_peak")):
-        key = f"transmission_error_{part}"
-        cell = partial(_number, key=f"{key}_um", form=".2f", error=key)
-        yield _row(results, f"transmission error, {name}", symbol, "µm", cell)
-    if any(_beyond(result) for result in results):
-        cell = partial(_number, key="transmission_error_by_load_mean_um", form=".2f")
-        yield _row(results, "part of the mean by load", "", "µm", cell)
-    count = max(len(one.summary["transmission_error_mesh_harmonics_um"] or ()) for one in results)
-    for k in range(count):
-        name = f"amplitude of mesh order {k + 1}"
-        yield _row(results, name, "", "µm", partial(_harmonic, k=k))
-
-
-def _beyond(result: Result) -> bool:
-    """Whether the state without load is a notable part of the mean."""
-    mean, by_load = (
-        result.summary[f"transmission_error_{kind}mean_um"] for kind in ("", "by_load_")
-    )
-    return bool(abs(by_load - mean) > 1e-3 * abs(mean))
-
-
 def _harmonic(result: Result, k: int) -> Cell | None:
     found = result.summary["transmission_error_mesh_harmonics_um"]
     if not found or found[k] is None:
         return None
     return Cell(found[k], f"{found[k]:.3f}")
-
-
-def _of_contact(results: Sequence[Result]) -> Iterator[Row]:
-    drive = results[0].drive
-    names = {"belt": "loaded teeth", "chain": "loaded rollers"}
-    name = "loaded pairs" if drive is None else names[drive.name]
-    circle = all(result.whole_circle for result in results)
-    yield _row(results, "teeth that carry" if circle else name, "", "", _loaded)
-    yield _row(results, "contact ratio under load", "", "", _contact_ratio)
-    yield _row(results, "largest pressure", "p_max", "MPa", _pressure)
-    if drive is None:
-        yield _row(results, "largest line load", "w_max", "N/mm", _line_load)
-    else:
-        yield _row(results, "largest force of one of them", "", "N", _largest_force)
-        yield _row(results, "largest share of the force", "", "%", _largest_share)
-    for kind in ("tangent", "secant"):
-        key = f"stiffness_{kind}"
-        cell = partial(_number, key=f"{key}_mean_N_per_um", form=".2f", error=key)
-        yield _row(results, f"mesh stiffness, {kind}, mean", "", "N/µm", cell)
 
 
 def _loaded(result: Result) -> Cell:
@@ -161,27 +184,9 @@ def _loaded(result: Result) -> Cell:
     return Cell(text, text)
 
 
-def _contact_ratio(result: Result) -> Cell | None:
-    return _positive(_number(result, "contact_ratio_under_load", ".3f"))
-
-
-def _pressure(result: Result) -> Cell | None:
-    key = "peak_pressure_off_corners"
-    return _positive(_number(result, f"{key}_MPa", ".0f", error="peak_pressure", place=key))
-
-
-def _line_load(result: Result) -> Cell | None:
-    key = "peak_line_load"
-    return _positive(_number(result, f"{key}_N_per_mm", ".1f", place=key))
-
-
 def _largest_share(result: Result) -> Cell:
     share = float(100 * result.load_share.max())
     return Cell(share, f"{share:.2f}", (result.estimate or {}).get("load_share"))
-
-
-def _positive(cell: Cell | None) -> Cell | None:
-    return cell if cell is not None and float(cell.value) > 0 else None
 
 
 def _largest_force(result: Result) -> Cell:
@@ -189,46 +194,11 @@ def _largest_force(result: Result) -> Cell:
     return Cell(force, f"{force:.4g}")
 
 
-def _of_face(results: Sequence[Result]) -> Iterator[Row]:
-    """Load over the width, and transverse."""
-    yield _row(results, "transverse load factor", "K_Hα", "", _transverse)
-    yield from _plain(
-        results,
-        ("face load factor", "K_Hβ", "", "face_load_factor", ".3f"),
-        ("the same by ISO 6336-1, for comparison", "K_Hβ", "", "k_h_beta_iso", ".3f"),
-        ("axial position of the largest line load", "", "mm", "peak_line_load_z_mm", ".2f"),
-        ("axial force, largest", "F_x", "N", "axial_force_N", ".1f"),
-        ("tilting moment, largest", "", "N m", "tilting_moment_Nm", ".3f"),
-        ("tilt of the teeth by the shafts, mean", "", "µm/mm", "tilt_mean_um_per_mm", ".4f"),
-    )
-
-
 def _transverse(result: Result) -> Cell | None:
     factor = result.transverse_load_factor
-    if factor is None or result.drive is not None or result.has_cam or result.whole_circle:
+    if not factor or result.drive is not None or result.has_cam or result.whole_circle:
         return None
-    return _positive(Cell(factor, f"{factor:.3f}"))
-
-
-def _of_others(results: Sequence[Result]) -> Iterator[Row]:
-    """Root stress, friction, sliding, coast flanks."""
-    for z in (1, 2):
-        for side in ("tension", "compression"):
-            name = f"root stress of body {z}, largest {side}"
-            yield _row(results, name, "σ_F", "MPa", partial(_root, z=z, side=side))
-    yield _row(results, "efficiency", "η", "%", _efficiency)
-    yield from _plain(
-        results,
-        ("sliding, largest, per rad of rotation", "", "mm", "largest_sliding_mm_per_rad", ".2f"),
-        ("force of a coast flank, largest", "", "N", "coast_force_N", ".4g"),
-        ("gap of the coast flanks, least", "", "µm", "coast_flank_gap_min_um", ".1f"),
-    )
-
-
-def _plain(results: Sequence[Result], *rows: tuple[str, str, str, str, str]) -> Iterator[Row]:
-    """Rows of entries of the summary: name, symbol, unit, key and format."""
-    for name, symbol, unit, key, form in rows:
-        yield _row(results, name, symbol, unit, partial(_number, key=key, form=form))
+    return Cell(factor, f"{factor:.3f}")
 
 
 def _root(result: Result, z: int, side: str) -> Cell | None:

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flankload import plot as pictures
+from flankload.plot.picture import OF_LARGEST
 from flankload.plot.svg import panel_of
 from flankload.report.turning import thinned
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from flankload.plot.svg import Panel, PlottedAxes
+    from flankload.plot.svg import Panel
     from flankload.result import Result
 
 #: Sections of plots in their order, with the plots that belong to each.
@@ -55,22 +57,10 @@ TITLES = {
 }
 #: Sizes in inches: of a plot of half a page, and of drawings.
 SIZE, DRAWING = (5.8, 3.9), (5.8, 5.4)
-#: Pictures that show the largest torque alone.
-ONE_TORQUE = (
-    "load_map", "loaded_pair", "flank_forces", "follower_motion", "root_stress",
-    "root_stress_over_width", "line_load", "line_load_map", "contact_pattern", "load_per_tooth",
-    "flank_pressure", "belt_on_pulley", "load_around_wrap", "force_through_wrap",
-    "chain_on_sprocket", "tensions",
-)  # fmt: skip
-#: Pictures with a panel for each body.
-OF_BODIES = ("pressure_over_diameter", "profile_deviation", "contact_pattern")
-DRAWINGS = ("loaded_pair", "belt_on_pulley", "chain_on_sprocket")
+#: Pictures of whole bodies.
+OF_BODIES = ("loaded_pair", "belt_on_pulley", "chain_on_sprocket")
 #: Points of an outline may lie off by this part of the tip radius.
 OFF = 2e-4
-#: Significant digits of the curves for the script.
-DIGITS = 4
-#: Words in the label of an axis that shows the positions.
-OF_POSITIONS = ("angle of body 1 in degrees", "cam angle in degrees")
 
 
 @dataclass(frozen=True)
@@ -94,23 +84,12 @@ class Plot:
 
 
 def plots_of(results: Sequence[Result]) -> dict[str, tuple[Plot, ...]]:
-    """Plots that suit the results, by section.
-
-    Parameters
-    ----------
-    results : sequence of Result
-        One per torque.
-
-    Returns
-    -------
-    dict of str to tuple of Plot
-        Without empty sections.
-    """
+    """Plots that suit the results (one per torque), by section, without empty sections."""
     light = tuple(_light(result) for result in results)
     drawn: dict[str, list[Plot]] = {title: [] for title in (*SECTIONS, OTHERS)}
     section = {name: title for title, names in SECTIONS.items() for name in names}
     for name in pictures.pictures_of(light):
-        drawn[section.get(name, OTHERS)] += _plots(name, _suited(name, light))
+        drawn[section.get(name, OTHERS)] += _plots(name, pictures.suited(name, light))
     order = [name for names in SECTIONS.values() for name in names]
     for title in SECTIONS:
         drawn[title].sort(key=lambda plot: order.index(plot.picture))
@@ -127,17 +106,11 @@ def _light(result: Result) -> Result:
     return replace(result, drawing=replace(drawing, outline_1=one, outline_2=two))
 
 
-def _suited(name: str, results: tuple[Result, ...]) -> tuple[Result, ...]:
-    """Results that have a picture: without torque there is no stiffness."""
-    suited = tuple(one for one in results if name in pictures.pictures_of((one,)))
-    return suited or results
-
-
 def _plots(name: str, results: Sequence[Result]) -> list[Plot]:
     """The panels of a picture, each a plot of its own."""
-    draw = getattr(pictures, f"draw_{name}")
+    draw = pictures.DRAWINGS[name]
     title = TITLES.get(name, name.replace("_", " ").capitalize())
-    if name in ONE_TORQUE and len(results) > 1:
+    if name in OF_LARGEST and len(results) > 1:
         title += f", {results[-1].torque_Nm:g} N m"
     if name == "load_around_wrap":
         return [
@@ -145,7 +118,7 @@ def _plots(name: str, results: Sequence[Result]) -> list[Plot]:
             _plot("tension_around_wrap", name, TITLES["tension_around_wrap"],
                   pictures.draw_tension_around_wrap, results),
         ]  # fmt: skip
-    if name in OF_BODIES:
+    if "body" in signature(draw).parameters:
         known = _bodies(name, results)
         return [
             _plot(f"{name}_{z}", name, f"{title}, body {z}", partial(draw, body=z), results)
@@ -185,7 +158,7 @@ def _swept(results: Sequence[Result]) -> dict[str, str]:
 def _plot(
     name: str, picture: str, title: str, draw: Callable[..., None], results: Sequence[Result]
 ) -> Plot:
-    size = DRAWING if picture in DRAWINGS else SIZE
+    size = DRAWING if picture in OF_BODIES else SIZE
     return Plot(name, picture, title, panel_of(partial(draw, results=results), name, size))
 
 
@@ -193,46 +166,21 @@ def _plot(
 def curve_data(
     plots: dict[str, tuple[Plot, ...]], torques: Sequence[str] = ()
 ) -> dict[str, list[dict[str, Any]]]:
-    """Curves of all plots, for the script of the page.
+    """Curves for the script of the page: by name of the plot, the axes of its panel.
 
-    Parameters
-    ----------
-    plots : dict
-        From `plots_of`.
-    torques : sequence of str
-        Names of curves without a label, if there is one for each of several torques.
-
-    Returns
-    -------
-    dict
-        By name of the plot, a list of its axes: `box`, `x` and `y` (ranges), `label` (of the
-        ordinate), `position` (whether the abscissa is the position) and `curves` (name, x, y).
+    If there is a curve without a label for each of several torques, these are their names.
     """
     return {
-        plot.name: [_axes_data(axes, torques) for axes in plot.panel.axes]
+        plot.name: [_named(axes, torques) for axes in plot.panel.axes]
         for section in plots.values()
         for plot in section
         if plot.panel.axes
     }
 
 
-def _axes_data(axes: PlottedAxes, torques: Sequence[str]) -> dict[str, Any]:
-    names = [curve.name for curve in axes.curves]
-    if len(names) > 1 and len(names) == len(torques) and not any(names):
-        names = list(torques)
-    return {
-        "box": [round(float(value), 2) for value in axes.box],
-        "x": _numbers(np.array(axes.x_range)),
-        "y": _numbers(np.array(axes.y_range)),
-        "label": axes.y_label,
-        "position": axes.x_label.startswith(OF_POSITIONS),
-        "curves": [
-            [name, _numbers(curve.x, DIGITS + 1), _numbers(curve.y)]
-            for name, curve in zip(names, axes.curves, strict=True)
-        ],
-    }
-
-
-def _numbers(values: Any, digits: int = DIGITS) -> list[float | None]:
-    """Values with few significant digits; None where they are not finite."""
-    return [float(f"{value:.{digits}g}") if np.isfinite(value) else None for value in values]
+def _named(axes: dict[str, Any], torques: Sequence[str]) -> dict[str, Any]:
+    curves = axes["curves"]
+    if not 1 < len(curves) == len(torques) or any(name for name, *_ in curves):
+        return axes
+    named = [[name, x, y] for name, (_, x, y) in zip(torques, curves, strict=True)]
+    return axes | {"curves": named}

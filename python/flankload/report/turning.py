@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.report.loads import LETTER, REACH, path_text, scales_of, short, state_at
+from flankload.plot.style import all_around, turned
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from flankload.result import Result
+    from flankload.result import PairTable, Result
 
     Floats = NDArray[np.float64]
 
@@ -23,6 +23,14 @@ if TYPE_CHECKING:
 MOST_POSITIONS = 128
 #: Points of an outline may lie off by this part of the picture's width.
 OFF = 5e-4
+#: Length of the largest force or pressure, as part of the height of the picture.
+REACH = 0.2
+#: Height of letters, as part of the width of the picture.
+LETTER = 0.03
+#: Decimals of a transmission error in um: the rest is roundoff.
+DECIMALS = 6
+#: Most points of the pressure on a flank.
+MOST_POINTS = 24
 
 
 @dataclass(frozen=True)
@@ -41,6 +49,10 @@ class Turning:
         Height of the numbers of the pairs.
     start : int
         Position that is shown at first.
+    heads : tuple of str
+        Heads of the columns of the pairs.
+    legend : str
+        Meaning of the red areas.
     data : dict
         For the script: `deg` (P,) angles of the positions; `turn` of both bodies (2, P), deg;
         `torques` (T,); `states` (T, P) of transmission error in um, rows of pairs (number, force in
@@ -53,21 +65,13 @@ class Turning:
     center_mm: float
     letter_mm: float
     start: int
+    heads: tuple[str, ...]
+    legend: str
     data: dict[str, Any]
 
 
 def turning(results: Sequence[Result]) -> Turning:
-    """Picture of the loaded bodies at every position.
-
-    Parameters
-    ----------
-    results : sequence of Result
-        One per torque, at the same positions.
-
-    Returns
-    -------
-    Turning
-    """
+    """Picture of the loaded bodies at every position; results of all torques have the same ones."""
     result = results[-1]
     drawing = result.drawing
     shown = _positions(result)
@@ -87,15 +91,17 @@ def turning(results: Sequence[Result]) -> Turning:
             strict=False,
         )
     ]
-    states = [[state_at(one, p, scales_of(results), size) for p in shown] for one in results]
+    states = [[_state_at(one, p, _scales_of(results), size) for p in shown] for one in results]
     return Turning(
         f"{low[0]:.3f} {-high[1]:.3f} {high[0] - low[0]:.3f} {high[1] - low[1]:.3f}",
         tuple(outlines),
         drawing.center_distance_mm,
         round(LETTER * size, 3),
         int(np.argmin(np.abs(np.array(shown) - _start(result)))),
+        _heads_of(result),
+        _legend(result),
         {
-            "deg": [short(degrees(result.position_rad[p])) for p in shown],
+            "deg": [_short(degrees(result.position_rad[p])) for p in shown],
             "turn": [[round(degrees(angle[p]), 4) for p in shown] for angle in turns],
             "torques": [one.torque_Nm for one in results],
             "states": states,
@@ -127,14 +133,16 @@ def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats
     drawing = result.drawing
     apart = np.array([drawing.center_distance_mm, 0.0])
     if result.drive is not None or result.whole_circle:
-        rims = (drawing.bore_radius_2_mm or 0.0, *map(_largest, _outlines(result)))
+        rims = [drawing.bore_radius_2_mm or 0.0, _largest(drawing.outline_1)]
+        if result.drive is None:
+            rims.append(_largest(drawing.outline_2))
         half = 1.05 * max(rims) * np.ones(2)
         if result.drive is not None:
             half *= 1.0 + 2 * REACH
         return apart - half, apart + half
     if result.has_cam:
         swept = [
-            _turned(outline, angle) + center
+            turned(outline, angle) + center
             for outline, angles, center in (
                 (drawing.outline_1, drawing.angle_1, 0.0 * apart),
                 (drawing.outline_2, drawing.angle_2, apart),
@@ -157,36 +165,15 @@ def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats
     return places.min(axis=0) - 0.9 * pitch, places.max(axis=0) + 0.9 * pitch
 
 
-def _outlines(result: Result) -> tuple[Floats, ...]:
-    drawing = result.drawing
-    return (drawing.outline_1,) if result.drive else (drawing.outline_1, drawing.outline_2)
-
-
 def _outline(sector: Floats, teeth: int, off_mm: float) -> str:
     """SVG path of all teeth of a body."""
-    sector = thinned(sector, off_mm)
-    turns = 2 * np.pi / teeth * np.arange(teeth)
-    whole = np.concatenate([_turned(sector, turn) for turn in turns])
-    return f"M{path_text(whole)}Z"
-
-
-def _turned(points: Floats, angle: float) -> Floats:
-    """Points (n, 2), rotated counter-clockwise about the axis."""
-    return points @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return f"M{_path_text(all_around(thinned(sector, off_mm), teeth))}Z"
 
 
 def thinned(points: Floats, off_mm: float) -> Floats:
-    """Leave out points that lie nearer than a distance to the line through those kept.
+    """Leave out points (n, 2) that lie nearer than a distance to the line through those kept.
 
-    Parameters
-    ----------
-    points : (n, 2) array
-    off_mm : float
-
-    Returns
-    -------
-    (k, 2) array
-        With both ends (Douglas and Peucker, 1973).
+    Both ends are kept (Douglas and Peucker, 1973).
     """
     keep = np.zeros(len(points), dtype=bool)
     keep[[0, -1]] = True
@@ -211,3 +198,121 @@ def _hole(radius: float | None, largest: float) -> str:
         return ""
     arc = f"a{radius:.3f} {radius:.3f} 0 1 0"
     return f"M{-radius:.3f} 0{arc} {2 * radius:.3f} 0{arc} {-2 * radius:.3f} 0Z"
+
+
+def _scales_of(results: Sequence[Result]) -> tuple[float, float]:
+    """Largest force, N, and largest pressure off corners, MPa, of all torques."""
+    force = max(float(one.site_force_N.max()) for one in results)
+    pressure = max(
+        float(np.where(one.corner_contact, 0.0, one.peak_pressure_MPa).max()) for one in results
+    )
+    return force or 1.0, pressure or 1.0
+
+
+def _state_at(
+    result: Result, p: int, scales: tuple[float, float], size_mm: float
+) -> dict[str, Any]:
+    """Numbers and paths of a position."""
+    table = result.pairs(p)
+    rows, paths = [], []
+    for s, site in enumerate(result.sites):
+        force = float(result.site_force_N[p, s])
+        if force <= 0:
+            continue
+        row: list[float | str] = [int(site), _short(force / 1e3)]
+        row.append(_short(100 * result.load_share[p, s]))
+        if result.drive is None:
+            corner = bool(result.corner_contact[p, s])
+            row.append("corner" if corner else _short(result.peak_pressure_MPa[p, s]))
+        rows.append(row)
+        path, tip, out = _path_of_load(result, table, p, s, scales, REACH * size_mm)
+        name = tip + LETTER * size_mm * (out - [0.0, 0.4])
+        paths.append([path, *(round(float(value), 2) for value in name)])
+    return {
+        "te": _short(round(float(result.transmission_error_um[p]), DECIMALS)),
+        "pairs": rows,
+        "paths": paths,
+    }
+
+
+def _path_of_load(
+    result: Result,
+    table: PairTable,
+    p: int,
+    s: int,
+    scales: tuple[float, float],
+    reach_mm: float,
+) -> tuple[str, Floats, Floats]:
+    """SVG path of the load of a pair, its tip and direction: pressure on the flank, or an arrow."""
+    force = float(result.site_force_N[p, s]) / scales[0]
+    if result.drive is not None:
+        angle, radius, direction = result.drive.drawn_force(result, p, s)
+        start, along = (np.array([np.cos(at), np.sin(at)]) for at in (angle, direction))
+        return _arrow(radius * start, along, force * reach_mm)
+    rows = np.flatnonzero((table.site == result.sites[s]) & (table.force_N > 0))
+    place = np.column_stack([table.x_mm, table.y_mm])[rows]
+    normal = np.column_stack([table.normal_x, table.normal_y])[rows]
+    weight = table.force_N[rows]
+    lumped = table.half_width_mm is not None or table.z_mm is not None
+    if lumped or result.whole_circle or result.corner_contact[p, s] or len(rows) < 3:
+        mean = np.average(place, axis=0, weights=weight)
+        out = np.average(normal, axis=0, weights=weight)
+        part = 0.5 if result.whole_circle else 1.0
+        return _arrow(mean, out / np.hypot(*out), part * force * reach_mm)
+    order = np.argsort(table.arc_length_1_mm[rows], kind="stable")
+    order = order[:: max(1, len(order) // MOST_POINTS)]
+    height = reach_mm * table.pressure_MPa[rows][order] / scales[1]
+    tips = place[order] + normal[order] * height[:, None]
+    tip = tips[int(np.argmax(height))]
+    middle = normal[order][int(np.argmax(height))]
+    return f"M{_path_text(place[order])}L{_path_text(tips[::-1])}Z", tip, middle
+
+
+def _arrow(start: Floats, direction: Floats, length: float) -> tuple[str, Floats, Floats]:
+    """SVG path of an arrow with a head of a third of its length, its tip and direction."""
+    aside = np.array([-direction[1], direction[0]])
+    tip = start + length * direction
+    neck = start + 0.68 * length * direction
+    half, wide = 0.045 * length, 0.13 * length
+    corners = [
+        start + half * aside, neck + half * aside, neck + wide * aside, tip,
+        neck - wide * aside, neck - half * aside, start - half * aside,
+    ]  # fmt: skip
+    return f"M{_path_text(np.array(corners))}Z", tip, direction
+
+
+def _short(value: float) -> float | int:
+    """Four significant digits; an integer where the rest is 0."""
+    rounded = float(f"{float(value):.4g}")
+    return int(rounded) if rounded.is_integer() else rounded
+
+
+def _heads_of(result: Result) -> tuple[str, ...]:
+    """Heads of the columns of `pairs`."""
+    name = result.words_for_sites[0]
+    if result.drive is not None:
+        return name, "force, kN", "share, %"
+    return name, "force, kN", "share, %", "pressure, MPa"
+
+
+def _legend(result: Result) -> str:
+    """Meaning of the red areas of the picture."""
+    scale = "to scale with the largest of all positions"
+    if result.drive is not None:
+        return f"Arrows: forces on the teeth of body 1, {scale}."
+    if result.slices is not None:
+        return (
+            "Transverse section at z = 0. Arrows: force of each pair, at the centre of its load, "
+            f"{scale}."
+        )
+    if result.whole_circle:
+        return f"Arrows: force on each flank, {scale}."
+    return (
+        f"Red: pressure on the flanks, {scale}; an arrow where a pair carries on a sharp corner, "
+        "to scale with the largest force. Numbers: pairs."
+    )
+
+
+def _path_text(points: Floats) -> str:
+    """Points (n, 2) as in an SVG path."""
+    return "L".join(f"{x:.2f} {y:.2f}" for x, y in points)

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.contact.sweep import sweep
+from flankload.contact.sweep import FlankContact, sweep
 from flankload.errors import ContactError
-from flankload.pairing.coast_sites import coast_sites
+from flankload.pairing.pairing import coast_sites
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -69,16 +69,8 @@ class CoastSide:
             return float("nan")
 
     def _gaps(self, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
-        (found,) = sweep(
-            self.bodies,
-            compliances=self.compliances,
-            pairing=self.pairing,
-            position_rad=position_rad,
-            torques_Nmm=(0.0,),
-            face_width_mm=1.0,
-            grid=self.grid,
-            keep_pairs=False,
-        )
+        contact = FlankContact(self.bodies, self.compliances, self.pairing, 1.0, self.grid)
+        (found,) = sweep(contact, position_rad, (0.0,), keep_pairs=False)
         return found.rotation_rad
 
 

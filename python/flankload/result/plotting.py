@@ -126,9 +126,9 @@ class Plots:
         """Stress in the most stressed tooth roots over the face width."""
         return self._draw("root_stress_over_width", ax)
 
-    def line_load(self, ax: Any = None) -> Any:
+    def line_load(self, ax: Any = None, *, position: int | None = None) -> Any:
         """Line load over the face width."""
-        return self._draw("line_load", ax)
+        return self._draw("line_load", ax, position=position)
 
     def line_load_map(self, ax: Any = None) -> Any:
         """Line load of a tooth over its way and the face width."""

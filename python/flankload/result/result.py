@@ -295,6 +295,13 @@ class Result(ContactQuantities, ResultForms):
         """Whether a follower lies on a cam."""
         return self.follower_angle_rad is not None
 
+    @property
+    def words_for_sites(self) -> tuple[str, str]:
+        """Words for a site, and for several: pair, tooth or roller."""
+        if self.drive is not None:
+            return self.drive.words_for_sites
+        return ("tooth", "teeth") if self.whole_circle else ("pair", "pairs")
+
     @cached_property
     def transmission_error_um(self) -> Floats:
         """(P,) Rotation times reference radius, um; positive if body 1 has turned further."""

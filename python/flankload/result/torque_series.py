@@ -35,6 +35,7 @@ SHARED = frozenset(
         "closed",
         "whole_circle",
         "has_cam",
+        "words_for_sites",
         "stands_alike",
         "follower_angle_rad",
         "follower_angle_deg",

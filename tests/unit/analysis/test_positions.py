@@ -12,7 +12,7 @@ import pytest
 
 import flankload as fl
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.pairing.period import period_of
+from flankload.pairing.pairing import period_of
 from flankload.result.harmonics import over_positions
 from tests.support.paths import SCENES
 from tests.support.solving import solve

@@ -528,12 +528,12 @@ def test_failed_picture_leaves_no_output(
     scene: Path, tmp_path: Path, solved: list[Any], monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
-    import flankload.plot
+    import flankload.plot.style
 
     def refuse(*_: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device", "out/picture.png")
 
-    monkeypatch.setattr(flankload.plot, "write_atomically", refuse)
+    monkeypatch.setattr(flankload.plot.style, "write_atomically", refuse)
     code, out, err = run(
         capsys, "run", scene, "--json", tmp_path / "a.json", "--plot", tmp_path / "out"
     )

@@ -12,7 +12,7 @@ import flankload as fl
 from flankload import _core
 from flankload.bodies import Body
 from flankload.bodies.profile_deviation import deviation_at
-from flankload.contact.sweep import Sweep, sweep
+from flankload.contact.sweep import FlankContact, Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance, Expansion, FlankModes, NearField
 from flankload.elasticity.near_field import mode_norms, mode_values
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -54,13 +54,15 @@ def swept(
     bodies: tuple[Body, Body] | None = None,
 ) -> Sweep:
     (found,) = sweep(
-        bodies or (pair.body_1, pair.body_2),
-        compliances=compliances,
-        pairing=pair.pairing,
-        position_rad=pair.position_rad,
-        torques_Nmm=[1000.0 * torque_Nm],
-        face_width_mm=14.0,
-        grid=pair.discretization.grid,
+        FlankContact(
+            bodies or (pair.body_1, pair.body_2),
+            compliances=compliances,
+            pairing=pair.pairing,
+            face_width_mm=14.0,
+            grid=pair.discretization.grid,
+        ),
+        pair.position_rad,
+        [1000.0 * torque_Nm],
     )
     return found
 

@@ -15,10 +15,9 @@ import flankload as fl
 from flankload import _core
 from flankload.contact import core_call as core_room
 from flankload.contact import sweep as sweep_room
-from flankload.contact.interruptible import call_and_watch
+from flankload.contact.core_call import call_and_watch
 from flankload.contact.pair_table import COLUMNS
-from flankload.contact.status import EXCEPTIONS, NO_ROOM, words
-from flankload.contact.sweep_failure import IN_A_SCENE, raise_first_failure
+from flankload.contact.status import EXCEPTIONS, IN_A_SCENE, NO_ROOM, raise_first_failure, words
 from tests.support.sweep_calls import TORQUES, assert_same, job, run
 
 

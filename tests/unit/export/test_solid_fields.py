@@ -21,9 +21,13 @@ from flankload.elasticity.prism.flank_potential import projected_potential
 from flankload.elasticity.prism.loaded_prism import LoadedPrism, SolidPart, loaded_prism
 from flankload.elasticity.prism.root_surface import root_surface_stress
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.loaded_bodies import field_bodies
-from flankload.mechanisms.flank_pair.loaded_solids import SolidBody, in_world, stress_in_world
-from flankload.mechanisms.flank_pair.nodal_fields import NodalFields
+from flankload.mechanisms.flank_pair.loaded_bodies import (
+    NodalFields,
+    SolidBody,
+    field_bodies,
+    in_world,
+    stress_in_world,
+)
 from tests.support.made_up_result import made_up_result
 from tests.support.plane_sectors import STEEL
 from tests.support.ring_bodies import gear

@@ -16,7 +16,7 @@ import pytest
 
 import flankload as fl
 from flankload.cli import main
-from flankload.contact.sweep import sweep
+from flankload.contact.sweep import FlankContact, sweep
 from flankload.elasticity.compliance import no_compliance
 from flankload.mechanisms.flank_pair import premises
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -97,13 +97,15 @@ def test_pressure_is_held_against_the_softer_body_that_yields() -> None:
     pair = build_bodies(scene)
     nothing = (no_compliance(pair.body_1), no_compliance(pair.body_2))
     (found,) = sweep(
-        (pair.body_1, pair.body_2),
-        compliances=nothing,
-        pairing=pair.pairing,
-        position_rad=pair.position_rad,
-        torques_Nmm=[0.0],
-        face_width_mm=14.0,
-        grid=pair.discretization.grid,
+        FlankContact(
+            (pair.body_1, pair.body_2),
+            compliances=nothing,
+            pairing=pair.pairing,
+            face_width_mm=14.0,
+            grid=pair.discretization.grid,
+        ),
+        pair.position_rad,
+        [0.0],
     )
     geometry = pair_geometry(pair, nothing)
 
@@ -127,15 +129,17 @@ def test_pressures_of_slices_are_not_divided_by_the_width() -> None:
     pair = build_bodies(scene)
     nothing = (no_compliance(pair.body_1), no_compliance(pair.body_2))
     (found,) = sweep(
-        (pair.body_1, pair.body_2),
-        compliances=nothing,
-        pairing=pair.pairing,
-        position_rad=pair.position_rad,
-        torques_Nmm=[0.0],
-        face_width_mm=14.0,
-        grid=pair.discretization.grid,
-        level="lumped",
-        slices=pair.slices,
+        FlankContact(
+            (pair.body_1, pair.body_2),
+            compliances=nothing,
+            pairing=pair.pairing,
+            face_width_mm=14.0,
+            grid=pair.discretization.grid,
+            level="lumped",
+            slices=pair.slices,
+        ),
+        pair.position_rad,
+        [0.0],
     )
     geometry = pair_geometry(pair, nothing)
     for part, count in ((0.49, 0), (0.6, 1)):

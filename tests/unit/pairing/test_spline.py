@@ -13,7 +13,7 @@ import pytest
 import flankload as fl
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.backlash import coast_overlap_um
+from flankload.mechanisms.flank_pair.premises import coast_overlap_um
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.spline_fit import describe_fit
 from flankload.plot import plot_all, plot_flank_pressure, plot_load_per_tooth, plot_loaded_pair

@@ -21,9 +21,9 @@ from flankload.plot import (
     plot_loaded_pair,
     plot_root_stress_over_width,
 )
+from flankload.plot.load_maps import contact_pattern
 from flankload.plot.loaded_pair_3d import AXIAL_FACETS, CONTOUR_FACETS, VIEW, teeth_in_mesh
-from flankload.plot.slices import contact_pattern
-from flankload.plot.style import new_figure
+from flankload.plot.style import new_figure, turned
 from tests.support.gear_scenes import example
 from tests.support.made_up_result import made_up_result
 from tests.support.solving import solve
@@ -109,6 +109,14 @@ def test_line_load_of_each_pair_and_of_all(result: fl.Result) -> None:
     assert "N per mm face width" in axes.get_ylabel()
     legend = axes.get_legend()
     assert f"{result.face_load_factor:.3f}" in legend.get_title().get_text()
+
+
+def test_line_load_of_a_given_position(result: fl.Result) -> None:
+    p = int(result.slice_line_load_N_per_mm.max(axis=(1, 2)).argmin())
+    axes = result.plot.line_load(position=p)
+    assert f"{np.degrees(result.position_rad[p]):.2f}°" in axes.get_title(loc="left")
+    summed = result.slice_line_load_N_per_mm[p].sum(axis=0)
+    np.testing.assert_array_equal(steps(axes)["all pairs"], summed)
 
 
 def test_one_pair_alone_has_no_line_of_all_pairs(result: fl.Result) -> None:
@@ -234,6 +242,32 @@ def test_loads_of_the_loaded_pair_are_on_its_teeth(result: fl.Result) -> None:
         (one,), (two,) = (np.nonzero((site == 0) & (j == at)) for at in (4, 5))
         end, start = corners[one, 1:3].mean(axis=1), corners[two][:, [0, 3]].mean(axis=1)
         np.testing.assert_allclose(end, start, atol=0.02)
+
+
+def test_loaded_pair_of_a_ring_shows_the_line_loads_on_the_teeth_of_both_bodies() -> None:
+    """Both meet at negative x: the pinion is drawn turned by 180°, the ring as it is."""
+    found = solved("internal_helical", positions={"count": 1})
+    assert found.drawing.is_around
+    assert "loaded_pair" in plot.pictures_of(found)
+    table = found.pairs(0)
+    assert table.z_mm is not None
+    carries = table.force_N > 0
+    apart = found.drawing.center_distance_mm
+    figure = plot_loaded_pair(found)
+    for body, (x, y) in ((1, (-table.x_mm, -table.y_mm)), (2, (table.x_mm - apart, table.y_mm))):
+        place = np.column_stack([x, y, table.z_mm])[carries]
+        teeth = teeth_in_mesh(found, 0, body)
+        for at in place:
+            contour = turned(teeth.contour(), teeth.shape.twist_rad_per_mm * at[2])
+            assert np.linalg.norm(contour - at[:2], axis=1).min() < 0.4
+        # the rim is on the other side of the contour: within the pinion, around the ring
+        radii = np.hypot(*teeth.contour().T)
+        assert (teeth.rim_mm < radii.min()) if body == 1 else (teeth.rim_mm > radii.max())
+        assert 3 <= len(teeth.contours) <= 8
+        middles = [
+            path.vertices[:4].mean(axis=0) for path in bands_of(figure.axes[body - 1]).get_paths()
+        ]
+        np.testing.assert_allclose(middles, place @ VIEW[:2].T, atol=1e-9)
 
 
 def test_loaded_pair_has_few_facets(result: fl.Result) -> None:

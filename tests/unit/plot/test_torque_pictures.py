@@ -18,9 +18,9 @@ from PIL import Image
 from flankload import plot
 from flankload.bodies.profile_deviation import ProfileDeviation
 from flankload.errors import InputError
-from flankload.plot.diameters import path_on_flank
+from flankload.plot.curves import spectrum
 from flankload.plot.figures import CURVE_LABEL, label_curves, spread_labels
-from flankload.plot.spectrum import spectrum
+from flankload.plot.involutes import path_on_flank
 from flankload.plot.style import BODIES, COLOURS, torque_colours
 from flankload.result import Result, TorqueSeries
 from flankload.result.geometry import PairGeometry

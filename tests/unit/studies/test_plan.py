@@ -19,9 +19,9 @@ from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.mechanisms.effect_size import States, size_of
 from flankload.mechanisms.flank_pair import screening
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.prism_rates import coarse_compliance
-from flankload.mechanisms.flank_pair.screened_nodes import nodal_size
-from flankload.mechanisms.flank_pair.stages import sweep_of
+from flankload.mechanisms.flank_pair.pair_models import coarse_compliance
+from flankload.mechanisms.flank_pair.screening import nodal_size
+from flankload.mechanisms.flank_pair.stages import contact_of, swept
 from flankload.mechanisms.toggles import toggled
 from flankload.scene.effects import EFFECTS, effects_of
 from flankload.scene.plane_section import in_three_dimensions, plane_section
@@ -376,12 +376,8 @@ def test_the_third_dimension_is_the_difference_of_two_sweeps_on_the_coarse_eleme
     curves = []
     for each, compliances in ((scene, plane), (other, [found for _, found in coarse])):
         pair = build_bodies(each)
-        (found,) = sweep_of(each, pair)(
-            compliances=(compliances[0], compliances[1]),
-            position_rad=pair.position_rad,
-            torques_Nmm=each.torques_Nmm,
-            grid=pair.discretization.grid,
-        )
+        contact = contact_of(each, pair, (compliances[0], compliances[1]))
+        (found,) = swept(contact, pair.position_rad, each.torques_Nmm)
         curves.append(found)
     assert row.size is not None
     change_um = (

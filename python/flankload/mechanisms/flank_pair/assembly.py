@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import radians
 from typing import TYPE_CHECKING, Any
@@ -15,22 +15,21 @@ from flankload.bodies import Body, build_body
 from flankload.bodies.imported.given import ModalCompliance
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.bodies.root_fillet import RootFillets, root_fillets
+from flankload.contact.sweep import FlankContact, sweep
+from flankload.elasticity.compliance import no_compliance
 from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.positions import positions_of
 from flankload.mechanisms.parts import made_once
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.toggles import without_modifications
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.common_height import common_height, tilt_notes
 from flankload.pairing.expansion import growth_notes, growth_of
-from flankload.pairing.friction import (
-    coefficients_by_tooth,
-    friction_notes,
-    friction_of,
-)
+from flankload.pairing.friction import friction_notes, friction_of
 from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
-from flankload.pairing.period import Period, period_of
 from flankload.pairing.slices import Slices, gap_by_misalignment, reached_positions, slices_of
+from flankload.pairing.spline_fit import common_height, tilt_notes
+from flankload.scene import MeshBody
 from flankload.scene.axial import check_hands
 from flankload.scene.discretization import (
     DEFAULT,
@@ -42,19 +41,17 @@ from flankload.scene.effects import Effects, effects_of
 from flankload.scene.effects.rules import check_coast_kinds
 from flankload.scene.usual import question_notes
 
-#: Largest product of positions and flank pairs (each pitch adds a flank pair): the number of
-#: entries that an array of the result may have.
-MOST_NUMBERS = 1e7
+#: Largest distance between such flanks, as part of the pitch: a larger one means another tooth or
+#: another centre distance.
+LARGEST_STANDING_GAP = 0.25
 #: Flanks from files that deviate from their involute by at most this amount are unmodified.
 LEAST_DEVIATION_UM = 1e-3
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from flankload.bodies.axial_shape import AxialShape
+    from flankload.cost import Account
     from flankload.mechanisms.parts import Parts
     from flankload.scene import BodySpec, Scene
-    from flankload.scene.pair import Positions
 
 
 def bodies_of(
@@ -62,26 +59,16 @@ def bodies_of(
     discretization: Discretization,
     which: tuple[int, ...] = (0, 1),
     *,
-    alike: tuple[Body, Body] | None = None,
     parts: Parts | None = None,
 ) -> tuple[Body, ...]:
     """Bodies of a scene, not yet paired.
 
     Parameters
     ----------
-    scene : Scene
-    discretization : Discretization
     which : tuple of int
         0 is body 1, 1 is body 2.
-    alike : two Body, optional
-        The same bodies at any discretization, if available: the spacing of the nodes that carry
-        forces follows from their curves.
     parts : Parts, optional
         Of earlier runs.
-
-    Returns
-    -------
-    tuple of Body
 
     Raises
     ------
@@ -89,20 +76,24 @@ def bodies_of(
         If a body cannot be made; names file, key, expected and found.
     """
     require_flanks(scene)
-    element_mm, nodes_mm = scene.accuracy.flank_element_mm, None
+    made = partial(_body, scene, discretization, parts)
+    element_mm = scene.accuracy.flank_element_mm
     try:
         if effects_of(scene).nodal_near_field:
-            element_mm, nodes_mm = None, _nodes_mm(scene, discretization, alike, parts)
-        bodies = tuple(
-            _body(scene, discretization, z, (element_mm, nodes_mm), parts) for z in which
-        )
-        if effects_of(scene).nodal_near_field:
+            # named, or from the contact width of the curves
+            nodes_mm = element_mm or spacing_for_loads(
+                (made(0), made(1)), scene.torques_Nm, scene.pair.face_width_mm
+            )
+            bodies = tuple(made(z, nodes_mm=nodes_mm) for z in which)
             for z, body in zip(which, bodies, strict=True):
                 _check_nodes(body, f"body_{z + 1}")
-        elif element_mm is None and (scene.accuracy.modes or 0) > DEFAULT.modes:
+            return bodies
+        bodies = tuple(made(z, element_mm=element_mm) for z in which)
+        if element_mm is None and (scene.accuracy.modes or 0) > DEFAULT.modes:
+            nodes = [_nodes_of_modes(body, scene, z) for z, body in zip(which, bodies, strict=True)]
             bodies = tuple(
-                _bearing(body, scene, discretization, z, parts)
-                for z, body in zip(which, bodies, strict=True)
+                body if nodes_mm is None else made(z, nodes_mm=nodes_mm)
+                for z, body, nodes_mm in zip(which, bodies, nodes, strict=True)
             )
         return bodies
     except SceneError as error:
@@ -121,19 +112,10 @@ def build_bodies(
 
     Parameters
     ----------
-    scene : Scene
-    discretization : Discretization, optional
-        By default that of the scene.
-    bodies : two Body, optional
-        From `bodies_of`, if available.
+    discretization, bodies, parts : optional
+        By default that of the scene; from `bodies_of`; of earlier runs.
     groups : (int, int)
         Number of teeth after which the compliance of each body repeats, if known.
-    parts : Parts, optional
-        Of earlier runs.
-
-    Returns
-    -------
-    BodyPair
 
     Raises
     ------
@@ -141,123 +123,70 @@ def build_bodies(
         If a body cannot be made or the bodies cannot mesh; names file, key, expected and found.
     """
     discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
-    body_1, body_2 = bodies or bodies_of(scene, discretization, parts=parts)
+    one, two = bodies or bodies_of(scene, discretization, parts=parts)
     try:
         if effects.coast_flanks:
-            check_coast_kinds(body_1.kind, body_2.kind)
+            check_coast_kinds(one.kind, two.kind)
         if not effects.tip_contact:
-            body_1, body_2 = without_ends(body_1), without_ends(body_2)
-        window = _window(scene, (body_1, body_2), groups)
+            one, two = without_ends(one), without_ends(two)
+        window = positions_of(scene, (one, two), groups)
         pairing = pair_bodies(
-            body_1,
-            body_2,
+            one,
+            two,
             center_distance_mm=scene.pair.axes_apart_mm,
-            position_rad=reached_positions(window.position_rad, body_1),
+            position_rad=reached_positions(window.position_rad, one),
             coast_flanks=effects.coast_flanks,
         )
         # coefficients may differ from tooth to tooth
         pairing = replace(pairing, period=window.period)
-        friction = friction_of(scene, body_1, pairing)
-        fillets = (_fillets(body_1, "body_1", effects), _fillets(body_2, "body_2", effects))
+        friction = friction_of(scene, one, pairing)
+        fillets = (_fillets(one, "body_1", effects), _fillets(two, "body_2", effects))
     except SceneError as error:
         raise _with_file(error, scene) from None
-    several = window.position_rad.size > 1
     pair = BodyPair(
-        body_1=body_1,
-        body_2=body_2,
+        body_1=one,
+        body_2=two,
         pairing=pairing,
         discretization=discretization,
-        effects=_with_effects_of_files(effects, (body_1, body_2)),
+        effects=_with_effects_of_files(effects, (one, two)),
         position_rad=window.position_rad,
         pitches=window.pitches,
-        closed=window.closed and several,
-        adaptive=scene.positions.adaptive and several,
+        closed=window.closed,
+        adaptive=scene.positions.adaptive and window.position_rad.size > 1,
         notes=(),
         friction=friction,
         fillets=fillets,
         growth=growth_of(scene, pairing),
-        slices=_slices(scene, (body_1, body_2), pairing),
+        slices=_slices(scene, (one, two), pairing),
     )
-    return replace(pair, notes=_notes(scene, pair, window, groups))
+    return replace(pair, notes=_notes(scene, pair, window.notes))
 
 
 def _with_effects_of_files(effects: Effects, bodies: tuple[Body, Body]) -> Effects:
     """Effects including those of compliance files: pitch errors and modified flanks."""
     return replace(
         effects,
-        pitch_errors=any(bodies[0].pitch_errors_um) or any(bodies[1].pitch_errors_um),
-        flank_modifications=effects.flank_modifications
-        or any(_is_modified_file(body) for body in bodies),
+        pitch_errors=any(any(body.pitch_errors_um) for body in bodies),
+        flank_modifications=effects.flank_modifications or any(map(_is_modified_file, bodies)),
     )
 
 
-@dataclass(frozen=True)
-class _Window:
-    """Positions of a scene and the periods that they cover.
-
-    Attributes
-    ----------
-    position_rad : (P,) array
-    pitches : int or None
-        Tooth pitches that they cover; None for single angles.
-    period : Period
-        Period of the curves.
-    geometric, whole : Period
-        Period of the geometry, and of geometry and compliance.
-    closed : bool
-        The positions cover whole periods.
-    notes : tuple of str
-    """
-
-    position_rad: NDArray[np.float64]
-    pitches: int | None
-    period: Period
-    geometric: Period
-    whole: Period
-    closed: bool
-    notes: tuple[str, ...]
-
-
-def _window(scene: Scene, bodies: tuple[Body, Body], groups: tuple[int, int]) -> _Window:
-    """Positions of a scene."""
-    geometric = period_of(*bodies, by_tooth=coefficients_by_tooth(scene, bodies[0]))
-    whole = geometric.with_compliance(groups)
-    pitches = _pitches(scene.positions, _reached(geometric, groups, bodies))
-    period = geometric if _stands_for_all(scene.positions, pitches, geometric) else whole
-    closed = pitches is not None and pitches % period.pitches == 0
-    position_rad = _positions(scene.positions, period.pitch_rad, pitches, closed=closed)
-    position_rad, notes = _without_copies(scene, position_rad)
-    return _Window(position_rad, pitches, period, geometric, whole, closed, notes)
-
-
-def _notes(
-    scene: Scene, pair: BodyPair, window: _Window, groups: tuple[int, int]
-) -> tuple[str, ...]:
+def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple[str, ...]:
     """Remarks on the bodies and the pair for the user."""
-    bodies = (pair.body_1, pair.body_2)
-    # in concentric splines the same teeth meet at every position: a window omits none
-    pitches = None if scene.is_concentric else window.pitches
+    slices = pair.slices
     return (
         *question_notes(scene),
         *(f"body_1: {note}" for note in pair.body_1.notes),
         *(f"body_2: {note}" for note in pair.body_2.notes),
-        *spacing_notes(bodies, scene.torques_Nm, scene.pair.face_width_mm),
+        *spacing_notes(pair.bodies, scene.torques_Nm, scene.pair.face_width_mm),
         *pair.pairing.warnings,
-        *(
-            []
-            if pair.slices is None
-            else tilt_notes(
-                pair.pairing.fit, pair.slices.conforming, float(pair.slices.width_mm.sum())
-            )
-        ),
-        *window.notes,
-        *_beyond_window(pitches, window.geometric),
-        *_beyond_teeth(pitches, window.whole, groups, bodies),
+        *([] if slices is None else tilt_notes(pair.pairing.fit, slices)),
+        *window_notes,
         *friction_notes(pair.friction, pair.pairing),
         *growth_notes(scene),
         *(
             f"body_{z}: rigid, so there is no stress in its roots"
-            for z, body in enumerate(bodies, start=1)
+            for z, body in enumerate(pair.bodies, start=1)
             if pair.effects.root_stress and body.rigid
         ),
     )
@@ -318,46 +247,28 @@ def _check_nodes(body: Body, key: str) -> None:
         )
 
 
-def _nodes_mm(
-    scene: Scene,
-    discretization: Discretization,
-    alike: tuple[Body, Body] | None,
-    parts: Parts | None,
-) -> float | None:
-    """Spacing of the nodes that carry forces: named, or from the contact width of the curves."""
-    if scene.accuracy.flank_element_mm is not None:
-        return scene.accuracy.flank_element_mm
-    if alike is None:
-        alike = (
-            _body(scene, discretization, 0, (None, None), parts),
-            _body(scene, discretization, 1, (None, None), parts),
-        )
-    return spacing_for_loads(alike, scene.torques_Nm, scene.pair.face_width_mm)
-
-
-def _bearing(
-    body: Body, scene: Scene, discretization: Discretization, z: int, parts: Parts | None
-) -> Body:
-    """The body with flank elements fine enough for the named number of modes."""
+def _nodes_of_modes(body: Body, scene: Scene, z: int) -> float | None:
+    """Distance of flank nodes that the named number of modes needs; None if they are so fine."""
     assert scene.accuracy.modes is not None
     wanted = elements_for_modes(scene.accuracy.modes)
     parametric = hasattr((scene.body_1, scene.body_2)[z], "module_mm")
     if not parametric or body.mesh is None or body.mesh.flank_elements >= wanted:
-        return body
+        return None
     low, high = body.mode_range_mm
-    return _body(scene, discretization, z, (None, (high - low) / wanted), parts)
+    return (high - low) / wanted
 
 
 def _body(
     scene: Scene,
     discretization: Discretization,
-    z: int,
-    lengths_mm: tuple[float | None, float | None],
     parts: Parts | None,
+    z: int,
+    *,
+    element_mm: float | None = None,
+    nodes_mm: float | None = None,
 ) -> Body:
-    """A body; lengths: of the flank's elements, and the distance of its nodes."""
+    """Body z with elements of a length on its flank, or nodes at a distance."""
     spec, key = (scene.body_1, scene.body_2)[z], f"body_{z + 1}"
-    element_mm, nodes_mm = lengths_mm
 
     def built(spec: BodySpec) -> Body:
         call = partial(
@@ -421,95 +332,50 @@ def _is_modified_file(body: Body) -> bool:
     )
 
 
-def _pitches(wanted: Positions, period: Period) -> int | None:
-    """Tooth pitches covered by the positions; None for single angles."""
-    if wanted.angles_deg is not None:
-        return None
-    pitches = period.pitches if wanted.pitches == "hunting" else wanted.pitches
-    per_pitch = wanted.count if not wanted.adaptive else wanted.most_per_pitch
-    if per_pitch * pitches**2 > MOST_NUMBERS and pitches > 1:
-        raise SceneError(
-            key="positions.pitches",
-            expected="so few pitches that positions times flank pairs, of which each pitch brings "
-            f"a new one, stay below {MOST_NUMBERS:g}",
-            found=f"{pitches} pitches of {per_pitch} positions",
-        )
-    return pitches
+# --- flanks whose places come from files ----------------------------------------------------------
+def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPair:
+    """Add a note on the distance between the flanks if the files give their places.
 
-
-def _positions(
-    wanted: Positions, pitch_rad: float, pitches: int | None, *, closed: bool
-) -> NDArray[np.float64]:
-    """Angles of body 1 (P,); adaptive ones include the end of a window that is not periodic."""
-    if pitches is None:
-        return np.radians(np.asarray(wanted.angles_deg, dtype=float))
-    last = 1 if wanted.adaptive and not closed else 0
-    return pitch_rad * np.arange(wanted.count * pitches + last) / wanted.count
-
-
-def _stands_for_all(wanted: Positions, pitches: int | None, period: Period) -> bool:
-    """Whether teeth that differ only in compliance count as equal.
-
-    This holds for positions within one period of the geometry; more positions are only needed to
-    resolve the differences.
+    The state without load is counted in the account. Raises a SceneError if the flanks are too far
+    apart.
     """
-    if pitches is not None:
-        return pitches == period.pitches
-    angles = np.radians(np.asarray(wanted.angles_deg, dtype=float))
-    return bool(np.ptp(angles) < period.rad * (1.0 + 1e-9))
-
-
-def _reached(period: Period, groups: tuple[int, int], bodies: tuple[Body, Body]) -> Period:
-    """Period that positions can cover: teeth without a flank in their file never carry load."""
-    one, two = (
-        1 if body.named_teeth else group for body, group in zip(bodies, groups, strict=True)
-    )
-    return period.with_compliance((one, two))
-
-
-def _beyond_window(pitches: int | None, period: Period) -> tuple[str, ...]:
-    """Note on the part of the period outside the window."""
-    if pitches is None or pitches % period.pitches == 0:
-        return ()
-    pitch = "pitch" if pitches == 1 else "pitches"
+    if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known:
+        return pair
+    rigid = (no_compliance(pair.body_1), no_compliance(pair.body_2))
+    width_mm, grid = scene.pair.face_width_mm, pair.discretization.grid
+    contact = FlankContact(pair.bodies, rigid, pair.pairing, width_mm, grid)
+    (unloaded,) = sweep(contact, pair.position_rad[:1], [0.0], account=account)
+    radius = pair.body_1.reference_radius_mm
+    gap_mm = float(unloaded.rotation_rad[0]) * radius
+    apart = "overlap by" if gap_mm < 0 else "stand apart by"
+    if abs(gap_mm) > LARGEST_STANDING_GAP * pair.pairing.pitch_rad * radius:
+        _blame_flank(scene, pair, f"{apart} {abs(gap_mm):.3f} mm")
+        raise SceneError(
+            file=scene.file,
+            key="pair.center_distance_mm",
+            expected="bodies whose flanks nearly touch (to a quarter pitch) as their files stand",
+            found=f"{scene.pair.axes_apart_mm:g} mm, where they {apart} {abs(gap_mm):.3f} mm",
+        )
     note = (
-        f"teeth stand beside their place: the curves repeat after {period.pitches} pitches, these "
-        f"positions run over {pitches} {pitch} (positions.pitches = 'hunting' for all)"
+        f"as the files stand, the flanks {apart} {1000 * abs(gap_mm):.3g} um at the first "
+        "position; rotation and transmission error count from there"
     )
-    return (note,)
+    return replace(pair, standing_note=note)
 
 
-def _beyond_teeth(
-    pitches: int | None, whole: Period, groups: tuple[int, int], bodies: tuple[Body, Body]
-) -> tuple[str, ...]:
-    """Note on teeth of different compliance outside the window."""
-    if groups == (1, 1) or pitches is None or pitches % whole.pitches == 0:
-        return ()
-    unlike = [z for z in (0, 1) if groups[z] > 1]
-    yielding = " and ".join(
-        f"that of body_{z + 1} after {groups[z]} of {bodies[z].teeth} teeth" for z in unlike
+def _blame_flank(scene: Scene, pair: BodyPair, stand: str) -> None:
+    """Refuse a mesh flank that faces clockwise if that of its mate faces counter-clockwise."""
+    if pair.body_1.mirrored == pair.body_2.mirrored:
+        return
+    key, spec = ("body_1", scene.body_1) if pair.body_1.mirrored else ("body_2", scene.body_2)
+    assert isinstance(spec, MeshBody)
+    sets = spec.flank_sets
+    name = "flank_set" if sets is None else "flank_sets"
+    raise SceneError(
+        file=scene.file,
+        key=f"{key}.{name}",
+        expected="the other flank of the tooth: one that faces counter-clockwise about the axis of "
+        "its body, as that of the mate does",
+        found=f"{(sets or (spec.flank_set,))[0]!r}, which faces clockwise: in their "
+        f"mirror image the flanks {stand}",
     )
-    cure = "positions.pitches = 'hunting' for all"
-    for z in unlike:
-        if bodies[z].named_teeth:
-            cure = f"name the flanks of all teeth of body_{z + 1}, then {cure}"
-    window = "one" if pitches == 1 else f"{pitches}"
-    note = (
-        f"the compliance does not repeat with the tooth, {yielding}: the curves repeat after "
-        f"{whole.pitches} pitches, these positions run over {window}; their mean, peak to peak "
-        f"and harmonics are not those of all teeth ({cure})"
-    )
-    return (note,)
-
-
-def _without_copies(
-    scene: Scene, position_rad: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], tuple[str, ...]]:
-    """Positions without duplicates: concentric splines have the same state at every position."""
-    if not scene.is_concentric or scene.positions.angles_deg is not None or position_rad.size == 1:
-        return position_rad, ()
-    note = (
-        f"on common axes all positions are alike: one is computed, not {position_rad.size} "
-        "(pair.center_offset_mm parts the axes)"
-    )
-    return position_rad[:1], (note,)

@@ -36,23 +36,9 @@ ROUNDING_UM = 1e-6
 
 
 def data_sheet(scene: Scene) -> DataSheet:
-    """Drawing data of a scene of two bodies with flanks.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    DataSheet
-
-    Raises
-    ------
-    SceneError
-        If the bodies cannot be made or paired.
-    """
+    """Drawing data of both bodies; raises a SceneError if they cannot be made or paired."""
     pair = build_bodies(scene)
-    one, two = pair.body_1, pair.body_2
+    one, two = pair.bodies
     mesh = pair.pairing.mesh
     path = () if mesh is None else _path(pair, mesh)
     return DataSheet(
@@ -281,7 +267,7 @@ def _rows_of_pair(scene: Scene, pair: BodyPair) -> Iterator[SheetRow]:
 
 
 def _rows_of_mesh(pair: BodyPair, mesh: Mesh, width_mm: float) -> Iterator[SheetRow]:
-    one, two = pair.body_1, pair.body_2
+    one, two = pair.bodies
     yield SheetRow("gear ratio", "u", f"{two.teeth}/{one.teeth} = {two.teeth / one.teeth:.4f}")
     yield SheetRow("working transverse pressure angle", "α_wt", _deg(mesh.pressure_angle_rad))
     diameters = f"{2 * mesh.pitch_radius_1_mm:.4f} / {2 * mesh.pitch_radius_2_mm:.4f} mm"

@@ -30,36 +30,20 @@ if TYPE_CHECKING:
 
 
 def describe(scene: Scene) -> Description:
-    """Describe bodies, pairing and effects of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    Description
-
-    Raises
-    ------
-    SceneError
-        If the bodies cannot be made or paired.
-    """
+    """Describe bodies, pairing and effects; raises a SceneError if they are impossible."""
     pair = build_bodies(scene)
-    for body in (pair.body_1, pair.body_2):
+    for body in pair.bodies:
         if body.given is not None:
             compliance_of(body, scene)  # detects errors in its file at negligible cost
     switches = switches_of(scene)
     has_teeth = pair.pairing.motion is None
     effects = [row for row in EFFECTS if has_teeth or not row.of_teeth]
     rows = {
-        **{
-            f"{name}: {body.kind}": _rows_of_body(body)
-            for name, body in (("body_1", pair.body_1), ("body_2", pair.body_2))
-        },
-        "pair": _rows_of_pair(scene, pair),
-        "effects": [(row.title, _said(switches[row.name])) for row in effects],
+        f"body_{number}: {body.kind}": _rows_of_body(body)
+        for number, body in enumerate(pair.bodies, start=1)
     }
+    rows["pair"] = _rows_of_pair(scene, pair)
+    rows["effects"] = [(row.title, _said(switches[row.name])) for row in effects]
     broken = held(scene, tuple(broken_by_geometry(pair)))
     return Description(rows, (*pair.notes, *(one.note for one in broken)))
 
@@ -75,21 +59,10 @@ def _rows_of_pair(scene: Scene, pair: BodyPair) -> list[tuple[str, str]]:
 
 
 def mesh_files(scene: Scene) -> Iterator[MeshFile]:
-    """Meshes of both bodies at position zero.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Yields
-    ------
-    MeshFile
-    """
+    """Meshes of both bodies at position zero."""
     pair = build_bodies(scene)
-    for name, body, turn in (
-        ("body_1", pair.body_1, pair.turn_1),
-        ("body_2", pair.body_2, pair.turn_2),
-    ):
+    for z, body in enumerate(pair.bodies):
+        name, turn = f"body_{z + 1}", pair.pairing.turns_at_zero_rad[z]
         if body.mesh is None:
             why = "its compliance comes from a file" if body.given is not None else "rigid"
             yield MeshFile(name, None, f"{why}, so it has no mesh")

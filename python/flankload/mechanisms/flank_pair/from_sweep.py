@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
-from flankload.mechanisms.flank_pair.shaft_loads import shaft_loads
-from flankload.pairing.common_height import turned
 from flankload.result.coast_contact import CoastContact
 from flankload.result.contact_quantities import frozen
 from flankload.result.friction import FrictionResult, friction_result
@@ -21,6 +20,7 @@ from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 from flankload.result.result import Result
 from flankload.result.root_stress import root_reading
+from flankload.result.shafts import ShaftLoads
 from flankload.result.slices import SliceLoads
 
 if TYPE_CHECKING:
@@ -30,47 +30,31 @@ if TYPE_CHECKING:
 
     from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.contact.pair_table import PackedPairs
-    from flankload.contact.sweep import CoastSweep, Sweep
-    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.contact.sweep import CoastSweep, SliceStates, Sweep
+    from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.gear_pair import Mesh
-    from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
     from flankload.result.geometry import PairGeometry
+    from flankload.scene import Scene
+
+    Floats = NDArray[np.float64]
 
 
 def result_of(
-    found: Sweep,
+    scene: Scene,
     pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
+    compliances: Compliances,
+    found: Sweep,
     *,
-    name: str,
-    face_width_mm: float,
     estimate: Mapping[str, object] | None,
     geometry: PairGeometry | None = None,
     notes: tuple[str, ...] = (),
 ) -> Result:
     """Make the result of one torque; its `cost` contains the part of this torque.
 
-    Parameters
-    ----------
-    found : Sweep
-        States from the core.
-    pair : BodyPair
-    compliances : two BodyCompliance
-    name : str
-        Name of the scene.
-    face_width_mm : float
-    estimate : mapping or None
-        Error estimates, as the result shows them.
-    geometry : PairGeometry, optional
-        Geometry of the pair, shared by the results of several torques.
-    notes : tuple of str
-        Further warnings.
-
-    Returns
-    -------
-    Result
+    `estimate` are error estimates as the result shows them; `geometry` is shared by the results of
+    several torques; `notes` are further warnings.
     """
     circle = pair.pairing.whole_circle
     loaded = (found.site_force_N > 0).any(axis=0)
@@ -78,12 +62,12 @@ def result_of(
         loaded |= (found.coast.site_force_N > 0).any(axis=0)
     carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
     # slices cover the common width, and their peaks are pressures
-    width, peak_width = face_width_mm, face_width_mm
+    width = peak_width = scene.pair.face_width_mm
     if pair.slices is not None:
         width, peak_width = float(pair.slices.width_mm.sum()), 1.0
     standing = (*pair.notes, *([pair.standing_note] if pair.standing_note else []))
     result = Result(
-        name=name,
+        name=scene.name,
         torque_Nm=found.torque_Nmm / 1000.0,
         sites=pair.pairing.sites[carries],
         position_rad=pair.position_rad,
@@ -93,7 +77,7 @@ def result_of(
         peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / peak_width,
         stiffness_tangent_Nm_per_rad=_stiffness(found.tangent_rad_per_Nmm),
         status=found.status,
-        pair_tables=_pair_tables(pair, found, width),
+        pair_tables=_pair_tables(pair, found.pairs, width),
         corner_contact=found.site_corner[:, carries] > 0,
         pitch_rad=pair.pairing.pitch_rad,
         period_rad=pair.period_rad,
@@ -117,27 +101,12 @@ def result_of(
     return _with_parts(result, pair, found, carries)
 
 
-def _pair_tables(pair: BodyPair, found: Sweep, width_mm: float) -> PairTables:
-    """Tables of the contact pairs at all positions, made when they are read."""
-    axial = pair.body_1.axial
-    table = partial(
-        _pair_table,
-        pair.pairing,
-        found.pairs,
-        width_mm,
-        pair.effects.lumped_contact,
-        slices=pair.slices,
-        twist=0.0 if axial is None else axial.twist_rad_per_mm,
-    )
-    return PairTables(len(found.n_pairs), table)
-
-
 def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[np.int64]) -> Result:
     """A result with the parts that only some pairs have: slices, coast flanks, friction."""
-    if pair.slices is not None:
+    if pair.slices is not None and found.slices is not None:
         result = replace(
             result,
-            slices=_slice_loads(pair, pair.slices, found).at_sites(carries),
+            slices=_slice_loads(pair, pair.slices, found.slices).at_sites(carries),
             shafts=shaft_loads(pair, pair.slices, found.pairs),
         )
     if found.coast is not None:
@@ -148,19 +117,17 @@ def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[n
     return replace(result, friction=_friction(pair, found, carries, result))
 
 
-def _slice_loads(pair: BodyPair, slices: Slices, found: Sweep) -> SliceLoads:
+def _slice_loads(pair: BodyPair, slices: Slices, found: SliceStates) -> SliceLoads:
     """Loads of the slices; forces are normal to the flanks."""
     axial = pair.body_1.axial
     assert axial is not None
     radius = pair.body_1.base_radius_mm or abs(pair.body_1.normal_lever_mm)
-    assert found.slice_force_N is not None
-    assert found.slice_peak_MPa is not None
     tangent = axial.twist_rad_per_mm * radius
     return SliceLoads(
         z_mm=slices.z_mm,
         width_mm=slices.width_mm,
-        force_N=found.slice_force_N,
-        peak_pressure_MPa=found.slice_peak_MPa,
+        force_N=found.force_N,
+        peak_pressure_MPa=found.peak_MPa,
         tangent_helix_base=tangent,
         cosine_helix_base=1.0 / sqrt(1.0 + tangent**2),
         directions=None
@@ -172,7 +139,7 @@ def _slice_loads(pair: BodyPair, slices: Slices, found: Sweep) -> SliceLoads:
     )
 
 
-def _cost(found: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]) -> dict[str, object]:
+def _cost(found: Sweep, compliances: Compliances) -> dict[str, object]:
     """Work of the states of one torque, without tangents and estimate."""
     counters = found.counters.sum(axis=0, dtype=np.int64).tolist()
     return {
@@ -192,10 +159,7 @@ def _coast(
         force_N=frozen(found.site_force_N[:, carries]),
         peak_pressure_MPa=frozen(found.site_peak_N_per_mm[:, carries] / width),
         corner_contact=frozen(found.site_corner[:, carries] > 0),
-        pair_tables=PairTables(
-            len(found.pairs.count),
-            partial(_pair_table, pair.pairing, found.pairs, width, pair.effects.lumped_contact),
-        ),
+        pair_tables=_pair_tables(pair, found.pairs, width),
     )
 
 
@@ -206,27 +170,22 @@ def _stiffness(tangent_rad_per_Nmm: NDArray[np.float64]) -> NDArray[np.float64]:
     return stiffness
 
 
-def _pair_table(
-    pairing: Pairing,
-    pairs: PackedPairs,
-    width: float,
-    lumped: bool,
-    p: int,
-    slices: Slices | None = None,
-    twist: float = 0.0,
-) -> PairTable:
-    """Contact pairs at position p; `twist` is that of body 1, rad/mm."""
-    site, table = pairs.at(p)
-    column = dict(zip(pairs.names, table.T, strict=True))
-    z_mm, length = None, np.asarray(width)
-    slice_number = pairs.slices_at(p)
-    if slices is not None and slice_number is not None:
+def _pair_tables(pair: BodyPair, pairs: PackedPairs, width_mm: float) -> PairTables:
+    """Tables of the contact pairs at all positions, made when they are read."""
+    return PairTables(len(pairs.count), partial(_pair_table, pair, pairs, width_mm))
+
+
+def _pair_table(pair: BodyPair, pairs: PackedPairs, width_mm: float, p: int) -> PairTable:
+    """Contact pairs at position p."""
+    column, number, slices = pairs.columns_at(p), pairs.slices_at(p), pair.slices
+    z_mm, length = None, np.asarray(width_mm)
+    if slices is not None and number is not None:
         # the contact line of a slice leans by the base helix angle, as its normal does
-        lever = column["x"] * column["normal_y"] - column["y"] * column["normal_x"]
-        z_mm = slices.z_mm[slice_number]
-        length = slices.width_mm[slice_number] * np.hypot(1.0, twist * lever)
+        z_mm = slices.z_mm[number]
+        length = slices.width_mm[number] * np.hypot(1.0, _slope(pair, column))
+    half_width = pair.effects.lumped_contact and not pair.pairing.whole_circle
     return PairTable(
-        site=pairing.sites[site],
+        site=pair.pairing.sites[pairs.at(p)[0]],
         arc_length_1_mm=column["s_1"],
         arc_length_2_mm=column["s_2"],
         radius_mm=column["radius"],
@@ -240,7 +199,7 @@ def _pair_table(
         cell_mm=column["cell"],
         sliding_mm_per_rad=column.get("sliding"),
         friction_force_N=column["friction"] * column["force"] if "friction" in column else None,
-        half_width_mm=column["cell"] * (2.0 / pi) if lumped and not pairing.whole_circle else None,
+        half_width_mm=column["cell"] * (2.0 / pi) if half_width else None,
         z_mm=z_mm,
     )
 
@@ -261,14 +220,16 @@ def _friction(
     def over_period(values: NDArray[np.float64]) -> float | None:
         return whole.mean(values) * result.period_rad if whole.covers_period else None
 
+    columns = {name: np.concatenate([pairs.column(name) for pairs, _ in parts]) for name in names}
+    columns |= {
+        "position": np.concatenate([pairs.position for pairs, _ in parts]),
+        "site": np.concatenate([pairs.sites + first for pairs, first in parts]),
+        "in_section": 1.0 / np.hypot(1.0, _slope(pair, columns)),
+    }
+    if pair.slices is not None:
+        columns["z"] = pair.slices.from_middle_mm[found.pairs.slices]
     summed = friction_result(
-        {
-            **{name: np.concatenate([pairs.column(name) for pairs, _ in parts]) for name in names},
-            "position": np.concatenate([pairs.position for pairs, _ in parts]),
-            "site": np.concatenate([pairs.sites + first for pairs, first in parts]),
-            "in_section": np.concatenate([_in_section(pair, pairs) for pairs, _ in parts]),
-            **({} if pair.slices is None else {"z": _from_middle(pair.slices, found.pairs)}),
-        },
+        columns,
         n_sites=n_sites,
         n_working=pair.pairing.sites.size,
         center_distance_mm=pair.pairing.center_distance_mm,
@@ -280,20 +241,55 @@ def _friction(
     return replace(summed, site_friction_N=summed.site_friction_N[:, carries])
 
 
-def _in_section(pair: BodyPair, pairs: PackedPairs) -> NDArray[np.float64]:
-    """Part of each normal force that lies in the transverse section: cos(beta)."""
-    x, y, across, up = (pairs.column(name) for name in ("x", "y", "normal_x", "normal_y"))
-    if pair.body_1.axial is None:
-        return np.ones_like(x)
-    return np.asarray(
-        1.0 / np.hypot(1.0, pair.body_1.axial.twist_rad_per_mm * (x * up - y * across))
-    )
+def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoads | None:
+    """Tilt of the teeth and forces on the bearings at all positions; None without a shaft."""
+    shafts = [None if body.axial is None else body.axial.shaft for body in pair.bodies]
+    if shafts == [None, None]:
+        return None
+    count = len(pairs.count)
+    tilt, bearings = np.zeros(count), [np.zeros((count, 0, 3)), np.zeros((count, 0, 3))]
+    for z, (shaft, sign) in enumerate(zip(shafts, (-1.0, 1.0), strict=True)):
+        if shaft is None:
+            continue
+        axis = np.array([z * pair.pairing.center_distance_mm, 0.0, shaft.z_mm])
+        bearings[z] = np.zeros((count, len(shaft.bearing_loads), 3))
+        for p in range(count):
+            points, normal, rubbing = _contacts(pair, slices, pairs, p)
+            if not normal.any():
+                continue
+            force = sign * (normal + rubbing)
+            wrench = np.concatenate([force.sum(axis=0), np.cross(points - axis, force).sum(axis=0)])
+            turned = (shaft.compliance @ wrench)[3:]
+            across = normal[:, :2].sum(axis=0)
+            across /= np.linalg.norm(across)
+            tilt[p] += sign * (across[0] * turned[1] - across[1] * turned[0])
+            bearings[z][p] = shaft.bearing_loads @ wrench
+    return ShaftLoads(frozen(1000.0 * tilt), frozen(bearings[0]), frozen(bearings[1]))
 
 
-def _from_middle(slices: Slices, pairs: PackedPairs) -> NDArray[np.float64]:
-    """Axial distance of each pair from the middle of the face width."""
-    z_mm = slices.z_mm - 0.5 * (slices.edges_mm[0] + slices.edges_mm[-1])
-    return np.asarray(z_mm[pairs.slices])
+def _contacts(
+    pair: BodyPair, slices: Slices, pairs: PackedPairs, p: int
+) -> tuple[Floats, Floats, Floats]:
+    """Points (n, 3) of the contacts of a position, normal forces on body 2 and friction there."""
+    column = pairs.columns_at(p)
+    across, up = column["normal_x"], column["normal_y"]
+    # n = (cos b n_t, -twist l cos b) with the lever l of the transverse normal
+    slope = _slope(pair, column)
+    normals = np.column_stack([across, up, slope]) / np.hypot(1.0, slope)[:, np.newaxis]
+    force = column["force"][:, np.newaxis]
+    rubbing = np.zeros_like(normals)
+    if "friction" in column:  # against the tangent: the normal turned backward
+        along = np.column_stack([-up, across, np.zeros_like(up)])
+        rubbing = column["friction"][:, np.newaxis] * force * along
+    z_mm = slices.z_mm[pairs.slices_at(p)]
+    return np.column_stack([column["x"], column["y"], z_mm]), force * normals, rubbing
+
+
+def _slope(pair: BodyPair, column: Mapping[str, Floats]) -> Floats:
+    """Axial part of each normal out of body 1, relative to its transverse part."""
+    axial = pair.body_1.axial
+    lever = column["x"] * column["normal_y"] - column["y"] * column["normal_x"]
+    return np.asarray(-(0.0 if axial is None else axial.twist_rad_per_mm) * lever)
 
 
 def _drawing(pair: BodyPair) -> PairDrawing:

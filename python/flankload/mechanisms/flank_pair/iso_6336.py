@@ -42,16 +42,7 @@ LOW_LOAD = 100.0
 def with_iso_factor(result: Result, scene: Scene, pair: BodyPair) -> Result:
     """A result with the factor of the standard, or a note why there is none.
 
-    Parameters
-    ----------
-    result : Result
-    scene : Scene
-    pair : BodyPair
-
-    Returns
-    -------
-    Result
-        Unchanged without a shaft that bends and twists under the teeth.
+    Unchanged without a shaft that bends and twists under the teeth.
     """
     axials = (pair.body_1.axial, pair.body_2.axial)
     if result.shafts is None or not any(axial and axial.carrying for axial in axials):
@@ -64,22 +55,7 @@ def with_iso_factor(result: Result, scene: Scene, pair: BodyPair) -> Result:
 
 
 def k_h_beta_iso(scene: Scene, pair: BodyPair, torque_Nm: float) -> float | str:
-    """K_H-beta by ISO 6336-1, method C.
-
-    Parameters
-    ----------
-    scene : Scene
-        With a shaft.
-    pair : BodyPair
-        Its bodies.
-    torque_Nm : float
-        On body 1.
-
-    Returns
-    -------
-    float or str
-        The factor, or why the formula has none.
-    """
+    """K_H-beta by ISO 6336-1, method C, for a torque on body 1, or why the formula has none."""
     from flankload.scene.gear import Gear
 
     one, two = scene.body_1, scene.body_2

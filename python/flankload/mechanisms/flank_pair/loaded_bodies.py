@@ -7,34 +7,154 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.elasticity.loaded_body import loaded_body, turned
+from flankload.base.rotation import turned
+from flankload.elasticity.loaded_body import loaded_body
 from flankload.elasticity.prism.loaded_prism import loaded_prism
+from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.loaded_solids import SolidBody
-from flankload.mechanisms.flank_pair.nodal_fields import POINTS, BodyOfPair, NodalFields
 from flankload.mechanisms.flank_pair.stages import prism_of
+from flankload.pairing.pairing import coast_sites
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.bodies import Body
     from flankload.elasticity.loaded_body import LoadedBody
+    from flankload.elasticity.prism.loaded_prism import LoadedPrism, SolidPart
     from flankload.result import PairTable, Result
     from flankload.scene import Scene
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
+#: Points of a contact cell at which its force acts on the elements (Gauss).
+POINTS = 4
+
 
 @dataclass(frozen=True, eq=False)
-class FieldBody(BodyOfPair):
-    """One body of a plane pair whose elements are loaded with the contact forces of results.
+class NodalFields:
+    """Fields at the M nodes of a body at one position, in the world frame.
 
     Attributes
     ----------
-    number, body, other
-        Number, this body of the scene, and the other one.
-    loaded : LoadedBody
+    points_mm : (M, 2) array; (M, 3) in three dimensions
+        Undeformed places.
+    displacement_mm : array of that shape
+        By the contact forces; not by temperature, speed, a press fit or shafts.
+    stress_MPa : (M, 4) array; (M, 6)
+        xx, yy, zz, xy, then yz, xz; averaged over the elements of a node.
+    contact_pressure_MPa : (M,) array
+        Normal force of a flank node over its part of the flank; 0 elsewhere.
+    force_N : array of the shape of the places
+        Consistent nodal forces of the contacts, over the face width.
     """
+
+    points_mm: Floats
+    displacement_mm: Floats
+    stress_MPa: Floats
+    contact_pressure_MPa: Floats
+    force_N: Floats
+
+    @property
+    def von_mises_MPa(self) -> Floats:
+        """(M,) Equivalent stress."""
+        xx, yy, zz, *shear = self.stress_MPa.T
+        apart = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+        return np.asarray(np.sqrt(0.5 * apart + 3.0 * sum(part**2 for part in shear)))
+
+
+@dataclass(frozen=True, eq=False)
+class PointForces:
+    """Forces (n, 3) at points of the flanks of a body, N.
+
+    They are in the section turned with the helix, in the frame of the body; `normal_N` (n,) is the
+    magnitude of the part normal to the flank. `s_mm` (n,) are arc lengths on the flank of the
+    elements, `spans_mm` (n, 2) the ends along the axis of the slice over which a force is even.
+    """
+
+    tooth: Numbers
+    s_mm: Floats
+    spans_mm: Floats
+    force_N: Floats
+    normal_N: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class BodyOfPair:
+    """Body 0 or 1 of a pair with its elements, on which contact forces of results act."""
+
+    number: int
+    body: Body
+    other: Body
+    loaded: LoadedBody | LoadedPrism
+
+    def teeth(self, sites: Numbers, coast: bool) -> Numbers:
+        """Teeth of the body at pair numbers."""
+        one, two = (self.body, self.other) if self.number == 0 else (self.other, self.body)
+        if coast:
+            return coast_sites(sites, one, two).site_teeth[self.number]
+        sense = 1 if self.number == 0 else -self.body.outward
+        return np.asarray(sense * sites % self.body.teeth)
+
+    def on_elements(self, s: Floats) -> Floats:
+        """Arc lengths on the flank that the elements follow, of those on the flank of the body."""
+        low, high = self.body.mode_range_mm
+        first, last = self.loaded.body.mode_range_mm
+        return np.asarray(first + (s - low) * ((last - first) / (high - low)))
+
+    def angle(self, result: Result, p: int) -> float:
+        """Angle of the body's frame at position p."""
+        drawing = result.drawing
+        return float((drawing.angle_1, drawing.angle_2)[self.number][p])
+
+    def center(self, result: Result) -> Floats:
+        """Place (2,) of the body's axis."""
+        return np.array([self.number * result.drawing.center_distance_mm, 0.0])
+
+    def point_forces(
+        self, result: Result, table: PairTable, turn: tuple[float, float], *, coast: bool = False
+    ) -> PointForces:
+        """Contact forces of a table, at Gauss points of its cells.
+
+        `turn` has the angle of the body at z = 0 and its twist, rad/mm.
+        """
+        shape, slices = result.drawing.axial[0], result.slices
+        carries = table.force_N > 0
+        x, weights = np.polynomial.legendre.leggauss(POINTS)
+        site, cell, normal_N = table.site[carries], table.cell_mm[carries], table.force_N[carries]
+        s = (table.arc_length_1_mm, table.arc_length_2_mm)[self.number][carries]
+        s = self.on_elements((s[:, None] + 0.5 * cell[:, None] * x).ravel())
+        normal = np.column_stack([table.normal_x, table.normal_y])[carries]
+        # the normal out of body 1 leans along its helix
+        lean = np.zeros(site.size)
+        if shape is not None:
+            lever = table.x_mm[carries] * normal[:, 1] - table.y_mm[carries] * normal[:, 0]
+            lean = -shape.twist_rad_per_mm * lever
+        leaning = np.column_stack([normal, lean])
+        on_1 = -normal_N[:, None] * leaning / np.linalg.norm(leaning, axis=1, keepdims=True)
+        if table.friction_force_N is not None:
+            tangent = np.column_stack([normal[:, 1], -normal[:, 0], np.zeros(len(normal))])
+            tangent *= -1.0 if coast else 1.0
+            on_1 += table.friction_force_N[carries, None] * tangent
+        z, half = np.zeros(site.size), np.zeros(site.size)
+        if table.z_mm is not None and slices is not None:
+            z = table.z_mm[carries]
+            half = 0.5 * slices.width_mm[np.abs(slices.z_mm - z[:, None]).argmin(axis=1)]
+        angle, twist = turn
+        force = in_world(on_1 if self.number == 0 else -on_1, -(angle + twist * z))
+        share = np.tile(0.5 * weights, site.size)
+        return PointForces(
+            np.repeat(self.teeth(site, coast), POINTS),
+            s,
+            np.repeat(np.column_stack([z - half, z + half]), POINTS, axis=0),
+            share[:, None] * np.repeat(force, POINTS, axis=0),
+            share * np.repeat(normal_N, POINTS),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class FieldBody(BodyOfPair):
+    """One body of a plane pair whose elements are loaded with the contact forces of results."""
 
     loaded: LoadedBody
 
@@ -52,76 +172,111 @@ class FieldBody(BodyOfPair):
             Of the scene of the bodies; its discretization may be another one.
         p : int
             Index of the position.
-
-        Returns
-        -------
-        NodalFields
         """
-        drawing, loaded = result.drawing, self.loaded
-        angle = float((drawing.angle_1, drawing.angle_2)[self.number][p])
+        loaded, angle = self.loaded, self.angle(result, p)
         tables = [(result.pairs(p), False)]
         if result.coast is not None:
             tables.append((result.coast.pair_tables[p], True))
         forces = np.zeros(2 * len(loaded.nodes))
         pressure = np.zeros(len(loaded.nodes))
         for table, coast in tables:
-            tooth, s, force, normal = self._points(table, coast, angle)
-            forces += loaded.nodal_forces(tooth, s, force, coast=coast)
-            along = np.column_stack([normal, np.zeros_like(normal)])
-            at_nodes = loaded.nodal_forces(tooth, s, along, coast=coast)[::2]
-            for each in np.unique(tooth):
+            on = self.point_forces(result, table, (angle, 0.0), coast=coast)
+            forces += loaded.nodal_forces(on.tooth, on.s_mm, on.force_N[:, :2], coast=coast)
+            along = np.column_stack([on.normal_N, np.zeros_like(on.normal_N)])
+            at_nodes = loaded.nodal_forces(on.tooth, on.s_mm, along, coast=coast)[::2]
+            for each in np.unique(on.tooth):
                 nodes, widths = loaded.flank_widths(int(each), coast=coast)
                 pressure[nodes] = at_nodes[nodes] / (widths * result.face_width_mm)
         moved = loaded.solve(forces / result.face_width_mm)
-        center = np.array([self.number * drawing.center_distance_mm, 0.0])
         return NodalFields(
-            points_mm=turned(loaded.nodes, angle) + center,
+            points_mm=turned(loaded.nodes, angle) + self.center(result),
             displacement_mm=turned(moved.reshape(-1, 2), angle),
-            stress_MPa=_turned_stress(loaded.stress_MPa(moved), angle),
+            stress_MPa=stress_in_world(loaded.stress_MPa(moved), angle),
             contact_pressure_MPa=pressure,
             force_N=turned(forces.reshape(-1, 2), angle),
         )
 
-    def _points(
-        self, table: PairTable, coast: bool, angle: float
-    ) -> tuple[Numbers, Floats, Floats, Floats]:
-        """Teeth, arc lengths (n,), forces (n, 2) in the body's frame, N, and normal forces (n,)."""
-        carries = table.force_N > 0
-        x, weights = np.polynomial.legendre.leggauss(POINTS)
-        site, cell = table.site[carries], table.cell_mm[carries]
-        s = (table.arc_length_1_mm, table.arc_length_2_mm)[self.number][carries]
-        s = self.on_elements((s[:, None] + 0.5 * cell[:, None] * x).ravel(), self.loaded.body)
-        normal = np.column_stack([table.normal_x, table.normal_y])[carries]
-        on_1 = -table.force_N[carries, None] * normal
-        if table.friction_force_N is not None:
-            tangent = np.column_stack([normal[:, 1], -normal[:, 0]]) * (-1.0 if coast else 1.0)
-            on_1 += table.friction_force_N[carries, None] * tangent
-        force = turned(on_1 if self.number == 0 else -on_1, -angle)
-        share = np.tile(0.5 * weights, site.size)
-        return (
-            np.repeat(self.teeth(site, coast), POINTS),
-            s,
-            share[:, None] * np.repeat(force, POINTS, axis=0),
-            share * np.repeat(table.force_N[carries], POINTS),
+
+@dataclass(frozen=True, eq=False)
+class SolidBody(BodyOfPair):
+    """One three-dimensional body whose elements are loaded with the contact forces of results."""
+
+    loaded: LoadedPrism
+
+    @property
+    def cells(self) -> tuple[tuple[str, Numbers], ...]:
+        """Elements, in the points of the fields: those of each part one after the other."""
+        found, first = [], 0
+        for part in self.loaded.parts:
+            found += [(kind, data + first) for kind, data in part.solids]
+            first += part.nodes.size * part.z_mm.size
+        return tuple(found)
+
+    def at(self, result: Result, p: int) -> NodalFields:
+        """Fields of a result at position p, as of `FieldBody`."""
+        loaded, twist, angle = self.loaded, self.loaded.prism.twist, self.angle(result, p)
+        forces = self.forces(result, p)
+        moved = loaded.displacements(forces.tooth, forces.s_mm, forces.spans_mm, forces.force_N)
+        center = self.center(result)
+        found: list[list[Floats]] = []
+        for part in loaded.parts:
+            turns = np.broadcast_to(angle + twist * part.z_mm, (part.nodes.size, part.z_mm.size))
+            nodal, pressure = self._nodal(part, forces)
+            section = np.broadcast_to(loaded.nodes[part.nodes][:, None], (*turns.shape, 2))
+            height = np.broadcast_to(part.z_mm, turns.shape)[..., None]
+            v, stress = loaded.fields(part, moved)
+            columns = [
+                np.concatenate([turned(section, turns) + center, height], axis=-1),
+                in_world(v, turns),
+                stress_in_world(stress, turns),
+                pressure[..., None],
+                in_world(nodal, turns),
+            ]
+            found.append([column.reshape(turns.size, -1) for column in columns])
+        points, moved_to, stresses, pressures, nodal_forces = map(
+            np.concatenate, zip(*found, strict=True)
         )
+        return NodalFields(points, moved_to, stresses, pressures[:, 0], nodal_forces)
+
+    def forces(self, result: Result, p: int) -> PointForces:
+        """Contact forces of position p, at Gauss points of the cells of each slice."""
+        table = result.pairs(p)
+        if result.slices is None or table.z_mm is None:
+            raise SceneError(
+                key="results", expected="results of this scene", found="those of a plane scene"
+            )
+        turn = (self.angle(result, p), self.loaded.prism.twist)
+        return self.point_forces(result, table, turn)
+
+    def _nodal(self, part: SolidPart, forces: PointForces) -> tuple[Floats, Floats]:
+        """Forces (n, J, 3) at the points of a part, and pressures (n, J) on its flanks."""
+        loaded, count = self.loaded, part.z_mm.size
+        place = np.full(len(loaded.nodes), -1)
+        place[part.nodes] = np.arange(part.nodes.size)
+        nodes, shapes = loaded.on_flank(forces.s_mm)
+        at = place[loaded.numbers[forces.tooth[:, None] % len(loaded.numbers), nodes]]
+        along = _on_layers(part.z_mm, forces.spans_mm)
+        columns = np.column_stack([forces.force_N, forces.normal_N])
+        found = np.zeros((part.nodes.size, count, 4))
+        parts = np.einsum("na,nj,nc->najc", shapes, along, columns)
+        np.add.at(found, at[at >= 0], parts[at >= 0])
+        pressure, levels = found[..., 3], np.zeros(count)
+        for k in range(0, count - 1, 2):  # Simpson's weights, as along the profile
+            levels[k : k + 3] += (part.z_mm[k + 2] - part.z_mm[k]) / 6.0 * np.array([1, 4, 1])
+        flank, widths = loaded.flank_widths()
+        for tooth in np.unique(forces.tooth % len(loaded.numbers)):
+            own = place[loaded.numbers[tooth, flank]]
+            pressure[own[own >= 0]] /= widths[own >= 0, None] * levels
+        return found[..., :3], pressure
 
 
 def field_bodies(scene: Scene) -> dict[str, FieldBody | SolidBody | str]:
-    """Both bodies of a scene, ready for the contact forces of its results.
+    """Both bodies of a scene by name, ready for the contact forces of its results.
 
-    Parameters
-    ----------
-    scene : Scene
-        Of flank pairs.
-
-    Returns
-    -------
-    dict of str to FieldBody, SolidBody or str
-        By name (body_1, body_2); a text says why a body has no fields.
+    A text says why a body has no fields.
     """
     pair = build_bodies(scene)
-    bodies = (pair.body_1, pair.body_2)
-    elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
+    bodies, elastic = pair.bodies, pair.elastic
     found: dict[str, FieldBody | SolidBody | str] = {}
     for z, body in enumerate(bodies):
         name = f"body_{z + 1}"
@@ -138,17 +293,33 @@ def field_bodies(scene: Scene) -> dict[str, FieldBody | SolidBody | str]:
     return found
 
 
-def _turned_stress(stress: Floats, angle: float) -> Floats:
-    """Stress (M, 4) as xx, yy, zz, xy in axes against which the body is turned by an angle."""
-    xx, yy, zz, xy = stress.T
-    cosine, sine = np.cos(angle), np.sin(angle)
-    across = 2.0 * sine * cosine * xy
-    return np.stack(
-        [
-            cosine**2 * xx + sine**2 * yy - across,
-            sine**2 * xx + cosine**2 * yy + across,
-            zz,
-            sine * cosine * (xx - yy) + (cosine**2 - sine**2) * xy,
-        ],
-        axis=1,
-    )
+def _on_layers(z_mm: Floats, spans_mm: Floats) -> Floats:
+    """Means (n, J) of the shape functions of layers of three stations over spans (n, 2)."""
+    found = np.zeros((len(spans_mm), z_mm.size))
+    points, weights = np.polynomial.legendre.leggauss(2)  # parabolas are exact
+    whole = spans_mm[:, 1] - spans_mm[:, 0]
+    for k in range(0, z_mm.size - 1, 2):
+        low, high = (np.clip(spans_mm, z_mm[k], z_mm[k + 2])).T
+        places = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * points
+        x = (2.0 * places - z_mm[k] - z_mm[k + 2]) / (z_mm[k + 2] - z_mm[k])
+        shapes = np.stack([0.5 * x * (x - 1), 1 - x**2, 0.5 * x * (x + 1)], axis=-1)
+        part = np.einsum("g,ngj->nj", 0.5 * weights, shapes)
+        found[:, k : k + 3] += ((high - low) / whole)[:, None] * part
+    return found
+
+
+def in_world(vectors: Floats, turns: Floats) -> Floats:
+    """Vectors (…, 3), each rotated about z by an angle of its own (…)."""
+    return np.concatenate([turned(vectors[..., :2], turns), vectors[..., 2:]], axis=-1)
+
+
+def stress_in_world(stress: Floats, turns: Floats | float) -> Floats:
+    """Stresses (…, 4 or 6) as xx, yy, zz, xy, yz, xz of sections rotated by angles (…)."""
+    xx, yy, zz, xy, *shear = np.moveaxis(stress, -1, 0)
+    mean, half = 0.5 * (xx + yy), np.stack([0.5 * (xx - yy), xy], axis=-1)
+    half = turned(half, 2.0 * turns)
+    parts = [mean + half[..., 0], mean - half[..., 0], zz, half[..., 1]]
+    if shear:
+        across = turned(np.stack(shear[::-1], axis=-1), turns)
+        parts += [across[..., 1], across[..., 0]]
+    return np.stack(parts, axis=-1)

@@ -6,27 +6,24 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flankload.analysis.estimate import MOST_SWEEPS
-from flankload.mechanisms.duration import Duration
-from flankload.mechanisms.flank_pair import premises
-from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.data_sheet import data_sheet
-from flankload.mechanisms.flank_pair.description import describe, mesh_files
-from flankload.mechanisms.flank_pair.duration import duration_of
-from flankload.mechanisms.flank_pair.error_estimates import error_estimates, unseen_notes
+from flankload.mechanisms.flank_pair import data_sheet as sheet
+from flankload.mechanisms.flank_pair import description, premises
+from flankload.mechanisms.flank_pair.assembly import build_bodies, with_standing_gap
 from flankload.mechanisms.flank_pair.from_sweep import result_of
 from flankload.mechanisms.flank_pair.iso_6336 import with_iso_factor
-from flankload.mechanisms.flank_pair.prediction import predicted_work
+from flankload.mechanisms.flank_pair.prediction import duration_of, predicted_work
 from flankload.mechanisms.flank_pair.stages import (
     compliances_of,
     grown_pair,
     with_compliance_period,
 )
-from flankload.mechanisms.flank_pair.standing import with_standing_gap
 from flankload.mechanisms.flank_pair.states import (
     FlankStates,
     continued_states,
+    error_estimates,
     flank_states,
     position_notes,
+    unseen_notes,
 )
 from flankload.pairing.body_pair import BodyPair
 
@@ -34,24 +31,28 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from flankload.cost import Account
-    from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms.data_sheet import DataSheet
+    from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile, States
+    from flankload.mechanisms.protocol import Mechanism, States
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.scene.discretization import Discretization
 
-    Compliances = tuple[BodyCompliance, BodyCompliance]
-
 
 class FlankPair:
     """Two bodies whose flanks touch."""
 
     without_flanks: str | None = None
+    work = staticmethod(predicted_work)
+    broken_by_geometry = staticmethod(premises.broken_by_geometry)
+    estimates = staticmethod(error_estimates)
+    describe = staticmethod(description.describe)
+    data_sheet = staticmethod(sheet.data_sheet)
+    meshes = staticmethod(description.mesh_files)
+    duration = staticmethod(duration_of)
 
     def build(
         self,
@@ -62,10 +63,6 @@ class FlankPair:
     ) -> BodyPair:
         """Assemble both bodies."""
         return with_standing_gap(scene, build_bodies(scene, discretization, parts=parts), account)
-
-    def work(self, scene: Scene, assembly: BodyPair) -> Counted:
-        """Counters of a run by stage, as far as they are known before it."""
-        return predicted_work(scene, assembly)
 
     def sweeps(self, scene: Scene) -> int:
         """Number of sweeps: states, tangents, and those of the estimate."""
@@ -97,10 +94,6 @@ class FlankPair:
         assert isinstance(similar, FlankStates)
         return continued_states(scene, assembly, compliances, clock, similar)
 
-    def broken_by_geometry(self, assembly: BodyPair) -> Iterator[Broken]:
-        """Premises that the geometry violates."""
-        return premises.broken_by_geometry(assembly)
-
     def broken_by_load(
         self, scene: Scene, assembly: BodyPair, states: FlankStates, number: int
     ) -> Iterator[Broken]:
@@ -108,17 +101,6 @@ class FlankPair:
         return premises.broken_by_load(
             scene, assembly, states.geometry, states.found[number], number
         )
-
-    def estimates(
-        self,
-        scene: Scene,
-        assembly: BodyPair,
-        compliances: Compliances,
-        states: FlankStates,
-        clock: StageClock,
-    ) -> Sequence[Mapping[str, object] | None]:
-        """Error estimates, one per torque."""
-        return error_estimates(scene, assembly, compliances, states, clock)
 
     def results(
         self,
@@ -135,11 +117,10 @@ class FlankPair:
             states.found, estimates, states.position_errors, strict=True
         ):
             result = result_of(
-                found,
+                scene,
                 assembly,
                 compliances,
-                name=scene.name,
-                face_width_mm=scene.pair.face_width_mm,
+                found,
                 estimate=estimate,
                 geometry=states.geometry,
                 notes=(*unseen, *position_notes(scene, assembly, doubt)),
@@ -147,22 +128,6 @@ class FlankPair:
             cost = {**result.cost, "position_rounds": states.rounds}
             results.append(with_iso_factor(replace(result, cost=cost), scene, assembly))
         return tuple(results)
-
-    def describe(self, scene: Scene) -> Description:
-        """Describe bodies, pairing and effects."""
-        return describe(scene)
-
-    def data_sheet(self, scene: Scene) -> DataSheet:
-        """Drawing data of both bodies."""
-        return data_sheet(scene)
-
-    def meshes(self, scene: Scene) -> Iterator[MeshFile]:
-        """Meshes of both bodies."""
-        return mesh_files(scene)
-
-    def duration(self, scene: Scene, assembly: BodyPair) -> Duration:
-        """Predict the duration of a run from counted work."""
-        return duration_of(scene, assembly)
 
     def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
         """Solve a scene on a coarse discretization, as it is and with each effect switched."""

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.result import Result
 
@@ -38,33 +39,17 @@ FEWER_DO = 1.2
 
 
 def notes_of_sweep(
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    found: Sweep,
-    face_width_mm: float,
+    pair: BodyPair, compliances: Compliances, found: Sweep, face_width_mm: float
 ) -> Iterator[str]:
-    """Warnings about the states of a sweep.
-
-    Parameters
-    ----------
-    pair : BodyPair
-    compliances : two BodyCompliance
-    found : Sweep
-    face_width_mm : float
-
-    Yields
-    ------
-    str
-        A warning.
-    """
+    """Warnings about the states of a sweep."""
     yield from wide_nodes_notes(
-        (pair.body_1, pair.body_2),
+        pair.bodies,
         (compliances[0].modes.nodes, compliances[1].modes.nodes),
         found.torque_Nmm / 1000.0,
         face_width_mm,
     )
     yield from corner_notes(pair, found)
-    if found.conforming:
+    if found.slices is not None and found.slices.conforming:
         yield (
             "splines in three dimensions: pressures are means over the common height of the "
             "flanks, without the peaks at its ends (a plane scene has them)"
@@ -91,7 +76,7 @@ def _notes_of_body(
     pair: BodyPair, compliance: BodyCompliance, found: Sweep, z: int
 ) -> Iterator[str]:
     """Warnings about the modes and the flanks of one body."""
-    body = (pair.body_1, pair.body_2)[z]
+    body = pair.bodies[z]
     modes = compliance.flank_modes if compliance.modes.nodes is None else 0
     wanted = _wanted_elements(body, modes)
     if body.mesh is not None and wanted > FEWER_DO * body.mesh.flank_elements:
@@ -119,18 +104,7 @@ def _notes_of_body(
 
 
 def notes_of_result(result: Result, pair: BodyPair) -> Iterator[str]:
-    """Warnings about the rotation and gaps of a result.
-
-    Parameters
-    ----------
-    result : Result
-    pair : BodyPair
-
-    Yields
-    ------
-    str
-        A warning.
-    """
+    """Warnings about the rotation and gaps of a result."""
     yield from _large_wind_up(result)
     if result.coast is None and any(growth is not None for growth in pair.growth):
         yield from _overlaps(result)

@@ -1,4 +1,4 @@
-"""Work of a run, counted in advance from bodies, positions and effects alone.
+"""Work of a run, counted in advance from bodies, positions and effects alone, and its duration.
 
 The table of effects gives the work of each effect per body, per load on a flank, per evaluation
 point in a fillet and per state; meshes and positions give the number of these. Nothing is solved,
@@ -7,6 +7,7 @@ so every run can have a prediction.
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -17,66 +18,82 @@ from flankload.bodies.tip_modes import with_tip
 from flankload.elasticity.compliance.turned import has_turned_forces
 from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.elasticity.prism import prism_unknowns
+from flankload.mechanisms.duration import SMOOTHING_S, Duration, elements_seconds, work_in_words
+from flankload.mechanisms.element_rates import unknowns_of
 from flankload.mechanisms.flank_pair.stages import modes_of
 from flankload.scene.axial import degrees_of
 from flankload.scene.effects import work_in
 
 if TYPE_CHECKING:
     from flankload.bodies import Body
-    from flankload.bodies.root_fillet import RootFillets
     from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
     from flankload.scene.effects import Work
 
+#: CPU seconds of a state for each contact pair, for contact at single places.
+PAIR_S = 2.4e-6
+#: For conforming flanks most pairs carry load: CPU seconds for each two of them, and the number of
+#: passes if the teeth do not all touch at once. With finite influence coefficients: CPU seconds for
+#: each two pairs.
+CONFORMING_S, PASSES, FINITE_S = 5e-8, 3.0, 2e-6
+#: Number of flanks that touch at once, if geometry does not give it; CPU time of a lumped contact,
+#: in contact pairs; cells of the estimate relative to those of the run; final number of adaptive
+#: positions relative to the first.
+TOUCHING, LUMPED_PAIRS, FEWER, ADAPTIVE_PART = 2.0, 40.0, 0.5, 3.0
+#: Further counters of the elements of a body.
+FURTHER = (
+    "fe_load_cases_growth",
+    "cut_columns",
+    "stress_recoveries",
+    "coast_readings",
+    "corner_readings",
+)
 #: Further sweeps of the estimate of three-dimensional bodies: degrees along the axis, slices.
 SLICE_VARIANTS = 2
 
 
 def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
-    """Count the work of a run.
+    """Count the work of a run whose positions are not yet added.
 
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-        Bodies of the scene, before the run adds positions.
-
-    Returns
-    -------
-    dict of str to dict of str to int
-        By stages, as `result.cost["stages"]` names them, then by counters: those that are known,
-        including zeros. Exact, with two rare exceptions: a state that runs out of workspace is
-        solved again, and cuts whose factors need other pivots are solved for one by one. The final
-        number of adaptive positions is unknown.
+    By stages, as `result.cost["stages"]` names them, then by counters: those that are known,
+    including zeros. Exact, with two rare exceptions: a state that runs out of workspace is solved
+    again, and cuts whose factors need other pivots are solved for one by one. The final number of
+    adaptive positions is unknown.
     """
-    stages = {"bodies": {"states": _standing_states(pair)}}
-    for z, body in enumerate((pair.body_1, pair.body_2)):
-        grows = pair.growth[z]
-        growth = 0 if grows is None else grows.load_cases
-        elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)[z]
-        if elastic or growth:
-            stage = f"compliance body {z + 1}"
-            work = work_in(stage, pair.effects)
-            if not elastic:  # elements are needed for the expansion only
-                work = replace(work, factorisations=1, normal_loads=1)
-            modes = modes_of(body, scene, pair.discretization)
-            if body.tip is not None and not pair.effects.nodal_near_field:
-                modes = with_tip(modes)
-            if pair.effects.three_dimensions:
-                estimated = scene.accuracy.estimate and z in elements_estimated(pair)
-                places = _places(pair.fillets[z]) if work.recoveries else 0
-                found = _prism(body, work, modes, degrees_of(scene.accuracy), estimated)
-                stages[stage] = found | {"stress_recoveries": places}
-                continue
-            places = _places(pair.fillets[z])
-            stages[stage] = (
-                _whole(body, work, modes, growth)
-                if pair.effects.single_tooth or not isinstance(body.mesh, SectorMesh)
-                else _sector(
-                    body.mesh, work, modes, growth, places, corners=int(_reads_corner(pair, body))
-                )
-            )
+    known = pair.body_1.flank_angle_known and pair.body_2.flank_angle_known
+    # files that give the places of the flanks take a state without load
+    stages = {"bodies": {"states": 0 if known else 1}}
+    for z in (0, 1):
+        growth = pair.growth[z]
+        if pair.elastic[z] or (growth is not None and growth.load_cases):
+            stages[f"compliance body {z + 1}"] = _elements(scene, pair, z)
     return stages | _sweeps(scene, pair)
+
+
+def _elements(scene: Scene, pair: BodyPair, z: int) -> dict[str, int]:
+    """Work of the elements of body z."""
+    body, grows, work = (
+        pair.bodies[z],
+        pair.growth[z],
+        work_in(f"compliance body {z + 1}", pair.effects),
+    )
+    if not pair.elastic[z]:  # elements are needed for the expansion only
+        work = replace(work, factorisations=1, normal_loads=1)
+    growth = 0 if grows is None else grows.load_cases
+    modes = modes_of(body, scene, pair.discretization)
+    if body.tip is not None and not pair.effects.nodal_near_field:
+        modes = with_tip(modes)
+    fillets = pair.fillets[z]
+    places = 0 if fillets is None else int(fillets.points.arc_length_mm.size)
+    if pair.effects.three_dimensions:
+        estimated = scene.accuracy.estimate and z in elements_estimated(pair)
+        found = _prism(body, work, modes, degrees_of(scene.accuracy), estimated)
+        return found | {"stress_recoveries": places if work.recoveries else 0}
+    if pair.effects.single_tooth or not isinstance(body.mesh, SectorMesh):
+        return _whole(body, work, modes, growth)
+    # a sharp tip moves along the flank, too
+    corners = not pair.effects.nodal_near_field and has_turned_forces(body)
+    return _sector(body.mesh, work, modes, growth, places, corners=int(corners))
 
 
 def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
@@ -86,14 +103,7 @@ def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
     """
     if pair.effects.nodal_near_field:
         return ()
-    elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
-    bodies = (pair.body_1, pair.body_2)
-    return tuple(z for z in (0, 1) if elastic[z] and bodies[z].mesh is not None)
-
-
-def _standing_states(pair: BodyPair) -> int:
-    """Number of states without load: one if files give the places of the flanks."""
-    return 0 if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known else 1
+    return tuple(z for z in (0, 1) if pair.elastic[z] and pair.bodies[z].mesh is not None)
 
 
 def _whole(body: Body, work: Work, modes: int, growth: int) -> dict[str, int]:
@@ -102,15 +112,10 @@ def _whole(body: Body, work: Work, modes: int, growth: int) -> dict[str, int]:
     Stresses come from the solutions of the load cases. Zero for a body with imported compliance.
     """
     if body.mesh is None:
-        return _solved(0, 0, 0, growth=0)
+        return _solved(0, 0, 0)
     flanks = len(body.mesh.flanks) if isinstance(body.mesh, WholeMesh) else 1
     normal, tangential = (round(part) * modes * flanks for part in _loads(work))
-    return _solved(round(work.factorisations), normal, tangential, growth=growth)
-
-
-def _reads_corner(pair: BodyPair, body: Body) -> bool:
-    """Whether a sector needs the displacement of its sharp tip along the flank."""
-    return not pair.effects.nodal_near_field and has_turned_forces(body)
+    return _solved(round(work.factorisations), normal, tangential, fe_load_cases_growth=growth)
 
 
 def _sector(
@@ -124,11 +129,11 @@ def _sector(
         round(work.factorisations) + many,
         normal,
         tangential,
-        growth=growth,
-        cuts=0 if many else cuts,
-        recoveries=round(work.recoveries) * places,
-        coast=round(work.coast_readings) * modes,
-        corners=corners,
+        fe_load_cases_growth=growth,
+        cut_columns=0 if many else cuts,
+        stress_recoveries=round(work.recoveries) * places,
+        coast_readings=round(work.coast_readings) * modes,
+        corner_readings=corners,
     )
 
 
@@ -144,7 +149,7 @@ def _prism(
     of_profile = [round(part) * modes for part in _loads(work)]
     normal, tangential = (part * (load_degree + 1) for part in of_profile)
     factorisations = (2 if body.axial.symmetric else 1) + estimated
-    found = _solved(factorisations, normal, tangential, growth=0)
+    found = _solved(factorisations, normal, tangential)
     found["fe_solutions"] += sum(of_profile) * estimated
     return found | {"fe_unknowns": prism_unknowns(body, degree)}
 
@@ -154,55 +159,49 @@ def _loads(work: Work) -> tuple[float, float]:
     return work.normal_loads, min(1.0, work.tangential_loads)
 
 
-def _places(fillets: RootFillets | None) -> int:
-    return 0 if fillets is None else int(fillets.points.arc_length_mm.size)
-
-
-def _solved(
-    factorisations: int,
-    normal: int,
-    tangential: int,
-    *,
-    growth: int,
-    cuts: int = 0,
-    recoveries: int = 0,
-    coast: int = 0,
-    corners: int = 0,
-) -> dict[str, int]:
-    """Counters of the finite elements."""
+def _solved(factorisations: int, normal: int, tangential: int, **further: int) -> dict[str, int]:
+    """Counters of the finite elements; each of `FURTHER` is a solution."""
+    more = dict.fromkeys(FURTHER, 0) | further
     return {
         "fe_factorisations": factorisations,
-        "fe_solutions": normal + tangential + growth + cuts + recoveries + coast + corners,
+        "fe_solutions": normal + tangential + sum(more.values()),
         "unit_loads_normal": normal,
         "unit_loads_tangential": tangential,
-        "fe_load_cases_growth": growth,
-        "cut_columns": cuts,
-        "stress_recoveries": recoveries,
-        "coast_readings": coast,
-        "corner_readings": corners,
+        **more,
     }
+
+
+def estimate_sweeps(pair: BodyPair) -> int:
+    """Number of sweeps of the error estimate."""
+    return n_sweeps(
+        lumped=pair.effects.lumped_contact,
+        elements=bool(elements_estimated(pair)),
+        variants=0 if pair.slices is None else SLICE_VARIANTS,
+    )
+
+
+def states_of(scene: Scene, pair: BodyPair) -> dict[str, int]:
+    """Number of states at each position, by stage: later ones only under a torque."""
+    loaded = sum(torque > 0 for torque in scene.torques_Nm)
+    states = {"sweep": len(scene.torques_Nm)}
+    if scene.accuracy.tangents and not pair.effects.lumped_contact:
+        states["tangent"] = len(SIDES) * loaded
+    if scene.accuracy.estimate:
+        states["estimate"] = estimate_sweeps(pair) * loaded
+    return states
 
 
 def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     """States of the sweep, and of later sweeps if a torque loads the pair."""
-    lumped = pair.effects.lumped_contact
-    loaded = sum(torque > 0 for torque in scene.torques_Nm)
-    states = {"sweep": len(scene.torques_Nm)}
-    if scene.accuracy.tangents and not lumped:
-        states["tangent"] = len(SIDES) * loaded
+    states = states_of(scene, pair)
     slices = {}
     if pair.slices is not None:
         slices["sweep"] = pair.slices.count * states["sweep"]
-    if scene.accuracy.estimate:
-        sweeps = n_sweeps(
-            lumped=lumped,
-            elements=bool(elements_estimated(pair)),
-            variants=0 if pair.slices is None else SLICE_VARIANTS,
-        )
-        states["estimate"] = sweeps * loaded
-        if pair.slices is not None:  # the last sweep has fewer
+        if "estimate" in states:  # its last sweep has fewer
+            sweeps = estimate_sweeps(pair)
             count = (sweeps - 1) * pair.slices.count + pair.slices.coarser().count
-            slices["estimate"] = count * loaded
+            slices["estimate"] = count * (states["estimate"] // sweeps)
+    lumped = pair.effects.lumped_contact
     none: dict[str, int] = {}
     if lumped:
         none |= {"contact_passes": 0, "influence_columns": 0}
@@ -217,3 +216,71 @@ def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
         | ({"slices": slices[stage] * positions} if stage in slices else {})
         for stage, count in states.items()
     }
+
+
+# --- duration -------------------------------------------------------------------------------------
+def duration_of(scene: Scene, pair: BodyPair) -> Duration:
+    """Predict the duration of a run from counted work."""
+    counted, elements_s, total = predicted_work(scene, pair), 0.0, 0
+    for z, body in enumerate(pair.bodies):
+        counters = counted.get(f"compliance body {z + 1}")
+        if counters is not None and body.mesh is not None:
+            unknowns = unknowns_of(body)
+            if pair.slices is not None:  # three components in place of two, each of degree p
+                unknowns = unknowns // 2 * 3 * (degrees_of(scene.accuracy)[0] + 1)
+            total += unknowns
+            count = sum(len(cells) for _, cells in body.mesh.cells)
+            elements_s += elements_seconds(counters, unknowns, count)
+            if scene.accuracy.estimate and pair.slices is None:
+                loads = counters["unit_loads_normal"] + counters["unit_loads_tangential"]
+                elements_s += SMOOTHING_S * count * loads
+    teeth = pair.pairing.sites.size if pair.pairing.whole_circle else 0
+    work = work_in_words(scene, pair.position_rad.size, "at least " * pair.adaptive)
+    work += f" x {teeth} teeth at once" * bool(teeth)
+    work += f", elements with {total} unknowns" * bool(total)
+    return Duration(elements_s, _states_s(scene, pair), work)
+
+
+def _states_s(scene: Scene, pair: BodyPair) -> float:
+    """Seconds of sweep, tangents and estimate."""
+    loaded = sum(torque > 0 for torque in scene.torques_Nm)
+    pairs = _pairs(pair)
+    seconds = len(scene.torques_Nm) * _state_s(pair, pairs)
+    if not pair.effects.lumped_contact:
+        seconds += 2 * loaded * _state_s(pair, pairs)
+    if scene.accuracy.estimate:
+        seconds += 3 * loaded * _state_s(pair, FEWER * pairs)
+    positions = pair.position_rad.size * (ADAPTIVE_PART if pair.adaptive else 1.0)
+    return seconds * positions / min(_threads(), pair.position_rad.size)
+
+
+def _pairs(pair: BodyPair) -> float:
+    """Number of contact pairs of a state."""
+    if pair.effects.lumped_contact:
+        return LUMPED_PAIRS * (1 if pair.slices is None else pair.slices.count)
+    grid, pairing = pair.discretization.grid, pair.pairing
+    cells = 2.0 * grid.zone_half_widths * grid.strips_per_half_width
+    touching = TOUCHING
+    if pairing.whole_circle:
+        touching = float(pairing.sites.size)
+    elif pairing.motion is not None:
+        touching = 1.0
+    elif pairing.mesh is not None:
+        touching = pairing.mesh.contact_ratio
+    return cells * touching * (2.0 if pairing.coast is not None else 1.0)
+
+
+def _state_s(pair: BodyPair, pairs: float) -> float:
+    seconds = PAIR_S * pairs
+    if pair.pairing.whole_circle:
+        uneven = pair.effects.pitch_errors or pair.pairing.center_distance_mm > 0.0
+        seconds += CONFORMING_S * pairs**2 * (PASSES if uneven else 1.0)
+    if pair.effects.finite_influence:
+        seconds += FINITE_S * pairs**2
+    return seconds
+
+
+def _threads() -> int:
+    """Number of threads that share the positions."""
+    asked = os.environ.get("OMP_NUM_THREADS", "")
+    return max(1, int(asked)) if asked.isdigit() else os.cpu_count() or 1

@@ -3,6 +3,10 @@
 Each effect is another sweep of few positions, with few modes and wide cells; what the sweeps take
 stands in `pair_models`. The run costs what its bodies, elements and states took here, scaled by
 what is counted.
+
+Nodal forces lead to the same states as pressure modes at a hundred times the cost, so none are
+solved for. Their error depends on the node spacing divided by the half-width of the contact;
+docs/guide/effects.md compares the law with runs.
 """
 
 from __future__ import annotations
@@ -14,28 +18,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.analysis.estimate import n_sweeps
-from flankload.analysis.tangent import SIDES
 from flankload.bodies import SectorMesh
 from flankload.cost import Account, held_bytes
+from flankload.elasticity.nodal_loads import nodes_of
 from flankload.errors import ContactError
 from flankload.mechanisms.effect_size import Size, States
 from flankload.mechanisms.element_rates import unknowns_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.duration import duration_of
 from flankload.mechanisms.flank_pair.pair_models import COARSE, PairModels, screened
 from flankload.mechanisms.flank_pair.prediction import (
-    SLICE_VARIANTS,
+    duration_of,
     elements_estimated,
+    estimate_sweeps,
     predicted_work,
+    states_of,
 )
 from flankload.mechanisms.flank_pair.premises import blame_load, broken_by_geometry, broken_by_load
-from flankload.mechanisms.flank_pair.screened_nodes import nodal_size, node_spacings
-from flankload.mechanisms.flank_pair.stages import grown_pair, sweep_of
+from flankload.mechanisms.flank_pair.stages import contact_of, grown_pair, swept
 from flankload.mechanisms.premises import held
 from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles, with_keys
 from flankload.pairing.body_pair import BodyPair
+from flankload.pairing.node_spacing import half_widths_apart, spacing_for_loads
 from flankload.result.geometry import PairGeometry, pair_geometry
 from flankload.result.slices import face_load_factors
 from flankload.scene.discretization import Grid
@@ -72,6 +76,13 @@ OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
 RUNG_S, RUNGS = 0.3, 6.0
 #: Evaluation points in the root fillets of a tooth.
 PLACES = 40
+#: Part of the wind-up per half-width of node spacing: largest at a position, and mean.
+LARGEST, MEAN = 0.06, 0.02
+#: Limits for nodes much further apart than the contact width, independent of their spacing: for
+#: both bodies; for one body in addition to the error of the other; for one body in the mean.
+MOST_LARGEST, MOST_BEYOND, MOST_MEAN = 0.22, 0.056, 0.1
+#: Load share divided by the difference between largest and mean amount.
+SHARE = 1.5
 #: Least duration of a call of the core, s.
 TINY_S = 1e-5
 #: CPU seconds of the plane elements behind the error estimate of a prism, as part of the prism's.
@@ -92,14 +103,8 @@ class StateRate:
 class FlankPairScreening(Screening):
     """The effects of a scene on a coarse discretization, and what its run will cost.
 
-    Parameters
-    ----------
-    scene : Scene
-        Scene without `effects.choose`.
-    levels : bool
-        Whether coarser contact models that are off are tried as well.
-    dimension : bool
-        Whether three dimensions are tried in a plane scene, however short its run is.
+    With `levels`, coarser contact models that are off are tried as well; with `dimension`, three
+    dimensions in a plane scene, however short its run is.
 
     Raises
     ------
@@ -243,11 +248,10 @@ class FlankPairScreening(Screening):
         found_of = models.sections(pair) if sections else models.compliances(scene, pair)
         pair, compliances = grown_pair(pair, found_of)
         torques, start = self._torques if torques_Nm is None else torques_Nm, process_time()
-        found = sweep_of(scene, pair)(
-            compliances=compliances,
-            position_rad=self._at[few],
-            torques_Nmm=[1000.0 * torque for torque in torques],
-            grid=self._grid if fine else COARSE.grid,
+        found = swept(
+            contact_of(scene, pair, compliances, self._grid if fine else COARSE.grid),
+            self._at[few],
+            [1000.0 * torque for torque in torques],
             keep_pairs=account is not None,
             account=account,
             watched=False,
@@ -292,7 +296,7 @@ class FlankPairScreening(Screening):
             if name not in counted:
                 continue
             if pair.slices is not None:
-                body, counters = (pair.body_1, pair.body_2)[z], counted[name]
+                body, counters = pair.bodies[z], counted[name]
                 if pair.effects.root_stress and pair.fillets[z] is None:  # of another scene
                     counters = counters | {"stress_recoveries": PLACES}
                 stages[name] = self._models.prism_rates[z].price(scene, body, counters)
@@ -303,8 +307,7 @@ class FlankPairScreening(Screening):
                 continue
             counters, finer = counted[name], 1.0
             if self._pair.slices is not None:  # of its section, on coarse elements
-                run = (self._pair.body_1, self._pair.body_2)[z]
-                finer = unknowns_of(run) / unknowns_of(self._models.rates[z].body)
+                finer = unknowns_of(self._pair.bodies[z]) / unknowns_of(self._models.rates[z].body)
             if nodal:
                 finer, counters = self._nodal(scene, pair, z, counters)
             fillets, places = pair.fillets[z], 0
@@ -328,7 +331,7 @@ class FlankPairScreening(Screening):
         self, scene: Scene, pair: BodyPair, z: int, counters: dict[str, int]
     ) -> tuple[float, dict[str, int]]:
         """Factors of unknowns and loads if nodes are close enough for nodal forces."""
-        body, spacing = (pair.body_1, pair.body_2)[z], node_spacings(scene, pair)[z]
+        body, spacing = pair.bodies[z], _node_spacings(scene, pair)[z]
         if spacing is None or body.mesh is None:
             return 1.0, counters
         low, high = body.mode_range_mm
@@ -345,23 +348,13 @@ class FlankPairScreening(Screening):
         rate = self._rate
         slower = self._state_s.get(scene, rate.state_s) / rate.state_s
         positions = pair.position_rad.size * (ADAPTIVE_PART if pair.adaptive else 1.0)
-        loaded = sum(torque > 0 for torque in scene.torques_Nm)
-        lumped = pair.effects.lumped_contact
-        numbers = {"sweep": (1, len(scene.torques_Nm), rate.state_s)}
-        if scene.accuracy.tangents and not lumped:
-            numbers["tangent"] = (1, len(SIDES) * loaded, rate.state_s)
-        if scene.accuracy.estimate:
-            sweeps = n_sweeps(
-                lumped=lumped,
-                elements=bool(elements_estimated(pair)),
-                variants=0 if pair.slices is None else SLICE_VARIANTS,
-            )
-            numbers["estimate"] = (sweeps, sweeps * loaded, rate.coarser_s)
         stages = {}
-        for name, (calls, torques, state_s) in numbers.items():
+        for name, torques in states_of(scene, pair).items():
+            calls, state_s, counters = 1, rate.state_s, rate.sweep.counters
+            if name == "estimate":
+                calls, state_s, counters = estimate_sweeps(pair), rate.coarser_s, {}
             states = positions * torques
             part = states / rate.states
-            counters = rate.sweep.counters if name != "estimate" else {}
             stages[name] = Account(
                 cpu_s=calls * rate.call_s + states * state_s * slower,
                 bytes=round(rate.sweep.bytes * part) if name == "sweep" else 0,
@@ -390,12 +383,63 @@ class FlankPairScreening(Screening):
 
 def _face_load_factor(found: Sweep) -> float | None:
     """K_Hbeta of all positions; None in the plane."""
-    if found.slice_force_N is None or found.slice_edges_mm is None:
+    slices = found.slices
+    if slices is None:
         return None
-    widths = np.diff(found.slice_edges_mm)
-    return float(face_load_factors(found.slice_force_N, widths, each=found.conforming).max())
+    widths = np.diff(slices.edges_mm)
+    return float(face_load_factors(slices.force_N, widths, each=slices.conforming).max())
 
 
 def _every(positions: Floats, most: int) -> slice:
     """At most so many of some positions, evenly spread, the first among them."""
     return slice(None, None, max(1, -(-positions.size // most)))
+
+
+# --- nodal forces ---------------------------------------------------------------------------------
+def _node_spacings(scene: Scene, pair: BodyPair) -> list[float | None]:
+    """Node spacing of each body, mm, if the scene had nodal forces; None without elements.
+
+    `pair` is that of the scene, with or without nodal forces.
+    """
+    bodies = pair.bodies
+    wanted = scene.accuracy.flank_element_mm
+    if wanted is None:
+        wanted = spacing_for_loads(bodies, scene.torques_Nm, scene.pair.face_width_mm)
+    spacings: list[float | None] = []
+    for z, body in enumerate(bodies):
+        if body.mesh is None or body.rigid:
+            spacings.append(None)
+        elif pair.effects.nodal_near_field or f"body_{z + 1}.file" in scene.files:
+            spacings.append(float(np.diff(nodes_of(body.mesh)).max()))
+        else:
+            spacings.append(wanted)
+    return spacings
+
+
+def nodal_size(
+    scene: Scene, pair: BodyPair, states: States, unloaded_rad: NDArray[np.float64]
+) -> Size | None:
+    """Size of the effect of nodal forces; None without torque, or if neither body has elements.
+
+    `scene` has nodal forces; `states` are those of the least torque: the narrowest contact has the
+    largest error. `unloaded_rad` (P,) is the rotation without torque.
+    """
+    spacings = [each for each in _node_spacings(scene, pair) if each is not None]
+    if not spacings or states.torque_Nm <= 0.0:
+        return None
+    bodies = pair.bodies
+    least = half_widths_apart(bodies, min(spacings), states.torque_Nm, scene.pair.face_width_mm)
+    if least is None:
+        return None
+    parts = np.array(spacings) * least / min(spacings)
+    both, beyond = parts.min(), parts.max() - parts.min()
+    largest = min(LARGEST * both, MOST_LARGEST) + min(0.5 * LARGEST * beyond, MOST_BEYOND)
+    mean = float(np.minimum(MEAN * parts, MOST_MEAN).mean())
+    wind_up = float(np.max(states.rotation_rad - unloaded_rad))
+    return Size(
+        rotation_mean=-mean,
+        rotation_largest=float(largest),
+        rotation_um=1000.0 * pair.body_1.reference_radius_mm * float(largest) * wind_up,
+        load_share=SHARE * (float(largest) - mean) if states.load_share.shape[1] > 1 else 0.0,
+        torque_Nm=states.torque_Nm,
+    )

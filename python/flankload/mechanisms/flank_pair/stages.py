@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.period_error import ALIKE, teeth_until_alike
 from flankload.contact.conforming import sweep_splines
-from flankload.contact.sweep import sweep
+from flankload.contact.sweep import FlankContact, sweep
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance import (
     BodyCompliance,
@@ -28,17 +28,21 @@ from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import effects_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
 
     from flankload.bodies import Body
     from flankload.bodies.root_fillet import RootFillets
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.stage_clock import Kept, StageClock
-    from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
+    from flankload.scene.discretization import Grid
 
+Compliances = tuple[BodyCompliance, BodyCompliance]
 #: Number of linear steps of each force for finite influence coefficients. For coefficients that
 #: increase in proportion to the force, 10 steps have 5 % more of that increase than infinitely many
 #: steps, 3 steps 14 %.
@@ -56,19 +60,9 @@ def elements_call(
     growth: Growth | None = None,
     estimate: bool = False,
 ) -> partial[BodyCompliance]:
-    """The call that computes the compliance of one body, with all its arguments.
+    """The call that computes the compliance of an elastic body; its arguments determine it.
 
-    Parameters
-    ----------
-    body : Body
-        Elastic body.
-    scene, discretization, fillets, growth, estimate
-        As in `compliance_of`.
-
-    Returns
-    -------
-    partial
-        Its arguments determine the compliance.
+    Parameters as in `compliance_of`.
     """
     effects, own = effects_of(scene), body.for_elements()
     if effects.three_dimensions:
@@ -120,12 +114,10 @@ def compliance_of(
     growth: Growth | None = None,
     estimate: bool = False,
 ) -> BodyCompliance:
-    """Compliance of one body: from its finite elements, or imported.
+    """Compliance of one elastic body: from its finite elements, or imported.
 
     Parameters
     ----------
-    body : Body
-        Elastic body.
     scene : Scene
         Sets plane state and pressure modes.
     discretization : Discretization, optional
@@ -136,10 +128,6 @@ def compliance_of(
         Expansion of the body.
     estimate : bool
         Whether the discretization error of the elements is estimated.
-
-    Returns
-    -------
-    BodyCompliance
     """
     discretization = discretization or choose_discretization(scene)
     call = elements_call(
@@ -161,26 +149,14 @@ def _in_scene(
 
 def compliances_of(
     scene: Scene, pair: BodyPair, clock: StageClock, kept: Kept, parts: Parts | None = None
-) -> tuple[BodyCompliance, BodyCompliance]:
+) -> Compliances:
     """Solve one finite-element job for each elastic body without imported compliance.
 
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    clock : StageClock
-    kept : mapping of 0 and 1 to BodyCompliance and Account
-        Known compliances; missing ones are added.
-    parts : Parts, optional
-        Of earlier runs. A compliance that is found there has no stage and no cost.
-
-    Returns
-    -------
-    two BodyCompliance
+    Those that are missing in `kept` are added to it. A compliance that is found in `parts`, those
+    of earlier runs, has no stage and no cost.
     """
-    found = []
-    elastic = (pair.effects.elastic_body_1, pair.effects.elastic_body_2)
-    for z, body in enumerate((pair.body_1, pair.body_2)):
+    found, elastic = [], pair.elastic
+    for z, body in enumerate(pair.bodies):
         growth = pair.growth[z]
         if not elastic[z] and (growth is None or not growth.needs_elements):
             found.append(no_compliance(body, growth))
@@ -219,48 +195,21 @@ def compliances_of(
     return found[0], found[1]
 
 
-def with_compliance_period(
-    scene: Scene, pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> BodyPair:
-    """Add the positions that teeth of different compliance need.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    compliances : two BodyCompliance
-
-    Returns
-    -------
-    BodyPair
-    """
+def with_compliance_period(scene: Scene, pair: BodyPair, compliances: Compliances) -> BodyPair:
+    """Add the positions that teeth of different compliance need."""
     part = ALIKE * scene.accuracy.tolerance
-    bodies = (pair.body_1, pair.body_2)
     one, two = (
         teeth_until_alike(compliance, body.teeth, part)
-        for compliance, body in zip(compliances, bodies, strict=True)
+        for compliance, body in zip(compliances, pair.bodies, strict=True)
     )
     if (one, two) == (1, 1):
         return pair
-    longer = build_bodies(scene, pair.discretization, bodies=bodies, groups=(one, two))
+    longer = build_bodies(scene, pair.discretization, bodies=pair.bodies, groups=(one, two))
     return replace(longer, standing_note=pair.standing_note)
 
 
-def grown_pair(
-    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> tuple[BodyPair, tuple[BodyCompliance, BodyCompliance]]:
-    """Apply the expansion of the whole bodies to both; later stages are independent of its origin.
-
-    Parameters
-    ----------
-    pair : BodyPair
-    compliances : two BodyCompliance
-
-    Returns
-    -------
-    BodyPair
-    two BodyCompliance
-    """
+def grown_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, Compliances]:
+    """Apply the expansion of whole bodies to both; later stages are independent of its origin."""
     if not any(compliance.expansion.strain for compliance in compliances):
         return pair, compliances
     one, two = compliances
@@ -277,32 +226,33 @@ def grown_pair(
     return pair, (one.grown(), two.grown())
 
 
-def sweep_of(scene: Scene, pair: BodyPair) -> Callable[..., tuple[Sweep, ...]]:
-    """The sweep of a scene; positions, torques, compliances and cells remain free arguments.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-        Bodies of the scene.
-
-    Returns
-    -------
-    callable
-        `sweep` with all arguments that the scene sets.
-    """
-    splines = pair.slices is not None and pair.slices.conforming is not None
-    call: Callable[..., tuple[Sweep, ...]] = sweep_splines if splines else sweep
-    return partial(
-        call,
-        (pair.body_1, pair.body_2),
-        pairing=pair.pairing,
+def contact_of(
+    scene: Scene, pair: BodyPair, compliances: Compliances, grid: Grid | None = None
+) -> FlankContact:
+    """The contact of the bodies of a scene, on the cells of their discretization or others."""
+    return FlankContact(
+        pair.bodies,
+        compliances,
+        pair.pairing,
         face_width_mm=scene.pair.face_width_mm,
-        friction=pair.friction,
-        slices=pair.slices,
+        grid=grid or pair.discretization.grid,
         level=scene.effects.contact,
+        friction=pair.friction,
         finite_steps=FINITE_STEPS if pair.effects.finite_influence else 0,
+        slices=pair.slices,
     )
+
+
+def swept(
+    contact: FlankContact,
+    position_rad: NDArray[np.float64],
+    torques_Nmm: Sequence[float],
+    **options: Any,
+) -> tuple[Sweep, ...]:
+    """States at positions (P,) under torques on body 1; options as in `sweep`."""
+    splines = contact.slices is not None and contact.slices.conforming is not None
+    run = sweep_splines if splines else sweep
+    return run(contact, position_rad, torques_Nmm, **options)
 
 
 def prism_of(body: Body, scene: Scene) -> Prism:
@@ -323,18 +273,8 @@ def prism_of(body: Body, scene: Scene) -> Prism:
 def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
     """Number of pressure modes of a flank with elements, or of its nodes that carry unit forces.
 
-    Parameters
-    ----------
-    body : Body
-    scene : Scene
-        Can name the number.
-    discretization : Discretization
-
-    Returns
-    -------
-    int
-        Used if the scene names no number; the degree is at most half the number of flank elements,
-        since more modes make a coarse mesh worse.
+    That of the discretization is used if the scene names no number; the degree is at most half the
+    number of flank elements, since more modes make a coarse mesh worse.
     """
     if scene.effects.near_field == "nodes" and body.mesh is not None:
         return nodes_of(body.mesh).size

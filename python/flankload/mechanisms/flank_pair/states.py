@@ -1,30 +1,35 @@
-"""States of a flank pair at all positions, with tangents and the state without load."""
+"""States of a flank pair at all positions, with tangents, the state without load and errors."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.adaptive_positions import Window, sweep_adaptively
+from flankload.analysis.error_rules import of_positions
+from flankload.analysis.estimate import estimate_errors
+from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.tangent import with_tangents, with_unloaded
+from flankload.analysis.tip_error import tip_error
 from flankload.contact.sweep import known_contacts
 from flankload.cost import held_bytes
 from flankload.errors import ContactError
 from flankload.mechanisms.flank_pair.premises import blame_load
-from flankload.mechanisms.flank_pair.stages import sweep_of
+from flankload.mechanisms.flank_pair.stages import contact_of, swept
 from flankload.result.geometry import pair_geometry
 from flankload.scene.discretization import position_tolerance
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator, Mapping
 
     import numpy as np
     from numpy.typing import NDArray
 
     from flankload.analysis.adaptive_positions import PositionErrors
-    from flankload.contact.sweep import Sweep
-    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.analysis.error_rules import Left
+    from flankload.contact.sweep import FlankContact, Sweep
+    from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.geometry import PairGeometry
@@ -38,21 +43,10 @@ LEAST_VARIATION = 1e-7
 
 @dataclass(frozen=True)
 class FlankStates:
-    """States of a flank pair.
+    """States of a flank pair: one entry of `found` and of estimated position errors per torque.
 
-    Attributes
-    ----------
-    found : tuple of Sweep
-        One entry per torque.
-    position_errors : tuple of PositionErrors or None
-        Estimated errors of adaptive positions, one entry per torque.
-    rounds : int
-        Number of sweeps in which the positions were found.
-    geometry : PairGeometry
-        At all positions.
-    position_rad : (P,) array
-    run : callable
-        Sweeps the same positions again.
+    `rounds` is the number of sweeps in which adaptive positions (P,) were found; `geometry` is that
+    at all positions, `contact` that of both bodies.
     """
 
     found: tuple[Sweep, ...]
@@ -60,98 +54,58 @@ class FlankStates:
     rounds: int
     geometry: PairGeometry
     position_rad: NDArray[np.float64]
-    run: Run
+    contact: FlankContact
 
 
 def flank_states(
-    scene: Scene,
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    clock: StageClock,
+    scene: Scene, pair: BodyPair, compliances: Compliances, clock: StageClock
 ) -> tuple[BodyPair, FlankStates]:
-    """Sweep a flank pair under all torques.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    compliances : two BodyCompliance
-    clock : StageClock
-
-    Returns
-    -------
-    pair : BodyPair
-        At all positions.
-    states : FlankStates
+    """Sweep a flank pair under all torques; return also the pair at all positions.
 
     Raises
     ------
     ContactError
         If a position has no state; PremiseError if a part of the torque violates a premise.
     """
-    run = partial(sweep_of(scene, pair), compliances=compliances, grid=pair.discretization.grid)
+    contact = contact_of(scene, pair, compliances)
     with clock.stage("sweep") as account:
-        swept = partial(run, torques_Nmm=scene.torques_Nmm, account=account)
+        run = partial(swept, contact, torques_Nmm=scene.torques_Nmm, account=account)
         try:
-            pair, found, errors, rounds = _all_positions(scene, pair, swept, clock)
+            pair, found, errors, rounds = _all_positions(scene, pair, run, clock)
         except ContactError as error:
-            at_positions = partial(run, position_rad=pair.position_rad)
             geometry = pair_geometry(pair, compliances)
-            blame_load(
-                scene, pair, geometry, error, lambda torque: at_positions(torques_Nmm=[torque])
-            )
+            alone = partial(swept, contact, pair.position_rad)
+            blame_load(scene, pair, geometry, error, lambda torque: alone([torque]))
             raise
         account.bytes += held_bytes(found)
-    run = partial(run, position_rad=pair.position_rad)
+    again = partial(swept, contact, pair.position_rad, keep_pairs=False)
     if scene.accuracy.tangents and not pair.effects.lumped_contact:
         # the equations of a lumped contact include its tangent
         with clock.stage("tangent") as account:
-            again = partial(run, keep_pairs=False, account=account)
-            found = with_tangents(found, partial(again, progress=clock.sweep_progress("tangent")))
+            progress = clock.sweep_progress("tangent")
+            found = with_tangents(found, partial(again, account=account, progress=progress))
     with clock.account("result") as account:
-        found = with_unloaded(found, partial(run, keep_pairs=False, account=account))
+        found = with_unloaded(found, partial(again, account=account))
     for name in ("states", "slices"):  # those are of positions under a torque
         account.counters.pop(name, None)
     geometry = pair_geometry(pair, compliances)
-    return pair, FlankStates(found, errors, rounds, geometry, pair.position_rad, run)
+    return pair, FlankStates(found, errors, rounds, geometry, pair.position_rad, contact)
 
 
 def continued_states(
-    scene: Scene,
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    clock: StageClock,
-    similar: FlankStates,
+    scene: Scene, pair: BodyPair, compliances: Compliances, clock: StageClock, similar: FlankStates
 ) -> tuple[BodyPair, FlankStates]:
-    """States of a flank pair that differs by a small step from a solved one, without tangents.
-
-    Parameters
-    ----------
-    scene, pair, compliances, clock
-        As in `flank_states`.
-    similar : FlankStates
-        Of the solved pair: its positions and its pairs in contact.
-
-    Returns
-    -------
-    pair : BodyPair
-        At these positions.
-    states : FlankStates
-    """
+    """As `flank_states`, from those of a solved pair that differs by a small step; no tangents."""
     pair = replace(pair, position_rad=similar.position_rad, adaptive=False)
-    run = partial(
-        sweep_of(scene, pair),
-        compliances=compliances,
-        grid=pair.discretization.grid,
-        position_rad=pair.position_rad,
-    )
+    contact = contact_of(scene, pair, compliances)
+    run = partial(swept, contact, pair.position_rad)
     with clock.stage("sweep") as account:
         known = known_contacts(similar.found)
-        found = run(torques_Nmm=scene.torques_Nmm, known=known, account=account)
+        found = run(scene.torques_Nmm, known=known, account=account)
     with clock.account("result") as account:
         found = with_unloaded(found, partial(run, keep_pairs=False, account=account))
-    geometry = pair_geometry(pair, compliances)
-    return pair, FlankStates(found, (None,) * len(found), 1, geometry, similar.position_rad, run)
+    geometry, none = pair_geometry(pair, compliances), (None,) * len(found)
+    return pair, FlankStates(found, none, 1, geometry, similar.position_rad, contact)
 
 
 def _all_positions(
@@ -166,7 +120,7 @@ def _all_positions(
         return run(position_rad=position_rad, progress=clock.sweep_progress("sweep", number=number))
 
     window = window_of(pair)
-    swept = sweep_adaptively(
+    adapted = sweep_adaptively(
         run_round,
         pair.position_rad,
         window,
@@ -174,21 +128,12 @@ def _all_positions(
         most=scene.positions.most_per_pitch * window.pitches,
         least_rad=LEAST_VARIATION * pair.body_1.curve.length_mm / pair.body_1.reference_radius_mm,
     )
-    return replace(pair, position_rad=swept.position_rad), swept.found, swept.errors, swept.rounds
+    pair = replace(pair, position_rad=adapted.position_rad)
+    return pair, adapted.found, adapted.errors, adapted.rounds
 
 
 def window_of(pair: BodyPair) -> Window:
-    """Range of tooth pitches that the positions cover.
-
-    Parameters
-    ----------
-    pair : BodyPair
-        Its positions are not single angles.
-
-    Returns
-    -------
-    Window
-    """
+    """Range of tooth pitches that the positions cover, which are not single angles."""
     assert pair.pitches is not None
     pairing = pair.pairing
     return Window(
@@ -201,25 +146,109 @@ def window_of(pair: BodyPair) -> Window:
     )
 
 
-def position_notes(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> tuple[str, ...]:
-    """Warnings about adaptive positions whose estimated error exceeds the tolerance.
-
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    error : PositionErrors or None
-
-    Returns
-    -------
-    tuple of str
-    """
+def position_notes(scene: Scene, pair: BodyPair, error: PositionErrors | None) -> Iterator[str]:
+    """Warnings about adaptive positions whose estimated error exceeds the tolerance."""
     tolerance = position_tolerance(scene)
-    if error is None or error.largest <= tolerance:
+    if error is not None and error.largest > tolerance:
+        yield (
+            f"{pair.position_rad.size} positions are too few for a tolerance of {tolerance:g}: "
+            f"harmonics are in doubt by {100 * error.harmonics:.2g} %, the peak to peak by "
+            f"{100 * error.peak_to_peak:.2g} % (positions.max_count, positions.tolerance)"
+        )
+
+
+# --- error estimates ------------------------------------------------------------------------------
+def error_estimates(
+    scene: Scene, pair: BodyPair, compliances: Compliances, states: FlankStates, clock: StageClock
+) -> list[Mapping[str, object] | None]:
+    """Estimate the errors of the states, one entry per torque, as the result shows it.
+
+    None without torque, for which nothing is approximated. `pair` has all positions.
+    """
+    found = states.found
+    loaded = [t for t, part in enumerate(found) if part.torque_Nmm > 0]
+    estimates: list[Mapping[str, object] | None] = [None] * len(found)
+    with clock.stage("estimate") as account:
+        if loaded:
+
+            def run_again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
+                return swept(
+                    replace(states.contact, **other),
+                    states.position_rad,
+                    [found[t].torque_Nmm for t in loaded],
+                    keep_pairs=False,
+                    account=account,
+                    progress=clock.sweep_progress("estimate", sweep=part),
+                )
+
+            estimated = estimate_errors(
+                tuple(found[t] for t in loaded),
+                run_again,
+                compliances,
+                pair.discretization.grid,
+                lumped=pair.effects.lumped_contact,
+                variants=_variants(pair, compliances),
+                sources=_sources(pair, compliances, scene.pair.face_width_mm),
+            )
+            for t, estimate in zip(loaded, estimated, strict=True):
+                estimates[t] = estimate.as_dict(positions=states.position_errors[t])
+    for z, compliance in enumerate(compliances):
+        account.bytes += held_bytes(compliance.missed)
+        clock.move(compliance.job.seconds, f"compliance body {z + 1}", "estimate")
+    return estimates
+
+
+def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, dict[str, object]]:
+    """Arguments of the sweeps that show the errors of degrees along the axis and of slices."""
+    if pair.slices is None:
+        return {}
+    fewer = tuple(compliance.fewer_axial_modes() for compliance in compliances)
+    return {"axial": {"compliances": fewer}, "slices": {"slices": pair.slices.coarser()}}
+
+
+def _sources(
+    pair: BodyPair, compliances: Compliances, face_width_mm: float
+) -> dict[str, Callable[[Sweep], dict[str, Left]]]:
+    """Sources of errors that follow from a sweep itself: tips, positions, other teeth."""
+    sources: dict[str, Callable[[Sweep], dict[str, Left]]] = {}
+    if pair.slices is None:
+        sources["tip"] = partial(
+            tip_error,
+            bodies=pair.bodies,
+            compliances=compliances,
+            pairing=pair.pairing,
+            face_width_mm=face_width_mm,
+        )
+    if pair.pitches is None:
+        return sources
+    window = window_of(pair)
+    if not pair.adaptive:
+        sources["positions"] = partial(of_positions, window=window, position_rad=pair.position_rad)
+    others = OtherTeeth.of(pair, compliances, face_width_mm, window)
+    if others is not None:
+        sources["period"] = partial(of_other_teeth, others=others)
+    return sources
+
+
+def unseen_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:
+    """Notes on bodies whose discretization error the estimate does not include."""
+    if pair.slices is not None:
+        jumps = any(body.axial and body.axial.regions for body in pair.bodies)
+        slower = ", slower where widths jump" * jumps
+        note = (
+            "the error estimate does not contain the error of the degree of the displacements "
+            f"along the axis (accuracy.axial_degree{slower}) and of forces that turn at tip corners"
+        )
+        return (note,)
+    unknown = [
+        f"body_{z + 1}"
+        for z, (body, compliance) in enumerate(zip(pair.bodies, compliances, strict=True))
+        if body.given is not None and compliance.missed is None and compliance.modes.nodes is None
+    ]
+    if not unknown:
         return ()
     note = (
-        f"{pair.position_rad.size} positions are too few for a tolerance of {tolerance:g}: "
-        f"harmonics are in doubt by {100 * error.harmonics:.2g} %, the peak to peak by "
-        f"{100 * error.peak_to_peak:.2g} % (positions.max_count, positions.tolerance)"
+        "the error estimate does not contain what the elements behind the compliance of "
+        f"{' and '.join(unknown)} miss: its file does not tell"
     )
     return (note,)

@@ -1,4 +1,4 @@
-"""Peak pressure over the diameters of involute flanks, with the points A to E of the path."""
+"""Plots over the flanks of involutes: pressure with points A to E, deviation from the involute."""
 
 from __future__ import annotations
 
@@ -7,21 +7,14 @@ from math import acos, tan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.ticker import MaxNLocator
 
-from flankload.plot.curves import DASHED, ON_CORNER, draw_off_corners
-from flankload.plot.figures import (
-    as_results,
-    empty_figure,
-    fit,
-    label_curves,
-    legend_below,
-    set_title,
-)
+from flankload.plot.curves import draw_off_corners, explain_dashes
+from flankload.plot.figures import BOX, label_torques, note, set_title
+from flankload.plot.load_maps import contact_pattern
+from flankload.plot.picture import all_torques, panels, picture
 from flankload.plot.positions import way_curve
-from flankload.plot.slices import contact_pattern
-from flankload.plot.style import BODIES, GREY, SIZE, STYLE, torque_colours
+from flankload.plot.style import BODIES, GREY, SIZE, short, torque_colours
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,12 +23,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.result import Result
 
     Floats = NDArray[np.float64]
 
 #: Least distance of two ticks of the roll angle, as part of the width.
 CLOSEST = 0.05
+#: Least range of the plotted deviations, um: smaller values are roundoff.
+LEAST_SPAN_UM = 5.0
+#: Height of the title of a panel: that of the label of the upper axis, beside it; points.
+BESIDE = 21.0
+#: Height of a row of names, as part of the plot.
+ROW = 0.085
 
 
 @dataclass(frozen=True)
@@ -88,14 +88,7 @@ class PathOnFlank:
 
 
 def path_on_flank(result: Result, body: int) -> PathOnFlank | None:
-    """The path of contact on a body; None unless both flanks are involutes with a known path.
-
-    Parameters
-    ----------
-    result : Result
-    body : int
-        1 or 2.
-    """
+    """The path of contact on body 1 or 2; None unless both have involutes and a known path."""
     drawing, geometry = result.drawing, result.geometry
     one, two = drawing.profiles
     if one is None or two is None or geometry is None or geometry.path_pitches is None:
@@ -113,45 +106,24 @@ def path_on_flank(result: Result, body: int) -> PathOnFlank | None:
     return PathOnFlank(base, base * tan(angle), pitch, geometry.path_pitches)
 
 
+@panels(all_torques, "Peak pressure over the flanks")
 def plot_pressure_over_diameter(
-    results: Result | Sequence[Result], body: int | None = None
-) -> Figure:
-    """Peak pressure over the diameter of each body, a curve per torque; points A to E.
-
-    Parameters
-    ----------
-    results : Result, or sequence of Result
-    body : int, optional
-        1 or 2; by default both, in two panels.
-    """
-    shown = as_results(results)
+    figure: Figure, results: Sequence[Result], *, body: int | None = None
+) -> None:
+    """Draw the peak pressure over the diameter of each body, a curve per torque; points A to E."""
     bodies = (1, 2) if body is None else (body,)
-    with rc_context(STYLE):
-        figure = empty_figure((SIZE[0], (0.5 + 0.5 * len(bodies)) * SIZE[1]))
-        for row, each in enumerate(bodies):
-            axes = figure.add_subplot(len(bodies), 1, row + 1)
-            draw_pressure_over_diameter(axes, shown, body=each, key=each == bodies[-1])
-        set_title(figure, shown, "Peak pressure over the flanks")
-        fit(figure)
-        return figure
+    figure.set_size_inches(SIZE[0], (0.5 + 0.5 * len(bodies)) * SIZE[1])
+    for each, axes in zip(bodies, figure.subplots(len(bodies), squeeze=False).flat, strict=True):
+        draw_pressure_over_diameter(axes, results, body=each, key=each == bodies[-1])
 
 
+@picture(all_torques)
 def draw_pressure_over_diameter(
     axes: Axes, results: Sequence[Result], *, body: int = 1, key: bool = True
 ) -> None:
     """Draw the peak pressure over the diameter of a body, with roll angles on a second axis.
 
     Plane contacts are placed at their nominal diameter, that of the undeformed involutes.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        One per torque, by ascending torque.
-    body : int
-        1 or 2.
-    key : bool
-        Whether to explain dashed lines below the panel.
 
     Raises
     ------
@@ -176,14 +148,9 @@ def draw_pressure_over_diameter(
     _add_roll_axis(axes, path, body)
     _mark_points(axes, path)
     if len(results) > 1:
-        texts = [
-            f"{result.torque_Nm:g} N m\n{top:.0f} MPa"
-            for result, top in zip(results, tops, strict=True)
-        ]
-        label_curves(axes, tops, texts, colours)
-    if key and any(result.corner_contact.any() for result in results):
-        (dashed,) = axes.plot([], [], color=GREY, **DASHED)
-        legend_below(axes, [dashed], [ON_CORNER])
+        label_torques(axes, results, tops, [f"{top:.0f} MPa" for top in tops])
+    if key:
+        explain_dashes(axes, results)
 
 
 def _add_roll_axis(axes: Axes, path: PathOnFlank, body: int) -> None:
@@ -221,15 +188,90 @@ def _mark_points(axes: Axes, path: PathOnFlank) -> None:
         row = 1 - row if diameter - before < CLOSEST * (high - low) else 0
         before = diameter
         axes.axvline(diameter, color=GREY, linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
-        axes.annotate(
-            name,
-            (diameter, 0.03),
-            xycoords=("data", "axes fraction"),
-            xytext=(0.0, 13.0 * row),
-            textcoords="offset points",
-            ha="center",
-            fontsize=9,
-            fontweight="bold",
-            color=GREY,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
-        )
+        coords, box = ("data", "axes fraction"), {**BOX, "pad": 1.0}
+        offset = (0.0, 13.0 * row)
+        note(axes, name, (diameter, 0.03), coords, offset, ha="center", weight="bold", bbox=box)
+
+
+@panels(all_torques)
+def plot_profile_deviation(
+    figure: Figure, results: Sequence[Result], *, body: int | None = None
+) -> None:
+    """Draw the deviation from the involute along its normal, a panel for each body that has one."""
+    known = [z for z in (1, 2) if results[0].drawing.profiles[z - 1] is not None]
+    bodies = known if body is None else [body]
+    figure.set_size_inches(SIZE[0], 1.0 + 2.9 * len(bodies))
+    set_title(figure, short(results[0].name), "Profile deviation")
+    for each, axes in zip(bodies, figure.subplots(len(bodies), squeeze=False).flat, strict=True):
+        draw_profile_deviation(axes, results, body=each)
+        axes.set_title(f"body {each}", color=BODIES[each - 1], fontsize=10, pad=BESIDE)
+
+
+@picture(all_torques)
+def draw_profile_deviation(axes: Axes, results: Sequence[Result], *, body: int = 1) -> None:
+    """Draw the deviation of a body from its involute along its normal, over roll length.
+
+    All torques have the same profiles; the scale is that of both bodies.
+
+    Raises
+    ------
+    ValueError
+        If the involute of the body is unknown.
+    """
+    drawing = results[0].drawing
+    profile = drawing.profiles[body - 1]
+    if profile is None:
+        raise ValueError(f"body: expected one with an involute, found {body}")
+    axes.set_ylim(*_span([each for each in drawing.profiles if each is not None]))
+    _draw_profile(axes, profile, drawing.active_roll_mm[body - 1], body - 1)
+
+
+def _span(profiles: list[ProfileDeviation]) -> tuple[float, float]:
+    """One scale for both bodies, with space above for the labels of the marks."""
+    every = np.concatenate([profile.deviation_um for profile in profiles])
+    low, high = min(0.0, float(every.min())), max(0.0, float(every.max()))
+    if high - low < LEAST_SPAN_UM:
+        low -= LEAST_SPAN_UM - (high - low)
+    foot = 0.14 * (high - low)
+    head = 0.05 + ROW * max(len(profile.marks) for profile in profiles)  # part of the height
+    return low - foot, high + (high - low + foot) * head / (1.0 - head)
+
+
+def _draw_profile(
+    axes: Axes, profile: ProfileDeviation, active: tuple[float, float] | None, z: int
+) -> None:
+    colour = BODIES[z]
+    ends = [*profile.roll_length_mm[[0, -1]], *(place for _, place in profile.marks)]
+    margin = 0.03 * (max(ends) - min(ends))
+    axes.set_xlim(min(ends) - margin, max(ends) + margin)
+    if active is not None:
+        axes.axvspan(*active, color="#f0f0f0", zorder=0)
+        place, coords = (0.5 * sum(active), 0.03), ("data", "axes fraction")
+        note(axes, "active profile", place, coords, ha="center", fontsize=8)
+    axes.axhline(0.0, color=GREY, linewidth=1)
+    _draw_marks(axes, profile)
+    axes.plot(profile.roll_length_mm, profile.deviation_um, color=colour)
+    axes.set_ylabel("deviation in µm")
+    axes.set_xlabel("roll length in mm")
+    base = profile.base_radius_mm
+
+    def diameter(roll_length: Any) -> Any:
+        return 2 * np.hypot(base, np.maximum(roll_length, 0.0))
+
+    def roll_length(diameter: Any) -> Any:
+        return np.sqrt(np.maximum((0.5 * np.asarray(diameter)) ** 2 - base**2, 0.0))
+
+    axes.secondary_xaxis("top", functions=(diameter, roll_length)).set_xlabel("diameter in mm")
+
+
+def _draw_marks(axes: Axes, profile: ProfileDeviation) -> None:
+    """A line for each mark, with its label beside it in a row of its own."""
+    marks = sorted(profile.marks, key=lambda mark: mark[1])
+    low, high = axes.get_xlim()
+    for row, (name, place) in enumerate(marks):
+        axes.axvline(place, color=GREY, linewidth=0.9, linestyle=(0, (4, 3)))
+        side, ha = (4, "left") if place < 0.5 * (low + high) else (-4, "right")
+        text = f"{name} ⌀ {2 * np.hypot(profile.base_radius_mm, place):.2f}"
+        look = {"va": "top", "fontsize": 8, "bbox": {**BOX, "alpha": 0.85, "pad": 0.6}}
+        at, coords = (place, 0.97 - ROW * row), ("data", "axes fraction")
+        note(axes, text, at, coords, (side, 0), ha=ha, **look)

@@ -1,4 +1,4 @@
-"""Load over the face width: line load of a position and of a mesh cycle, contact pattern."""
+"""Maps of the load: on the pairs over the positions, over the face width, and on the flanks."""
 
 from __future__ import annotations
 
@@ -6,21 +6,20 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib import rc_context
+from matplotlib.ticker import MaxNLocator
 
-from flankload.plot.figures import (
-    empty_figure,
-    fit,
-    heaviest,
-    legend_below,
-    one_panel,
-    set_title,
+from flankload.plot.figures import BOX, legend_below, note
+from flankload.plot.picture import at, largest, of_largest_line_load, panels, picture
+from flankload.plot.positions import (
+    is_closed,
+    label_positions,
+    label_way,
+    pair_curve,
+    places_on_way,
 )
-from flankload.plot.style import BODIES, GREY, SIZE, STYLE, colour_of, loaded_sites, pair_name
+from flankload.plot.style import BODIES, GREY, SIZE, colour_of, loaded_sites, pair_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
@@ -34,36 +33,59 @@ if TYPE_CHECKING:
 PATTERN_POINTS = 240
 #: Contacts of two positions are parts of one path if they are no further apart, in half-widths.
 CONNECTED = 4.0
-LOAD_MAP = "viridis"
-PATTERN_MAP = "inferno_r"
+FORCE_MAP, LOAD_MAP, PATTERN_MAP = "viridis_r", "viridis", "inferno_r"
+#: Up to this number of pairs, each one is a tick.
+MOST_TICKS = 12
 
 
-def plot_line_load(results: Result | Sequence[Result]) -> Figure:
-    """Line load over the face width at the position of the largest one, per flank pair."""
-    result = heaviest(results)
-    angle = np.degrees(result.position_rad[_of_largest(result)])
-    return one_panel(draw_line_load, result, f"Line load at {angle:.2f}°")
+@picture(largest, lambda result: f"Load of the {result.words_for_sites[1]}", size=(SIZE[0], 3.6))
+def draw_load_map(axes: Axes, result: Result) -> None:
+    """Draw the force of each pair (vertical) at each position (horizontal) as a colour.
 
-
-def _of_largest(result: Result) -> int:
-    """Position of the largest line load."""
-    assert result.slices is not None
-    return int(result.slices.line_load_N_per_mm.max(axis=(1, 2)).argmax())
-
-
-def draw_line_load(axes: Axes, results: Sequence[Result]) -> None:
-    """Draw the line load over the face width at the position of the largest one, per flank pair.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        The one of the largest torque is drawn; it is three-dimensional.
+    A pair without load is blank.
     """
-    result = heaviest(results)
+    columns = [s for s, _ in loaded_sites(result)] or [0]
+    rows = range(columns[0], columns[-1] + 1)
+    curves = [pair_curve(result, result.site_force_N, s) for s in rows]
+    angle, force = curves[0][0], np.array([force for _, force in curves]) / 1e3
+    sites = result.sites[rows.start : rows.stop]
+    shown = axes.pcolormesh(
+        _angle_edges(result, angle),
+        np.append(sites - 0.5, sites[-1] + 0.5),
+        np.where(force > 0, force, np.nan),
+        cmap=FORCE_MAP,
+        vmin=0.0,
+    )
+    label_positions(axes, result)
+    axes.grid(visible=False)
+    if len(rows) <= MOST_TICKS:
+        axes.set_yticks(sites, [f"{site}".replace("-", "−") for site in sites])
+    else:
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_ylabel(result.words_for_sites[0])
+    axes.figure.colorbar(shown, ax=axes, label="force in kN", pad=0.02)
+
+
+def _angle_edges(result: Result, angle: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Boundaries between positions; a gap has no colour of its own."""
+    known = np.where(np.isnan(angle), 0.5 * (np.roll(angle, 1) + np.roll(angle, -1)), angle)
+    middle = 0.5 * (known[1:] + known[:-1])
+    if is_closed(result):
+        return np.concatenate([known[:1], middle, known[-1:]])
+    half = 0.5 * np.degrees(result.pitch_rad) / max(result.position_rad.size, 1)
+    first, last = (middle[0], middle[-1]) if middle.size else (known[0] + half, known[0] - half)
+    return np.concatenate([[2 * known[0] - first], middle, [2 * known[-1] - last]])
+
+
+@picture(
+    at(of_largest_line_load),
+    lambda result, p: f"Line load at {np.degrees(result.position_rad[p]):.2f}°",
+)
+def draw_line_load(axes: Axes, result: Result, p: int) -> None:
+    """Draw the line load of a three-dimensional result over the face width, per flank pair."""
     slices = result.slices
     assert slices is not None
-    load, p = slices.line_load_N_per_mm, _of_largest(result)
+    load = slices.line_load_N_per_mm
     ends = _edges(slices.z_mm, slices.width_mm)
     for s, site in loaded_sites(result):
         if not load[p, s].any():
@@ -92,98 +114,54 @@ def draw_line_load(axes: Axes, results: Sequence[Result]) -> None:
     )
 
 
-def plot_line_load_map(results: Result | Sequence[Result]) -> Figure:
-    """Line load of a tooth over its way through the mesh and the face width."""
-    return one_panel(draw_line_load_map, heaviest(results), "Line load of a tooth")
-
-
-def draw_line_load_map(axes: Axes, results: Sequence[Result]) -> None:
+@picture(largest, "Line load of a tooth")
+def draw_line_load_map(axes: Axes, result: Result) -> None:
     """Draw the line load of a tooth over its way through the mesh and the face width.
 
     Pair j is j pitches further along than pair 0: all pairs together are the way of one tooth.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        The one of the largest torque is drawn; it is three-dimensional.
     """
-    result = heaviest(results)
     slices = result.slices
     assert slices is not None
-    place = result.sites + result.position_rad[:, np.newaxis] / result.pitch_rad
+    place = places_on_way(result)
     order = np.argsort(place, axis=None, kind="stable")
     along = place.ravel()[order]
     load = slices.line_load_N_per_mm.reshape(-1, slices.z_mm.size)[order]
-    edges = np.concatenate([[along[0]], 0.5 * (along[1:] + along[:-1]), [along[-1]]])
     axes.grid(visible=False)
     shown = axes.pcolormesh(
-        edges,
+        _midpoints(along),
         _edges(slices.z_mm, slices.width_mm),
         np.where(load > 0, load, np.nan).T,
         cmap=LOAD_MAP,
         vmin=0.0,
     )
-    loaded = along[load.any(axis=1)]
-    if loaded.size:
-        axes.set_xlim(loaded.min() - 0.1, loaded.max() + 0.1)
-    axes.set_xlabel(
-        "place of the tooth in pitches around the axis"
-        if result.whole_circle
-        else "place of the pair in mesh pitches from the pitch point"
-    )
+    label_way(axes, result)
+    if result.whole_circle:
+        axes.set_xlabel("place of the tooth in pitches around the axis")
     axes.set_ylabel("axial position z in mm")
     axes.figure.colorbar(shown, ax=axes, label="line load in N per mm face width")
 
 
-def plot_contact_pattern(results: Result | Sequence[Result], body: int | None = None) -> Figure:
-    """Largest pressure at each place of both flanks over all positions.
-
-    Parameters
-    ----------
-    results : Result, or sequence of Result
-        The one of the largest torque is drawn; it is three-dimensional.
-    body : int, optional
-        1 or 2; by default both, in two panels.
-    """
-    result = heaviest(results)
+@panels(largest, "Contact pattern", (SIZE[0], 0.9 * SIZE[1]))
+def plot_contact_pattern(figure: Figure, result: Result, *, body: int | None = None) -> None:
+    """Draw the largest pressure at each place of both flanks over all positions."""
     bodies = (1, 2) if body is None else (body,)
-    with rc_context(STYLE):
-        figure = empty_figure((SIZE[0], 0.9 * SIZE[1]))
-        largest = max(contact_pattern(result, each)[1].max() for each in (1, 2))
-        for column, each in enumerate(bodies):
-            axes = figure.add_subplot(1, len(bodies), column + 1)
-            key = each == bodies[-1]
-            draw_contact_pattern(axes, (result,), body=each, largest_MPa=largest, key=key)
-            axes.set_title(f"body {each}", color=BODIES[each - 1])
-        set_title(figure, result, "Contact pattern")
-        fit(figure)
-        return figure
+    most = max(contact_pattern(result, each)[1].max() for each in (1, 2))
+    for each, axes in zip(bodies, figure.subplots(1, len(bodies), squeeze=False).flat, strict=True):
+        key = each == bodies[-1]
+        draw_contact_pattern(axes, result, body=each, largest_MPa=most, key=key)
+        axes.set_title(f"body {each}", color=BODIES[each - 1])
 
 
+@picture(largest)
 def draw_contact_pattern(
     axes: Axes,
-    results: Sequence[Result],
+    result: Result,
     *,
     body: int = 1,
     largest_MPa: float | None = None,
     key: bool = True,
 ) -> None:
-    """Draw the largest pressure at each place of a flank over all positions.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    results : sequence of Result
-        The one of the largest torque is drawn; it is three-dimensional.
-    body : int
-        1 or 2.
-    largest_MPa : float, optional
-        End of the scale of colours; by default the largest pressure on this body.
-    key : bool
-        Whether to add the scale of colours.
-    """
-    result = heaviest(results)
+    """Draw the largest pressure at each place of a flank over all positions, in slices."""
     slices = result.slices
     assert slices is not None
     diameter, pressure = contact_pattern(result, body)
@@ -213,17 +191,9 @@ def _mark_profile(axes: Axes, result: Result, body: int) -> None:
         diameter = 2.0 * np.hypot(profile.base_radius_mm, roll)
         diameters.append(diameter)
         axes.axhline(diameter, color=GREY, linewidth=0.8, linestyle=(0, (4, 2)))
-        axes.annotate(
-            f"{name} ⌀ {diameter:.2f}",
-            (0.02, diameter),
-            xycoords=("axes fraction", "data"),
-            xytext=(0, 2),
-            textcoords="offset points",
-            fontsize=8,
-            color=GREY,
-            va="bottom",
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8},
-        )
+        look = {"va": "bottom", "fontsize": 8, "bbox": {**BOX, "alpha": 0.7, "pad": 0.8}}
+        coords = ("axes fraction", "data")
+        note(axes, f"{name} ⌀ {diameter:.2f}", (0.02, diameter), coords, (0, 2), **look)
     low, high = min(diameters), max(diameters)
     axes.set_ylim(low - 0.03 * (high - low), high + 0.06 * (high - low))
 

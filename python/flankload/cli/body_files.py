@@ -1,4 +1,4 @@
-"""The command compliance: write both bodies of a scene to files that need no finite elements."""
+"""The commands mesh and compliance: write both bodies of a scene, with and without elements."""
 
 from __future__ import annotations
 
@@ -12,6 +12,32 @@ if TYPE_CHECKING:
     from argparse import Namespace
 
     from flankload.scene import Scene
+
+
+def mesh(arguments: Namespace) -> None:
+    """Write the meshes of both bodies at position zero."""
+    folder: Path = arguments.folder
+    check_folder("-o", folder, content="both meshes")
+    from flankload.scene import read_scene
+
+    scene = read_scene(arguments.scene)
+    bodies = (folder / f"body_{z}.{arguments.format}" for z in (1, 2))
+    check_apart((("-o", path) for path in bodies), scene)
+    from flankload.bodies.imported.body_file import write_body
+    from flankload.mechanisms.registry import mechanism_of
+    from flankload.studies.tolerance import first_scene
+
+    scene = first_scene(scene)
+    meshes = list(mechanism_of(scene).meshes(scene))
+    if any(item.mesh is not None for item in meshes):
+        folder.mkdir(parents=True, exist_ok=True)
+    for item in meshes:
+        if item.mesh is None:
+            print(f"{item.name}: {item.words}")
+            continue
+        path = folder / f"{item.name}.{arguments.format}"
+        write_body(path, item.mesh, turn_rad=item.turn_rad)
+        print(f"{path}: {len(item.mesh.nodes)} nodes, {item.words}")
 
 
 def compliance(arguments: Namespace) -> None:
