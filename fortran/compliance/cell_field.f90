@@ -327,7 +327,7 @@ contains
         !> As in `modes_type`, of explicit shape, so that parts are passed in place
         integer, intent(in) :: last(:)
         real(wp), intent(in) :: values(m, n)
-        real(wp), intent(in) :: carried(m, n, *)
+        real(wp), intent(in) :: carried(m, n, size(last))
         !> First and last column, of one flank
         integer, intent(in) :: columns(2)
         !> K [mm/N]
