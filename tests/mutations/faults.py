@@ -291,6 +291,7 @@ _FORTRAN = (
         "unit/contact/test_contact_general.py",
         ("rows = displacement + problem%normal_gaps", "rows = displacement"),
         ("wrong = merge(abs(rows(i)), max(-rows(i), 0.0_wp)", "wrong = merge(abs(rows(i)), 0.0_wp"),
+        ("margin_of_condition*condition*spread", "0.0_wp*condition*spread"),
     ),
     *_in(
         "updatable_factor.f90",
