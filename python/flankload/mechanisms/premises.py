@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.errors import PremiseError
-from flankload.result.accuracy_lines import OUTSIDE
+from flankload.result.notes import OUTSIDE
 from flankload.scene.usual import questions
 
 if TYPE_CHECKING:

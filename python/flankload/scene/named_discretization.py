@@ -136,17 +136,7 @@ def _toml(value: object) -> str:
 
 
 def scene_at(scene: Scene, discretization: NamedDiscretization) -> Scene:
-    """The scene with other knobs, without error estimate and stress in the roots.
-
-    Parameters
-    ----------
-    scene : Scene
-    discretization : NamedDiscretization
-
-    Returns
-    -------
-    Scene
-    """
+    """The scene with other knobs, without error estimate and stress in the roots."""
     if discretization.level == "plane":
         scene = plane_section(scene)
     plain = EffectsAsked()
@@ -165,17 +155,7 @@ def scene_at(scene: Scene, discretization: NamedDiscretization) -> Scene:
 
 
 def with_discretization(scene: Scene, discretization: NamedDiscretization) -> Scene:
-    """The scene with the knobs of a discretization named, all else as it stands.
-
-    Parameters
-    ----------
-    scene : Scene
-    discretization : NamedDiscretization
-
-    Returns
-    -------
-    Scene
-    """
+    """The scene with the knobs of a discretization named, all else as it stands."""
     accuracy = structs.replace(scene.accuracy, **discretization.accuracy_keys)
     if discretization.level == "lumped":
         accuracy = structs.replace(

@@ -10,7 +10,7 @@ import numpy as np
 from flankload.base.rotation import directions
 from flankload.mechanisms.belt.contact import lands_in_words
 from flankload.mechanisms.wrapped import Sites, slack_of, wrapped_result
-from flankload.result.belt import BeltDrive
+from flankload.result.drives import BeltDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from flankload.base.rotation import directions
 from flankload.mechanisms.chain.contact import WrapState, work_of
 from flankload.mechanisms.chain.wrap import in_world
 from flankload.mechanisms.wrapped import Sites, wrapped_result
-from flankload.result.chain import ChainDrive
+from flankload.result.drives import ChainDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
 
 if TYPE_CHECKING:

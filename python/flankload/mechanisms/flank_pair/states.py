@@ -7,9 +7,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.adaptive_positions import Window, sweep_adaptively
-from flankload.analysis.error_rules import of_positions
 from flankload.analysis.estimate import estimate_errors
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
+from flankload.analysis.sampling_error import of_positions
 from flankload.analysis.tangent import with_tangents, with_unloaded
 from flankload.analysis.tip_error import tip_error
 from flankload.contact.sweep import known_contacts
@@ -213,19 +213,15 @@ def _sources(
     sources: dict[str, Callable[[Sweep], dict[str, Left]]] = {}
     if pair.slices is None:
         sources["tip"] = partial(
-            tip_error,
-            bodies=pair.bodies,
-            compliances=compliances,
-            pairing=pair.pairing,
-            face_width_mm=face_width_mm,
+            tip_error, pair=pair, compliances=compliances, face_width_mm=face_width_mm
         )
     if pair.pitches is None:
         return sources
     window = window_of(pair)
     if not pair.adaptive:
         sources["positions"] = partial(of_positions, window=window, position_rad=pair.position_rad)
-    others = OtherTeeth.of(pair, compliances, face_width_mm, window)
-    if others is not None:
+    others = OtherTeeth(pair, compliances, face_width_mm, window)
+    if window.pitches % others.pitches != 0:
         sources["period"] = partial(of_other_teeth, others=others)
     return sources
 
