@@ -1,4 +1,5 @@
-!> A body as one array of reals, which a program fills part by part and hands to the sweep.
+!> Body record: a body as one array of reals, which a program fills part by part and passes to the
+!> sweep.
 !>
 !>     record(1)      record_mark
 !>     record(2)      number of reals in use
@@ -6,8 +7,8 @@
 !>     record(8:)     first place and length of each part, 0 and 0 if it is absent
 !>     …              the parts, in the order in which they were packed
 !>
-!> Integers are whole reals. A new part is a name in the enumeration, its shape in shape_of, and the
-!> line in recorded_body.f90 that reads it; a rule for its values, if any, is a case in are_valid.
+!> Integers are stored as reals. A new part needs a name in the enumeration, its shape in shape_of,
+!> and a line in recorded_body.f90 that reads it; conditions on its values are a case of are_valid.
 module flankload_body_record
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
     use flankload_kinds, only: wp
@@ -25,7 +26,7 @@ module flankload_body_record
     public :: fits, are_valid, body_length, start_record, write_part
     public :: is_record, reals_in, counts_in, shape_in, place_in
 
-    !> Parts: first the optional ones, by the numbers that programs use, then those of every body.
+    !> Parts: first the optional ones, with the numbers used by programs, then those of every body.
     enum, bind(c)
         enumerator :: part_tip = 1
         enumerator :: part_wedge
@@ -54,7 +55,7 @@ module flankload_body_record
     end enum
     integer, parameter :: last_optional = part_sections, last_part = part_block
 
-    !> Sizes from which the shapes of all parts follow.
+    !> Sizes that determine the shapes of all parts.
     type :: counts_type
         integer :: breaks = 0
         !> Degree of the flank curve + 1
@@ -62,27 +63,27 @@ module flankload_body_record
         integer :: sites = 0
         integer :: modes = 0
         integer :: blocks = 0
-        !> Modes of load along the flank: known as soon as part_tangential is packed
+        !> Number of modes of loads along the flank, known once part_tangential is packed
         integer :: tangential = 0
     end type counts_type
 
-    !> First number of every record: F, L and B in ASCII, then the version of this layout. It
-    !> changes with the list of parts; a record of another version is refused.
+    !> First number of every record: F, L and B in ASCII, then the version of this layout, which
+    !> changes with the list of parts. Records of other versions are rejected.
     real(wp), parameter :: record_mark = 70766604.0_wp
     integer, parameter :: first_count = 3, first_place = 8
     integer, parameter :: header = first_place - 1 + 2*last_part
-    !> A dimension of a part that follows from the number of its values.
+    !> Marks a dimension that follows from the number of values.
     integer, parameter :: any_number = -1
 
 contains
 
-    !> Shape of a part. This is the list of all parts.
+    !> Return the shape of a part. This is the list of all parts.
     pure function shape_of(part, n) result(extents)
         !> Number of the part
         integer, intent(in) :: part
         !> Sizes of the body
         type(counts_type), intent(in) :: n
-        !> Shape; any_number where the caller chooses
+        !> Shape; any_number for the dimension that the caller chooses
         integer :: extents(3)
 
         extents = 1
@@ -131,7 +132,7 @@ contains
         end select
     end function shape_of
 
-    !> Whether a part may have so many values.
+    !> Return whether a part may have this number of values.
     pure function fits(part, n, n_values)
         !> Number of the part
         integer, intent(in) :: part
@@ -144,7 +145,7 @@ contains
         integer :: extents(3)
         real(wp) :: least
 
-        ! As a real: products of sizes may be beyond the integers.
+        ! A real, since products of sizes may exceed the range of integers.
         extents = shape_of(part, n)
         least = product(real(extents, wp), mask=extents /= any_number)
         fits = n_values > 0 .and. least > 0.0_wp .and. least <= n_values
@@ -152,7 +153,7 @@ contains
         if (fits .and. all(extents /= any_number)) fits = n_values == nint(least)
     end function fits
 
-    !> Whether the values of a part are possible. All must be finite.
+    !> Return whether the values of a part are valid. All must be finite.
     pure function are_valid(part, n, values) result(valid)
         !> Number of the part
         integer, intent(in) :: part
@@ -168,7 +169,7 @@ contains
         if (.not. valid) return
         select case (part)
         case (part_tip)
-            ! the modes of the tip are the last ones; its normal turns by an angle above 0
+            ! the modes of the tip are the last ones; its normal turns by a positive angle
             valid = n%modes > least_tip_modes .and. values(2) >= 0.0_wp .and. values(2) <= 1.0_wp &
                 & .and. values(3) > 0.0_wp
         case (part_wedge, part_kernel)
@@ -208,7 +209,8 @@ contains
         end select
     end function are_valid
 
-    !> Reals that the parts of every body take, with the header; beyond the integers if too many.
+    !> Return the number of reals of header and mandatory parts; as a real, since it may exceed the
+    !> range of integers.
     pure function body_length(n) result(length)
         !> Sizes of the body
         type(counts_type), intent(in) :: n
@@ -226,7 +228,7 @@ contains
     pure subroutine start_record(n, record)
         !> Sizes of the body
         type(counts_type), intent(in) :: n
-        !> The record, with room for the header
+        !> Record, with room for the header
         real(wp), intent(inout) :: record(:)
 
         record(1) = record_mark
@@ -242,11 +244,11 @@ contains
         integer, intent(in) :: part
         !> Number of its values
         integer, intent(in) :: n_values
-        !> Values column by column (explicit shape: the rank of the argument is free)
+        !> Values column by column (explicit shape, so that the actual argument may have any rank)
         real(wp), intent(in) :: values(n_values)
         !> The record
         real(wp), intent(inout) :: record(:)
-        !> 0, or the number of reals for which the record has no room: it is as before
+        !> Number of reals for which the record has no room; unless 0, the record is unchanged
         integer, intent(out) :: missing
 
         integer :: place(2)
@@ -264,7 +266,7 @@ contains
         record(place(1):place(2)) = values
     end subroutine write_part
 
-    !> Whether an array begins with a record that is complete; its values are not looked at.
+    !> Return whether an array begins with a complete record; its values are not checked.
     pure function is_record(record)
         !> The array
         real(wp), intent(in) :: record(:)
@@ -291,9 +293,9 @@ contains
         is_record = n%breaks >= 2 .and. in_use == reals_in(record)
     end function is_record
 
-    !> Whether reals are integers that are not negative.
+    !> Return whether a real is a nonnegative integer.
     elemental function are_counts(value)
-        !> Any real
+        !> Real number
         real(wp), intent(in) :: value
         logical :: are_counts
 
@@ -302,7 +304,7 @@ contains
         if (are_counts) are_counts = .not. abs(value - aint(value)) > 0.0_wp
     end function are_counts
 
-    !> Number of reals of a record that are in use.
+    !> Return the number of reals of a record that are in use.
     pure function reals_in(record) result(number)
         !> The record
         real(wp), intent(in) :: record(:)
@@ -311,7 +313,7 @@ contains
         number = nint(record(2))
     end function reals_in
 
-    !> Sizes of the body in a record.
+    !> Return the sizes of the body in a record.
     pure function counts_in(record) result(n)
         !> The record, at least its header
         real(wp), intent(in) :: record(:)
@@ -330,7 +332,8 @@ contains
         end if
     end function counts_in
 
-    !> First and last place of a part; the last is before the first if the part is absent.
+    !> Return the indices of the first and last real of a part; the last is less than the first if
+    !> the part is absent.
     pure function place_in(record, part) result(place)
         !> The record
         real(wp), intent(in) :: record(:)
@@ -342,7 +345,7 @@ contains
         place(2) = place(1) + place(2) - 1
     end function place_in
 
-    !> Shape of a part of a record.
+    !> Return the shape of a part of a record.
     pure function shape_in(record, part) result(extents)
         !> The record
         real(wp), intent(in) :: record(:)

@@ -1,5 +1,5 @@
-!> Displacement of the flanks by known loads (expansion, tension) before contact: displacement out
-!> of the material reduces the gaps, g0 - V shift.
+!> Shift of the flanks by known loads (expansion, tension) before contact: displacement out of the
+!> material reduces the gaps, g0 - V shift.
 module flankload_gap_shift
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length, flank_curve_type, frame_type
@@ -12,12 +12,12 @@ module flankload_gap_shift
 
     public :: has_shift, shift_zones, zone_shift, shift_pairs
 
-    !> Tolerance of the place of least gap, relative to the length of the flank.
+    !> Tolerance of the point of least gap, relative to the length of the flank.
     real(wp), parameter :: place_tolerance = 1.0e-10_wp
 
 contains
 
-    !> Whether any flank is displaced.
+    !> Return whether any flank is shifted.
     pure function has_shift(body_1, body_2) result(has)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
@@ -27,7 +27,7 @@ contains
         has = allocated(body_1%shift) .or. allocated(body_2%shift)
     end function has_shift
 
-    !> Displacement of a flank at places [mm]; 0 for a body without shift.
+    !> Return the shift of a flank at points [mm]; 0 for a body without shift.
     pure function shift_at(body, site, s) result(shift)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
@@ -35,14 +35,14 @@ contains
         integer, intent(in) :: site
         !> Arc lengths [mm], shape (n)
         real(wp), intent(in) :: s(:)
-        !> Out of the material [mm], shape (n)
+        !> Shift out of the material [mm], shape (n)
         real(wp) :: shift(size(s))
 
         shift = 0.0_wp
         if (allocated(body%shift)) shift = matmul(mode_values(body, s), body%shift(:, site))
     end function shift_at
 
-    !> Change of the shift along the flank [mm/mm].
+    !> Return the derivative of the shift along the flank [mm/mm].
     pure function shift_slope(body, site, s) result(slope)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
@@ -52,7 +52,7 @@ contains
         real(wp), intent(in) :: s
         real(wp) :: slope
 
-        !> Step of the difference quotient relative to the range of the modes: exact to 1e-8 for
+        !> Step of the difference quotient relative to the range of the modes: accurate to 1e-8 for
         !> polynomials of low degree.
         real(wp), parameter :: step = 1.0e-4_wp
         real(wp) :: beside(2)
@@ -62,14 +62,15 @@ contains
         slope = (beside(2) - beside(1))/(step*(body%s_high - body%s_low))
     end function shift_slope
 
-    !> Gap that the shift of both flanks closes at the least gap of each zone [mm].
+    !> Return the gap that the shift of both flanks closes at the point of least gap of each zone
+    !> [mm].
     pure function zone_shift(body_1, body_2, zones) result(shift)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
         !> The zones
         type(zone_type), intent(in) :: zones(:)
-        !> Along the normal [mm], shape (zones)
+        !> Closed gap along the normal [mm], shape (zones)
         real(wp) :: shift(size(zones))
 
         integer :: z
@@ -85,7 +86,7 @@ contains
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> First of the pairs, all of one site
+        !> Index of the first pair; it and all later ones belong to one site
         integer, intent(in) :: first
         !> The pairs
         type(pairs_type), intent(inout) :: pairs
@@ -100,11 +101,11 @@ contains
             & + shift_at(body_2, site, pairs%s_2(first:last)))/pairs%lever(first:last)
     end subroutine shift_pairs
 
-    !> Move a zone to the place where the gap minus the shift is least.
+    !> Move the zones to the points at which the gap minus the shift is least.
     !>
-    !> Between smooth flanks the place moves by the slope of the shift over the sum of both
-    !> curvatures, a part of the contact's width. Least gaps on corners remain there, and zones of
-    !> constant gap are not moved: their cells extend further than any such displacement.
+    !> Between smooth flanks the point moves by the derivative of the shift divided by the sum of
+    !> both curvatures, a fraction of the contact's width. Least gaps on corners remain there, and
+    !> zones of constant gap are not moved: their cells extend further than any such displacement.
     pure subroutine shift_zones(flank_1, frames_1, flank_2, frames_2, body_1, body_2, zones)
         !> Flanks of body 1 and their placements, shape (sites)
         type(flank_curve_type), intent(in) :: flank_1
@@ -131,27 +132,29 @@ contains
         end do
     end subroutine shift_zones
 
-    !> Change along flank 1 of the gap angle that the shift closes at a pair [rad/mm].
+    !> Return the derivative along flank 1 of the gap angle that the shift closes at a pair
+    !> [rad/mm].
     pure function tilt_of(body_1, body_2, zone, pair) result(tilt)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> A pair of it
+        !> Pair of the zone
         type(pair_type), intent(in) :: pair
         real(wp) :: tilt
 
         real(wp) :: along_2
 
-        ! both places lie on one circle: dr = (P.t) ds/r
+        ! both points lie on one circle: dr = (P·t) ds/r
         along_2 = dot_product(pair%point_1, pair%tangent_1) &
             & /dot_product(pair%point_2, pair%tangent_2)
         tilt = (shift_slope(body_1, zone%site, pair%s_1) &
             & + along_2*shift_slope(body_2, zone%site, pair%s_2))/zone%lever
     end function tilt_of
 
-    !> Move a zone of smooth flanks by the secant method on the slope; not if it does not converge.
+    !> Move a zone of smooth flanks by the secant method for the slope; without convergence, it is
+    !> unchanged.
     pure subroutine move_zone(flank_1, frame_1, flank_2, frame_2, body_1, body_2, zone)
         !> Flank of body 1 and its placement
         type(flank_curve_type), intent(in) :: flank_1

@@ -1,8 +1,8 @@
-!> State of a position whose pairs in contact are known from a similar one: one linear system
+!> Solution of a position whose pairs in contact are known from a similar one: one linear system
 !> instead of the search for them.
 !>
 !> With K, levers b and gap angles e of the pairs in contact, and the levers t of their torque row:
-!> K F = b (phi - e), t . F = T, Eqs. (18), (19) and (32).
+!> K F = b (phi - e), t·F = T, Eqs. (18), (19) and (32).
 module flankload_known_contact
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
@@ -18,14 +18,14 @@ module flankload_known_contact
     public :: known_contact, known_contacts, solve_known
     public :: contact_of
 
-    !> Which pairs of a state are in contact; not allocated if that is unknown.
+    !> Pairs of a state that are in contact; not allocated if unknown.
     type :: known_contact
         logical, allocatable :: touches(:)
     end type known_contact
 
     !> The same for the states of a sweep.
     type :: known_contacts
-        !> Whether each pair is in contact, those of a state consecutive
+        !> True for pairs in contact; the pairs of a state are consecutive
         logical, allocatable :: touches(:)
         !> Number of pairs of a state (0: unknown), and index of the first of them, shape
         !> (positions, torques)
@@ -34,11 +34,11 @@ module flankload_known_contact
 
 contains
 
-    !> Which pairs of one state are in contact.
+    !> Return the pairs of one state that are in contact.
     pure function contact_of(known, position, torque) result(contact)
-        !> Those of all states
+        !> Pairs in contact of all states
         type(known_contacts), intent(in) :: known
-        !> Number of the position and of the torque
+        !> Indices of the position and of the torque
         integer, intent(in) :: position
         integer, intent(in) :: torque
         type(known_contact) :: contact
@@ -50,23 +50,23 @@ contains
         if (n > 0) contact%touches = known%touches(first:first + n - 1)
     end function contact_of
 
-    !> Forces and rotation for given pairs in contact.
+    !> Compute forces and rotation for given pairs in contact.
     !>
-    !> Neither signs of forces nor gaps of the other pairs are checked: for small differences to the
-    !> state whose contact is given, this is that state continued by its derivative.
+    !> Neither signs of forces nor gaps of the other pairs are checked: close to the state whose
+    !> pairs in contact are given, the result is its linear continuation.
     pure subroutine solve_known(body_1, body_2, zones, touches, torque, state, solved)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The zones of the position
         type(zone_type), intent(in) :: zones(:)
-        !> Which pairs are in contact, shape (pairs)
+        !> True for pairs in contact, shape (pairs)
         logical, intent(in) :: touches(:)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> The pairs on entry, then the state; its certificate is NaN
+        !> State with its pairs on entry, solved on return; its certificate is NaN
         type(position_state), intent(inout) :: state
-        !> False if the equations are singular: nothing is changed
+        !> False if the equations are singular: the state is then unchanged
         logical, intent(out) :: solved
 
         integer :: n, i, info
@@ -85,6 +85,7 @@ contains
         nearest = minval(pairs%gap_angle)   ! small differences of angles have small rounding errors
         columns(:, 1) = pairs%lever
         columns(:, 2) = pairs%lever*(pairs%gap_angle - nearest)
+        ! Eq. (18), (19), (32)
         call getrf(n, matrix, row_swaps, info)
         if (info /= 0) return
         call permute_rows(columns, row_swaps)

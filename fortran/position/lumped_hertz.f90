@@ -1,9 +1,9 @@
-!> Lumped contact: one unknown for each place of contact, with the near field of a Hertz contact.
+!> Lumped contact: one unknown per contact, with the near field of a Hertz contact.
 !>
-!> b_i (phi - eps_i) = sum_j S_ij F_j + [c (1/2 + ln(2/h_i)) + w_i] F_i for the places in contact,
+!> b_i (phi - eps_i) = sum_j S_ij F_j + [c (1/2 + ln(2/h_i)) + w_i] F_i for the zones in contact,
 !> with the half-width h_i = sqrt(2 F_i c / kappa_i) and w_i from the mirror images behind free
-!> corners; all forces in N, c per face width. It also gives the widths of the contacts and the
-!> flanks that can touch before cells are placed.
+!> corners; all forces in N, c for the face width. The solution also estimates the widths of the
+!> contacts and the flanks that can touch before cells are made.
 module flankload_lumped_hertz
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
@@ -16,19 +16,19 @@ module flankload_lumped_hertz
     public :: lumped_contact, hertz_half_width
     public :: least_half_width
 
-    !> Least half-width of near fields and cells, relative to the length of the flank: gaps between
-    !> narrower cells would be rounding errors (x²/(2 rho) of a tenth of it against 1e-16 of the
-    !> radius).
+    !> Least half-width of near fields and cells, relative to the length of the flank: the gap
+    !> between narrower cells would be a rounding error (x²/(2 rho) of a tenth of it compared with
+    !> 1e-16 of the radius).
     real(wp), parameter :: least_part_of_flank = 1.0e-5_wp
-    !> Passes for the half-width, which is inside a logarithm: then forces change by less than 1 %.
+    !> Number of passes for the half-width, whose logarithm enters: forces then change by less than
+    !> 1 %.
     integer, parameter :: n_passes = 3
-    !> Least angle between two flanks over their length [rad]; flatter ones are treated as if they
-    !> had this angle.
+    !> Least angle between two flanks over their length [rad]; smaller angles are replaced by it.
     real(wp), parameter :: least_turn = 3.0e-3_wp
 
 contains
 
-    !> Least half-width of near fields and cells [mm].
+    !> Return the least half-width of near fields and cells [mm].
     elemental function least_half_width(flank_length) result(half_width)
         !> Length of flank 1 [mm]
         real(wp), intent(in) :: flank_length
@@ -37,13 +37,13 @@ contains
         half_width = least_part_of_flank*flank_length
     end function least_half_width
 
-    !> Half-width of a line contact [mm].
+    !> Return the half-width of a line contact [mm].
     elemental function hertz_half_width(force, curvature, kernel, flank_length) result(half_width)
         !> Force [N]
         real(wp), intent(in) :: force
         !> Sum of the curvatures [1/mm]
         real(wp), intent(in) :: curvature
-        !> c, sum of both bodies' 2(1-nu²)/(pi E w) [mm/N]
+        !> Sum c of 2(1-nu²)/(pi E w) of both bodies [mm/N]
         real(wp), intent(in) :: kernel
         !> Length of flank 1 [mm]
         real(wp), intent(in) :: flank_length
@@ -52,24 +52,24 @@ contains
         half_width = sqrt(2.0_wp*max(force, 0.0_wp)*kernel/max(curvature, least_turn/flank_length))
     end function hertz_half_width
 
-    !> Forces and rotation with one unknown for each place.
+    !> Solve for forces and rotation with one unknown per contact.
     subroutine lumped_contact(coupling, gap_angles, levers, curvatures, widest, flank_length, &
             & kernel, images, torque, forces, rotation, pivots, error)
-        !> Compliance of both bodies between the places, without their own near fields [mm/N],
-        !> shape (n, n)
+        !> Compliance of both bodies between the zones: normal displacement at i per unit force at
+        !> j, without the near field of i itself [mm/N], shape (n, n)
         real(wp), intent(in) :: coupling(:, :)
-        !> Rotations of body 1 that close the gaps [rad], lever arms [mm] (negative on coast
-        !> flanks), sums of curvatures [1/mm], shape (n)
+        !> Rotations of body 1 that close the gaps [rad], levers [mm] (negative for coast flanks),
+        !> and sums of the curvatures [1/mm], shape (n)
         real(wp), intent(in) :: gap_angles(:)
         real(wp), intent(in) :: levers(:)
         real(wp), intent(in) :: curvatures(:)
-        !> Half the length of flank over which the contact can extend [mm], shape (n)
+        !> Half the length of flank 1 over which the contact can extend [mm], shape (n)
         real(wp), intent(in) :: widest(:)
         !> Length of flank 1 [mm]
         real(wp), intent(in) :: flank_length
-        !> c of both bodies [mm/N], shape (n)
+        !> Sum c of both bodies [mm/N], shape (n)
         real(wp), intent(in) :: kernel(:)
-        !> Mirror images of the places behind the ends of both flanks, shape (2, n)
+        !> Mirror images of the zones behind the ends of both flanks, shape (2, n)
         type(image_type), intent(in) :: images(:, :)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
@@ -119,13 +119,14 @@ contains
         end do
     end subroutine lumped_contact
 
-    !> Places closer to each other than the width of their contacts act as one: the displacement
-    !> under the force of the other is limited by that under the own force.
+    !> Limit the coupling of contacts that are closer to each other than their width: they act as
+    !> one, and the displacement due to the force on the other contact cannot exceed that due to the
+    !> contact's own force.
     pure subroutine keep_definite(matrix)
         !> Symmetric compliance [mm/N], shape (n, n)
         real(wp), intent(inout) :: matrix(:, :)
 
-        !> Limit relative to the geometric mean of both own compliances
+        !> Largest coupling relative to the geometric mean of both diagonal entries
         real(wp), parameter :: largest_part = 0.999_wp
         integer :: i, j
 

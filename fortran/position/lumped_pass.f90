@@ -1,9 +1,9 @@
-!> The equations between the places of a position at the lumped level, and one pass over them.
+!> Equations between the lumped contacts of a position, and one pass of their solution.
 !>
-!> b_i (phi - eps_i) = sum_j S_ij F_j + N_i(F_i) for the places in contact, with the near field
-!> N_i = c F_i (1/2 + ln(2/h_i)) and h_i how far the gap has grown by c F_i. With friction
-!> sum_j X_ij T_j comes to it, and sum_i (m_i F_i + l_i T_i) = M. What is not linear in F is
-!> linearised at the last forces, and the contact loop solves the rest.
+!> b_i (phi - eps_i) = sum_j S_ij F_j + N_i(F_i) for the contacts, with the near field N_i = c F_i
+!> (1/2 + ln(2/h_i)) and h_i the distance at which the gap has grown by c F_i. Friction adds sum_j
+!> X_ij T_j, and the torque row is sum_i (m_i F_i + l_i T_i) = M. Terms that are nonlinear in F are
+!> linearized about the last forces, and the contact loop solves the linear problem.
 module flankload_lumped_pass
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
@@ -23,25 +23,25 @@ module flankload_lumped_pass
 
     public :: couple, keep_places, solve_pass, step_places
 
-    !> Forces stand when none changes by more than this part of the largest: Newton's next step
-    !> would be its square.
+    !> Largest change of a force at convergence, relative to the largest force: the next Newton step
+    !> would be of the order of its square.
     real(wp), parameter :: settled = 1.0e-8_wp
 
 contains
 
-    !> What the places recede under each other's forces, and under tangential ones.
+    !> Compute the compliance between the contacts for normal and for tangential forces.
     pure subroutine couple(body_1, body_2, position, of, coupling, tangential)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position
         type(position_type), intent(in) :: position
-        !> Its zones that are looked at, shape (n)
+        !> Indices of the zones considered, shape (n)
         integer, intent(in) :: of(:)
-        !> Recession at place i for a unit normal force at j, without the near field of i itself
-        !> [mm/N], shape (n, n)
+        !> Normal displacement at contact i per unit normal force at j, without the near field of i
+        !> itself [mm/N], shape (n, n)
         real(wp), allocatable, intent(out) :: coupling(:, :)
-        !> The same for a unit force along flank 1; (n, 0) without friction
+        !> The same per unit force along flank 1 at j [mm/N], shape (n, n); (n, 0) without friction
         real(wp), allocatable, intent(out) :: tangential(:, :)
 
         !> Width of a contact, about, as a part of the flank's length: images of forces along the
@@ -75,16 +75,16 @@ contains
         end associate
     end subroutine couple
 
-    !> By how much the force is turned at a body's sharp tip from the normal of its flank towards
-    !> growing arc length [rad]: halfway to the normal of the other flank. Off corners both flanks
-    !> have one normal where the gap is least.
+    !> Return the angle by which the force at a sharp tip of a body is turned from the normal of its
+    !> flank towards increasing arc length [rad]: halfway to the normal of the other flank. Away
+    !> from corners, both flanks have the same normal at the point of least gap.
     elemental function corner_turn(body_1, body_2, zone, body) result(turn)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> Which body
+        !> Number of the body, 1 or 2
         integer, intent(in) :: body
         real(wp) :: turn
 
@@ -98,7 +98,7 @@ contains
             else
                 if (nearest%s_2 < body_2%compliance%s_high*(1.0_wp - tie)) return
             end if
-            ! body 1 turns by the gap before both touch; tangents point to either tip
+            ! body 1 rotates by the gap angle until both touch; tangents point to either tip
             closed = cos(nearest%gap_angle)*nearest%tangent_1 &
                 & + sin(nearest%gap_angle)*[-nearest%tangent_1(2), nearest%tangent_1(1)]
             turn = 0.5_wp*angle_between(closed, -nearest%tangent_2)
@@ -106,27 +106,28 @@ contains
         end associate
     end function corner_turn
 
-    !> One pass: what is not linear in the forces linearised at the last ones, then the loop.
+    !> Linearize the equations about the last forces, and solve them by the contact loop.
     pure subroutine solve_pass(position, of, places, coupling, tangential, torque, secant, forces, &
             & state, stands, error)
         !> The position
         type(position_type), intent(in) :: position
-        !> Its zones that are looked at, shape (n)
+        !> Indices of the zones considered, shape (n)
         integer, intent(in) :: of(:)
-        !> The places, shape (zones)
+        !> Lumped contacts, shape (zones)
         type(place_type), intent(in) :: places(:)
-        !> What they recede by, as above
+        !> Compliance between the contacts for normal and for tangential forces, as from `couple`
+        !> [mm/N]
         real(wp), intent(in) :: coupling(:, :)
         real(wp), intent(in) :: tangential(:, :)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> True: lines through the origin instead of tangents
+        !> True for secants through the origin instead of tangents
         logical, intent(in) :: secant
         !> Forces of the zones [N], shape (zones)
         real(wp), intent(inout) :: forces(:)
-        !> The pairs on entry, then what is found
+        !> State with its pairs on entry, solved on return
         type(position_state), intent(inout) :: state
-        !> Whether the forces stand
+        !> True if the forces have converged
         logical, intent(out) :: stands
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
@@ -171,16 +172,16 @@ contains
         stands = all(abs(state%forces - last) <= settled*maxval(state%forces))
     end subroutine solve_pass
 
-    !> A pass without a certificate: forces and rotation alone, if none but places that carry do so
-    !> again.
+    !> Solve a pass for forces and rotation without a certificate, if only contacts that carried
+    !> load before do so again.
     pure subroutine step_places(position, of, places, coupling, torque, forces, rotation, solved)
         !> The position
         type(position_type), intent(in) :: position
-        !> Its zones that are looked at, shape (n)
+        !> Indices of the zones considered, shape (n)
         integer, intent(in) :: of(:)
-        !> The places, shape (zones)
+        !> Lumped contacts, shape (zones)
         type(place_type), intent(in) :: places(:)
-        !> What they recede by [mm/N], shape (n, n)
+        !> Compliance between the contacts [mm/N], shape (n, n)
         real(wp), intent(in) :: coupling(:, :)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
@@ -188,7 +189,7 @@ contains
         real(wp), intent(inout) :: forces(:)
         !> Rotation [rad]; changed if solved
         real(wp), intent(inout) :: rotation
-        !> False if others touch: nothing is changed then
+        !> False if other contacts touch: forces and rotation are then unchanged
         logical, intent(out) :: solved
 
         real(wp) :: load
@@ -204,23 +205,24 @@ contains
         if (solved) forces(of) = found
     end subroutine step_places
 
-    !> The equations of places with what is not linear in their forces as lines.
+    !> Linearize the equations of the contacts.
     pure subroutine linearise(places, gap_angles, rotation, through_origin, matrix, gaps, &
             & load_row, load)
-        !> The places, shape (n)
+        !> Lumped contacts, shape (n)
         type(place_type), intent(in) :: places(:)
-        !> Their gap angles [rad], shape (n)
+        !> Gap angles of the contacts [rad], shape (n)
         real(wp), intent(in) :: gap_angles(:)
         !> Last rotation [rad]
         real(wp), intent(in) :: rotation
-        !> Lines through the origin instead of tangents, shape (n)
+        !> True for secants through the origin instead of tangents, shape (n)
         logical, intent(in) :: through_origin(:)
-        !> What the places recede by [mm/N], then with their near fields, shape (n, n)
+        !> Compliance between the contacts [mm/N]; their near fields are added to its diagonal,
+        !> shape (n, n)
         real(wp), intent(inout) :: matrix(:, :)
         !> Gaps [mm] and levers of the torque row [mm], shape (n)
         real(wp), intent(out) :: gaps(:)
         real(wp), intent(out) :: load_row(:)
-        !> Torque, then what the row equals [N mm]
+        !> Torque; on return, the right-hand side of the torque row [N mm]
         real(wp), intent(inout) :: load
 
         integer :: k
@@ -230,8 +232,8 @@ contains
         load_row = places%torque_lever
         call straighten(places%force, places%approach, places%approach_slope, through_origin, &
             & line, beside)
-        ! levers change with the force, too: of the order of what is settled, but in the
-        ! derivatives
+        ! levers also depend on the force: this effect is of the order of the tolerance, but it
+        ! matters for the derivatives
         line = line + places%lever_slope*(gap_angles - rotation)
         beside = beside - places%lever_slope*(gap_angles - rotation)*places%force
         load_row = load_row + places%torque_lever_slope*places%force
@@ -242,22 +244,22 @@ contains
         gaps = gaps + beside
     end subroutine linearise
 
-    !> Solve for places that carry, and for fewer of them as long as some would pull; whether the
-    !> others stay open then. The state is the one and only, since K is definite.
+    !> Solve for the contacts that carry load, drop those with tensile forces until none is left,
+    !> and check that the other gaps stay open. The solution is unique, since K is definite.
     pure subroutine keep_places(matrix, gaps, motion, load_row, load, forces, rotation, solved)
-        !> Symmetric compliance of the places [mm/N], their gaps [mm], and their levers of the
-        !> rotation and of the torque row [mm], shape (n, n) and (n)
+        !> Symmetric compliance of the contacts [mm/N], their gaps [mm], and their levers for the
+        !> rotation and in the torque row [mm], shape (n, n) and (n)
         real(wp), intent(in) :: matrix(:, :)
         real(wp), intent(in) :: gaps(:)
         real(wp), intent(in) :: motion(:)
         real(wp), intent(in) :: load_row(:)
         !> Torque [N mm]
         real(wp), intent(in) :: load
-        !> Forces [N], those above 0 may carry; changed if solved
+        !> Forces [N], of which the positive ones may carry load; changed if solved
         real(wp), intent(inout) :: forces(:)
         !> Rotation [rad]; changed if solved
         real(wp), intent(inout) :: rotation
-        !> False if others would touch, or K is not definite
+        !> False if other contacts would touch, or K is not definite
         logical, intent(out) :: solved
 
         integer :: k, info
@@ -275,7 +277,7 @@ contains
             if (info /= 0) return
             call solve_triangle(size(on), factor, 'L', 'N', 'N', x)
             call solve_triangle(size(on), factor, 'L', 'T', 'N', x)
-            ! K F + g = b q and m F = M: F = q K⁻¹b - K⁻¹g
+            ! Eq. (18), (19): K F + g = b q and m F = M, so that F = q K⁻¹b - K⁻¹g
             turn = (load + dot_product(load_row(on), x(:, 2)))/dot_product(load_row(on), x(:, 1))
             carried = turn*x(:, 1) - x(:, 2)
             if (all(carried > 0.0_wp)) exit
@@ -292,16 +294,17 @@ contains
         rotation = turn
     end subroutine keep_places
 
-    !> A line for what depends on the force: its tangent, or through the origin.
+    !> Return the line that replaces a function of the force: its tangent, or the secant through the
+    !> origin.
     elemental subroutine straighten(force, value, tangent, through_origin, line, at_zero)
-        !> A force [N]
+        !> Force [N]
         real(wp), intent(in) :: force
-        !> Value there, and its derivative
+        !> Function value at the force, and its derivative
         real(wp), intent(in) :: value
         real(wp), intent(in) :: tangent
-        !> Which line
+        !> True for the secant through the origin
         logical, intent(in) :: through_origin
-        !> Its slope, and its value at no force
+        !> Slope of the line, and its value at zero force
         real(wp), intent(out) :: line
         real(wp), intent(out) :: at_zero
 

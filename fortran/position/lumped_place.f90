@@ -1,5 +1,5 @@
-!> A place of contact as a whole, under a force: how far it reaches, by how much its near field lets
-!> both bodies approach, and how it slides; with the derivatives of all that by the force.
+!> Lumped contact under a force: half-widths, approach by the near field, and sliding, with their
+!> derivatives with respect to the force.
 module flankload_lumped_place
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type
@@ -14,51 +14,56 @@ module flankload_lumped_place
     public :: place_type
     public :: reach_of, near_field_of, slide_place
 
-    !> A place under a force.
+    !> Lumped contact under a force.
     type :: place_type
-        !> The force that it is looked at under [N]
+        !> Normal force [N]
         real(wp) :: force = 0.0_wp
-        !> How far the contact reaches to both sides [mm], and its growth with the force [mm/N]
+        !> Half-widths of the contact on both sides [mm], and their derivatives with respect to the
+        !> force [mm/N]
         real(wp) :: reach(2) = 0.0_wp, reach_slope(2) = 0.0_wp
-        !> Approach of both bodies by the near field [mm], and its growth with the force [mm/N]
+        !> Approach of both bodies by the near field [mm], and its derivative with respect to the
+        !> force [mm/N]
         real(wp) :: approach = 0.0_wp, approach_slope = 0.0_wp
-        !> Levers of its pair: of the row, and of the normal force in the torque row without
-        !> friction [mm], and their growth with the force [mm/N]
+        !> Levers of the normal force in the row of the pair, and in the torque row without friction
+        !> [mm], and their derivatives with respect to the force [mm/N]
         real(wp) :: lever = 0.0_wp, lever_slope = 0.0_wp
         real(wp) :: torque_lever = 0.0_wp, torque_lever_slope = 0.0_wp
-        !> Lever of the tangential force in the torque row [mm], and its growth [mm/N]
+        !> Lever of the tangential force in the torque row [mm], and its derivative with respect to
+        !> the force [mm/N]
         real(wp) :: lever_along = 0.0_wp, lever_along_slope = 0.0_wp
         !> Sliding speed [mm per rad of the position]
         real(wp) :: sliding = 0.0_wp
-        !> Tangential force on body 1 along its flank [N], and its growth with the normal force
+        !> Tangential force on body 1 along its flank [N], and its derivative with respect to the
+        !> normal force
         real(wp) :: tangential = 0.0_wp, tangential_slope = 0.0_wp
     end type place_type
 
 contains
 
-    !> How far from the least gap the gap has grown by a given amount, on both sides: the half-width
-    !> of a Hertz contact, where that amount is the force times c.
+    !> Compute the distances from the point of least gap, on both sides, at which the gap has grown
+    !> by a given amount: the half-widths of a Hertz contact, if that amount is the force times c.
     !>
-    !> Newton's method for the gap as a power of the distance, which is exact for parabolas and
-    !> wedges; halving where it leaves what encloses the place.
+    !> Newton's method for the gap as a power of the distance is exact for parabolas and wedges; the
+    !> interval is bisected if a step leaves it.
     pure subroutine reach_of(flank_1, frame_1, flank_2, frame_2, zone, growth, reach, slope)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its frame
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its frame
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone
         type(zone_type), intent(in) :: zone
         !> Growth of the gap along the normal [mm]
         real(wp), intent(in) :: growth
-        !> Distances towards smaller and greater arc length of flank 1 [mm], within the stretch of
-        !> the zone; on entry a guess
+        !> Distances towards smaller and greater arc length of flank 1 [mm], within the range of the
+        !> zone; on entry, initial values
         real(wp), intent(inout) :: reach(2)
-        !> Their derivatives by the growth; 0 where the stretch ends
+        !> Derivatives with respect to the growth; 0 at the end of the range
         real(wp), intent(out) :: slope(2)
 
-        !> What is left is below rounding after one more step: its square counts.
+        !> Tolerance of the relative growth: after one more step, the error is of the order of its
+        !> square, below rounding.
         real(wp), parameter :: tolerance = 1.0e-8_wp
         integer, parameter :: max_steps = 60
         integer :: side, step
@@ -113,16 +118,16 @@ contains
         end do
     end subroutine reach_of
 
-    !> Approach by the near field, F [c (1/2 + ln(2/h)) + w] with h the mean reach to both sides and
-    !> w from the mirror images behind free corners.
+    !> Compute the approach by the near field, F [c (1/2 + ln(2/h)) + w], with the mean half-width h
+    !> and w from the mirror images behind free corners.
     pure subroutine near_field_of(kernel, least_half_width, images, place)
-        !> c of both bodies [mm/N]
+        !> Sum c of both bodies [mm/N]
         real(wp), intent(in) :: kernel
-        !> Half-width below which the near field is not followed [mm]
+        !> Half-width below which the near field is constant [mm]
         real(wp), intent(in) :: least_half_width
-        !> Mirror images of the place, shape (2)
+        !> Mirror images of the contact, shape (2)
         type(image_type), intent(in) :: images(:)
-        !> The place, its force and reach known
+        !> Lumped contact, whose force and half-widths are known
         type(place_type), intent(inout) :: place
 
         real(wp) :: half_width, image, by_reach(2)
@@ -139,31 +144,32 @@ contains
         end if
     end subroutine near_field_of
 
-    !> Tangential force of a place: mu sigma F, sigma the mean sign of the sliding over the contact.
+    !> Compute the tangential force mu sigma F of a contact, with sigma the mean sign of the sliding
+    !> velocity over the contact.
     pure subroutine slide_place(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, &
             & normal, place)
-        !> What the scene says of friction
+        !> Friction of the flanks
         type(friction_type), intent(in) :: friction
-        !> Speeds with which both bodies turn [rad per rad of the position], shape (2)
+        !> Rotational speeds of both bodies [rad per rad of the position], shape (2)
         real(wp), intent(in) :: speeds(2)
-        !> Flank of body 1 and where it stands
+        !> Flank of body 1 and its frame
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and where it stands
+        !> Flank of body 2 and its frame
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> Direction of its force, out of body 1
+        !> Direction of the force, out of body 1
         real(wp), intent(in) :: normal(2)
-        !> The place, its force and reach known
+        !> Lumped contact, whose force and half-widths are known
         type(place_type), intent(inout) :: place
 
         real(wp) :: turn(2), along_2, at_ends(2), speeds_there, coefficient, mean, mean_slope
         real(wp) :: part, width, part_slope
 
         turn = half_turn_between(zone%nearest)
-        ! how far along flank 2 a circle comes by a step along flank 1
+        ! step along flank 2 per step along flank 1 between the same circles
         along_2 = dot_product(zone%nearest%point_1, zone%nearest%tangent_1) &
             & /dot_product(zone%nearest%point_2, zone%nearest%tangent_2)
         call slide(zone%nearest%s_1 - place%reach(1), at_ends(1), speeds_there)
@@ -185,11 +191,12 @@ contains
 
     contains
 
-        !> Sliding speed at a place on flank 1.
+        !> Compute the sliding speed at a point of flank 1.
         pure subroutine slide(s_1, sliding, both)
-            !> The place [mm]
+            !> Arc length of the point [mm]
             real(wp), intent(in) :: s_1
-            !> Its speed, and those of both surfaces together [mm per rad of the position]
+            !> Sliding speed, and the sum of the speeds of both surfaces [mm per rad of the
+            !> position]
             real(wp), intent(out) :: sliding
             real(wp), intent(out) :: both
 

@@ -1,7 +1,7 @@
-!> A position at the lumped level: one unknown for each place of contact, and no cells.
+!> Solution of a position with lumped contacts: one unknown per contact, no cells.
 !>
-!> The places are looked at under the last forces, and the forces solved anew until they stand
-!> (Newton's method).
+!> Newton's method: half-widths, near fields and levers are evaluated at the last forces, and the
+!> equations solved for new forces, until these converge.
 module flankload_lumped_position
     use flankload_kinds, only: wp
     use flankload_status, only: code_circle_misses, code_conforms, code_unsettled_widths
@@ -22,9 +22,9 @@ module flankload_lumped_position
     public :: solve_lumped
     public :: cell_of, finish, joining, least_part, look_at_levers, look_at_places
 
-    !> Newton's method takes 3 to 5 passes; from the first number on, the last near field divided by
-    !> the last force stands for its derivative: such passes lose 0.1 of the error each, whatever
-    !> the flanks do.
+    !> Number of passes with Newton's method, which takes 3 to 5, and of all passes: after the
+    !> former, the ratio of near field and force replaces the derivative, and the error decreases
+    !> tenfold per pass for flanks of any shape.
     integer, parameter :: newton_passes = 12, max_passes = 60
     !> A place that carries less than this part of the whole load gets its reach from it.
     real(wp), parameter :: least_part = 0.02_wp
@@ -34,16 +34,16 @@ module flankload_lumped_position
 
 contains
 
-    !> One position under one torque.
+    !> Solve one position for one torque.
     subroutine solve_lumped(body_1, body_2, position, torque, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position
         type(position_type), intent(in) :: position
-        !> Torque on body 1, above 0 [N mm]
+        !> Torque on body 1, positive [N mm]
         real(wp), intent(in) :: torque
-        !> What is found; blank on entry
+        !> State; blank on entry
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
@@ -86,7 +86,7 @@ contains
             call fatal_error(error, code_unsettled_widths, 'the half-widths do not settle')
             return
         end if
-        ! once more, for derivatives that hold all that changes with the forces
+        ! last pass with the derivatives of all quantities that depend on the forces
         call look_at_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
         call solve_pass(position, of, places, coupling, tangential, torque, .false., forces, &
             & state, stands, error)
@@ -95,11 +95,12 @@ contains
 
     contains
 
-        !> Forces of Hertz contacts between parabolas, without friction, and the places they need.
+        !> Estimate the forces by Hertz contacts between parabolas without friction, and find the
+        !> zones that may touch.
         subroutine estimate_forces(estimate, needed)
             !> Forces [N], shape (zones)
             real(wp), allocatable, intent(out) :: estimate(:)
-            !> Which places may touch, shape (zones)
+            !> True for zones that may touch, shape (zones)
             logical, intent(out) :: needed(:)
 
             integer :: spent
@@ -119,21 +120,21 @@ contains
 
     end subroutine solve_lumped
 
-    !> The places under the last forces, and their pairs.
+    !> Evaluate the contacts at the last forces, and make their pairs.
     pure subroutine look_at_places(body_1, body_2, position, of, forces, full, places, pairs, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position
         type(position_type), intent(in) :: position
-        !> Its zones that are looked at, shape (n)
+        !> Indices of the zones considered, shape (n)
         integer, intent(in) :: of(:)
-        !> Last forces of the zones, and forces that would hold the torque alone [N], shape (zones)
+        !> Last forces of the zones, and forces that would carry the torque alone [N], shape (zones)
         real(wp), intent(in) :: forces(:)
         real(wp), intent(in) :: full(:)
-        !> The places, shape (zones)
+        !> Lumped contacts, shape (zones)
         type(place_type), intent(inout) :: places(:)
-        !> A pair for each place
+        !> Pairs, one per contact
         type(pairs_type), intent(out) :: pairs
         !> Set if a circle misses flank 2
         type(error_type), allocatable, intent(out) :: error
@@ -185,17 +186,17 @@ contains
         end do
     end subroutine look_at_places
 
-    !> Append the pair of a place.
+    !> Append the pair of a contact.
     pure subroutine append_place(body_1, body_2, position, z, reach, pairs, found)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position and the number of its zone
+        !> Position, and index of the zone
         type(position_type), intent(in) :: position
         integer, intent(in) :: z
-        !> How far the contact reaches to both sides [mm], shape (2)
+        !> Half-widths of the contact on both sides [mm], shape (2)
         real(wp), intent(in) :: reach(2)
-        !> The pairs; room must have been reserved
+        !> Pairs, whose size has been reserved
         type(pairs_type), intent(inout) :: pairs
         !> False if a circle misses flank 2
         logical, intent(out) :: found
@@ -219,9 +220,10 @@ contains
         end associate
     end subroutine append_place
 
-    !> Width over which the largest pressure of a Hertz contact would carry its force [mm].
+    !> Return the width over which the maximum pressure of a Hertz contact would carry its force
+    !> [mm].
     pure function cell_of(reach, flank_length) result(width)
-        !> How far the contact reaches to both sides [mm]
+        !> Half-widths of the contact on both sides [mm]
         real(wp), intent(in) :: reach(2)
         !> Length of flank 1 [mm]
         real(wp), intent(in) :: flank_length
@@ -230,21 +232,21 @@ contains
         width = 0.25_wp*acos(-1.0_wp)*max(sum(reach), least_half_width(flank_length))
     end function cell_of
 
-    !> How the levers of the places change with their forces: the normal of a contact turns as it
-    !> grows.
+    !> Compute the derivatives of the levers with respect to the forces: the normal of a contact
+    !> turns as the contact grows.
     pure subroutine look_at_levers(body_1, body_2, position, of, places)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position
         type(position_type), intent(in) :: position
-        !> Its zones that carry, shape (n)
+        !> Indices of the zones that carry load, shape (n)
         integer, intent(in) :: of(:)
-        !> The places, shape (zones)
+        !> Lumped contacts, shape (zones)
         type(place_type), intent(inout) :: places(:)
 
-        !> Part of the force by which a little more is meant: rounding and what bends are both left
-        !> 1e-5 of the slope.
+        !> Step of the force, relative to the force: rounding error and truncation error are then
+        !> both about 1e-5 of the derivative.
         real(wp), parameter :: little = 1.0e-5_wp
         integer :: k
         real(wp) :: more
@@ -254,7 +256,7 @@ contains
         call reserve_pairs(beside, size(of))
         do k = 1, size(of)
             associate (place => places(of(k)))
-                ! the normal of a smaller contact turns by rounding alone
+                ! the normal of a smaller contact turns by rounding errors only
                 if (sum(place%reach) < 2.0_wp*least_half_width(position%flank_length)) cycle
                 more = little*place%force
                 call append_place(body_1, body_2, position, of(k), &
@@ -268,17 +270,17 @@ contains
         end do
     end subroutine look_at_levers
 
-    !> Forces, peaks and corners of the sites; the torque row with its friction.
+    !> Compute force, peak and loaded corner of each site, and add friction to the torque row.
     pure subroutine finish(zones, places, state)
-        !> The zones that are looked at, and their places, shape (n)
+        !> Zones considered, and their lumped contacts, shape (n)
         type(zone_type), intent(in) :: zones(:)
         type(place_type), intent(in) :: places(:)
-        !> What was found
+        !> State
         type(position_state), intent(inout) :: state
 
-        !> A contact works on a corner from so near on, in half-widths: less than that is one cell
-        !> where cells are laid. By so much, of both together, the reach to one side may differ from
-        !> that to the other where contact is that of a parabola.
+        !> Distance, relative to the mean half-width, within which a contact counts as on a corner:
+        !> below the width of one cell. Largest difference of both half-widths of a parabolic
+        !> contact, relative to their sum.
         real(wp), parameter :: near = 0.1_wp, aslant = 0.03_wp
         integer :: k, site, worked
         real(wp) :: beside
@@ -310,11 +312,11 @@ contains
         end do
     end subroutine finish
 
-    !> Lever of the tangential force of a pair in the torque row [mm].
+    !> Return the lever of the tangential force of a pair in the torque row [mm].
     pure function lever_along(position, pairs, k) result(lever)
         !> The position
         type(position_type), intent(in) :: position
-        !> The pairs, and the number of one
+        !> Pairs, and index of one of them
         type(pairs_type), intent(in) :: pairs
         integer, intent(in) :: k
         real(wp) :: lever

@@ -1,8 +1,9 @@
-!> A position in three dimensions at the lumped level: one unknown for each slice of a flank.
+!> Solution of a position in three dimensions with lumped contacts: one unknown per slice of a
+!> flank.
 !>
-!> The equations are those of `lumped_pass`. Slices are many: they begin as contacts of parabolas,
-!> gaps are looked at only under forces that are nearly right, and beside these a contact grows with
-!> a power of its force.
+!> The equations are those of `lumped_pass`. Since slices are many, they start as parabolic
+!> contacts, the gap function is evaluated only if the forces are nearly correct, and between these
+!> evaluations a half-width grows with a power of its force.
 module flankload_lumped_slices
     use flankload_kinds, only: wp
     use flankload_status, only: code_conforms, code_unsettled_widths
@@ -25,29 +26,28 @@ module flankload_lumped_slices
 
     public :: solve_slices
 
-    !> Newton's method takes 4 to 6 passes; from the first number on, the last near field divided by
-    !> the last force stands for its derivative.
+    !> Number of passes with Newton's method, which takes 4 to 6, and of all passes: after the
+    !> former, the ratio of near field and force replaces the derivative.
     integer, parameter :: newton_passes = 12, max_passes = 60
-    !> Gaps are looked at where no force changes by more than the first part of the largest. Forces
-    !> that are no further than the second from those of the last look and of the last pass are
-    !> right to its square after the pass with all derivatives.
+    !> Relative change of the forces below which gaps are evaluated, and relative change since then
+    !> at convergence: the error is of the order of its square after the pass with all derivatives.
     real(wp), parameter :: nearly = 0.1_wp, settled = 1.0e-6_wp
-    !> Gaps are looked at again where a force has grown by this factor: a power law of small forces
-    !> says little of what lies beside a corner.
+    !> Growth of a force since the last evaluation of its gap above which the gap is evaluated
+    !> again: a power law for a small force is inaccurate beyond a nearby corner.
     real(wp), parameter :: many_times = 4.0_wp
 
 contains
 
-    !> One position under one torque.
+    !> Solve one position for one torque.
     subroutine solve_slices(body_1, body_2, torque, position, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> Torque on body 1, above 0 [N mm]
+        !> Torque on body 1, positive [N mm]
         real(wp), intent(in) :: torque
-        !> The position; its near fields follow the torque
+        !> Position; its near fields are updated for the torque
         type(position_type), intent(inout) :: position
-        !> What is found; blank on entry
+        !> State; blank on entry
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
@@ -102,16 +102,17 @@ contains
         if (.not. stands) call fatal_error(error, code_unsettled_widths, &
             & 'the half-widths do not settle')
         if (allocated(error)) return
-        ! once more, for derivatives that hold all that changes with the forces
+        ! last pass with the derivatives of all quantities that depend on the forces
         call look_at_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
         call solve_pass(position, of, places, coupling, tangential, torque, .false., forces, &
             & state, stands, error)
         if (.not. allocated(error)) call finish(position%zones(of), places(of), state)
     end subroutine solve_slices
 
-    !> A force above 0 under which a place is looked at.
+    !> Return a positive force at which a contact can be evaluated.
     elemental function some_force(force, full) result(under)
-        !> Last force of the place, and one that would hold its part of the torque alone [N]
+        !> Last force of the contact, and the force that would carry its share of the torque alone
+        !> [N]
         real(wp), intent(in) :: force
         real(wp), intent(in) :: full
         real(wp) :: under
@@ -119,8 +120,8 @@ contains
         under = merge(force, least_part*full, force > 0.0_wp)
     end function some_force
 
-    !> Near fields, forces that are nearly right, those of contacts that are all as wide as the
-    !> widest, and the places that they need.
+    !> Initialize near fields and forces, and find the contacts needed. All contacts are as wide as
+    !> the widest one.
     pure subroutine begin(body_1, body_2, torque, position, forces, joins, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
@@ -131,9 +132,9 @@ contains
         type(position_type), intent(inout) :: position
         !> Forces [N], shape (zones)
         real(wp), intent(out) :: forces(:)
-        !> Which places may touch, shape (zones)
+        !> True for zones that may touch, shape (zones)
         logical, intent(out) :: joins(:)
-        !> Where the work is counted
+        !> State, whose counters are increased
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
@@ -159,7 +160,7 @@ contains
                 & + position%kernel(z)*(0.5_wp + log(2.0_wp/width))
         end do
         levers(:, 1) = position%zones%lever
-        ! a flank alone would turn body 1 further: no place touches beyond
+        ! one flank alone would need a larger rotation of body 1: no contact touches beyond it
         first = minloc(position%gap, dim=1)
         forces = merge(position%part*torque/levers(:, 1), 0.0_wp, flanks == flanks(first))
         joins = position%gap <= position%gap(first) &
@@ -183,15 +184,15 @@ contains
         call widen_slices(body_1, body_2, forces, position)
     end subroutine begin
 
-    !> Places as contacts of parabolas.
+    !> Set the half-widths of parabolic contacts.
     pure subroutine take_parabolas(position, of, forces, places)
         !> The position
         type(position_type), intent(in) :: position
-        !> Its zones that are looked at, shape (n)
+        !> Indices of the zones considered, shape (n)
         integer, intent(in) :: of(:)
-        !> Forces of the zones [N], above 0, shape (zones)
+        !> Forces of the zones [N], positive, shape (zones)
         real(wp), intent(in) :: forces(:)
-        !> The places, shape (zones)
+        !> Lumped contacts, shape (zones)
         type(place_type), intent(inout) :: places(:)
 
         integer :: k
@@ -204,24 +205,25 @@ contains
                 place%reach_slope = 0.5_wp*place%reach/place%force
                 place%lever = zone%lever
                 place%torque_lever = zone%lever
-                ! friction comes with the first look
+                ! friction is included from the first evaluation of the gaps on
                 place%tangential = 0.0_wp
                 place%tangential_slope = 0.0_wp
             end associate
         end do
     end subroutine take_parabolas
 
-    !> The places under other forces: the reach of a contact grows with a power of its force.
+    !> Update the contacts for other forces: the half-width of a contact grows with a power of its
+    !> force.
     pure subroutine follow_places(position, of, forces, places, pairs)
         !> The position
         type(position_type), intent(in) :: position
-        !> Its zones that are looked at, shape (n)
+        !> Indices of the zones considered, shape (n)
         integer, intent(in) :: of(:)
-        !> Forces of the zones [N], above 0, shape (zones)
+        !> Forces of the zones [N], positive, shape (zones)
         real(wp), intent(in) :: forces(:)
-        !> The places, shape (zones)
+        !> Lumped contacts, shape (zones)
         type(place_type), intent(inout) :: places(:)
-        !> Their pairs, shape (n)
+        !> Pairs of the contacts, shape (n)
         type(pairs_type), intent(inout) :: pairs
 
         integer :: k
@@ -229,7 +231,7 @@ contains
 
         do k = 1, size(of)
             associate (place => places(of(k)), zone => position%zones(of(k)))
-                ! 1/2 of a parabola, 1 of a wedge
+                ! 1/2 for a parabola, 1 for a wedge
                 power = max(0.0_wp, min(1.0_wp, place%reach_slope*place%force &
                     & /max(place%reach, tiny(1.0_wp))))
                 place%reach = place%reach*(forces(of(k))/place%force)**power

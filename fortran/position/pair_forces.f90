@@ -1,5 +1,5 @@
-!> Forces of the pairs of a position: influence coefficients and contact loop. Influence
-!> coefficients of finite forces follow from the forces, and both are iterated.
+!> Forces of the pairs of a position from influence coefficients and contact loop. Influence
+!> coefficients of finite forces depend on the forces, so that both are iterated.
 module flankload_pair_forces
     use flankload_kinds, only: wp
     use flankload_status, only: code_forces_move
@@ -20,33 +20,34 @@ module flankload_pair_forces
 
     public :: solve_pairs
 
-    !> Number of pairs from which the cascade chooses the loop, and uniqueness follows from K being
-    !> elastic: to factorise all of K would cost more than the state.
+    !> Number of pairs above which the cascade of methods is used and uniqueness is concluded from
+    !> elasticity: factorizing all of K would cost more than the solution.
     integer, parameter :: many_pairs = 200
-    !> Largest number of iterations for finite forces, largest change of a force at convergence and
-    !> limit of small forces, both relative to the largest force.
+    !> Largest number of iterations for finite forces; largest change of a force at convergence, and
+    !> limit below which a force counts as small, both relative to the largest force.
     integer, parameter :: max_finite_passes = 120
     real(wp), parameter :: standing = 1.0e-8_wp, least_finite = 1.0e-6_wp
-    !> Largest accepted ratio of successive changes: at sharp corners, where flanks move by more
-    !> than a cell, it reaches two thirds.
+    !> Largest accepted ratio of successive changes: it reaches 2/3 at sharp corners, where flanks
+    !> move by more than a cell.
     real(wp), parameter :: largest_part = 0.9_wp
 
 contains
 
-    !> Build K of the pairs and solve.
+    !> Compute K of the pairs and solve for their forces.
     subroutine solve_pairs(body_1, body_2, position, warm_pairs, torque, finite_steps, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position, whose memory is used
+        !> Position, whose workspace is used
         type(position_type), intent(inout), target :: position
-        !> Pairs of the start
+        !> Initial active set
         integer, intent(in) :: warm_pairs(:)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> Number of steps for influence coefficients of finite forces; 0: of small ones
+        !> Number of steps of each force for influence coefficients of finite forces; 0: influence
+        !> coefficients of small forces
         integer, intent(in) :: finite_steps
-        !> The pairs on entry, then the state
+        !> State with its pairs on entry, solved on return
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
@@ -73,7 +74,7 @@ contains
         call follow_forces(body_1, body_2, position, matrix, torque, finite_steps, state, error)
     end subroutine solve_pairs
 
-    !> Influence coefficients of the forces, and forces with these, until convergence.
+    !> Iterate the influence coefficients of finite forces and the forces until convergence.
     subroutine follow_forces(body_1, body_2, position, matrix, torque, n_steps, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
@@ -86,7 +87,7 @@ contains
         real(wp), intent(in) :: torque
         !> Number of steps of each force
         integer, intent(in) :: n_steps
-        !> State for small forces, then that for finite ones
+        !> State for small forces on entry, for finite forces on return
         type(position_state), intent(inout) :: state
         !> Set if no state was found, or the forces do not converge
         type(error_type), allocatable, intent(out) :: error
@@ -104,7 +105,7 @@ contains
             changed = matrix
             do i = 1, state%pairs%n
                 if (.not. before(i) > least_finite*maxval(before)) cycle
-                ! body 1 turns back from its mate, body 2 forward
+                ! Eq. (23), (24): body 1 rotates away from its mate, body 2 towards it
                 changed(:, i) = changed(:, i) + state%pairs%lever(:state%pairs%n) &
                     & *(departures(points_2, state%pairs%site(:state%pairs%n), moves_2(:, :, i), &
                     & before(i), n_steps) - departures(points_1, &
@@ -130,7 +131,8 @@ contains
             & 'influence numbers of finite forces and forces do not come to rest')
     end subroutine follow_forces
 
-    !> Displacements of the points of a body under a unit force of each pair, with its friction.
+    !> Compute the displacements of the points of a body under a unit force of each pair with its
+    !> friction.
     pure subroutine unit_displacements(body, position, pairs, number, points, moves)
         !> The body
         type(body_type), intent(in) :: body
@@ -138,11 +140,11 @@ contains
         type(position_type), intent(in) :: position
         !> The pairs
         type(pairs_type), intent(in) :: pairs
-        !> 1 or 2
+        !> Number of the body, 1 or 2
         integer, intent(in) :: number
-        !> The points about O1 [mm], shape (2, n)
+        !> Points relative to O1 [mm], shape (2, n)
         real(wp), allocatable, intent(out) :: points(:, :)
-        !> Displacement of the points under each force [mm/N], shape (2, n, n)
+        !> Displacement of each point per unit force of each pair [mm/N], shape (2, n, n)
         real(wp), allocatable, intent(out) :: moves(:, :, :)
 
         integer :: n, i, j
@@ -156,7 +158,7 @@ contains
         s = merge(pairs%s_1(:n), pairs%s_2(:n), number == 1)
         cell = merge(pairs%cell_1(:n), pairs%cell_2(:n), number == 1)
         call normal_influences(body%compliance, pairs%site(:n), s, cell, across)
-        ! minus friction times displacement: with -1 the displacement itself
+        ! the result is minus friction times displacement: with -1, the displacement itself
         call add_tangential(body%compliance, pairs%site(:n), s, cell, &
             & [(-1.0_wp, i=1, n)], skew)
         if (allocated(body%compliance%along)) then
@@ -174,7 +176,7 @@ contains
             end if
             out = [-t(2), t(1)]
             do j = 1, n
-                ! along the tangent under a normal force: by reciprocity (Betti)
+                ! displacement along the tangent under a normal force: by reciprocity (Betti)
                 moves(:, i, j) = -across(i, j)*out - skew(j, i)*t
                 if (.not. allocated(pairs%friction)) cycle
                 moves(:, i, j) = moves(:, i, j) &
@@ -184,16 +186,16 @@ contains
         points = points - spread(position%frames_1(1)%origin, 2, n)
     end subroutine unit_displacements
 
-    !> Forces for given influence coefficients.
+    !> Solve for the forces with given influence coefficients.
     subroutine solve_matrix(matrix, structure, warm_pairs, torque, state, error)
         !> K [mm/N], shape (n, n), and its structure
         real(wp), contiguous, intent(in) :: matrix(:, :)
         integer, intent(in) :: structure
-        !> Pairs of the start
+        !> Initial active set
         integer, intent(in) :: warm_pairs(:)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> The pairs on entry, then the state
+        !> State with its pairs on entry, solved on return
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error

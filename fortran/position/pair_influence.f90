@@ -18,14 +18,14 @@ module flankload_pair_influence
 
 contains
 
-    !> K of all pairs; symmetric without friction.
+    !> Compute K of all pairs; it is symmetric without friction.
     pure subroutine pair_influences(body_1, body_2, zones, pairs, matrix)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The zones of the position
         type(zone_type), intent(in) :: zones(:)
-        !> The pairs, those of a zone together
+        !> Pairs, those of a zone consecutive
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(out) :: matrix(:, :)
@@ -51,8 +51,8 @@ contains
         if (n_2 > 0) call slide_shaft(body_2, body_1, zones, pairs, rigid(n_1 + 1:, :), matrix)
     end subroutine pair_influences
 
-    !> Add the recession of a body by its shaft and bearings under the friction of all pairs: -wᵀ S
-    !> w_t.
+    !> Subtract wᵀ S w_t, the normal displacement of a body due to its shaft and bearings under the
+    !> friction of all pairs: Eq. (C5) of docs/theory/cells_in_three_dimensions.md.
     pure subroutine slide_shaft(body, body_1, zones, pairs, wrenches, matrix)
         !> The body, with a shaft
         type(body_type), intent(in) :: body
@@ -77,8 +77,8 @@ contains
         matrix = matrix - recession
     end subroutine slide_shaft
 
-    !> Unit forces along the normals of the pairs, or along flank 1, and their moments about the
-    !> section of a shaft.
+    !> Return unit forces along the normals of the pairs, or along flank 1, and their moments about
+    !> the section of a shaft.
     pure function wrenches_of(body, body_1, zones, pairs, along) result(wrenches)
         !> The body, with a shaft
         type(body_type), intent(in) :: body
@@ -88,7 +88,7 @@ contains
         type(zone_type), intent(in) :: zones(:)
         !> The pairs
         type(pairs_type), intent(in) :: pairs
-        !> Whether forces are those along the flank, in the plane of the section
+        !> True for forces along flank 1, in the plane of the section
         logical, intent(in), optional :: along
         !> Forces and moments [-, mm], shape (6, n)
         real(wp) :: wrenches(6, pairs%n)
@@ -102,10 +102,10 @@ contains
         do i = 1, pairs%n
             associate (zone => zones(pairs%zone(i)))
                 lever = cross(pairs%point(:, i), pairs%normal(:, i))
-                ! on all flanks with a positive lever about axis 1
+                ! sign such that the lever about axis 1 is positive on all flanks
                 n = zone%cosine*[sign(1.0_wp, lever)*pairs%normal(:, i), &
                     & -body_1%compliance%twist*abs(lever)]
-                ! n is t turned to the left
+                ! n is t rotated by +90 degrees
                 if (slides) n = [sign(1.0_wp, lever)*[pairs%normal(2, i), -pairs%normal(1, i)], &
                     & 0.0_wp]
                 r = [pairs%point(:, i) - body%origin, middle_of(body_1%slices, pairs%site(i)) &

@@ -1,5 +1,5 @@
-!> The cells of a position under one torque: grids around the places of least gap, laid for the
-!> forces that are expected there, and laid anew where other forces were found.
+!> Cells of a position under one torque: grids around the points of least gap. Their sizes follow
+!> from estimated forces; grids are made again if the computed forces differ too much from these.
 module flankload_position_cells
     use flankload_kinds, only: wp
     use flankload_status, only: code_circle_misses
@@ -24,64 +24,65 @@ module flankload_position_cells
     public :: level_pairs, level_lumped
     public :: new_cells, measure_reach, reached_curvatures, lay_pairs, expected_pairs, check_grids
 
-    !> Levels of contact: pairs on cells, or one unknown for each place of contact.
+    !> Contact models: pairs on cells, or one unknown per contact (lumped).
     integer, parameter :: level_pairs = 0, level_lumped = 1
 
-    !> The level of contact, and how fine the cells are.
+    !> Contact model and discretization into cells.
     type :: grid_settings
-        !> One of the levels above
+        !> Contact model: level_pairs or level_lumped
         integer :: level = level_pairs
-        !> Cells on the Hertz half-width
+        !> Number of cells per Hertz half-width
         real(wp) :: strips_per_half_width = 10.0_wp
-        !> The same where a sharp corner lies inside the grid
+        !> The same if a sharp corner lies inside the grid
         real(wp) :: corner_strips_per_half_width = 30.0_wp
         !> Half-width of the grid in Hertz half-widths
         real(wp) :: zone_half_widths = 2.5_wp
-        !> Influence numbers of finite forces, by so many steps of each force; 0: of small ones
+        !> Number of steps of each force for influence coefficients of finite forces; 0: influence
+        !> coefficients of small forces
         integer :: finite_steps = 0
     end type grid_settings
 
-    !> For what the cells are laid, and how they lie.
+    !> Cells of a position, and the estimates from which their sizes follow.
     type :: cells_type
-        !> Which zones have cells, shape (zones)
+        !> True for zones that have cells, shape (zones)
         logical, allocatable :: joins(:)
-        !> Forces that the zones are expected to carry, and the least ones that cells are laid for
-        !> [N], shape (zones)
+        !> Estimated forces of the zones, and the least forces for which cells are made [N], shape
+        !> (zones)
         real(wp), allocatable :: estimate(:), least(:)
-        !> Forces for which the cells were laid [N], shape (zones)
+        !> Forces for which the cells were made [N], shape (zones)
         real(wp), allocatable :: part(:)
-        !> How far the cells shall reach to both sides, in reaches of the contact; widened where a
-        !> force stands at an end, shape (2, zones)
+        !> Half-widths of the grid on both sides relative to those of the contact; increased if a
+        !> force acts on the last cell of a grid, shape (2, zones)
         real(wp), allocatable :: widths(:, :)
-        !> How far the contacts are expected to reach to both sides [mm], shape (2, zones)
+        !> Estimated half-widths of the contacts on both sides [mm], shape (2, zones)
         real(wp), allocatable :: reach(:, :)
         !> Grids of the zones, shape (zones)
         type(grid_type), allocatable :: grids(:)
-        !> Zones are slices of flanks
+        !> True if the zones are slices of flanks
         logical :: in_slices = .false.
     end type cells_type
 
-    !> Grids are widened by this factor when a force stands at their end.
+    !> Factor by which a grid is widened if a force acts on its last cell.
     real(wp), parameter :: widening = 1.6_wp
     !> A zone that carries little gets cells as if it carried this part of the whole load.
     real(wp), parameter :: least_part = 0.02_wp
-    !> The same for a slice and its part of the load: at the ends of a contact line forces are small
-    !> and known to their size only.
+    !> Least share of a slice in the load of that slice: at the ends of a contact line, forces are
+    !> small and only their order of magnitude is known.
     real(wp), parameter :: slice_part = 0.1_wp
 
 contains
 
-    !> No cells yet, only for what they shall be laid.
+    !> Return estimates for the cells, but no grids yet.
     pure function new_cells(position, torque, estimate, joins, settings) result(cells)
         !> The position
         type(position_type), intent(in) :: position
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> Forces that the zones are expected to carry [N], shape (zones)
+        !> Estimated forces of the zones [N], shape (zones)
         real(wp), intent(in) :: estimate(:)
-        !> Zones that shall have cells, shape (zones)
+        !> True for zones that shall have cells, shape (zones)
         logical, intent(in) :: joins(:)
-        !> How fine the cells are
+        !> Discretization into cells
         type(grid_settings), intent(in) :: settings
         type(cells_type) :: cells
 
@@ -94,7 +95,7 @@ contains
         cells%in_slices = allocated(position%part)
         if (cells%in_slices) cells%least = slice_part/least_part*position%part*cells%least
         if (any(position%zones%side < 0.0_wp)) then
-            ! flanks that press on each other across a tooth carry more than the torque
+            ! flanks that are pressed against each other across a tooth carry more than the torque
             cells%least = max(cells%least, least_part*maxval(estimate))
         end if
         allocate (cells%part(n), cells%reach(2, n), source=0.0_wp)
@@ -102,14 +103,14 @@ contains
         allocate (cells%grids(n))
     end function new_cells
 
-    !> How far the contacts reach under the forces that are expected.
+    !> Estimate the half-widths of the contacts under the estimated forces.
     pure subroutine measure_reach(body_1, body_2, position, cells)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position
         type(position_type), intent(in) :: position
-        !> For what the cells are laid; the reach is filled in
+        !> Cells; their estimated half-widths are set
         type(cells_type), intent(inout) :: cells
 
         integer :: z, site
@@ -126,12 +127,12 @@ contains
         end do
     end subroutine measure_reach
 
-    !> Sums of curvatures that would let the contacts reach as far [1/mm]; where nothing is known
-    !> of that, those at the places of least gap.
+    !> Return the sum of the curvatures of a parabolic contact of the same half-width [1/mm]; for
+    !> zones without cells, the sum at the point of least gap.
     pure function reached_curvatures(position, cells) result(curvatures)
         !> The position
         type(position_type), intent(in) :: position
-        !> The cells, their reach measured
+        !> Cells with estimated half-widths
         type(cells_type), intent(in) :: cells
         real(wp) :: curvatures(size(cells%joins))
 
@@ -140,16 +141,16 @@ contains
             & /max(sum(cells%reach, dim=1), least_half_width(position%flank_length))**2
     end function reached_curvatures
 
-    !> Lay the cells and the pairs on them.
+    !> Make the cells and the pairs on them.
     pure subroutine lay_pairs(body_1, body_2, position, settings, cells, pairs, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position
         type(position_type), intent(in) :: position
-        !> How fine the cells are
+        !> Discretization into cells
         type(grid_settings), intent(in) :: settings
-        !> For what the cells are laid, their reach measured, and how they lie
+        !> Cells with estimated half-widths; their grids are set
         type(cells_type), intent(inout) :: cells
         !> The pairs
         type(pairs_type), intent(out) :: pairs
@@ -184,12 +185,12 @@ contains
 
     contains
 
-        !> Lay the cells of a zone: on the nodes of flank 1 where there are any, else on circles
-        !> through those of flank 2.
+        !> Make the cells of a zone: between the nodes of flank 1 if it has any, else between
+        !> circles through those of flank 2 if it has any.
         pure subroutine lay_cells_of(zone, grid)
             !> The zone
             type(zone_type), intent(in) :: zone
-            !> Its grid
+            !> Grid of the zone
             type(grid_type), intent(inout) :: grid
 
             if (allocated(body_1%compliance%nodes)) then
@@ -205,14 +206,15 @@ contains
 
     end subroutine lay_pairs
 
-    !> Cells of one width on all slices of a flank, the mean of the wanted ones by the forces:
-    !> influences between slices are then a table. Cells that are finer around an edge stay.
+    !> Give all slices of a flank the same cell width, the force-weighted mean of the widths wanted:
+    !> influence coefficients between slices then follow from one table. Grids that are refined
+    !> around an edge are not changed.
     pure subroutine take_one_width(slices, zones, cells)
         !> The slices
         type(slices_type), intent(in) :: slices
         !> The zones
         type(zone_type), intent(in) :: zones(:)
-        !> The cells, their grids known but for the places of the cells
+        !> Cells; their grids are known except for the positions of the cells
         type(cells_type), intent(inout) :: cells
 
         integer :: z
@@ -237,7 +239,7 @@ contains
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position, and the number of its zone
+        !> Position, and index of the zone
         type(position_type), intent(in) :: position
         integer, intent(in) :: z
         !> The cells
@@ -276,12 +278,13 @@ contains
         end associate
     end subroutine append_cells
 
-    !> How far a contact extends relative to its reach: on one side alone, as at a corner, twice as
-    !> far; in the plane cells are laid anew for that.
+    !> Return the extent of a contact on both sides relative to its estimated half-widths: twice as
+    !> far on a side if there is none on the other one, as at a corner. Only for slices: in the
+    !> plane, cells are made again instead.
     pure function one_sided(cells, z) result(times)
-        !> The cells, their reach measured
+        !> Cells with estimated half-widths
         type(cells_type), intent(in) :: cells
-        !> Number of the zone
+        !> Index of the zone
         integer, intent(in) :: z
         real(wp) :: times(2)
 
@@ -292,16 +295,16 @@ contains
         end associate
     end function one_sided
 
-    !> Part the grids of neighbouring zones of a site.
+    !> Separate overlapping grids of neighbouring zones of a site.
     pure subroutine part_grids(body_1, body_2, position, joins, grids)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position; its zones of a site stand by ascending arc length
+        !> Position; the zones of a site are in ascending order of arc length
         type(position_type), intent(in) :: position
-        !> Which of the zones join
+        !> True for zones that have cells, shape (zones)
         logical, intent(in) :: joins(:)
-        !> Their grids
+        !> Grids of the zones, shape (zones)
         type(grid_type), intent(inout) :: grids(:)
 
         integer :: z, last, site
@@ -320,9 +323,9 @@ contains
         end do
     end subroutine part_grids
 
-    !> The pairs inside the contacts that are expected: the loop's warm set.
+    !> Return the pairs inside the estimated contacts: the initial active set of the contact loop.
     pure function expected_pairs(pairs, zones, cells) result(warm)
-        !> The pairs, their zones, and what is expected of these
+        !> Pairs, zones of the position, and cells with their estimates
         type(pairs_type), intent(in) :: pairs
         type(zone_type), intent(in) :: zones(:)
         type(cells_type), intent(in) :: cells
@@ -342,21 +345,21 @@ contains
             depth(i) = max(-beyond/within(1), beyond/within(2))
         end do
         warm = pack([(i, i=1, pairs%n)], expected)
-        ! pairs that leave are those at the edges: last in the factor, they take little of it along
+        ! pairs at the edges leave first: at the end of the factor they are cheap to remove
         if (cells%in_slices) warm = warm(ascending_order(depth(warm)))
     end function expected_pairs
 
-    !> Widen grids at whose ends a force stands; learn the forces of the zones.
+    !> Widen grids with a force on their last cell, and sum the forces of each zone.
     pure subroutine check_grids(forces, cells, settled)
         !> Forces of the pairs on the cells [N], shape (pairs)
         real(wp), intent(in) :: forces(:)
         !> The cells
         type(cells_type), intent(inout) :: cells
-        !> False if the cells must be laid anew
+        !> False if the cells must be made again
         logical, intent(out) :: settled
 
-        !> Cells laid for this many times the force, or for so small a part, are laid anew: they
-        !> would be too coarse, or end too early.
+        !> Largest accepted ratio, or its reciprocal, of the force for which cells were made to the
+        !> force found: beyond it cells are too coarse, or the grid too narrow.
         real(wp), parameter :: too_far = 2.0_wp
         integer :: z, first, last
         real(wp) :: wanted
@@ -376,7 +379,7 @@ contains
                 cells%widths(2, z) = widening*cells%widths(2, z)
                 settled = .false.
             end if
-            ! slices have cells of one width, and enough of them as far as no force is at an end
+            ! slices share one cell width, which is fine enough while no force acts on a last cell
             if (.not. cells%in_slices) wanted = max(cells%estimate(z), cells%least(z))
             if (cells%in_slices) wanted = cells%part(z)
             if (wanted > too_far*cells%part(z) .or. cells%part(z) > too_far*wanted) then

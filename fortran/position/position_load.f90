@@ -1,6 +1,6 @@
-!> A position under its torques, at the level that is asked for: lumped, or by cells, influence
-!> numbers and contact loop; the cells are laid anew until every force lies inside them and no flank
-!> left out could touch.
+!> Solution of a position for its torques, by lumped contacts or by cells, influence coefficients
+!> and contact loop. Cells are made again until every force lies inside them and no zone without
+!> cells would touch.
 module flankload_position_load
     use flankload_kinds, only: wp
     use flankload_status, only: code_conforms, code_unsettled_cells
@@ -23,39 +23,41 @@ module flankload_position_load
 
     public :: solve_position
 
-    !> Cells are laid so often at most; widened 12 times they cover any flank.
+    !> Largest number of passes over the cells; a grid widened 12 times covers any flank.
     integer, parameter :: max_passes = 14
     !> A zone joins when its gap is below the estimated rotation plus this part of the approach: the
     !> lumped level is better than 1 %, and a zone missed is found by the check after the loop.
     real(wp), parameter :: joining = 0.02_wp
-    !> A contact is not that of a parabola where its width differs by half as much: beside a kink, a
-    !> rounding or an end, where curvatures change at once and widths do not.
+    !> Relative change of the curvatures above which the lumped contact is solved again with the
+    !> curvatures that correspond to the half-widths found: near a kink, a rounding or an end the
+    !> gap is not parabolic.
     real(wp), parameter :: other_shape = 0.1_wp
 
 contains
 
-    !> Solve one position for several torques; no answer depends on the other torques.
+    !> Solve one position for several torques; the result for a torque does not depend on the other
+    !> torques.
     subroutine solve_position(body_1, body_2, angle_1, angle_2, torques, settings, states, speeds, &
             & known, room)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> Their turns [rad]
+        !> Rotation angles of the bodies [rad]
         real(wp), intent(in) :: angle_1
         real(wp), intent(in) :: angle_2
         !> Torques on body 1 [N mm]
         real(wp), intent(in) :: torques(:)
-        !> The level of contact, and how fine its cells are
+        !> Contact model and discretization into cells
         type(grid_settings), intent(in) :: settings
-        !> What is found, shape (torques); without a state the status is an error code
+        !> States, shape (torques); if there is none, its status is an error code
         type(position_state), intent(out) :: states(:)
         !> Speeds of both bodies [rad per rad of the position], shape (2); needed with friction
         real(wp), intent(in), optional :: speeds(2)
-        !> Pairs in contact as far as a similar position has shown them, shape (torques): a state
-        !> with as many pairs is that of these, without a certificate; others are solved
+        !> Pairs in contact in a similar position, shape (torques): if the number of pairs agrees,
+        !> the state follows from these without a certificate; otherwise it is solved
         type(known_contact), intent(in), optional :: known(:)
-        !> Memory that the next position uses again: to return it to the system and to have it
-        !> cleared anew took a quarter of the time
+        !> Workspace that the next position reuses: releasing it and having it cleared again takes a
+        !> quarter of the time
         real(wp), allocatable, intent(inout), optional :: room(:)
 
         integer :: t
@@ -87,11 +89,11 @@ contains
 
     contains
 
-        !> Find the places of least gap.
+        !> Find the points of least gap.
         subroutine look(torque, everywhere, at)
             !> Torque on body 1 [N mm]
             real(wp), intent(in) :: torque
-            !> Whether slices that are far from each other are searched, too
+            !> True if slices far from each other are searched as well
             logical, intent(in) :: everywhere
             !> The position
             type(position_type), intent(inout) :: at
@@ -121,13 +123,13 @@ contains
         type(body_type), intent(in) :: body_2
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> The level of contact, and how fine its cells are
+        !> Contact model and discretization into cells
         type(grid_settings), intent(in) :: settings
         !> Pairs in contact, if known from a similar position
         type(known_contact), intent(in) :: contact
         !> The position
         type(position_type), intent(inout) :: position
-        !> What is found
+        !> State
         type(position_state), intent(out) :: state
         !> Set if there was an error before, or no state was found
         type(error_type), allocatable, intent(inout) :: error
@@ -146,16 +148,16 @@ contains
         if (allocated(position%ends) .and. .not. allocated(error)) call note_ends(position, state)
     end subroutine solve_torque
 
-    !> Whether a slice that was not searched could touch.
+    !> Return whether a slice that was not searched could touch.
     !>
-    !> A flank that leans towards its mate by the forces on others comes nearer by less than these
-    !> close: twice as much is enough.
+    !> Forces on other flanks move a flank towards its mate by less than the gap that they close; a
+    !> factor of 2 is safe.
     pure function may_miss(position, state, failed) result(may)
         !> The position
         type(position_type), intent(in) :: position
-        !> Its state
+        !> State of the position
         type(position_state), intent(in) :: state
-        !> There is no state
+        !> True if there is no state
         logical, intent(in) :: failed
         logical :: may
 
@@ -168,20 +170,21 @@ contains
         may = .not. position%unseen > least + enough*abs(state%rotation - least)
     end function may_miss
 
-    !> One torque, on cells.
+    !> Solve a position for one torque on cells.
     subroutine solve_load(body_1, body_2, position, torque, settings, contact, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position; near fields of slices follow the torque
+        !> Position; the near fields of slices are updated for the torque
         type(position_type), intent(inout) :: position
-        !> Torque on body 1 [N mm], above 0 unless flanks press on each other across the teeth
+        !> Torque on body 1 [N mm], positive unless flanks are pressed against each other across the
+        !> teeth
         real(wp), intent(in) :: torque
-        !> How fine the cells are
+        !> Discretization into cells
         type(grid_settings), intent(in) :: settings
         !> Pairs in contact, if known from a similar position
         type(known_contact), intent(in) :: contact
-        !> What is found; blank on entry
+        !> State; blank on entry
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
@@ -224,9 +227,9 @@ contains
 
     contains
 
-        !> The state on the first cells, if its pairs in contact are known.
+        !> Compute the state on the first cells from known pairs in contact.
         subroutine continue_contact(solved)
-            !> False if they are not
+            !> False if they are not known or their equations are singular
             logical, intent(out) :: solved
 
             solved = .false.
@@ -237,7 +240,7 @@ contains
 
     end subroutine solve_load
 
-    !> Cells for the forces of the lumped contact.
+    !> Estimate the cells by the forces of lumped contacts.
     subroutine expect_cells(body_1, body_2, position, torque, settings, cells, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
@@ -246,13 +249,13 @@ contains
         type(position_type), intent(in) :: position
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> How fine the cells are
+        !> Discretization into cells
         type(grid_settings), intent(in) :: settings
-        !> For what the cells shall be laid, their reach measured
+        !> Cells with estimated half-widths, still without grids
         type(cells_type), intent(out) :: cells
-        !> The state that counts the work
+        !> State, whose counters are increased
         type(position_state), intent(inout) :: state
-        !> Set if there is no lumped contact
+        !> Set if the lumped contact has no solution
         type(error_type), allocatable, intent(out) :: error
 
         integer :: spent
@@ -285,22 +288,22 @@ contains
         end associate
     end subroutine expect_cells
 
-    !> Cells for the forces of the slices.
+    !> Estimate the cells by the lumped forces of the slices.
     subroutine expect_in_slices(body_1, body_2, position, torque, settings, cells, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position; its near fields follow the torque
+        !> Position; its near fields are updated for the torque
         type(position_type), intent(inout) :: position
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> How fine the cells are
+        !> Discretization into cells
         type(grid_settings), intent(in) :: settings
-        !> For what the cells shall be laid, their reach measured
+        !> Cells with estimated half-widths, still without grids
         type(cells_type), intent(out) :: cells
-        !> The state that counts the work
+        !> State, whose counters are increased
         type(position_state), intent(inout) :: state
-        !> Set if there is no lumped contact
+        !> Set if the lumped contact has no solution
         type(error_type), allocatable, intent(out) :: error
 
         integer :: k
@@ -321,7 +324,8 @@ contains
         else if (error%code == code_conforms) then
             return
         else
-            ! contacts hardly longer than wide are no lines: the flank that touches first, evenly
+            ! contacts hardly longer than wide are no line contacts: spread the load evenly over the
+            ! flank that touches first
             deallocate (error)
             associate (flanks => flank_of(body_1%slices, position%zones%site))
                 where (flanks == flanks(minloc(position%gap, dim=1))) estimate &
@@ -334,9 +338,9 @@ contains
         call measure_reach(body_1, body_2, position, cells)
     end subroutine expect_in_slices
 
-    !> Forces, peaks and corners of the sites.
+    !> Compute force, peak and loaded corner of each site.
     pure subroutine sum_over_sites(state, zones)
-        !> What was found
+        !> State
         type(position_state), intent(inout) :: state
         !> The zones
         type(zone_type), intent(in) :: zones(:)
@@ -352,7 +356,8 @@ contains
             state%site_force(site) = state%site_force(site) + state%forces(i)
             state%site_peak(site) = max(state%site_peak(site), peak)
             if (state%forces(i) <= 0.0_wp) cycle
-            ! a corner works where it makes the least gap, or where the contact has grown up to it
+            ! a corner is in contact if it is the point of least gap, or if the contact has grown up
+            ! to it
             worked = max(0, zones(z)%corner)
             beyond = state%pairs%s_1(i) - zones(z)%nearest%s_1
             if (abs(zones(z)%to_corner_low + beyond) < state%pairs%cell_1(i)) then

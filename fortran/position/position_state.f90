@@ -15,14 +15,14 @@ module flankload_position_state
     public :: blank_state, take_contact, unloaded_state, would_touch, count_lumped, note_ends
     public :: presses_across
 
-    !> Instead of the body with contact on its corner: the site that touches without torque, off
-    !> corners; a lumped contact that is not parabolic, beside a kink, a rounding or an end; an
-    !> omitted end of a flank that would touch.
+    !> Values of site_corner without contact on a corner: first touch without torque; lumped contact
+    !> that is not parabolic, near a kink, a rounding or an end; excluded end of a flank that would
+    !> touch.
     integer, parameter :: touches_only = -1, other_shape = -2, end_would_touch = -3
 
     !> State of a position under a torque.
     type :: position_state
-        !> 0 … 3 of the contact loop, or a negative error code
+        !> Status 0 … 3 of the contact loop, or a negative error code
         integer :: status = 0
         !> Rotation of body 1 [rad] and its derivative with respect to the torque [rad/(N mm)]
         real(wp) :: rotation = 0.0_wp
@@ -36,20 +36,20 @@ module flankload_position_state
         integer, allocatable :: site_corner(:)
         !> Certificate of the contact loop
         real(wp) :: condition = 0.0_wp, backward_error = 0.0_wp, margin = 0.0_wp
-        !> Counters: pivots, influence columns, passes over the grid, refactorisations
+        !> Counters: pivots, influence columns, passes over the grid, refactorizations
         integer :: pivots = 0, columns = 0, passes = 0, refactorisations = 0
-        !> Further counters: influence columns of tangential forces, solutions with one unknown for
-        !> each place of contact, solutions with influence numbers of finite forces
+        !> Further counters: influence columns of tangential forces, solutions with one unknown per
+        !> contact, solutions with influence coefficients of finite forces
         integer :: tangential_columns = 0, lumped_solutions = 0, finite_passes = 0
-        !> Without a state: part of the torque that can be carried, and whether it is proven that
-        !> there is none
+        !> If there is no state: largest fraction of the torque that can be carried; true if it is
+        !> proven that no state exists
         real(wp) :: largest_part = 0.0_wp
         logical :: none_proven = .false.
     end type position_state
 
 contains
 
-    !> A state without force.
+    !> Set a state without forces.
     pure subroutine blank_state(n_sites, state)
         !> Number of sites
         integer, intent(in) :: n_sites
@@ -60,15 +60,15 @@ contains
         allocate (state%site_corner(n_sites), source=0)
     end subroutine blank_state
 
-    !> What the contact loop has found: a state, or why there is none.
+    !> Copy the result of the contact loop: the state, or the reason why there is none.
     pure subroutine take_contact(contact, has_friction, state, error)
-        !> The result of the loop
+        !> Result of the contact loop
         type(contact_result), intent(inout) :: contact
-        !> Whether there is friction
+        !> True if there is friction
         logical, intent(in) :: has_friction
         !> The state
         type(position_state), intent(inout) :: state
-        !> The error of the loop
+        !> Error of the contact loop
         type(error_type), allocatable, intent(inout) :: error
 
         state%refactorisations = state%refactorisations + contact%refactorisations
@@ -76,7 +76,7 @@ contains
             state%largest_part = contact%largest_part
             state%none_proven = contact%none_proven
             if (error%code == invalid_scale .and. has_friction) then
-                ! friction turns every lever against the torque: nothing can be held
+                ! with friction, every lever in the torque row is negative: no torque can be carried
                 error%code = no_contact_state
                 state%largest_part = 0.0_wp
                 state%none_proven = .true.
@@ -93,7 +93,7 @@ contains
         state%margin = contact%margin
     end subroutine take_contact
 
-    !> Whether working and coast flanks overlap in every angle of body 1.
+    !> Return whether working and coast flanks overlap at every angle of body 1.
     pure function presses_across(position) result(presses)
         !> The position
         type(position_type), intent(in) :: position
@@ -106,11 +106,11 @@ contains
         end associate
     end function presses_across
 
-    !> State without torque: body 1 is at the angle at which the first pair touches.
+    !> Set the state without torque: body 1 is at the angle at which the first pair touches.
     pure subroutine unloaded_state(position, state)
         !> The position
         type(position_type), intent(in) :: position
-        !> The state; empty on entry
+        !> State; blank on entry
         type(position_state), intent(inout) :: state
 
         integer :: z
@@ -125,7 +125,7 @@ contains
         allocate (state%forces(0), state%gaps(0))
     end subroutine unloaded_state
 
-    !> Mark sites at which an omitted end would touch: its gap closes.
+    !> Mark sites at which an excluded end would touch.
     pure subroutine note_ends(position, state)
         !> The position
         type(position_type), intent(in) :: position
@@ -143,19 +143,19 @@ contains
         end do
     end subroutine note_ends
 
-    !> Count a solution with one unknown for each place of contact.
+    !> Count a solution with one unknown per contact.
     pure subroutine count_lumped(pivots, state)
         !> Number of its pivots
         integer, intent(in) :: pivots
-        !> The state that counts it
+        !> State, whose counters are increased
         type(position_state), intent(inout) :: state
 
         state%pivots = state%pivots + pivots
         state%lumped_solutions = state%lumped_solutions + 1
     end subroutine count_lumped
 
-    !> Zones that close their gap: by the rotation, minus the displacement under the forces of other
-    !> sites (which can be negative: on a thin rim, a tooth may lean towards its mate).
+    !> Return the zones whose gap is closed by the rotation and the displacement due to forces on
+    !> other sites (which can be towards the mate: a tooth on a thin rim).
     pure function would_touch(position, forces, rotation) result(touches)
         !> The position
         type(position_type), intent(in) :: position
@@ -169,7 +169,7 @@ contains
 
         associate (zones => position%zones)
             do z = 1, size(zones)
-                ! displacements by the own site are left to the contact model
+                ! the contact model covers the displacement due to forces on the same site
                 touches(z) = zones(z)%lever*(position%gap(z) - zones(z)%side*rotation) &
                     & + min(0.0_wp, sum(position%coupling(z, :)*forces, &
                     & mask=zones%site /= zones(z)%site)) < 0.0_wp

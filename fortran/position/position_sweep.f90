@@ -1,9 +1,9 @@
-!> All positions and all torques of a sweep in one call. Positions are independent of each other,
-!> and so are torques: threads share the positions, and every result is bitwise the same for any
-!> number of threads and any other requested results.
+!> Sweep: all positions and torques in one call. Positions are independent of each other, and so are
+!> torques: threads share the positions, and every result is bitwise the same for any number of
+!> threads and any other requested results.
 !>
-!> Memory: results of the sites for all states, the pairs packed into the caller's arrays, and one
-!> position for each thread.
+!> Memory: site results of all states, pairs packed into the caller's arrays, and the data of one
+!> position per thread.
 module flankload_position_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
@@ -22,21 +22,23 @@ module flankload_position_sweep
 
     !> Results of a sweep; NaN if there is no state.
     type :: sweep_type
-        !> 0 … 3 of the contact loop, or a negative error code, shape (positions, torques)
+        !> Status 0 … 3 of the contact loop, or a negative error code, shape (positions, torques)
         integer, allocatable :: status(:, :)
         !> Rotation [rad] and its derivative with respect to the torque [rad/(N mm)], shape
         !> (positions, torques)
         real(wp), allocatable :: rotation(:, :), tangent(:, :)
-        !> Backward error, condition, margin, shape (3, positions, torques); without a state, the
-        !> part of the torque that can be carried and 1 if it is proven that there is none
+        !> Backward error, condition, margin, shape (3, positions, torques); if there is no state,
+        !> the largest fraction of the torque that can be carried, and 1 if it is proven that no
+        !> state exists
         real(wp), allocatable :: certificate(:, :, :)
-        !> Pivots, influence columns, passes over the grid, refactorisations, influence columns of
-        !> tangential forces, lumped solutions, finite ones, shape (n_counters, positions, torques);
-        !> including states without an answer and those whose pairs exceed the room
+        !> Pivots, influence columns, passes over the grid, refactorizations, influence columns of
+        !> tangential forces, lumped solutions, solutions of finite forces, shape (n_counters,
+        !> positions, torques); those of states without a solution or without room for their pairs
+        !> are included
         integer, allocatable :: counters(:, :, :)
         !> Force [N], maximum of force over cell width [N/mm], body with contact on its sharp corner
-        !> (-1: the site that touches without torque, -2: a lumped contact that is not parabolic,
-        !> both off corners), shape (sites, positions, torques)
+        !> (-1: first touch without torque, -2: lumped contact that is not parabolic, -3: excluded
+        !> end that would touch), shape (sites, positions, torques)
         real(wp), allocatable :: site_force(:, :, :), site_peak(:, :, :)
         integer, allocatable :: site_corner(:, :, :)
         !> Number of pairs, and index of the first of them in the caller's arrays (from 1), shape
@@ -44,11 +46,11 @@ module flankload_position_sweep
         integer, allocatable :: n_pairs(:, :), first_pair(:, :)
     end type sweep_type
 
-    !> Counters of a state.
+    !> Number of counters of a state.
     integer, parameter :: n_counters = 7
-    !> Columns of a pair: arc lengths of both flanks, radius, place, normal [mm], force [N], width
-    !> of the cell, final gap, lever of the torque row [mm]; with friction also sliding speed [mm
-    !> per rad of the position] and friction coefficient times its sign.
+    !> Columns of a pair: arc lengths of both flanks [mm], radius [mm], point [mm], normal, force
+    !> [N], cell width [mm], final gap [mm], lever of the torque row [mm]; with friction also
+    !> sliding speed [mm per rad of the position] and signed coefficient of friction.
     enum, bind(c)
         enumerator :: column_s_1 = 1
         enumerator :: column_s_2
@@ -85,15 +87,15 @@ contains
         real(wp), intent(in) :: torques(:)
         !> Discretization into cells
         type(grid_settings), intent(in) :: settings
-        !> Shared with the caller during the call. (1): a value other than 0 stops the sweep before
+        !> Shared with the caller during the call. (1): a nonzero value stops the sweep before
         !> positions that have not begun; (2): number of completed positions
         integer, intent(inout) :: control(2)
         !> Site of each pair, and its columns, shape (room) and (pair_columns or
-        !> pair_columns_with_friction, room); the pairs of a state are consecutive. Without room,
-        !> pairs are not stored
+        !> pair_columns_with_friction, room); the pairs of a state are consecutive. Pairs are not
+        !> stored if room is 0
         integer, intent(inout) :: pair_site(:)
         real(wp), intent(inout) :: pair_table(:, :)
-        !> The results
+        !> Results of the sweep
         type(sweep_type), intent(out) :: found
         !> Pairs in contact in a similar sweep of as many positions and torques
         type(known_contacts), intent(in), optional :: known
@@ -114,11 +116,11 @@ contains
 
     contains
 
-        !> Solve one position, unless the room is already exceeded.
+        !> Solve one position, unless the room for pairs is already exceeded.
         subroutine take_position(at, room)
-            !> Number of the position
+            !> Index of the position
             integer, intent(in) :: at
-            !> Memory of the thread
+            !> Workspace of the thread
             real(wp), allocatable, intent(inout) :: room(:)
 
             integer :: before, needed, most, t
@@ -157,9 +159,9 @@ contains
 
     end subroutine sweep_positions
 
-    !> Empty results.
+    !> Allocate the results, all of them empty.
     pure subroutine reserve(found, n_sites, n_positions, n_torques)
-        !> The results
+        !> Results of the sweep
         type(sweep_type), intent(out) :: found
         !> Numbers of sites, positions and torques
         integer, intent(in) :: n_sites
@@ -181,15 +183,15 @@ contains
         allocate (found%first_pair(n_positions, n_torques), source=0)
     end subroutine reserve
 
-    !> Store the counters of a position, and its states if their pairs find room.
+    !> Store the counters of a position, and its states if there is room for their pairs.
     pure subroutine note_states(k, states, has_room, found)
-        !> Number of the position
+        !> Index of the position
         integer, intent(in) :: k
-        !> Its states, shape (torques)
+        !> States of the position, shape (torques)
         type(position_state), intent(in) :: states(:)
-        !> Whether the pairs find room
+        !> True if there is room for the pairs
         logical, intent(in) :: has_room
-        !> The results
+        !> Results of the sweep
         type(sweep_type), intent(inout) :: found
 
         integer :: t
@@ -219,16 +221,16 @@ contains
 
     !> Pack the pairs of a position into the caller's arrays.
     pure subroutine pack_pairs(k, states, before, pair_site, pair_table, found)
-        !> Number of the position
+        !> Index of the position
         integer, intent(in) :: k
-        !> Its states, shape (torques)
+        !> States of the position, shape (torques)
         type(position_state), intent(in) :: states(:)
         !> Number of pairs stored before those of this position
         integer, intent(in) :: before
         !> Sites and columns of the pairs
         integer, intent(inout) :: pair_site(:)
         real(wp), intent(inout) :: pair_table(:, :)
-        !> The results
+        !> Results of the sweep
         type(sweep_type), intent(inout) :: found
 
         integer :: t, first, last
@@ -244,7 +246,7 @@ contains
         end do
     end subroutine pack_pairs
 
-    !> Columns of the pairs of a state.
+    !> Fill the columns of the pairs of a state.
     pure subroutine fill_table(state, table)
         !> The state
         type(position_state), intent(in) :: state

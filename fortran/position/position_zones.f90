@@ -1,5 +1,5 @@
-!> A position as such: where the flanks of both bodies stand and where they come nearest to each
-!> other. Nothing of it depends on the torque, but for flanks that conform.
+!> Geometry of a position: frames of the flanks and points of least gap. They do not depend on the
+!> torque unless flanks conform.
 module flankload_position_zones
     use flankload_kinds, only: wp
     use flankload_status, only: code_no_zone, code_too_many_zones, code_circle_misses, &
@@ -23,104 +23,105 @@ module flankload_position_zones
     public :: body_type, position_type
     public :: look_at_position, lever_share, section_at
 
-    !> What a body hands over.
+    !> Body: flanks, sites, and compliance.
     type :: body_type
-        !> Its flank; where that varies along the face width, the flanks of all slices, which have
-        !> the same breaks
+        !> Flank of the body; if it varies along the face width, the flanks of all slices, which
+        !> have the same breaks
         type(flank_type), allocatable :: flanks(:)
         type(compliance_type) :: compliance
         !> Axis [mm]
         real(wp) :: origin(2) = 0.0_wp
         !> Angle of each site's flank in the frame of the body [rad], shape (sites)
         real(wp), allocatable :: site_angles(:)
-        !> Metal that touches early at each site, along the normal [mm], shape (sites)
+        !> Pitch deviation of each site, along the normal, positive out of the material [mm], shape
+        !> (sites)
         real(wp), allocatable :: deviations(:)
-        !> Side of each site (body 1 alone): 1 working flanks, -1 coast flanks, whose angles are
-        !> those of the mirrored bodies; the former stand first, shape (sites); not allocated
+        !> Side of each site (body 1 only): 1 for working flanks, which come first, -1 for coast
+        !> flanks, whose angles are those of the mirrored bodies, shape (sites); not allocated
         !> without coast flanks
         integer, allocatable :: sides(:)
-        !> Friction of its flanks with those of body 2 (body 1 alone); not allocated without
+        !> Friction with the flanks of body 2 (body 1 only); not allocated without friction
         type(friction_type), allocatable :: friction
-        !> How the flanks are cut along the face width (body 1 alone): each site is a slice of a
-        !> flank pair, at the angles at which its section stands; not allocated in the plane
+        !> Slices along the face width (body 1 only): each site is a slice of a flank pair, with the
+        !> angle of its section; not allocated in the plane
         type(slices_type), allocatable :: slices
-        !> Shaft and bearings of a body in slices; not allocated if its bore does not move
+        !> Shaft and bearings of a body in slices; not allocated if its bore is fixed
         type(shaft_type), allocatable :: shaft
     end type body_type
 
-    !> Where the flanks stand and come nearest to each other.
+    !> Frames of the flanks, zones, and compliance between the zones.
     type :: position_type
-        !> Where the flanks of both bodies stand, shape (sites)
+        !> Frames of the flanks of both bodies, shape (sites)
         type(frame_type), allocatable :: frames_1(:), frames_2(:)
-        !> Places of least gap, those of a site together, and their gap angles with all deviations
-        !> and shifts [rad], shape (zones)
+        !> Zones, those of a site consecutive, and their gap angles with all deviations and shifts
+        !> [rad], shape (zones)
         type(zone_type), allocatable :: zones(:)
         real(wp), allocatable :: gap(:)
-        !> The same places at the ends of flanks that are cut: they do not count; not allocated
-        !> where there are none
+        !> The same for least gaps at cut ends of flanks, which are ignored; not allocated if there
+        !> are none
         type(zone_type), allocatable :: ends(:)
         real(wp), allocatable :: end_gap(:)
-        !> Gap angle that no site which was not searched falls below [rad]
+        !> Lower bound of the gap angle of all sites that were not searched [rad]
         real(wp) :: unseen = huge(1.0_wp)
-        !> Compliance of both bodies between the zones, without the near field of a zone itself
-        !> [mm/N], shape (zones, zones)
+        !> Compliance of both bodies between the zones: normal displacement at i per unit force at
+        !> j, without the near field of i itself [mm/N], shape (zones, zones)
         real(wp), allocatable :: coupling(:, :)
-        !> The smooth part of that in three dimensions: near fields there depend on the torque
+        !> Smooth part of that compliance in three dimensions, where near fields depend on the
+        !> torque [mm/N], shape (zones, zones)
         real(wp), allocatable :: smooth(:, :)
-        !> With friction of slices: recession at zone i for a unit force along flank 1 at j [mm/N],
-        !> shape (zones, zones)
+        !> With friction of slices: normal displacement at zone i per unit force along flank 1 at j
+        !> [mm/N], shape (zones, zones)
         real(wp), allocatable :: tangential(:, :)
-        !> c of both bodies: strength of the logarithm [mm/N], shape (zones)
+        !> Sum c of both bodies, the factor of the logarithm [mm/N], shape (zones)
         real(wp), allocatable :: kernel(:)
-        !> Width beyond which contacts are not expected when forces are estimated [mm], shape
-        !> (zones)
+        !> Largest half-width of a contact for estimates of the forces [mm], shape (zones)
         real(wp), allocatable :: widest(:)
-        !> How far beside its line the load of a slice is spread [mm]
+        !> Distance from its line at which the load of a slice acts [mm]
         real(wp) :: beside = 0.0_wp
-        !> Part of a whole load that a slice carries if it is spread evenly, shape (zones)
+        !> Share of a slice in a load that is spread evenly along the face width, shape (zones)
         real(wp), allocatable :: part(:)
         !> Mirror images of the zones behind the ends of flank 1 and of flank 2, shape (2, zones)
         type(image_type), allocatable :: images(:, :)
-        !> Length of flank 1 [mm]: what is small or flat is so beside it
+        !> Length of flank 1 [mm]: reference for small lengths and curvatures
         real(wp) :: flank_length = 0.0_wp
-        !> The zones hold for the torque only for which they were found: flanks conform
+        !> True if flanks conform: the zones are then valid only for the torque for which they were
+        !> found
         logical :: conforms = .false.
-        !> Speeds with which both bodies turn [rad per rad of the position]; only friction asks for
-        !> them
+        !> Rotational speeds of both bodies [rad per rad of the position]; used only with friction
         real(wp) :: speeds(2) = 0.0_wp
-        !> Memory for K of cells
+        !> Workspace for K of the cells
         real(wp), allocatable :: room(:)
     end type position_type
 
-    !> No real job needs more zones, in all or on each site where there are many sites; more than
-    !> that is refused, not cut off.
+    !> Largest number of zones: in all, or per site if there are many sites. No practical scene
+    !> needs more; an excess is an error.
     integer, parameter :: max_zones = 64, max_zones_per_site = 6
-    !> Conforming flanks are even where their gap changes by less than this part of what closes
-    !> under an equal share of the load: then all of the stretch carries.
+    !> A gap between conforming flanks counts as constant if it varies by less than this fraction of
+    !> the gap that an equal share of the load closes: the whole range then carries load.
     real(wp), parameter :: closed_part = 0.5_wp
-    !> Slices are searched where a bound of their gap exceeds the least one by no more than this
-    !> part of flank 1's length: usual loads close less. It decides on time alone, since others are
-    !> searched where the load closes more.
+    !> Slices are searched if the lower bound of their gap exceeds the least bound by no more than
+    !> this fraction of the length of flank 1, which usual loads do not close. It affects time only:
+    !> the other slices are searched if the load closes more.
     real(wp), parameter :: usual_part = 0.02_wp
 
 contains
 
-    !> Find the places of least gap.
+    !> Find the points of least gap, and the compliance between them in the plane.
     pure subroutine look_at_position(body_1, body_2, angle_1, angle_2, torque, everywhere, &
             & position, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> Their turns [rad]
+        !> Rotation angles of the bodies [rad]
         real(wp), intent(in) :: angle_1
         real(wp), intent(in) :: angle_2
-        !> Torque on body 1 [N mm]; only flanks that conform ask for it
+        !> Torque on body 1 [N mm]; used only if flanks conform
         real(wp), intent(in) :: torque
-        !> Whether slices that are far from each other are searched, too
+        !> True if slices far from each other are searched as well
         logical, intent(in) :: everywhere
-        !> What is found
+        !> Position
         type(position_type), intent(out) :: position
-        !> Set if no flanks meet, or a place of least gap could not be made exact
+        !> Set if no flanks meet, or a minimum of the gap could not be computed exactly
         type(error_type), allocatable, intent(out) :: error
 
         integer :: n_zones
@@ -161,22 +162,22 @@ contains
         end if
     end subroutine look_at_position
 
-    !> Place the flanks, and choose the sites that are searched.
+    !> Compute the frames of the flanks, and choose the sites to be searched.
     pure subroutine place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> Their turns [rad]
+        !> Rotation angles of the bodies [rad]
         real(wp), intent(in) :: angle_1
         real(wp), intent(in) :: angle_2
-        !> Whether slices that are far from each other are searched, too
+        !> True if slices far from each other are searched as well
         logical, intent(in) :: everywhere
-        !> The frames of the flanks, and the gap of sites that are not searched
+        !> Position; its frames and the bound of the sites that are not searched are set
         type(position_type), intent(inout) :: position
-        !> Which sites are searched
+        !> True for sites to be searched, shape (sites)
         logical, intent(out) :: faces(:)
 
-        !> Levers are longer than this part of the radius: no flank is that steep.
+        !> Least lever relative to the radius: no flank is steeper.
         real(wp), parameter :: least_lever = 0.5_wp
         integer :: site, n_sites, n_working
         integer :: sides(size(faces))
@@ -219,20 +220,20 @@ contains
         position%unseen = minval(bounds, mask=.not. faces)
     end subroutine place_flanks
 
-    !> Find the places of least gap on sites, those at ends that are left out among them.
+    !> Find the points of least gap of the sites, including those at cut ends.
     pure subroutine search_sites(body_1, body_2, faces, torque, position, zones, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> Which sites are searched, shape (sites)
+        !> True for sites to be searched, shape (sites)
         logical, intent(in) :: faces(:)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> The frames of the flanks, and whether flanks conform
+        !> Position with its frames; `conforms` is set
         type(position_type), intent(inout) :: position
         !> The zones
         type(zone_type), allocatable, intent(out) :: zones(:)
-        !> Set if a place of least gap could not be made exact, or there are too many
+        !> Set if a minimum of the gap could not be computed exactly, or if there are too many zones
         type(error_type), allocatable, intent(out) :: error
 
         integer :: site, n_sites, n_zones, before
@@ -275,7 +276,8 @@ contains
         zones = zones(:n_zones)
     end subroutine search_sites
 
-    !> Number of the flank of a body at a site: slices of a flank pair are sites in their order.
+    !> Return the number of a body's flank at a site: the slices of a flank pair are consecutive
+    !> sites.
     pure function section_at(body, site) result(section)
         !> The body
         type(body_type), intent(in) :: body
@@ -286,7 +288,8 @@ contains
         section = 1 + mod(site - 1, size(body%flanks))
     end function section_at
 
-    !> Whether a site is the next slice of the same flanks, and not turned against the last one.
+    !> Return whether a site is the next slice of the same flanks, and not rotated relative to the
+    !> previous one.
     pure function is_same_section(body_1, body_2, site) result(same)
         !> The bodies
         type(body_type), intent(in) :: body_1
@@ -303,11 +306,11 @@ contains
             & .or. abs(body_2%site_angles(site) - body_2%site_angles(site - 1)) > 0.0_wp)
     end function is_same_section
 
-    !> Append the zones of the last site for another one whose flanks stand as those do.
+    !> Append copies of the zones of the previous site for a site with the same frames.
     pure subroutine repeat_zones(site, before, zones, n_zones)
         !> The site
         integer, intent(in) :: site
-        !> Number of zones before those of the last site
+        !> Number of zones before those of the previous site
         integer, intent(inout) :: before
         !> The zones, and their number
         type(zone_type), intent(inout) :: zones(:)
@@ -324,7 +327,8 @@ contains
         before = last
     end subroutine repeat_zones
 
-    !> How the zones of a plane position recede under each other's forces.
+    !> Compute the compliance between the zones of a plane position, and the weights of their
+    !> levers.
     pure subroutine couple_zones(body_1, body_2, position)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
@@ -352,16 +356,16 @@ contains
             & spread(body_2%kernel, 1, n), position%images, position%flank_length)
     end subroutine couple_zones
 
-    !> Add the near fields of both bodies between places on the same flanks.
+    !> Add the near fields of both bodies between different zones of the same flanks.
     pure subroutine add_far_fields(body_1, body_2, width, zones, coupling)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> Width that stands for a place [mm]
+        !> Width of a contact [mm]
         real(wp), intent(in) :: width
         !> The zones
         type(zone_type), intent(in) :: zones(:)
-        !> Compliance between them [mm/N], shape (zones, zones)
+        !> Compliance between the zones [mm/N], shape (zones, zones)
         real(wp), intent(inout) :: coupling(:, :)
 
         integer :: i, j
@@ -377,12 +381,12 @@ contains
         end do
     end subroutine add_far_fields
 
-    !> Gap angles with all deviations and shifts [rad].
+    !> Return the gap angles with all deviations and shifts [rad].
     pure function gaps_without_load(body_1, body_2, zones) result(gap)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> Places of least gap
+        !> Zones
         type(zone_type), intent(in) :: zones(:)
         real(wp) :: gap(size(zones))
 
@@ -392,19 +396,21 @@ contains
             & - zone_shift(body_1%compliance, body_2%compliance, zones)/zones%lever
     end function gaps_without_load
 
-    !> Weight of body 1's lever in the one lever that both bodies have: its part of what recedes.
+    !> Return the weight of body 1 in the common lever of both bodies: its fraction of the normal
+    !> displacement.
     !>
-    !> rec_1/b_1 + rec_2/b_2 = (rec_1 + rec_2)/b needs just these weights. With half of each a body
-    !> that yields much more than the other (a long arm) bends the gap by its large rotation: 0.5 %
-    !> of the pressure of a roller on an arm seven times as long as wide. One weight for a position:
-    !> a place of least gap may jump where flanks conform.
+    !> With the normal displacements u of the bodies, u_1/b_1 + u_2/b_2 = (u_1 + u_2)/b requires
+    !> exactly these weights. With equal weights, the large rotation of a body that is much more
+    !> flexible than the other one (a long arm) distorts the gap: 0.5 % of the pressure of a roller
+    !> on an arm seven times as long as wide. One weight applies to the whole position, since the
+    !> point of least gap may jump where flanks conform.
     pure function lever_share(smooth_1, smooth_2, kernel_1, kernel_2, images, flank_length) &
             & result(share)
-        !> Smooth compliance of the bodies at the zones, without the zones' influence on each other
-        !> [mm/N], shape (zones)
+        !> Smooth compliance of the bodies at the zones, without coupling between zones [mm/N],
+        !> shape (zones)
         real(wp), intent(in) :: smooth_1(:)
         real(wp), intent(in) :: smooth_2(:)
-        !> c of the bodies [mm/N], shape (zones)
+        !> Constant c of each body [mm/N], shape (zones)
         real(wp), intent(in) :: kernel_1(:)
         real(wp), intent(in) :: kernel_2(:)
         !> Mirror images of the zones, shape (2, zones)
@@ -415,8 +421,8 @@ contains
 
         !> Half-width of a contact, about, as a part of the flank's length
         real(wp), parameter :: usual_part = 0.005_wp
-        !> As far as this beside one half the parts do not matter (0.01 % of the pressure of gears):
-        !> both levers then weigh the same.
+        !> Largest difference between a weight and 1/2 at which both levers get equal weights: it
+        !> changes the pressure of gears by 0.01 % only.
         real(wp), parameter :: alike = 0.3_wp
         integer :: z
         real(wp) :: width, near, image(2), one, two, part, unused(2)
@@ -437,17 +443,17 @@ contains
         share = 0.5_wp + sign(0.5_wp*max(0.0_wp, abs(part) - alike)/(0.5_wp - alike), part)
     end function lever_share
 
-    !> Sites whose flanks are on this side of both bodies.
+    !> Return the sites whose flanks are on the facing side of both bodies.
     !>
-    !> Where sites go round a body more than once they name the same tooth again: only the one that
-    !> has come round by less than half a turn of either body is meant.
+    !> If the sites go around a body more than once, several sites name the same tooth: only the one
+    !> within half a turn of either body is kept.
     pure function sites_that_face(body_1, body_2, angle_1, first, last) result(faces)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> Turn of body 1 [rad]
+        !> Rotation angle of body 1 [rad]
         real(wp), intent(in) :: angle_1
-        !> First and last site of one side
+        !> First and last site of the same side
         integer, intent(in) :: first
         integer, intent(in) :: last
         logical :: faces(last - first + 1)
@@ -464,12 +470,12 @@ contains
         span_1 = abs(turn_1)
         span_2 = abs(turn_2)
         widest = max(span_1, span_2)
-        ! sites that go just once round span a pitch less than a turn
+        ! sites that go around exactly once span one pitch less than a full turn
         if (widest*(n - 0.5_wp)/(n - 1) < 2.0_wp*half_turn) return
-        ! flanks meet between both axes, or beyond O1 where both bodies turn the same way
+        ! flanks meet between both axes, or beyond O1 if both bodies rotate in the same direction
         meshing = merge(half_turn, 0.0_wp, turn_1*turn_2 > 0.0_wp)
         associate (point => body_1%flanks(1)%point(:, size(body_1%flanks(1)%s)/2))
-            ! a flank stands beside its own axis or at the mesh: the cut is far from both
+            ! a flank is near its own axis or near the mesh: the branch cut is far from both
             polar = modulo(atan2(point(2), point(1)) + 0.5_wp*half_turn, 2.0_wp*half_turn) &
                 & - 0.5_wp*half_turn
         end associate

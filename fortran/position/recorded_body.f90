@@ -1,4 +1,4 @@
-!> The body in a record: each part goes to its place in body_type.
+!> Reading of a body record: each part is copied to its component of body_type.
 module flankload_recorded_body
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: new_flank_curve
@@ -16,7 +16,7 @@ module flankload_recorded_body
 
     public :: read_body
 
-    !> Copy a part to where it belongs; nothing if it is absent.
+    !> Copy a part of any rank; if it is absent, the array is not allocated.
     interface take
         module procedure take_vector
         module procedure take_matrix
@@ -25,13 +25,13 @@ module flankload_recorded_body
 
 contains
 
-    !> Read a body.
+    !> Read a body from its record.
     pure subroutine read_body(record, body, valid)
         !> The record
         real(wp), intent(in) :: record(:)
         !> The body, its axis at the origin
         type(body_type), intent(out) :: body
-        !> False if the array is no record, or if a value in it is not possible
+        !> False if the array is not a record, or a value in it is invalid
         logical, intent(out) :: valid
 
         real(wp), allocatable :: breaks(:), corners(:), sides(:)
@@ -62,7 +62,7 @@ contains
         end if
         call read_compliance(record, body%compliance)
         body%compliance%closed = body%flanks(1)%curve%closed
-        ! images behind free corners are in tables between nodes already
+        ! tables between nodes already include images behind free corners
         valid = .not. (allocated(body%compliance%nodes) .and. any(body%compliance%wedge > 0.0_wp))
     end subroutine read_body
 
@@ -137,7 +137,7 @@ contains
         compliance%end_strength = axial(5:6)
     end subroutine read_compliance
 
-    !> Whether all values of a record are possible.
+    !> Return whether all values of a record are valid.
     pure function has_valid_parts(record) result(valid)
         !> The record
         real(wp), intent(in) :: record(:)
@@ -153,13 +153,13 @@ contains
         end do
     end function has_valid_parts
 
-    !> A part of a few numbers, which keep their values if it is absent.
+    !> Copy a part of fixed size; if it is absent, the values are unchanged.
     pure subroutine take_few(record, part, values)
         !> The record
         real(wp), intent(in) :: record(:)
         !> Number of the part
         integer, intent(in) :: part
-        !> Its values
+        !> Values of the part
         real(wp), intent(inout) :: values(:)
 
         integer :: place(2)
@@ -167,13 +167,14 @@ contains
         place = place_in(record, part)
         if (place(2) >= place(1)) values = record(place(1):place(2))
     end subroutine take_few
+
     !> Copy a part of rank 1.
     pure subroutine take_vector(record, part, values)
         !> The record
         real(wp), intent(in) :: record(:)
         !> Number of the part
         integer, intent(in) :: part
-        !> Its values; not allocated if it is absent
+        !> Values of the part; not allocated if it is absent
         real(wp), allocatable, intent(out) :: values(:)
 
         integer :: place(2)
@@ -188,7 +189,7 @@ contains
         real(wp), intent(in) :: record(:)
         !> Number of the part
         integer, intent(in) :: part
-        !> Its values; not allocated if it is absent
+        !> Values of the part; not allocated if it is absent
         real(wp), allocatable, intent(out) :: values(:, :)
 
         integer :: place(2), extents(3)
@@ -205,7 +206,7 @@ contains
         real(wp), intent(in) :: record(:)
         !> Number of the part
         integer, intent(in) :: part
-        !> Its values; not allocated if it is absent
+        !> Values of the part; not allocated if it is absent
         real(wp), allocatable, intent(out) :: values(:, :, :)
 
         integer :: place(2), extents(3), size_of_block, k
@@ -215,7 +216,7 @@ contains
         extents = shape_in(record, part)
         allocate (values(extents(1), extents(2), extents(3)))
         size_of_block = extents(1)*extents(2)
-        ! block by block: the whole is not held a third time
+        ! block by block, so that no third copy of all blocks is needed
         do k = 1, extents(3)
             values(:, :, k) = reshape(record(place(1) + (k - 1)*size_of_block: &
                 & place(1) + k*size_of_block - 1), extents(:2))

@@ -1,4 +1,5 @@
-!> The sweep of two records: arguments checked, records read, results copied.
+!> Sweep of two body records: check of the arguments, reading of the records, and copy of the
+!> results.
 module flankload_recorded_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
@@ -33,7 +34,8 @@ contains
         real(wp), intent(inout) :: pair_table(:, :)
         !> The results
         type(sweep_type), intent(out) :: found
-        !> 0, or number of states without an answer; -i: argument i is not valid, no results
+        !> 0, or number of states without a solution; -i: argument i is invalid, and there are no
+        !> results
         integer, intent(out) :: info
         !> Pairs in contact in a similar sweep
         type(known_contacts), intent(in), optional :: known
@@ -81,23 +83,22 @@ contains
         info = count(found%status < 0)
     end subroutine sweep_records
 
-    !> Check that two bodies go with each other.
+    !> Check that two bodies match.
     pure subroutine check_bodies(body_1, body_2, n_sites, info)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Number of sites
         integer, intent(in) :: n_sites
-        !> -i: argument i of flankload_sweep is not valid; else unchanged
+        !> -i if argument i of flankload_sweep is invalid; otherwise unchanged
         integer, intent(inout) :: info
 
         integer :: n_sections
 
         if (size(body_1%site_angles) /= n_sites .or. size(body_2%site_angles) /= n_sites) info = -3
-        ! coast flanks and friction are those of flank 1
+        ! coast flanks and friction belong to body 1
         if (allocated(body_2%sides) .or. allocated(body_2%friction)) info = -10
-        ! slices are those of flank 1; both bodies have modes over their widths, with all slices in
-        ! them
+        ! slices belong to body 1; the modes of both bodies extend over all slices
         if (allocated(body_2%slices)) info = -10
         n_sections = 1
         if (allocated(body_1%slices)) then
@@ -109,7 +110,7 @@ contains
         end if
         if (all(size(body_1%flanks) /= [1, n_sections])) info = -8
         if (all(size(body_2%flanks) /= [1, n_sections])) info = -10
-        ! nodes of one body go with nodes of the other, unless that is rigid
+        ! nodes of one body require nodes of the other, unless that is rigid
         associate (one => body_1%compliance, two => body_2%compliance)
             if (allocated(one%nodes) .and. .not. allocated(two%nodes)) then
                 if (two%kernel > 0.0_wp) info = -10
@@ -119,12 +120,12 @@ contains
         end associate
     end subroutine check_bodies
 
-    !> Copy the results; without results, NaN and 0.
+    !> Copy the results; if there are none, set NaN and 0.
     subroutine unpack_sweep(found, info, status, rotation, tangent, certificate, counters, &
             & site_force, site_peak, site_corner)
         !> The results
         type(sweep_type), intent(in) :: found
-        !> Below 0: there are none
+        !> Negative if there are no results
         integer, intent(in) :: info
         !> As in flankload_sweep
         integer, intent(out) :: status(:, :)

@@ -1,6 +1,6 @@
-!> A position in three dimensions: each zone is a slice of a contact line. Its normal leaves the
-!> plane of the section, its forces act over the length of the line, and slices of a flank displace
-!> each other.
+!> Compliance between the zones of a position in three dimensions: each zone is a slice of a contact
+!> line. Its normal is inclined to the plane of the section, its force acts over the length of the
+!> line, and slices of a flank displace each other.
 module flankload_slice_coupling
     use flankload_kinds, only: wp
     use flankload_status, only: code_not_in_slices
@@ -23,16 +23,18 @@ module flankload_slice_coupling
 
 contains
 
-    !> Refuse what slices do not follow: nodes, known displacements; cells also finite forces.
+    !> Report an error for input that slices do not support: nodes, shifts, closed flanks; with
+    !> cells also finite forces.
     pure subroutine check_slices(body_1, body_2, is_lumped, finite_steps, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> Whether contact is lumped
+        !> True for lumped contact
         logical, intent(in) :: is_lumped
-        !> Steps of influence coefficients of finite forces; 0: of small ones
+        !> Number of steps of each force for influence coefficients of finite forces; 0: influence
+        !> coefficients of small forces
         integer, intent(in) :: finite_steps
-        !> Set if something is refused
+        !> Set if the input is not supported
         type(error_type), allocatable, intent(out) :: error
 
         logical :: refused
@@ -44,7 +46,7 @@ contains
             & 'slices: flanks with two ends only, cells without finite forces')
     end subroutine check_slices
 
-    !> Whether a compliance has parts that only plane sections have.
+    !> Return whether a compliance has parts that are defined for plane sections only.
     pure function is_plane_only(compliance) result(is_plane)
         !> The compliance
         type(compliance_type), intent(in) :: compliance
@@ -52,17 +54,18 @@ contains
 
         is_plane = allocated(compliance%nodes) .or. allocated(compliance%shift) &
             & .or. compliance%closed
-        ! modes along the profile are those along the normal, each times all polynomials
+        ! modes of loads along the profile are those of normal loads, each multiplied by all
+        ! polynomials over the face width
         if (allocated(compliance%tangential)) is_plane = is_plane &
             & .or. size(compliance%tangential, 2) /= size(compliance%tangential, 1)
     end function is_plane_only
 
-    !> Set what does not depend on the torque.
+    !> Set the quantities that do not depend on the torque.
     pure subroutine look_at_slices(body_1, body_2, position)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position; its zones and gap angles are known
+        !> Position with its zones and gap angles
         type(position_type), intent(inout) :: position
 
         integer :: z, n
@@ -89,7 +92,7 @@ contains
                 position%images(1, z)%kernel = position%images(1, z)%kernel/zones(z)%length
                 position%images(2, z)%kernel = position%images(2, z)%kernel/zones(z)%length
             end do
-            ! a line of length l recedes by c (ln(2 l/x) - 1) a distance x beside it
+            ! a line load of length l displaces points at a distance x by c (ln(2 l/x) - 1)
             one = log(2.0_wp*zones%length) - 1.0_wp
             zones%lever_share = lever_share([(smooth_1(z, z) + kernel_1(z)*one(z), z=1, n)], &
                 & [(smooth_2(z, z) + kernel_2(z)*one(z), z=1, n)], kernel_1, kernel_2, &
@@ -104,15 +107,17 @@ contains
         if (allocated(body_1%friction)) call look_at_sliding(body_1, body_2, position)
     end subroutine look_at_slices
 
-    !> What the zones recede by under forces along their flanks.
+    !> Set the compliance between the zones for forces along their flanks: Eq. (S4) and (C5) of
+    !> docs/theory, plus shafts.
     !>
-    !> The force on body 1 points to growing arc length of flank 1, that on body 2 to growing arc
-    !> length of flank 2: both recede by minus their displacement out of the material.
+    !> The force on body 1 acts towards increasing arc length of flank 1, that on body 2 towards
+    !> increasing arc length of flank 2: in both bodies, the normal displacement is minus the
+    !> displacement out of the material.
     pure subroutine look_at_sliding(body_1, body_2, position)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position; its zones are those of slices
+        !> Position with zones of slices
         type(position_type), intent(inout) :: position
 
         associate (zones => position%zones, slices => body_1%slices)
@@ -127,8 +132,8 @@ contains
         end associate
     end subroutine look_at_sliding
 
-    !> Add the recession of a body by its shaft and bearings under forces along the flanks:
-    !> -wᵀ S w_t.
+    !> Subtract wᵀ S w_t: normal displacement of a body due to its shaft and bearings under forces
+    !> along the flanks.
     pure subroutine slide_shaft(body, body_1, zones, tangential)
         !> The body, with a shaft
         type(body_type), intent(in) :: body
@@ -136,23 +141,23 @@ contains
         type(body_type), intent(in) :: body_1
         !> The zones
         type(zone_type), intent(in) :: zones(:)
-        !> Recession under unit forces along flank 1 [mm/N], shape (zones, zones)
+        !> Normal displacement per unit force along flank 1 [mm/N], shape (zones, zones)
         real(wp), intent(inout) :: tangential(:, :)
 
         tangential = tangential - matmul(transpose(wrenches_on(body, body_1, zones)), &
             & matmul(body%shaft%compliance, wrenches_on(body, body_1, zones, along=.true.)))
     end subroutine slide_shaft
 
-    !> Unit forces along the normals of the zones, or along flank 1, and their moments about the
-    !> section of a shaft.
+    !> Return unit forces along the normals of the zones, or along flank 1, and their moments about
+    !> the section of a shaft.
     pure function wrenches_on(body, body_1, zones, along) result(wrenches)
         !> The body, with a shaft
         type(body_type), intent(in) :: body
         !> Body 1, whose helix and slices are those of the pair
         type(body_type), intent(in) :: body_1
-        !> The zones; their levers are those of normals in space
+        !> Zones, whose levers are those of the normals in space
         type(zone_type), intent(in) :: zones(:)
-        !> Whether forces are those along the flank, in the plane of the section
+        !> True for forces along flank 1, in the plane of the section
         logical, intent(in), optional :: along
         !> Forces and moments [-, mm], shape (6, zones)
         real(wp) :: wrenches(6, size(zones))
@@ -167,7 +172,7 @@ contains
             associate (place => zones(k)%nearest)
                 tangent = place%tangent_1
                 if (abs(zones(k)%corner) == 1) tangent = place%tangent_2
-                ! on all flanks with a positive lever about axis 1
+                ! sign such that the lever about axis 1 is positive on all flanks
                 tangent = -sign(1.0_wp, dot_product(place%point_1, tangent))*tangent
                 n = [zones(k)%cosine*tangent(2), -zones(k)%cosine*tangent(1), &
                     & -body_1%compliance%twist*zones(k)%lever]
@@ -180,7 +185,7 @@ contains
         end do
     end function wrenches_on
 
-    !> Add the recession of a body by its shaft and bearings: wᵀ S w, on all flanks.
+    !> Add wᵀ S w: normal displacement of a body due to its shaft and bearings, between all flanks.
     pure subroutine add_shaft(shaft, wrenches, matrix)
         !> The shaft
         type(shaft_type), intent(in) :: shaft
@@ -201,8 +206,8 @@ contains
         end do
     end subroutine add_shaft
 
-    !> Set what depends on the torque by the width of the contacts: as if one flank carried it all,
-    !> evenly over its length.
+    !> Set the quantities that depend on the torque by the width of the contacts, as if one flank
+    !> carried all of it, evenly over its length.
     pure subroutine load_slices(body_1, body_2, torque, position)
         !> The bodies
         type(body_type), intent(in) :: body_1
@@ -223,7 +228,7 @@ contains
         end associate
     end subroutine load_slices
 
-    !> Where forces are uneven, contacts are wider than they were taken to be.
+    !> Increase the width of the contacts if uneven forces require it.
     pure subroutine widen_slices(body_1, body_2, forces, position)
         !> The bodies
         type(body_type), intent(in) :: body_1
@@ -233,7 +238,7 @@ contains
         !> The position
         type(position_type), intent(inout) :: position
 
-        !> Forces are known to so much only
+        !> Safety factor for the half-width, since the forces are estimates
         real(wp), parameter :: reserve = 1.1_wp
         real(wp) :: widest
 
@@ -242,11 +247,11 @@ contains
         if (0.5_wp*widest > position%beside) call spread_loads(body_1, body_2, widest, position)
     end subroutine widen_slices
 
-    !> Near fields of loads that are spread over the width of the widest contact.
+    !> Compute near fields of loads that are spread over the width of the widest contact.
     !>
-    !> Half that width is the root of the second moment of Hertz's pressure. A line so far beside
-    !> its slice makes a matrix that is definite for slices of any thinness, and so does its
-    !> derivative by the forces: what local half-widths take off its diagonal is less.
+    !> Half of the half-width is the root of the second moment of Hertz's pressure. A line at this
+    !> distance from its slice makes a matrix that is definite for slices of any thickness, and so
+    !> is its derivative with respect to the forces: local half-widths reduce its diagonal by less.
     pure subroutine spread_loads(body_1, body_2, half_width, position)
         !> The bodies
         type(body_type), intent(in) :: body_1
@@ -264,7 +269,7 @@ contains
             position%coupling = position%smooth
             call add_segment_field(body_1%compliance, body_2%compliance, &
                 & segments_of(slices, zones), beside, position%coupling)
-            ! the logarithm of its distance is followed with the force
+            ! add the logarithm of this distance back: it is updated with the force
             do z = 1, size(zones)
                 position%coupling(z, z) = position%coupling(z, z) &
                     & + position%kernel(z)*log(beside)
@@ -272,7 +277,7 @@ contains
         end associate
     end subroutine spread_loads
 
-    !> The contact lines of the zones.
+    !> Return the contact line of a zone.
     elemental function segments_of(slices, zone) result(segment)
         !> The slices
         type(slices_type), intent(in) :: slices
