@@ -6,6 +6,7 @@ module flankload_gap_shift
     use flankload_circle_pair, only: pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     use flankload_contact_pairs, only: pairs_type
+    use flankload_contact_reach, only: is_level
     use flankload_compliance_field, only: compliance_type, mode_values
     implicit none
     private
@@ -122,7 +123,7 @@ contains
         integer :: z, site
 
         do z = 1, size(zones)
-            if (zones(z)%level_high > zones(z)%level_low) cycle
+            if (is_level(zones(z))) cycle
             site = zones(z)%site
             if (zones(z)%corner == 0) then
                 call move_zone(flank_1, frames_1(site), flank_2, frames_2(site), body_1, body_2, &

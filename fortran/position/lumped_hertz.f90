@@ -14,12 +14,16 @@ module flankload_lumped_hertz
     private
 
     public :: lumped_contact, hertz_half_width
-    public :: least_half_width
+    public :: least_half_width, least_load_share, usual_half_width
 
     !> Least half-width of near fields and cells, relative to the length of the flank: the gap
     !> between narrower cells would be a rounding error (x²/(2 rho) of a tenth of it compared with
     !> 1e-16 of the radius).
     real(wp), parameter :: least_part_of_flank = 1.0e-5_wp
+    !> Typical half-width of a contact, relative to the length of the flank.
+    real(wp), parameter :: usual_half_width = 0.005_wp
+    !> Least share of a contact in the load for which its half-width and cells are computed.
+    real(wp), parameter :: least_load_share = 0.02_wp
     !> Number of passes for the half-width, whose logarithm enters: forces then change by less than
     !> 1 %.
     integer, parameter :: n_passes = 3
@@ -82,8 +86,6 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        !> Least part of the load from which the width of a place is computed.
-        real(wp), parameter :: least_part = 0.02_wp
         integer :: pass, i, n
         real(wp) :: near, image, unused(2)
         real(wp) :: full(size(levers)), matrix(size(levers), size(levers))
@@ -102,7 +104,7 @@ contains
         do pass = 1, n_passes
             matrix = coupling
             do i = 1, n
-                near = hertz_half_width(max(forces(i), least_part*full(i)), curvatures(i), &
+                near = hertz_half_width(max(forces(i), least_load_share*full(i)), curvatures(i), &
                     & kernel(i), flank_length)
                 near = max(least_half_width(flank_length), min(widest(i), near))
                 call image_recession(images(:, i), [near, near], image, unused)

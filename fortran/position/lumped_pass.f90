@@ -13,6 +13,7 @@ module flankload_lumped_pass
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
     use flankload_lapack, only: potrf, solve_triangle
+    use flankload_lumped_hertz, only: usual_half_width
     use flankload_lumped_place, only: place_type
     use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: count_lumped, position_state, take_contact
@@ -44,16 +45,14 @@ contains
         !> The same per unit force along flank 1 at j [mm/N], shape (n, n); (n, 0) without friction
         real(wp), allocatable, intent(out) :: tangential(:, :)
 
-        !> Width of a contact, about, as a part of the flank's length: images of forces along the
-        !> flank stand no nearer
-        real(wp), parameter :: usual_part = 0.01_wp
         integer :: n
         real(wp) :: ones(size(of)), width(size(of))
 
         n = size(of)
         coupling = position%coupling(of, of)
         associate (zones => position%zones(of))
-            width = usual_part*position%flank_length
+            ! images of forces along the flank are at least this width away
+            width = 2.0_wp*usual_half_width*position%flank_length
             call add_turned(body_1%compliance, zones%site, zones%nearest%s_1, width, &
                 & corner_turn(body_1, body_2, zones, 1), coupling)
             call add_turned(body_2%compliance, zones%site, zones%nearest%s_2, width, &
@@ -108,7 +107,7 @@ contains
 
     !> Linearize the equations about the last forces, and solve them by the contact loop.
     pure subroutine solve_pass(position, of, places, coupling, tangential, torque, secant, forces, &
-            & state, stands, error)
+            & state, converged, error)
         !> The position
         type(position_type), intent(in) :: position
         !> Indices of the zones considered, shape (n)
@@ -128,7 +127,7 @@ contains
         !> State with its pairs on entry, solved on return
         type(position_state), intent(inout) :: state
         !> True if the forces have converged
-        logical, intent(out) :: stands
+        logical, intent(out) :: converged
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
@@ -169,7 +168,7 @@ contains
         call take_contact(contact, slides, state, error)
         if (allocated(error)) return
         forces(of) = state%forces
-        stands = all(abs(state%forces - last) <= settled*maxval(state%forces))
+        converged = all(abs(state%forces - last) <= settled*maxval(state%forces))
     end subroutine solve_pass
 
     !> Solve a pass for forces and rotation without a certificate, if only contacts that carried

@@ -8,29 +8,27 @@ module flankload_lumped_position
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_zones, only: zone_type
     use flankload_contact_normal, only: contact_normal, normal_type
+    use flankload_contact_reach, only: is_level
     use flankload_contact_grid, only: grid_type
     use flankload_contact_pairs, only: append_pairs, pairs_type, reserve_pairs
     use flankload_friction, only: friction_lever
-    use flankload_lumped_hertz, only: hertz_half_width, least_half_width, lumped_contact
+    use flankload_lumped_hertz, only: hertz_half_width, least_half_width, least_load_share, &
+        & lumped_contact
     use flankload_lumped_pass, only: couple, solve_pass
     use flankload_lumped_place, only: near_field_of, place_type, reach_of, slide_place
     use flankload_position_zones, only: body_type, position_type, section_at
-    use flankload_position_state, only: count_lumped, other_shape, position_state, would_touch
+    use flankload_position_state, only: count_lumped, inclusion_margin, not_parabolic, &
+        & position_state, would_touch
     implicit none
     private
 
     public :: solve_lumped
-    public :: cell_of, finish, joining, least_part, look_at_levers, look_at_places
+    public :: cell_of, finish, differentiate_levers, update_contacts
 
     !> Number of passes with Newton's method, which takes 3 to 5, and of all passes: after the
     !> former, the ratio of near field and force replaces the derivative, and the error decreases
     !> tenfold per pass for flanks of any shape.
     integer, parameter :: newton_passes = 12, max_passes = 60
-    !> A place that carries less than this part of the whole load gets its reach from it.
-    real(wp), parameter :: least_part = 0.02_wp
-    !> A zone joins when its gap is below the estimated rotation plus this part of the approach; one
-    !> that is missed is found by the check after the loop.
-    real(wp), parameter :: joining = 0.02_wp
 
 contains
 
@@ -50,46 +48,46 @@ contains
 
         integer :: pass, k, n
         integer, allocatable :: of(:)
-        logical :: joins(size(position%zones)), stands
+        logical :: included(size(position%zones)), done
         real(wp), allocatable :: forces(:), full(:), coupling(:, :), tangential(:, :)
         type(place_type), allocatable :: places(:)
 
         full = torque/position%zones%lever
-        call estimate_forces(forces, joins)
+        call estimate_forces(forces, included)
         if (allocated(error)) return
-        allocate (places(size(joins)))
+        allocate (places(size(included)))
         n = 0
         do pass = 1, max_passes
-            if (n /= count(joins)) then
-                of = pack([(k, k=1, size(joins))], joins)
+            if (n /= count(included)) then
+                of = pack([(k, k=1, size(included))], included)
                 n = size(of)
-                if (any(position%zones(of)%level_high > position%zones(of)%level_low)) then
+                if (any(is_level(position%zones(of)))) then
                     call fatal_error(error, code_conforms, &
                         & 'flanks conform: their contact has no place of its own')
                     return
                 end if
                 call couple(body_1, body_2, position, of, coupling, tangential)
             end if
-            call look_at_places(body_1, body_2, position, of, forces, full, places, state%pairs, &
+            call update_contacts(body_1, body_2, position, of, forces, full, places, state%pairs, &
                 & error)
             if (allocated(error)) return
             call solve_pass(position, of, places, coupling, tangential, torque, &
-                & pass > newton_passes, forces, state, stands, error)
+                & pass > newton_passes, forces, state, done, error)
             if (allocated(error)) return
-            if (stands) then
-                stands = .not. any(would_touch(position, forces, state%rotation) .and. .not. joins)
-                joins = joins .or. would_touch(position, forces, state%rotation)
+            if (done) then
+                done = .not. any(would_touch(position, forces, state%rotation) .and. .not. included)
+                included = included .or. would_touch(position, forces, state%rotation)
             end if
-            if (stands) exit
+            if (done) exit
         end do
-        if (.not. stands) then
+        if (.not. done) then
             call fatal_error(error, code_unsettled_widths, 'the half-widths do not settle')
             return
         end if
         ! last pass with the derivatives of all quantities that depend on the forces
-        call look_at_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
+        call differentiate_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
         call solve_pass(position, of, places, coupling, tangential, torque, .false., forces, &
-            & state, stands, error)
+            & state, done, error)
         if (allocated(error)) return
         call finish(position%zones(of), places(of), state)
 
@@ -114,14 +112,15 @@ contains
             end associate
             call count_lumped(spent, state)
             if (allocated(error)) return
-            needed = estimate > 0.0_wp &
-                & .or. position%gap < rotation + joining*(rotation - minval(position%gap))
+            needed = estimate > 0.0_wp .or. position%gap &
+                & < rotation + inclusion_margin*(rotation - minval(position%gap))
         end subroutine estimate_forces
 
     end subroutine solve_lumped
 
     !> Evaluate the contacts at the last forces, and make their pairs.
-    pure subroutine look_at_places(body_1, body_2, position, of, forces, full, places, pairs, error)
+    pure subroutine update_contacts(body_1, body_2, position, of, forces, full, places, pairs, &
+            & error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
@@ -153,7 +152,7 @@ contains
                 & curve_1 => body_1%flanks(section_at(body_1, site))%curve, &
                 & curve_2 => body_2%flanks(section_at(body_2, site))%curve)
                 place%force = forces(z)
-                if (.not. place%force > 0.0_wp) place%force = least_part*full(z)
+                if (.not. place%force > 0.0_wp) place%force = least_load_share*full(z)
                 if (.not. any(place%reach > 0.0_wp)) then
                     place%reach = hertz_half_width(place%force, zone%curvature, &
                         & position%kernel(z), position%flank_length)
@@ -184,7 +183,7 @@ contains
                 pairs%friction(k) = place%tangential/place%force
             end associate
         end do
-    end subroutine look_at_places
+    end subroutine update_contacts
 
     !> Append the pair of a contact.
     pure subroutine append_place(body_1, body_2, position, z, reach, pairs, found)
@@ -234,7 +233,7 @@ contains
 
     !> Compute the derivatives of the levers with respect to the forces: the normal of a contact
     !> turns as the contact grows.
-    pure subroutine look_at_levers(body_1, body_2, position, of, places)
+    pure subroutine differentiate_levers(body_1, body_2, position, of, places)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
@@ -268,7 +267,7 @@ contains
                     & (lever_along(position, beside, beside%n) - place%lever_along)/more
             end associate
         end do
-    end subroutine look_at_levers
+    end subroutine differentiate_levers
 
     !> Compute force, peak and loaded corner of each site, and add friction to the torque row.
     pure subroutine finish(zones, places, state)
@@ -306,7 +305,7 @@ contains
                     state%site_corner(site) = max(worked, state%site_corner(site))
                 else if (state%site_corner(site) == 0 .and. abs(place%reach(2) - place%reach(1)) &
                     & > aslant*sum(place%reach)) then
-                    state%site_corner(site) = other_shape
+                    state%site_corner(site) = not_parabolic
                 end if
             end associate
         end do

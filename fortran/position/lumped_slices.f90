@@ -10,15 +10,16 @@ module flankload_lumped_slices
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_loop, only: contact_result, method_single, solve_contact_problem, &
         & symmetric_matrix
-    use flankload_lumped_hertz, only: hertz_half_width, least_half_width
+    use flankload_lumped_hertz, only: hertz_half_width, least_half_width, least_load_share
     use flankload_lumped_pass, only: couple, keep_places, solve_pass, step_places
     use flankload_lumped_place, only: near_field_of, place_type
-    use flankload_lumped_position, only: cell_of, finish, joining, least_part, look_at_levers, &
-        & look_at_places
+    use flankload_lumped_position, only: cell_of, finish, differentiate_levers, update_contacts
     use flankload_near_field, only: image_recession
+    use flankload_contact_reach, only: is_level
     use flankload_contact_pairs, only: pairs_type, reserve_pairs
     use flankload_position_zones, only: body_type, position_type
-    use flankload_position_state, only: count_lumped, position_state, would_touch
+    use flankload_position_state, only: count_lumped, inclusion_margin, position_state, &
+        & would_touch
     use flankload_slice_coupling, only: load_slices, widen_slices
     use flankload_slice_field, only: flank_of
     implicit none
@@ -54,31 +55,31 @@ contains
 
         integer :: pass, k
         integer, allocatable :: of(:)
-        logical :: joins(size(position%zones)), stands, solved
-        real(wp) :: change, since_look
+        logical :: included(size(position%zones)), done, solved
+        real(wp) :: change, since_update
         real(wp), dimension(size(position%zones)) :: forces, last, full
         real(wp), allocatable :: coupling(:, :), tangential(:, :)
         type(place_type) :: places(size(position%zones))
 
-        call begin(body_1, body_2, torque, position, forces, joins, state, error)
+        call begin(body_1, body_2, torque, position, forces, included, state, error)
         if (allocated(error)) return
         full = position%part*torque/position%zones%lever
         allocate (of(0))
         do pass = 1, max_passes
-            if (size(of) /= count(joins)) then
-                of = pack([(k, k=1, size(joins))], joins)
+            if (size(of) /= count(included)) then
+                of = pack([(k, k=1, size(included))], included)
                 call couple(body_1, body_2, position, of, coupling, tangential)
                 call take_parabolas(position, of, some_force(forces, full), places)
                 call reserve_pairs(state%pairs, size(of))
-                since_look = huge(1.0_wp)
+                since_update = huge(1.0_wp)
                 change = huge(1.0_wp)
             end if
-            if ((change <= nearly .and. since_look > settled) .or. (since_look < huge(1.0_wp) &
+            if ((change <= nearly .and. since_update > settled) .or. (since_update < huge(1.0_wp) &
                 & .and. any(forces(of) > many_times*places(of)%force))) then
-                call look_at_places(body_1, body_2, position, of, forces, full, places, &
+                call update_contacts(body_1, body_2, position, of, forces, full, places, &
                     & state%pairs, error)
                 if (allocated(error)) return
-                since_look = 0.0_wp
+                since_update = 0.0_wp
             else
                 call follow_places(position, of, some_force(forces, full), places, state%pairs)
             end if
@@ -89,23 +90,23 @@ contains
                 & state%rotation, solved)
             if (solved) call count_lumped(0, state)
             if (.not. solved) call solve_pass(position, of, places, coupling, tangential, torque, &
-                & pass > newton_passes, forces, state, stands, error)
+                & pass > newton_passes, forces, state, done, error)
             if (allocated(error)) return
             change = maxval(abs(forces - last))/maxval(forces)
-            since_look = since_look + change
-            stands = since_look <= settled
-            if (.not. stands) cycle
-            stands = .not. any(would_touch(position, forces, state%rotation) .and. .not. joins)
-            if (stands) exit
-            joins = joins .or. would_touch(position, forces, state%rotation)
+            since_update = since_update + change
+            done = since_update <= settled
+            if (.not. done) cycle
+            done = .not. any(would_touch(position, forces, state%rotation) .and. .not. included)
+            if (done) exit
+            included = included .or. would_touch(position, forces, state%rotation)
         end do
-        if (.not. stands) call fatal_error(error, code_unsettled_widths, &
+        if (.not. done) call fatal_error(error, code_unsettled_widths, &
             & 'the half-widths do not settle')
         if (allocated(error)) return
         ! last pass with the derivatives of all quantities that depend on the forces
-        call look_at_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
+        call differentiate_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
         call solve_pass(position, of, places, coupling, tangential, torque, .false., forces, &
-            & state, stands, error)
+            & state, done, error)
         if (.not. allocated(error)) call finish(position%zones(of), places(of), state)
     end subroutine solve_slices
 
@@ -117,12 +118,12 @@ contains
         real(wp), intent(in) :: full
         real(wp) :: under
 
-        under = merge(force, least_part*full, force > 0.0_wp)
+        under = merge(force, least_load_share*full, force > 0.0_wp)
     end function some_force
 
     !> Initialize near fields and forces, and find the contacts needed. All contacts are as wide as
     !> the widest one.
-    pure subroutine begin(body_1, body_2, torque, position, forces, joins, state, error)
+    pure subroutine begin(body_1, body_2, torque, position, forces, included, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
@@ -133,7 +134,7 @@ contains
         !> Forces [N], shape (zones)
         real(wp), intent(out) :: forces(:)
         !> True for zones that may touch, shape (zones)
-        logical, intent(out) :: joins(:)
+        logical, intent(out) :: included(:)
         !> State, whose counters are increased
         type(position_state), intent(inout) :: state
         !> Set if no state was found
@@ -145,7 +146,7 @@ contains
         real(wp) :: matrix(size(forces), size(forces)), levers(size(forces), 1)
         type(contact_result) :: contact
 
-        if (any(position%zones%level_high > position%zones%level_low)) then
+        if (any(is_level(position%zones))) then
             call fatal_error(error, code_conforms, &
                 & 'flanks conform: their contact has no place of its own')
             return
@@ -163,15 +164,15 @@ contains
         ! one flank alone would need a larger rotation of body 1: no contact touches beyond it
         first = minloc(position%gap, dim=1)
         forces = merge(position%part*torque/levers(:, 1), 0.0_wp, flanks == flanks(first))
-        joins = position%gap <= position%gap(first) &
+        included = position%gap <= position%gap(first) &
             & + dot_product(forces, matmul(matrix, forces))/torque
-        forces = merge(1.0_wp, 0.0_wp, joins)
+        forces = merge(1.0_wp, 0.0_wp, included)
         call keep_places(matrix, levers(:, 1)*position%gap, levers(:, 1), levers(:, 1), torque, &
             & forces, rotation, solved)
         if (.not. solved) then
             call solve_contact_problem(matrix, levers(:, 1)*position%gap, levers, levers, &
                 & [torque], symmetric_matrix, method_single, pack([(z, z=1, size(forces))], &
-                & joins), contact, error)
+                & included), contact, error)
             if (.not. allocated(error)) then
                 forces = contact%forces
                 rotation = contact%motion(1)
@@ -179,8 +180,8 @@ contains
         end if
         call count_lumped(contact%pivots, state)
         if (allocated(error)) return
-        joins = forces > 0.0_wp .or. position%gap < rotation &
-            & + joining*(rotation - minval(position%gap))
+        included = forces > 0.0_wp .or. position%gap < rotation &
+            & + inclusion_margin*(rotation - minval(position%gap))
         call widen_slices(body_1, body_2, forces, position)
     end subroutine begin
 

@@ -13,7 +13,7 @@ module flankload_position_cells
     use flankload_contact_pairs, only: append_pairs, pairs_type, reserve_pairs, take_out_of_mirror
     use flankload_friction, only: add_friction
     use flankload_gap_shift, only: has_shift, shift_pairs
-    use flankload_lumped_hertz, only: least_half_width
+    use flankload_lumped_hertz, only: least_half_width, least_load_share
     use flankload_node_cells, only: circles_through, lay_on_nodes
     use flankload_position_zones, only: body_type, position_type, section_at
     use flankload_slice_field, only: flank_of, slices_type
@@ -45,7 +45,7 @@ module flankload_position_cells
     !> Cells of a position, and the estimates from which their sizes follow.
     type :: cells_type
         !> True for zones that have cells, shape (zones)
-        logical, allocatable :: joins(:)
+        logical, allocatable :: included(:)
         !> Estimated forces of the zones, and the least forces for which cells are made [N], shape
         !> (zones)
         real(wp), allocatable :: estimate(:), least(:)
@@ -64,8 +64,6 @@ module flankload_position_cells
 
     !> Factor by which a grid is widened if a force acts on its last cell.
     real(wp), parameter :: widening = 1.6_wp
-    !> A zone that carries little gets cells as if it carried this part of the whole load.
-    real(wp), parameter :: least_part = 0.02_wp
     !> Least share of a slice in the load of that slice: at the ends of a contact line, forces are
     !> small and only their order of magnitude is known.
     real(wp), parameter :: slice_part = 0.1_wp
@@ -73,7 +71,7 @@ module flankload_position_cells
 contains
 
     !> Return estimates for the cells, but no grids yet.
-    pure function new_cells(position, torque, estimate, joins, settings) result(cells)
+    pure function new_cells(position, torque, estimate, included, settings) result(cells)
         !> The position
         type(position_type), intent(in) :: position
         !> Torque on body 1 [N mm]
@@ -81,7 +79,7 @@ contains
         !> Estimated forces of the zones [N], shape (zones)
         real(wp), intent(in) :: estimate(:)
         !> True for zones that shall have cells, shape (zones)
-        logical, intent(in) :: joins(:)
+        logical, intent(in) :: included(:)
         !> Discretization into cells
         type(grid_settings), intent(in) :: settings
         type(cells_type) :: cells
@@ -89,14 +87,14 @@ contains
         integer :: n
 
         n = size(position%zones)
-        cells%joins = joins
+        cells%included = included
         cells%estimate = estimate
-        cells%least = least_part*torque/position%zones%lever
+        cells%least = least_load_share*torque/position%zones%lever
         cells%in_slices = allocated(position%part)
-        if (cells%in_slices) cells%least = slice_part/least_part*position%part*cells%least
+        if (cells%in_slices) cells%least = slice_part/least_load_share*position%part*cells%least
         if (any(position%zones%side < 0.0_wp)) then
             ! flanks that are pressed against each other across a tooth carry more than the torque
-            cells%least = max(cells%least, least_part*maxval(estimate))
+            cells%least = max(cells%least, least_load_share*maxval(estimate))
         end if
         allocate (cells%part(n), cells%reach(2, n), source=0.0_wp)
         allocate (cells%widths(2, n), source=settings%zone_half_widths)
@@ -117,8 +115,8 @@ contains
 
         cells%part = max(cells%estimate, cells%least)
         cells%reach = 0.0_wp
-        do z = 1, size(cells%joins)
-            if (.not. cells%joins(z)) cycle
+        do z = 1, size(cells%included)
+            if (.not. cells%included(z)) cycle
             site = position%zones(z)%site
             cells%reach(:, z) = max(least_half_width(position%flank_length), &
                 & zone_reach(body_1%flanks(section_at(body_1, site))%curve, &
@@ -134,10 +132,10 @@ contains
         type(position_type), intent(in) :: position
         !> Cells with estimated half-widths
         type(cells_type), intent(in) :: cells
-        real(wp) :: curvatures(size(cells%joins))
+        real(wp) :: curvatures(size(cells%included))
 
         curvatures = position%zones%curvature
-        where (cells%joins) curvatures = 8.0_wp*position%kernel*cells%part &
+        where (cells%included) curvatures = 8.0_wp*position%kernel*cells%part &
             & /max(sum(cells%reach, dim=1), least_half_width(position%flank_length))**2
     end function reached_curvatures
 
@@ -162,7 +160,7 @@ contains
         associate (zones => position%zones, grids => cells%grids, frames_1 => position%frames_1, &
             & frames_2 => position%frames_2)
             do z = 1, size(zones)
-                if (.not. cells%joins(z)) cycle
+                if (.not. cells%included(z)) cycle
                 site = zones(z)%site
                 grids(z) = wanted_grid(zones(z), cells%reach(:, z), &
                     & edges_within(body_1%flanks(section_at(body_1, site)), frames_1(site), &
@@ -170,14 +168,14 @@ contains
                     & cells%reach(:, z)), cells%widths(:, z)*one_sided(cells, z), &
                     & settings%strips_per_half_width, settings%corner_strips_per_half_width)
             end do
-            call part_grids(body_1, body_2, position, cells%joins, grids)
+            call part_grids(body_1, body_2, position, cells%included, grids)
             if (cells%in_slices) call take_one_width(body_1%slices, zones, cells)
             do z = 1, size(zones)
-                if (cells%joins(z)) call lay_cells_of(zones(z), grids(z))
+                if (cells%included(z)) call lay_cells_of(zones(z), grids(z))
             end do
-            call reserve_pairs(pairs, sum(grids%n, mask=cells%joins))
+            call reserve_pairs(pairs, sum(grids%n, mask=cells%included))
             do z = 1, size(zones)
-                if (.not. cells%joins(z)) cycle
+                if (.not. cells%included(z)) cycle
                 call append_cells(body_1, body_2, position, z, cells, pairs, error)
                 if (allocated(error)) return
             end do
@@ -222,7 +220,7 @@ contains
         logical :: even(size(zones))
         real(wp) :: wanted(size(zones))
 
-        even = cells%joins
+        even = cells%included
         do z = 1, size(zones)
             if (allocated(cells%grids(z)%edges)) even(z) = .false.
         end do
@@ -296,22 +294,22 @@ contains
     end function one_sided
 
     !> Separate overlapping grids of neighbouring zones of a site.
-    pure subroutine part_grids(body_1, body_2, position, joins, grids)
+    pure subroutine part_grids(body_1, body_2, position, included, grids)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> Position; the zones of a site are in ascending order of arc length
         type(position_type), intent(in) :: position
         !> True for zones that have cells, shape (zones)
-        logical, intent(in) :: joins(:)
+        logical, intent(in) :: included(:)
         !> Grids of the zones, shape (zones)
         type(grid_type), intent(inout) :: grids(:)
 
         integer :: z, last, site
 
         last = 0
-        do z = 1, size(joins)
-            if (.not. joins(z)) cycle
+        do z = 1, size(included)
+            if (.not. included(z)) cycle
             site = position%zones(z)%site
             if (last > 0) then
                 if (position%zones(last)%site == site) call part_neighbours( &
@@ -367,8 +365,8 @@ contains
         settled = .true.
         cells%estimate = 0.0_wp
         first = 1
-        do z = 1, size(cells%joins)
-            if (.not. cells%joins(z)) cycle
+        do z = 1, size(cells%included)
+            if (.not. cells%included(z)) cycle
             last = first + cells%grids(z)%n - 1
             cells%estimate(z) = sum(forces(first:last))
             if (cells%grids(z)%open_low .and. forces(first) > 0.0_wp) then

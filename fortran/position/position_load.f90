@@ -9,15 +9,15 @@ module flankload_position_load
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_lumped_position, only: solve_lumped
     use flankload_lumped_slices, only: solve_slices
-    use flankload_slice_coupling, only: check_slices, look_at_slices
+    use flankload_slice_coupling, only: check_slices, couple_slices
     use flankload_slice_field, only: flank_of
-    use flankload_position_zones, only: body_type, look_at_position, position_type
+    use flankload_position_zones, only: body_type, locate_contacts, position_type
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
         & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
     use flankload_known_contact, only: known_contact, solve_known
     use flankload_pair_forces, only: solve_pairs
-    use flankload_position_state, only: blank_state, count_lumped, note_ends, position_state, &
-        & presses_across, unloaded_state, would_touch
+    use flankload_position_state, only: blank_state, count_lumped, inclusion_margin, note_ends, &
+        & position_state, presses_across, unloaded_state, would_touch
     implicit none
     private
 
@@ -25,13 +25,10 @@ module flankload_position_load
 
     !> Largest number of passes over the cells; a grid widened 12 times covers any flank.
     integer, parameter :: max_passes = 14
-    !> A zone joins when its gap is below the estimated rotation plus this part of the approach: the
-    !> lumped level is better than 1 %, and a zone missed is found by the check after the loop.
-    real(wp), parameter :: joining = 0.02_wp
     !> Relative change of the curvatures above which the lumped contact is solved again with the
     !> curvatures that correspond to the half-widths found: near a kink, a rounding or an end the
     !> gap is not parabolic.
-    real(wp), parameter :: other_shape = 0.1_wp
+    real(wp), parameter :: curvature_tolerance = 0.1_wp
 
 contains
 
@@ -61,22 +58,22 @@ contains
         real(wp), allocatable, intent(inout), optional :: room(:)
 
         integer :: t
-        logical :: seen
+        logical :: located
         type(position_type) :: position, whole
         type(known_contact) :: contact
         type(error_type), allocatable :: error
 
-        seen = .false.
+        located = .false.
         if (present(room)) call move_alloc(room, position%room)
         do t = 1, size(torques)
-            if (.not. seen) call look(torques(t), .not. allocated(body_1%slices), position)
-            seen = .not. (allocated(error) .or. position%conforms)
+            if (.not. located) call locate(torques(t), .not. allocated(body_1%slices), position)
+            located = .not. (allocated(error) .or. position%conforms)
             contact = known_contact()
             if (present(known)) contact = known(t)
             call solve_torque(body_1, body_2, torques(t), settings, contact, position, states(t), &
                 & error)
             if (may_miss(position, states(t), allocated(error))) then
-                call look(torques(t), .true., whole)
+                call locate(torques(t), .true., whole)
                 call solve_torque(body_1, body_2, torques(t), settings, known_contact(), whole, &
                     & states(t), error)
             end if
@@ -90,7 +87,7 @@ contains
     contains
 
         !> Find the points of least gap.
-        subroutine look(torque, everywhere, at)
+        subroutine locate(torque, everywhere, at)
             !> Torque on body 1 [N mm]
             real(wp), intent(in) :: torque
             !> True if slices far from each other are searched as well
@@ -106,13 +103,13 @@ contains
                 if (allocated(error)) return
             end if
             call move_alloc(at%room, kept)
-            call look_at_position(body_1, body_2, angle_1, angle_2, torque, everywhere, at, error)
+            call locate_contacts(body_1, body_2, angle_1, angle_2, torque, everywhere, at, error)
             call move_alloc(kept, at%room)
             if (allocated(body_1%slices) .and. .not. allocated(error)) then
-                call look_at_slices(body_1, body_2, at)
+                call couple_slices(body_1, body_2, at)
             end if
             if (present(speeds)) at%speeds = speeds
-        end subroutine look
+        end subroutine locate
 
     end subroutine solve_position
 
@@ -213,8 +210,8 @@ contains
                 if (allocated(error)) return
                 call check_grids(state%forces, cells, settled)
                 touches = would_touch(position, cells%estimate, state%rotation)
-                if (any(touches .and. .not. cells%joins)) settled = .false.
-                cells%joins = cells%joins .or. touches
+                if (any(touches .and. .not. cells%included)) settled = .false.
+                cells%included = cells%included .or. touches
                 if (settled) exit
             end do
             if (.not. settled) then
@@ -269,12 +266,12 @@ contains
                 & rotation, spent, error)
             call count_lumped(spent, state)
             if (allocated(error)) return
-            cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
-                & .or. gap < zones%side*rotation + joining*maxval(zones%side*rotation - gap), &
+            cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. gap &
+                & < zones%side*rotation + inclusion_margin*maxval(zones%side*rotation - gap), &
                 & settings)
             call measure_reach(body_1, body_2, position, cells)
             curvatures = reached_curvatures(position, cells)
-            if (any(abs(curvatures - zones%curvature) > other_shape*curvatures)) then
+            if (any(abs(curvatures - zones%curvature) > curvature_tolerance*curvatures)) then
                 call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
                     & curvatures, position%widest, &
                     & position%flank_length, position%kernel, position%images, torque, &
@@ -282,7 +279,7 @@ contains
                 call count_lumped(spent, state)
                 if (allocated(error)) return
                 cells%estimate = estimate
-                cells%joins = cells%joins .or. estimate > 0.0_wp
+                cells%included = cells%included .or. estimate > 0.0_wp
                 call measure_reach(body_1, body_2, position, cells)
             end if
         end associate
@@ -334,7 +331,8 @@ contains
             lumped%rotation = minval(position%gap)
         end if
         cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. position%gap &
-            & < lumped%rotation + joining*(lumped%rotation - minval(position%gap)), settings)
+            & < lumped%rotation + inclusion_margin*(lumped%rotation - minval(position%gap)), &
+            & settings)
         call measure_reach(body_1, body_2, position, cells)
     end subroutine expect_in_slices
 

@@ -11,14 +11,19 @@ module flankload_position_state
     private
 
     public :: position_state
-    public :: touches_only, other_shape, end_would_touch
+    public :: touches_only, not_parabolic, end_would_touch
+    public :: inclusion_margin
     public :: blank_state, take_contact, unloaded_state, would_touch, count_lumped, note_ends
     public :: presses_across
 
     !> Values of site_corner without contact on a corner: first touch without torque; lumped contact
     !> that is not parabolic, near a kink, a rounding or an end; excluded end of a flank that would
     !> touch.
-    integer, parameter :: touches_only = -1, other_shape = -2, end_would_touch = -3
+    integer, parameter :: touches_only = -1, not_parabolic = -2, end_would_touch = -3
+    !> A zone is included in the contact problem if its gap is less than the estimated rotation plus
+    !> this fraction of the approach: lumped contacts are accurate to 1 %, and would_touch finds
+    !> the zones missed.
+    real(wp), parameter :: inclusion_margin = 0.02_wp
 
     !> State of a position under a torque.
     type :: position_state

@@ -13,7 +13,7 @@ module flankload_position_zones
     use flankload_coarse_gap, only: coarse_gap
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_influence_number, only: smooth_compliance
-    use flankload_lumped_hertz, only: least_half_width
+    use flankload_lumped_hertz, only: least_half_width, usual_half_width
     use flankload_near_field, only: image_recession, image_type, &
         & near_field_between, new_image
     use flankload_gap_shift, only: has_shift, shift_zones, zone_shift
@@ -21,7 +21,7 @@ module flankload_position_zones
     private
 
     public :: body_type, position_type
-    public :: look_at_position, lever_share, section_at
+    public :: locate_contacts, lever_share, section_at
 
     !> Body: flanks, sites, and compliance.
     type :: body_type
@@ -102,12 +102,12 @@ module flankload_position_zones
     !> Slices are searched if the lower bound of their gap exceeds the least bound by no more than
     !> this fraction of the length of flank 1, which usual loads do not close. It affects time only:
     !> the other slices are searched if the load closes more.
-    real(wp), parameter :: usual_part = 0.02_wp
+    real(wp), parameter :: search_margin = 0.02_wp
 
 contains
 
     !> Find the points of least gap, and the compliance between them in the plane.
-    pure subroutine look_at_position(body_1, body_2, angle_1, angle_2, torque, everywhere, &
+    pure subroutine locate_contacts(body_1, body_2, angle_1, angle_2, torque, everywhere, &
             & position, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
@@ -160,7 +160,7 @@ contains
         if (.not. allocated(body_1%slices)) then
             call couple_zones(body_1%compliance, body_2%compliance, position)
         end if
-    end subroutine look_at_position
+    end subroutine locate_contacts
 
     !> Compute the frames of the flanks, and choose the sites to be searched.
     pure subroutine place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
@@ -216,7 +216,7 @@ contains
         end associate
         bounds = bounds - max(0.0_wp, body_1%deviations + body_2%deviations)/(least_lever &
             & *radius(1)) - min(0.0_wp, body_1%deviations + body_2%deviations)/radius(2)
-        faces = faces .and. bounds <= minval(bounds) + usual_part*position%flank_length/radius(2)
+        faces = faces .and. bounds <= minval(bounds) + search_margin*position%flank_length/radius(2)
         position%unseen = minval(bounds, mask=.not. faces)
     end subroutine place_flanks
 
@@ -419,15 +419,13 @@ contains
         real(wp), intent(in) :: flank_length
         real(wp) :: share
 
-        !> Half-width of a contact, about, as a part of the flank's length
-        real(wp), parameter :: usual_part = 0.005_wp
         !> Largest difference between a weight and 1/2 at which both levers get equal weights: it
         !> changes the pressure of gears by 0.01 % only.
         real(wp), parameter :: alike = 0.3_wp
         integer :: z
         real(wp) :: width, near, image(2), one, two, part, unused(2)
 
-        width = usual_part*flank_length
+        width = usual_half_width*flank_length
         near = 0.5_wp + log(2.0_wp/width)
         one = 0.0_wp
         two = 0.0_wp

@@ -7,7 +7,7 @@ module flankload_slice_coupling
     use flankload_error, only: error_type, fatal_error
     use flankload_compliance_field, only: compliance_type
     use flankload_contact_zones, only: zone_type
-    use flankload_lumped_hertz, only: hertz_half_width
+    use flankload_lumped_hertz, only: hertz_half_width, usual_half_width
     use flankload_near_field, only: new_image
     use flankload_position_zones, only: body_type, lever_share, position_type
     use flankload_slice_field, only: add_segment_field, flank_of, middle_of, segment_type, &
@@ -15,11 +15,7 @@ module flankload_slice_coupling
     implicit none
     private
 
-    public :: check_slices, look_at_slices, load_slices, segments_of, widen_slices
-
-    !> Half-width of a contact, about, as a part of the flank's length: loads along the flank are
-    !> spread so far in their near field.
-    real(wp), parameter :: usual_part = 0.005_wp
+    public :: check_slices, couple_slices, load_slices, segments_of, widen_slices
 
 contains
 
@@ -61,7 +57,7 @@ contains
     end function is_plane_only
 
     !> Set the quantities that do not depend on the torque.
-    pure subroutine look_at_slices(body_1, body_2, position)
+    pure subroutine couple_slices(body_1, body_2, position)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
@@ -104,8 +100,8 @@ contains
             & position%zones), position%smooth)
         if (allocated(body_2%shaft)) call add_shaft(body_2%shaft, wrenches_on(body_2, body_1, &
             & position%zones), position%smooth)
-        if (allocated(body_1%friction)) call look_at_sliding(body_1, body_2, position)
-    end subroutine look_at_slices
+        if (allocated(body_1%friction)) call couple_sliding(body_1, body_2, position)
+    end subroutine couple_slices
 
     !> Set the compliance between the zones for forces along their flanks: Eq. (S4) and (C5) of
     !> docs/theory, plus shafts.
@@ -113,7 +109,7 @@ contains
     !> The force on body 1 acts towards increasing arc length of flank 1, that on body 2 towards
     !> increasing arc length of flank 2: in both bodies, the normal displacement is minus the
     !> displacement out of the material.
-    pure subroutine look_at_sliding(body_1, body_2, position)
+    pure subroutine couple_sliding(body_1, body_2, position)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
@@ -122,7 +118,7 @@ contains
 
         associate (zones => position%zones, slices => body_1%slices)
             position%tangential = -tangential_field(body_1%compliance, body_2%compliance, &
-                & segments_of(slices, zones), 0.5_wp*usual_part*position%flank_length) &
+                & segments_of(slices, zones), 0.5_wp*usual_half_width*position%flank_length) &
                 & - sliced_tangential(body_1%compliance, slices, zones%site, zones%nearest%s_1) &
                 & - sliced_tangential(body_2%compliance, slices, zones%site, zones%nearest%s_2)
             if (allocated(body_1%shaft)) call slide_shaft(body_1, body_1, zones, &
@@ -130,7 +126,7 @@ contains
             if (allocated(body_2%shaft)) call slide_shaft(body_2, body_1, zones, &
                 & position%tangential)
         end associate
-    end subroutine look_at_sliding
+    end subroutine couple_sliding
 
     !> Subtract wᵀ S w_t: normal displacement of a body due to its shaft and bearings under forces
     !> along the flanks.

@@ -11,7 +11,7 @@ program bench_sweep
     use flankload_contact_pairs, only: pairs_type
     use flankload_influence_number, only: influence_matrix
     use flankload_lumped_hertz, only: lumped_contact
-    use flankload_position_zones, only: look_at_position, position_type
+    use flankload_position_zones, only: locate_contacts, position_type
     use flankload_position_cells, only: cells_type, expected_pairs, lay_pairs, &
         & measure_reach, new_cells
     use flankload_recorded_body, only: read_body
@@ -143,7 +143,7 @@ contains
 
         associate (body_1 => case%bodies(1), body_2 => case%bodies(2), torque => case%torque)
             clock = seconds()
-            call look_at_position(body_1, body_2, angles(1), angles(2), torque, .true., &
+            call locate_contacts(body_1, body_2, angles(1), angles(2), torque, .true., &
                 & position, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_zones))

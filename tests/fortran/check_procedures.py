@@ -45,7 +45,7 @@ LARGER: dict[str, tuple[int, int]] = {
     "position/lumped_place.f90: reach_of": (61, 8),
     "position/lumped_place.f90: slide_place": (40, 9),
     "position/lumped_position.f90: solve_lumped": (67, 6),
-    "position/lumped_position.f90: look_at_places": (55, 9),
+    "position/lumped_position.f90: update_contacts": (55, 9),
 }
 
 

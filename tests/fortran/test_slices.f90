@@ -9,7 +9,7 @@ program test_slices
     use flankload_line_potential, only: mean_potential, own_potential
     use flankload_near_field, only: image_recession, image_type
     use flankload_position_zones, only: body_type, position_type
-    use flankload_slice_coupling, only: look_at_slices
+    use flankload_slice_coupling, only: couple_slices
     use flankload_slice_field, only: add_segment_field, axial_means, flank_of, middle_of, &
         & segment_type, slice_of, sliced_compliance, sliced_tangential, tangential_field, width_of
     use flankload_tangential_potential, only: rectangle_field, segment_field
@@ -470,7 +470,7 @@ contains
                 t(:3, i) = [n_t(2), -n_t(1), 0.0_wp]
             end associate
         end do
-        call look_at_slices(bodies(1), bodies(2), position)
+        call couple_slices(bodies(1), bodies(2), position)
         matrix = 0.0_wp
         rubbed = 0.0_wp
         do z = 1, 2
@@ -499,7 +499,7 @@ contains
         end do
         deallocate (bodies(1)%shaft, bodies(2)%shaft)
         deallocate (position%images)
-        call look_at_slices(bodies(1), bodies(2), position)
+        call couple_slices(bodies(1), bodies(2), position)
         call expect(all(abs(position%smooth) <= 0.0_wp), 'no shafts')
     end subroutine test_shafts_by_hand
 
