@@ -4,7 +4,7 @@
 !>     record(1)      record_mark
 !>     record(2)      number of reals in use
 !>     record(3:7)    numbers of breaks, powers (degree + 1), sites, modes and blocks
-!>     record(8:)     first place and length of each part, 0 and 0 if it is absent
+!>     record(8:)     index of the first real and length of each part, 0 and 0 if absent
 !>     …              the parts, in the order in which they were packed
 !>
 !> Integers are stored as reals. A new part needs a name in the enumeration, its shape in shape_of,
@@ -185,7 +185,7 @@ contains
             valid = all(values(2:n_places) > values(:n_places - 1)) &
                 & .and. all(values(n_places + 1:) >= 0.0_wp)
         case (part_axial)
-            ! modes over the width multiply those along the profile; psi of the ends is not negative
+            ! modes over the width multiply those along the profile; psi of the ends is nonnegative
             valid = values(1) >= 1.0_wp .and. values(1) <= n%modes
             if (valid) valid = mod(n%modes, nint(values(1))) == 0 &
                 & .and. .not. abs(values(1) - anint(values(1))) > 0.0_wp
@@ -195,7 +195,7 @@ contains
             valid = n_places >= 1 .and. all(values(2:) > values(:n_places))
             if (valid) valid = mod(n%sites, n_places) == 0
         case (part_shaft)
-            ! a compliance is symmetric, and nothing moves against its load
+            ! a compliance matrix is symmetric, with a nonnegative diagonal
             valid = all(abs(values(:36) - reshape(transpose(reshape(values(:36), [6, 6])), [36])) &
                 & <= 0.0_wp) .and. all(values(:36:7) >= 0.0_wp)
         case (part_breaks)

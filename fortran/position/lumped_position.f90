@@ -277,9 +277,9 @@ contains
         !> State
         type(position_state), intent(inout) :: state
 
-        !> Distance, relative to the mean half-width, within which a contact counts as on a corner:
-        !> below the width of one cell. Largest difference of both half-widths of a parabolic
-        !> contact, relative to their sum.
+        !> Distance, relative to the mean half-width, within which a contact counts as on a corner
+        !> (less than the width of a cell), and largest difference of both half-widths of a
+        !> parabolic contact, relative to their sum.
         real(wp), parameter :: near = 0.1_wp, aslant = 0.03_wp
         integer :: k, site, worked
         real(wp) :: beside

@@ -64,8 +64,8 @@ module flankload_position_cells
 
     !> Factor by which a grid is widened if a force acts on its last cell.
     real(wp), parameter :: widening = 1.6_wp
-    !> Least share of a slice in the load of that slice: at the ends of a contact line, forces are
-    !> small and only their order of magnitude is known.
+    !> Least force of a slice for which cells are made, relative to an evenly spread load: at the
+    !> ends of a contact line, forces are small and only their order of magnitude is known.
     real(wp), parameter :: slice_part = 0.1_wp
 
 contains
@@ -356,8 +356,8 @@ contains
         !> False if the cells must be made again
         logical, intent(out) :: settled
 
-        !> Largest accepted ratio, or its reciprocal, of the force for which cells were made to the
-        !> force found: beyond it cells are too coarse, or the grid too narrow.
+        !> Largest accepted ratio of the force found to the force for which cells were made, or its
+        !> reciprocal: beyond it, cells are too coarse, or the grid is too narrow.
         real(wp), parameter :: too_far = 2.0_wp
         integer :: z, first, last
         real(wp) :: wanted

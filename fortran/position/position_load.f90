@@ -46,7 +46,7 @@ contains
         real(wp), intent(in) :: torques(:)
         !> Contact model and discretization into cells
         type(grid_settings), intent(in) :: settings
-        !> States, shape (torques); if there is none, its status is an error code
+        !> States, shape (torques); the status of a torque without a state is an error code
         type(position_state), intent(out) :: states(:)
         !> Speeds of both bodies [rad per rad of the position], shape (2); needed with friction
         real(wp), intent(in), optional :: speeds(2)

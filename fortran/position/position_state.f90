@@ -17,7 +17,7 @@ module flankload_position_state
     public :: presses_across
 
     !> Values of site_corner without contact on a corner: first touch without torque; lumped contact
-    !> that is not parabolic, near a kink, a rounding or an end; excluded end of a flank that would
+    !> that is not parabolic, near a kink, a rounding or an end; cut end of a flank that would
     !> touch.
     integer, parameter :: touches_only = -1, not_parabolic = -2, end_would_touch = -3
     !> A zone is included in the contact problem if its gap is less than the estimated rotation plus
@@ -130,7 +130,7 @@ contains
         allocate (state%forces(0), state%gaps(0))
     end subroutine unloaded_state
 
-    !> Mark sites at which an excluded end would touch.
+    !> Mark sites at which a cut end would touch.
     pure subroutine note_ends(position, state)
         !> The position
         type(position_type), intent(in) :: position
@@ -159,8 +159,9 @@ contains
         state%lumped_solutions = state%lumped_solutions + 1
     end subroutine count_lumped
 
-    !> Return the zones whose gap is closed by the rotation and the displacement due to forces on
-    !> other sites (which can be towards the mate: a tooth on a thin rim).
+    !> Return whether each zone would touch: its gap is closed by the rotation and by the
+    !> displacement due to forces on other sites (which can be towards the mate: a tooth on a thin
+    !> rim).
     pure function would_touch(position, forces, rotation) result(touches)
         !> The position
         type(position_type), intent(in) :: position

@@ -37,8 +37,8 @@ module flankload_position_sweep
         !> are included
         integer, allocatable :: counters(:, :, :)
         !> Force [N], maximum of force over cell width [N/mm], body with contact on its sharp corner
-        !> (-1: first touch without torque, -2: lumped contact that is not parabolic, -3: excluded
-        !> end that would touch), shape (sites, positions, torques)
+        !> (-1: first touch without torque, -2: lumped contact that is not parabolic, -3: cut end
+        !> that would touch), shape (sites, positions, torques)
         real(wp), allocatable :: site_force(:, :, :), site_peak(:, :, :)
         integer, allocatable :: site_corner(:, :, :)
         !> Number of pairs, and index of the first of them in the caller's arrays (from 1), shape

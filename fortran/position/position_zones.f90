@@ -33,7 +33,7 @@ module flankload_position_zones
         real(wp) :: origin(2) = 0.0_wp
         !> Angle of each site's flank in the frame of the body [rad], shape (sites)
         real(wp), allocatable :: site_angles(:)
-        !> Pitch deviation of each site, along the normal, positive out of the material [mm], shape
+        !> Deviation of each site's flank along the normal, positive out of the material [mm], shape
         !> (sites)
         real(wp), allocatable :: deviations(:)
         !> Side of each site (body 1 only): 1 for working flanks, which come first, -1 for coast
@@ -441,7 +441,7 @@ contains
         share = 0.5_wp + sign(0.5_wp*max(0.0_wp, abs(part) - alike)/(0.5_wp - alike), part)
     end function lever_share
 
-    !> Return the sites whose flanks are on the facing side of both bodies.
+    !> Return whether the flanks of each site are on the facing side of both bodies.
     !>
     !> If the sites go around a body more than once, several sites name the same tooth: only the one
     !> within half a turn of either body is kept.

@@ -77,6 +77,7 @@ contains
             zones%curvature = zones%curvature*zones%cosine
             kernel_1 = body_1%compliance%kernel/zones%length
             kernel_2 = body_2%compliance%kernel/zones%length
+            ! smooth part of Eq. (S1) of docs/theory/slices.md
             smooth_1 = sliced_compliance(body_1%compliance, body_1%slices, zones%site, &
                 & zones%nearest%s_1)
             smooth_2 = sliced_compliance(body_2%compliance, body_1%slices, zones%site, &
@@ -246,7 +247,7 @@ contains
     !> Compute near fields of loads that are spread over the width of the widest contact.
     !>
     !> Half of the half-width is the root of the second moment of Hertz's pressure. A line at this
-    !> distance from its slice makes a matrix that is definite for slices of any thickness, and so
+    !> distance from its slice makes a matrix that is definite however thin the slices are, and so
     !> is its derivative with respect to the forces: local half-widths reduce its diagonal by less.
     pure subroutine spread_loads(body_1, body_2, half_width, position)
         !> The bodies
@@ -263,6 +264,7 @@ contains
             beside = 0.5_wp*half_width
             position%widest = min(0.5_wp*(zones%s_1_high - zones%s_1_low), half_width)
             position%coupling = position%smooth
+            ! Eq. (S2), (S3) of docs/theory/slices.md
             call add_segment_field(body_1%compliance, body_2%compliance, &
                 & segments_of(slices, zones), beside, position%coupling)
             ! add the logarithm of this distance back: it is updated with the force
