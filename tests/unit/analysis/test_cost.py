@@ -226,7 +226,12 @@ def differences(cost: dict[str, Any]) -> dict[tuple[str, str], tuple[int, int]]:
         {"effects__body": "tooth", **ALL},
         {"effects__body": "segment", "effects__segment_teeth": 3, **ALL},
         {"effects__temperature_rise_K": -30, "effects__speed_rpm": 3000, **FEW},
-        {"body_1__web_width_mm": 4, "body_1__rim_thickness_mm": 5, **FEW},
+        {
+            "body_1__web_width_mm": 4,
+            "body_1__rim_thickness_mm": 5,
+            "accuracy__flank_element_mm": 3.0,
+            **FEW,
+        },
         {
             "body_1__web_width_mm": 4,
             "body_1__rim_thickness_mm": 5,
@@ -260,7 +265,7 @@ def test_what_can_be_counted_before_is_what_is_spent(changes: dict[str, Any]) ->
 def test_each_example_takes_what_was_predicted(path: Path) -> None:
     scene = fl.read_scene(path)
     few = structs.replace(scene.positions, count=min(2, scene.positions.count), adaptive=False)
-    if path.stem == "helical_gear":  # the elements by default are those of the webs above
+    if path.stem == "helical_gear":  # the internal one has the elements by default
         scene = scene.replace({"accuracy.flank_element_mm": 3.0})
     found = fl.solve(replace(scene, positions=few))
     cost = (found if isinstance(found, fl.Result) else found[0]).cost
