@@ -34,6 +34,8 @@ COARSE = {
     "accuracy.strips_per_half_width": 2.5,
     "accuracy.corner_strips_per_half_width": 2.5,
 }
+#: A rounding takes as long to place as the rest of its body; the walk rounds each body once.
+SHARP = {"body_1.tip_radius_mm": None, "body_2.tip_radius_mm": None}
 COARSE_3D = {
     "accuracy.axial_degree": 4,
     "accuracy.load_degree_z": 0,
@@ -50,9 +52,13 @@ BASES: dict[str, dict[str, Any]] = {
         **{"body_2.bore_diameter_mm": 160.0, **COARSE_3D},
     },
     "internal_gear": {
-        **{"accuracy.flank_element_mm": 8.0, "body_2.outer_diameter_mm": 206.0, **COARSE}
+        **{"accuracy.flank_element_mm": 8.0, "body_2.outer_diameter_mm": 206.0, **COARSE},
+        **SHARP,
     },
-    "spline": {"accuracy.flank_element_mm": 4.0, "body_1.bore_diameter_mm": 36.0, **COARSE},
+    "spline": {
+        **{"accuracy.flank_element_mm": 4.0, "body_1.bore_diameter_mm": 36.0, **COARSE},
+        **SHARP,
+    },
     "cam": {
         **{"accuracy.flank_element_mm": 12.0, "positions": {"angles_deg": [40.0, 200.0]}, **COARSE}
     },
