@@ -24,7 +24,9 @@ from flankload import result as result_package
 from flankload.cli import parser
 from flankload.contact.status import EXCEPTIONS, words
 from flankload.cost import COUNTERS
-from flankload.result import belt, chain, coast_contact, export, friction, root_stress
+from flankload.result import friction, quantities, root_stress
+from flankload.result.drives import BeltDrive, ChainDrive
+from flankload.result.parts import OVER_COAST_SITES
 from flankload.scene.form import expected_of, fields_of, is_required, types_of
 from flankload.scene.scene_file import Body1, Body2, SceneFile
 from flankload.scene.table import Table
@@ -180,29 +182,33 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
         )
         for name, (attribute, unit) in arrays.items()
     ]
-    chains = group(chain.ALONG_POSITIONS, "(P,)", chain.ChainDrive)
-    chains += group(chain.OVER_SITES, "(P, S)", chain.ChainDrive)
-    belts = group(belt.BeltDrive.along, "(P,)", belt.BeltDrive)
-    belts += group(belt.BeltDrive.over_sites, "(P, S)", belt.BeltDrive)
+    chains, belts = (
+        group(drive.along, "(P,)", drive) + group(drive.over_sites, "(P, S)", drive)
+        for drive in (ChainDrive, BeltDrive)
+    )
     return [
-        ("Numbers", "In every result.", group(export.SINGLE_NUMBERS, "")),
-        ("Over the positions", "In every result.", group(export.ALONG_POSITIONS, "(P,)")),
+        ("Numbers", "In every result.", group(quantities.SINGLE_NUMBERS, "")),
+        ("Over the positions", "In every result.", group(quantities.ALONG_POSITIONS, "(P,)")),
         (
             "Over the positions of some pairs",
             "`None` in a result without them.",
-            group(export.ALONG_SOME_POSITIONS, "(P,)"),
+            group(quantities.ALONG_SOME_POSITIONS, "(P,)"),
         ),
-        ("Over positions and flank pairs", "In every result.", group(export.OVER_SITES, "(P, S)")),
+        (
+            "Over positions and flank pairs",
+            "In every result.",
+            group(quantities.OVER_SITES, "(P, S)"),
+        ),
         (
             "Over positions, flank pairs and slices",
             "In every result; a plane scene has one slice.",
-            group(export.OVER_SLICES, "(P, S, J)"),
+            group(quantities.OVER_SLICES, "(P, S, J)"),
         ),
         ("Friction", "With `effects.friction_coefficient`; `result.friction`.", of_friction),
         (
             "Coast flanks",
             "With `effects.coast_flank = true`.",
-            group(coast_contact.OVER_SITES, "(P, S)"),
+            group(OVER_COAST_SITES, "(P, S)"),
         ),
         (
             "Tooth root stress",
@@ -220,10 +226,10 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
 def result_quantities() -> str:
     """Every array and number that leaves a result, with unit, shape and meaning."""
     parts = []
-    for title, text, quantities in result_groups():
+    for title, text, group in result_groups():
         rows = [
             (f"`{q.name}`", unit_shown(q.unit), q.axes, meaning_of(q.owner, q.attribute))
-            for q in quantities
+            for q in group
         ]
         heads = ("name", "unit", "shape", "meaning")
         parts.append(f"## {title}\n\n{text}\n\n{table(heads, rows)}")

@@ -240,7 +240,7 @@ _FORTRAN = (
         ("kernel(end)*log(2.0_wp*distance)", "kernel(end)*log(0.5_wp*distance)"),
     ),
     *_in(
-        "elasticity/compliance/modes.py",
+        "elasticity/compliance/loads.py",
         "physics/test_corner_image.py",
         ("[own, :n, :n] += field.kernel * near", "[own, :n, :n] += self.kernel * 0.9 * near"),
     ),
@@ -425,9 +425,9 @@ _PYTHON = (
         ("slack * two) / one", "slack * one) / one"),
     ),
     *_in(
-        "mechanisms/chain/description.py",
+        "mechanisms/wrapped.py",
         "unit/mechanisms/test_chain_scene.py",
-        ("/ sprocket.pitch_radius_mm + slack", "/ sprocket.pitch_radius_mm"),
+        ("/ pitch_radius_mm + slack_of(scene)", "/ pitch_radius_mm"),
     ),
     *_in(
         "mechanisms/chain/contact.py",
@@ -468,6 +468,12 @@ _PYTHON = (
         ("block[:2, :2] = ", "block[1:, 1:] = "),
     ),
     *_in(
+        "elasticity/sector_closure.py",
+        "unit/export/test_fields.py unit/export/test_solid_fields.py",
+        ("np.roll(two, 1, axis=1)", "two"),
+        ("right_left / wave\n", "right_left * wave\n"),
+    ),
+    *_in(
         "elasticity/prism/axial_basis.py",
         "unit/elasticity/prism/test_axial_basis.py",
         ("(k[:, None] < k)", "(k[:, None] > k)"),
@@ -506,7 +512,6 @@ _PYTHON = (
     *_in(
         "elasticity/prism/loaded_prism.py",
         "unit/export/test_solid_fields.py",
-        ("np.roll(two, 1, axis=1)", "two"),
         ("found[row, :, :2] = turned(moved[:, :, :2, k], k * pitch)", "pass"),
         ("twist * (y * by_x - x * by_y + about)", "twist * (y * by_x - x * by_y)"),
         ("by_y[..., 2] + along[..., 1],", "by_x[..., 2] + along[..., 1],"),
@@ -519,7 +524,7 @@ _PYTHON = (
         ("-(angle + twist * z)", "-angle"),
     ),
     *_in(
-        "elasticity/prism/end_faces.py",
+        "elasticity/prism/flank_surface.py",
         "unit/elasticity/prism/test_end_faces.py",
         ("-twist * body.normal_lever_mm", "twist * body.normal_lever_mm"),
         ("at_right_angle / at_steel", "1.0"),
@@ -531,7 +536,6 @@ _PYTHON = (
         ("for z_change in (apart, -apart):", "for z_change in (apart, apart):"),
         ("outward * (two - one), one + two", "outward * (one - two), one + two"),
         ("2.0 * self._overlap(apart)", "self._overlap(apart)"),
-        ("(self.slope(s) + self.slope(s_load))", "(self.slope(s) + self.slope(s))"),
         ("* lines.secants[0][at] * lines.secants[1][at]", "* lines.secants[0][at]"),
         ("np.maximum(low, low_ahead - ahead)", "np.maximum(low, low_ahead)"),
         ("psi * rule.behind_end(face)", "psi * rule.behind_end(1 - face)"),
@@ -545,12 +549,25 @@ _PYTHON = (
         ("surface.products(n_modes)", "surface.products(n_modes) * surface.cos_base_helix"),
         ("along=each, tip=body.tip, twist=", "along=each, twist="),
         ("twisted=prism.twist != 0.0", "twisted=False"),
+    ),
+    *_in(
+        "elasticity/prism/flank_surface.py",
+        "unit/elasticity/prism/test_prism_compliance.py physics/test_prism.py",
         ("-_turning(body, twist, s)[0]", "_turning(body, twist, s)[0]"),
+    ),
+    *_in(
+        "elasticity/prism/flank_surface.py",
+        "unit/elasticity/prism/test_flank_potential.py",
+        ("(self.slope(s) + self.slope(s_load))", "(self.slope(s) + self.slope(s))"),
     ),
     *_in(
         "elasticity/prism/compliance.py",
         "physics/test_friction_of_slices.py",
         ("response[0, :p, p:] -= tangential", "response[0, :p, p:] += tangential"),
+    ),
+    *_in(
+        "elasticity/prism/flank_surface.py",
+        "physics/test_friction_of_slices.py",
         ("wedge_along=along_strengths(body)", "wedge_along=image_strengths(body)"),
     ),
     *_in(
@@ -573,13 +590,9 @@ _PYTHON = (
     *_in(
         "elasticity/prism/axial_basis.py",
         "unit/elasticity/prism/test_axial_regions.py",
-        ("self.bases[code // k**2])", "self.bases[code % k])"),
+        ("bases[code // k**2])", "bases[code % k])"),
         ("(a, slope_b), (slope_a, b)", "(slope_a, b), (a, slope_b)"),
-        ("return share_middle([basis.range_mm for basis in self.bases])", "return True"),
-    ),
-    *_in(
-        "elasticity/prism/regions.py",
-        "unit/elasticity/prism/test_axial_regions.py",
+        ("return share_middle([basis.range_mm for basis in self._bases])", "return True"),
         ("range(len(ranges) - 1, -1, -1)", "range(len(ranges))"),
     ),
     *_in(
@@ -595,7 +608,7 @@ _PYTHON = (
         ("middle = 0.5 * (range_mm[0] + range_mm[1]) + offset_mm", "middle = offset_mm"),
     ),
     *_in(
-        "elasticity/expansion_loads.py",
+        "elasticity/compliance/job.py",
         "unit/pairing/test_growth.py",
         ("growth.strain - growth.held_strain", "growth.strain + growth.held_strain"),
         ("growth.speed_rad_per_s**2", "growth.speed_rad_per_s"),
@@ -670,7 +683,7 @@ _PYTHON = (
         ("squared[k] / (squared[inner] - squared[k])", "squared[k] / squared[inner]"),
     ),
     *_in(
-        "result/contact_quantities.py",
+        "result/course.py",
         "unit/result/test_result_contacts.py unit/mechanisms/test_coast_flank.py",
         ("(coast.gap_rad + self.rotation_rad)", "coast.gap_rad"),
     ),
@@ -752,7 +765,6 @@ _PYTHON = (
     *_in(
         "elasticity/loaded_body.py",
         "unit/export/test_fields.py",
-        ("right_left / waves", "right_left * waves"),
         (" - coupling.T @ moved[cut]", ""),
         ("on_edges(s, s_mm[own])", "on_edges(s, s_mm[own] + 1.0)"),
     ),
@@ -763,7 +775,7 @@ _PYTHON = (
         ("*rotation += (self->torque - torque) / *stiffness;", ""),
     ),
     *_in(
-        "result/multibody.py",
+        "result/stiffness_table.py",
         "unit/result/test_files.py",
         ('np.argsort(table.torques_Nm, kind="stable")', "np.arange(table.torques_Nm.size)"),
     ),

@@ -12,21 +12,22 @@ from scipy.sparse.linalg import spsolve
 
 from flankload.bodies.body import Material
 from flankload.elasticity.finite_elements import degrees_of, stiffness
-from flankload.mechanisms.belt.belt import Round, Strip, Trapezoid
+from flankload.mechanisms.belt.belt import ElasticPulley, Round, Strip, Trapezoid
 from flankload.mechanisms.belt.belt_mesh import mesh_strip
 from flankload.mechanisms.belt.columns import flank_columns, land_columns
 from flankload.mechanisms.belt.contact import solve_belt, spring_row
-from flankload.mechanisms.belt.pulley import ElasticPulley
 from flankload.mechanisms.belt.pulley_compliance import (
     PulleyResponse,
+    land_forces,
     pulley_compliance,
     rest_on,
     solve_pulley,
+    touches_of,
+    unit_forces,
 )
 from flankload.mechanisms.belt.pulley_mesh import mesh_pulley
 from flankload.mechanisms.belt.row import BeltRow, StripResponse, strand_ends
 from flankload.mechanisms.belt.strip import Kind, cord_stiffness
-from flankload.mechanisms.belt.touch import land_forces, touches_of, unit_forces
 from flankload.meshes.plane_mesh import jacobians
 from tests.support.belts import (
     CORD,

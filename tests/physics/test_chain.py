@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from flankload.mechanisms.chain.chain import Chain
 from flankload.mechanisms.chain.contact import WrapState, _link_tensions, solve_wrap
 from flankload.mechanisms.chain.sprocket import Sprocket
-from flankload.mechanisms.chain.wrap import Wrap, cross, wrap_at
+from flankload.mechanisms.chain.wrap import Chain, Wrap, cross, wrap_at
 
 ROLLER, PITCH, TEETH = 8.51, 12.7, 20
 WIDE, TIGHT, SHARP = 0.183, 0.043, 0.001

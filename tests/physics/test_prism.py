@@ -22,11 +22,8 @@ from flankload.elasticity.near_field import (
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism.condensation import condense_prism
-from flankload.elasticity.prism.flank_potential import (
-    FlankSurface,
-    projected_potential,
-    projected_tangential,
-)
+from flankload.elasticity.prism.flank_potential import projected_potential, projected_tangential
+from flankload.elasticity.prism.flank_surface import FlankSurface
 from flankload.elasticity.prism.section_stiffness import section_stiffness
 from tests.support.plain_prism import product_loads
 from tests.support.plane_sectors import STEEL

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.elasticity.prism.end_faces import edge_angles
+from flankload.elasticity.prism.flank_surface import edge_angles
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import MIRRORED, SMALL, deviation, tree_of

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.base.rotation import turned
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
-from flankload.elasticity.loaded_body import turned
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism.root_surface import root_surface_stress

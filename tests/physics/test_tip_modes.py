@@ -28,11 +28,11 @@ from flankload.elasticity.near_field import (
     mode_values,
     projected_near_field,
     projected_sign,
-    strip_kernel,
     to_coefficients,
 )
 from flankload.elasticity.sector_closure import tooth_response
 from flankload.scene import Gear, Ring
+from tests.support.cells_near_field import strip_kernel
 
 MODULE = 4.5
 GEAR = {

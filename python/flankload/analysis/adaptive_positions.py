@@ -19,7 +19,8 @@ from flankload.result.interpolant import curve_through, loaded_pair_changes
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from flankload.result.interpolant import Flags, Floats, Integers, PositionCurve
+    from flankload.base.arrays import Flags, Floats, Numbers
+    from flankload.result.interpolant import PositionCurve
 
     Run = Callable[[Floats, int], tuple[Sweep, ...]]
 
@@ -64,12 +65,8 @@ class Window:
     pitch_rad: float
     pitches: int
     closed: bool
-    sites: Integers
+    sites: Numbers
     whole_circle: bool
-
-    def curve(self, position_rad: Floats, known: _Known) -> PositionCurve:
-        """Rotation over the window."""
-        return self.curve_of(position_rad, known.rotation_rad, known.loaded)
 
     def curve_of(self, position_rad: Floats, values: Floats, loaded: Flags) -> PositionCurve:
         """Values (P,) at positions (P,) over the window; loaded (P, S): sites that carry load."""
@@ -115,15 +112,12 @@ class AdaptiveSweep:
     found : tuple of Sweep, one per torque
     errors : tuple of PositionErrors, one per torque
     rounds : int
-    enough : bool
-        Whether the errors are within the tolerance; False if all allowed positions were used.
     """
 
     position_rad: Floats
     found: tuple[Sweep, ...]
     errors: tuple[PositionErrors, ...]
     rounds: int
-    enough: bool
 
 
 def sweep_adaptively(
@@ -160,24 +154,24 @@ def sweep_adaptively(
     position_rad, order = start_rad, np.arange(start_rad.size)
     while True:
         known = [_Known.of(parts, order) for parts in zip(*rounds, strict=True)]
-        curves = [window.curve(position_rad, part) for part in known]
+        curves = [window.curve_of(position_rad, part.rotation_rad, part.loaded) for part in known]
         errors = tuple(
             _errors(curve, part.rotation_rad, window, least_rad)
             for curve, part in zip(curves, known, strict=True)
         )
-        enough = all(error.largest <= tolerance for error in errors)
         room = most - position_rad.size
-        if enough or room <= 0:
+        if room <= 0 or all(error.largest <= tolerance for error in errors):
             break
         new = _next_positions(curves, known, errors, tolerance, window, room)
         if new.size == 0:
             break
         rounds.append(run(new, len(rounds)))
-        place = np.argsort(np.concatenate([position_rad, new]), kind="stable")
-        position_rad = np.concatenate([position_rad, new])[place]
+        position_rad = np.concatenate([position_rad, new])
+        place = np.argsort(position_rad, kind="stable")
+        position_rad = position_rad[place]
         order = np.concatenate([order, order.size + np.arange(new.size)])[place]
     found = tuple(join_sweeps(parts, order) for parts in zip(*rounds, strict=True))
-    return AdaptiveSweep(position_rad, found, errors, len(rounds), enough)
+    return AdaptiveSweep(position_rad, found, errors, len(rounds))
 
 
 @dataclass(frozen=True)
@@ -191,7 +185,7 @@ class _Known:
     loaded: Flags
 
     @classmethod
-    def of(cls, parts: tuple[Sweep, ...], order: Integers) -> _Known:
+    def of(cls, parts: tuple[Sweep, ...], order: Numbers) -> _Known:
         rotation = np.concatenate([part.rotation_rad for part in parts])
         if parts[0].torque_Nmm > 0:
             carries = np.concatenate([part.site_force_N for part in parts]) != 0

@@ -8,21 +8,17 @@ are independent and are added as squares.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from flankload.analysis.sampling_error import between_positions, mean_stiffness
 from flankload.analysis.tangent import LARGEST_KINK
 from flankload.result.slices import face_load_factors
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from flankload.analysis.adaptive_positions import Window
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.contact.sweep import SliceStates, Sweep
 
-    Floats = NDArray[np.float64]
 
 #: Additional quantity if coast flanks can carry load.
 COAST = "coast_force"
@@ -96,8 +92,7 @@ EXTREMES = 0.35
 LARGEST_SMOOTH_CHANGE = 0.01
 
 
-@dataclass(frozen=True)
-class Left:
+class Left(NamedTuple):
     """Remaining error of one source in a quantity, or in a quantity at many places.
 
     Attributes
@@ -120,6 +115,17 @@ class Left:
         """Sum over several sources: errors with their signs, doubts as squares."""
         doubt = np.sqrt(sum(np.square(part.doubt) for part in parts))
         return cls(sum(part.error for part in parts), doubt)
+
+    @classmethod
+    def relative(cls, error: float, doubt: float, whole: float | np.floating) -> Left:
+        """Error and doubt of a number relative to its magnitude; none if that is 0."""
+        size = abs(float(whole))
+        return cls(error / size, doubt / size) if size > 0 else cls(0.0, 0.0)
+
+
+def mean_stiffness(softness: Floats) -> Floats | None:
+    """Inverse of rotation over torque; None if it is unknown at a position."""
+    return 1.0 / softness if (softness > 0).all() else None
 
 
 def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[str, Left]:
@@ -145,9 +151,7 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
         "transmission_error": _at_each(rule, change, np.abs(rotation).max()),
         "load_share": _at_each(_of_shares(rule), _shares(other) - _shares(base), 1.0),
         "peak_pressure": _at_each(
-            replace(rule, doubt=rule.doubt_pressure),
-            _peak_change(found, base, other),
-            _largest_peak(found),
+            _of_pressures(rule), _peak_change(found, base, other), _largest_peak(found)
         ),
         "transmission_error_mean": _of_mean(rule, change, rotation),
         "transmission_error_peak_to_peak": _of_peak_to_peak(rule, change, rotation),
@@ -171,37 +175,35 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
 
 def _of_line_loads(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[str, Left]:
     """Errors of the line loads and of the face load factor."""
-    of_loads, of_factor = (
-        replace(rule, doubt=part * rule.doubt_pressure) for part in (LINE_LOADS, FACE_LOADS)
-    )
-    largest = float(np.max(_line_loads(found)))
-    change = _line_loads(other) - _line_loads(base, other)
+    largest = float(np.max(_line_loads(found, found)))
+    change = _line_loads(other, other) - _line_loads(base, other)
     change = change[..., _slices_around(found, other)]
     change = np.where(_slices(found).corner > 0, 0.0, change)
-    factors = [float(_face_load_factors(part).max()) for part in (found, base, other)]
+    factors = [float(face_factors(part).max()) for part in (found, base, other)]
     return {
-        LINE_LOAD: _at_each(of_loads, change, largest),
-        FACE_LOAD: _at_each(of_factor, np.array([factors[2] - factors[1]]), factors[0]),
+        LINE_LOAD: _at_each(_of_pressures(rule, LINE_LOADS), change, largest),
+        FACE_LOAD: _at_each(
+            _of_pressures(rule, FACE_LOADS), np.array([factors[2] - factors[1]]), factors[0]
+        ),
     }
 
 
-def _line_loads(part: Sweep, on: Sweep | None = None) -> Floats:
-    """(P, S, J) Force per mm of face width in the slices of a sweep, or in those of another one
-    whose edges are among them.
-    """
-    mine, others = _slices(part), _slices(part if on is None else on)
+def _line_loads(part: Sweep, on: Sweep) -> Floats:
+    """(P, S, J) Force per mm of face width in the slices of `on`, whose edges are among its own."""
+    mine, others = _slices(part), _slices(on)
     first = np.searchsorted(mine.edges_mm, others.edges_mm[:-1])
     return np.asarray(np.add.reduceat(mine.force_N, first, axis=2) / np.diff(others.edges_mm))
 
 
-def _slices_around(part: Sweep, other: Sweep) -> NDArray[np.int64]:
+def _slices_around(part: Sweep, other: Sweep) -> Numbers:
     """Slices of another sweep that contain those of a sweep."""
     edges = _slices(part).edges_mm
     middle = 0.5 * (edges[1:] + edges[:-1])
     return np.asarray(np.searchsorted(_slices(other).edges_mm, middle) - 1)
 
 
-def _face_load_factors(part: Sweep) -> Floats:
+def face_factors(part: Sweep) -> Floats:
+    """(P,) Largest line load of a sweep over its mean at each position."""
     slices = _slices(part)
     return face_load_factors(slices.force_N, np.diff(slices.edges_mm), each=slices.conforming)
 
@@ -211,30 +213,9 @@ def _slices(part: Sweep) -> SliceStates:
     return part.slices
 
 
-def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str, Left]:
-    """Errors of quantities that depend on the curve between the positions.
-
-    Parameters
-    ----------
-    found : Sweep
-    window : Window
-        Range of the positions.
-    position_rad : (P,) array
-
-    Returns
-    -------
-    dict
-        By quantity.
-    """
-    errors = between_positions(found, window, position_rad)
-    left = {name: Left(*both) for name, both in errors.items()}
-    if found.slices is not None and position_rad.size > 1:
-        factors = _face_load_factors(found)
-        at = int(factors.argmax())
-        # beside a kink, the largest value may lie half the step to a neighbour above the sample
-        beside = [factors[at - 1], factors[(at + 1) % factors.size]]
-        left[FACE_LOAD] = Left(0.0, 0.5 * float(1.0 - min(beside) / factors[at]))
-    return left
+def _of_pressures(rule: Rule, part: float = 1.0) -> Rule:
+    """The rule with its doubt for pressures, or with a part of that."""
+    return replace(rule, doubt=part * rule.doubt_pressure)
 
 
 def _of_shares(rule: Rule) -> Rule:
@@ -260,13 +241,10 @@ def _of_mean(rule: Rule, change: Floats, values: Floats) -> Left:
 
 def _of_peak_to_peak(rule: Rule, change: Floats, rotation: Floats) -> Left:
     whole = float(np.ptp(rotation))
-    if whole == 0:
-        return Left(0.0, 0.0)
     error = whole - float(np.ptp(rotation - rule.part * change))
     apart = np.abs(change - change.mean())
     of_extremes = apart[rotation.argmax()] + apart[rotation.argmin()]
-    doubt = EXTREMES * rule.doubt * float(of_extremes)
-    return Left(error / whole, doubt / whole)
+    return Left.relative(error, EXTREMES * rule.doubt * float(of_extremes), whole)
 
 
 def _shares(part: Sweep) -> Floats:
@@ -284,7 +262,7 @@ def _whole_force(part: Sweep) -> Floats:
     return np.asarray(np.maximum(total, np.finfo(float).tiny))
 
 
-def _smooth(*parts: Sweep) -> NDArray[np.bool_]:
+def _smooth(*parts: Sweep) -> Flags:
     """Sites that carry load in the first of several sweeps, in none of them on a sharp corner."""
     off = [part.site_corner <= 0 for part in parts]
     return np.asarray(np.logical_and.reduce(off) & (parts[0].site_peak_N_per_mm > 0))
@@ -306,23 +284,12 @@ def _peak_change(found: Sweep, base: Sweep, other: Sweep) -> Floats:
 
 
 def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> Left:
-    """Error of the modes in the peaks off sharp corners.
-
-    Parameters
-    ----------
-    found, base, other : Sweep
-        The sweep whose errors are estimated; the comparison with all modes and with fewer modes.
-
-    Returns
-    -------
-    Left
-    """
+    """Error of the modes in the peaks off sharp corners; sweeps as in `what_is_left`."""
     changes = np.abs(_shares(other) - _shares(base))
     change = float(changes.max(initial=0.0))
     largest = _largest_peak(found)
     if change < SAME_SHARE:  # one pair carries alone throughout
-        doubt = replace(MODES, doubt=MODES.doubt_pressure)
-        return _at_each(doubt, _peak_change(found, base, other), largest)
+        return _at_each(_of_pressures(MODES), _peak_change(found, base, other), largest)
     peak = np.where(_smooth(found, base, other), found.site_peak_N_per_mm, 0.0)
     part = peak / largest if largest > 0 else np.zeros_like(peak)
     # the peak of a line contact is proportional to the root of its force: for a pair that has just
@@ -333,17 +300,7 @@ def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> Left:
 
 
 def peak_of_cells(found: Sweep, coarse: Sweep) -> Left:
-    """Error of the cells in the peaks off sharp corners.
-
-    Parameters
-    ----------
-    found, coarse : Sweep
-        The sweep whose errors are estimated, and the same with half as many cells.
-
-    Returns
-    -------
-    Left
-    """
+    """Error of the cells in the peaks off sharp corners; `coarse` has half as many cells."""
     change, largest = _peak_change(found, found, coarse), _largest_peak(found)
     left = _at_each(STRIPS, change, largest)
     rough = np.abs(change) > LARGEST_SMOOTH_CHANGE * found.site_peak_N_per_mm

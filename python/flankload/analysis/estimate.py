@@ -60,14 +60,11 @@ from flankload.contact.sweep import END_WOULD_TOUCH
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from numpy.typing import NDArray
-
     from flankload.analysis.adaptive_positions import PositionErrors
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.scene.discretization import Grid
 
-    Floats = NDArray[np.float64]
     Errors = dict[str, float]
 
 #: Estimated quantities: at the worst position …
@@ -243,8 +240,8 @@ def estimate_errors(
 def _of_lumping(
     part: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> dict[str, dict[str, Left]]:
-    known = lumped_error(part, compliances)
-    return {"lumped": {quantity: Left(0.0, error) for quantity, error in known.items()}}
+    errors = lumped_error(part, compliances)
+    return {"lumped": {quantity: Left(0.0, error) for quantity, error in errors.items()}}
 
 
 def _of_cells(part: Sweep, coarse: Sweep) -> dict[str, dict[str, Left]]:
@@ -284,18 +281,7 @@ def _of_compliances(
 def lumped_error(
     found: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> dict[str, float]:
-    """Error of a sweep with lumped contacts, by quantity.
-
-    Parameters
-    ----------
-    found : Sweep
-        With its pairs.
-    compliances : two BodyCompliance
-
-    Returns
-    -------
-    dict
-    """
+    """Error of a sweep (with its pairs) under lumped contacts, by quantity."""
     if found.slices is not None and found.slices.conforming:
         return SPREAD | dict.fromkeys(OVERALL, SPREAD["transmission_error"])
     loaded = found.pairs.column("force") > 0

@@ -23,10 +23,10 @@ from flankload.elasticity.nodal_loads import hat_values, hat_widths
 
 if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
+    from flankload.base.arrays import Floats, Numbers
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.body_pair import BodyPair
-    from flankload.result.interpolant import Floats, Integers
 
 #: Additional quantity if the positions close.
 HARMONICS_KEY = "transmission_error_harmonics"
@@ -44,21 +44,8 @@ def teeth_until_alike(compliance: BodyCompliance, teeth: int, part: float) -> in
     """Number of teeth after which a compliance repeats around a body.
 
     Two teeth are alike if a uniform pressure on either of them causes the same displacements of
-    that tooth and of the others.
-
-    Parameters
-    ----------
-    compliance : BodyCompliance
-    teeth : int
-        Number of teeth of the body.
-    part : float
-        Teeth whose compliances differ by less than this part of the largest are alike.
-
-    Returns
-    -------
-    int
-        1 if all teeth are alike, otherwise a divisor of their number; teeth without a flank count
-        as alike with any other.
+    that tooth and of the others, up to a part of the largest. The number is 1 if all teeth are
+    alike, otherwise a divisor of the number of teeth; teeth without a flank are like any other.
     """
     f = len(compliance.flanks)
     if f < 2:
@@ -90,49 +77,17 @@ def _of_even_pressure(compliance: BodyCompliance) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class OtherTeeth:
-    """Bodies with different teeth, and positions that contain some of these.
+    """Bodies with different teeth, and positions in a window that contain some of these."""
 
-    Attributes
-    ----------
-    compliances : two BodyCompliance
-    teeth : (int, int)
-    site_teeth : two (S,) arrays
-        Tooth of each body at each site.
-    steps : (int, int)
-        Change of the tooth number of each body at a site after one pitch.
-    face_width_mm : float
-    window : Window
-        Range of the positions.
-    position_rad : (P,) array
-    """
-
+    pair: BodyPair
     compliances: tuple[BodyCompliance, BodyCompliance]
-    teeth: tuple[int, int]
-    site_teeth: tuple[Integers, Integers]
-    steps: tuple[int, int]
     face_width_mm: float
     window: Window
-    position_rad: Floats
 
-    @classmethod
-    def of(
-        cls,
-        pair: BodyPair,
-        compliances: tuple[BodyCompliance, BodyCompliance],
-        face_width_mm: float,
-        window: Window,
-    ) -> OtherTeeth | None:
-        """Data of a pair; None if all teeth are alike or the positions contain all of them."""
-        one = cls(
-            compliances=compliances,
-            teeth=(pair.body_1.teeth, pair.body_2.teeth),
-            site_teeth=pair.pairing.site_teeth,
-            steps=(-1, pair.body_2.outward),
-            face_width_mm=face_width_mm,
-            window=window,
-            position_rad=pair.position_rad,
-        )
-        return None if window.pitches % one.pitches == 0 else one
+    @property
+    def teeth(self) -> tuple[int, ...]:
+        """Numbers of teeth of both bodies."""
+        return tuple(body.teeth for body in self.pair.bodies)
 
     @property
     def pitches(self) -> int:
@@ -145,19 +100,21 @@ class OtherTeeth:
         NaN if a tooth without a flank would carry load, and after the period of the teeth.
         """
         number = np.arange(0, self.pitches, self.window.pitches)
-        total = np.zeros((number.size, self.position_rad.size))
+        # change of the tooth number of each body at a site after one pitch
+        steps, position = (-1, self.pair.body_2.outward), self.pair.position_rad
+        total = np.zeros((number.size, position.size))
         for z, compliance in enumerate(self.compliances):
             if len(compliance.flanks) > 1:
                 by_tooth = self._work(found, z)
-                total += (by_tooth - by_tooth[0])[self.steps[z] * number % self.teeth[z]]
-        pitch = (self.position_rad - self.position_rad[0]) / self.window.pitch_rad
+                total += (by_tooth - by_tooth[0])[steps[z] * number % self.teeth[z]]
+        pitch = (position - position[0]) / self.window.pitch_rad
         total[number[:, None] + np.floor(pitch + SAME) >= self.pitches] = np.nan
         return total / (self.face_width_mm * found.torque_Nmm)
 
     def _work(self, found: Sweep, z: int) -> Floats:
         """(teeth, P) F'KF (N² mm²/N) of the forces on body z, shifted by each number of teeth."""
         compliance, teeth = self.compliances[z], self.teeth[z]
-        tooth, loads = _loads(found, compliance, self.site_teeth[z], z)
+        tooth, loads = _loads(found, compliance, self.pair.pairing.site_teeth[z], z)
         f, n = len(compliance.flanks), loads.shape[2]
         place = np.full(teeth, -1)
         place[list(compliance.flanks)] = np.arange(f)
@@ -173,8 +130,8 @@ class OtherTeeth:
 
 
 def _loads(
-    found: Sweep, compliance: BodyCompliance, site_teeth: Integers, z: int
-) -> tuple[Integers, Floats]:
+    found: Sweep, compliance: BodyCompliance, site_teeth: Numbers, z: int
+) -> tuple[Numbers, Floats]:
     """Teeth (P, L) that carry load at each position, and their loads (P, L, n) as modes, N.
 
     Positions with fewer loaded teeth have entries without load.
@@ -210,20 +167,11 @@ def _loads(
 def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, Left]:
     """Errors of positions that do not contain all teeth, in quantities of the whole period.
 
-    Parameters
-    ----------
-    found : Sweep
-        With its pairs, under a torque.
-    others : OtherTeeth
-
-    Returns
-    -------
-    dict
-        By quantity.
+    The sweep has its pairs and a torque.
     """
     changes, rotation = others.changes_rad(found), found.rotation_rad
     known = ~np.isnan(changes)
-    alone = _weights(others.position_rad, others.window)
+    alone = _weights(others.pair.position_rad, others.window)
     weight = np.where(known, alone, 0.0)
     weight /= weight.sum()
     changes = np.where(known, changes, 0.0)
@@ -252,10 +200,7 @@ def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, Left]:
 
 def _left(now: float, whole: float, spread: float) -> Left:
     """Relative error of a number that has another value over the whole period."""
-    scale = abs(now)
-    if not scale > 0:
-        return Left(0.0, 0.0)
-    return Left((now - whole) / scale, float(np.hypot(DOUBT * (now - whole), spread)) / scale)
+    return Left.relative(now - whole, float(np.hypot(DOUBT * (now - whole), spread)), now)
 
 
 def _weights(position_rad: Floats, window: Window) -> Floats:
@@ -274,8 +219,8 @@ def _weights(position_rad: Floats, window: Window) -> Floats:
 
 def _of_harmonics(others: OtherTeeth, now: Floats, whole: Floats, spread: float) -> Left:
     """Largest error of the harmonics of a pitch; those of all pitches are those of their mean."""
-    weight = _weights(others.position_rad, others.window)
-    turn = 2 * np.pi * others.position_rad / others.window.pitch_rad
+    weight = _weights(others.pair.position_rad, others.window)
+    turn = 2 * np.pi * others.pair.position_rad / others.window.pitch_rad
     waves = 2.0 * weight * np.exp(-1j * np.outer(HARMONICS, turn))
     one, all_of = np.abs(waves @ now), np.abs(waves @ whole)
     scale = np.maximum(one, LEAST_HARMONIC * one.max())

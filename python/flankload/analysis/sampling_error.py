@@ -12,15 +12,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from flankload.analysis.error_rules import FACE_LOAD, Left, face_factors, mean_stiffness
 
+if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
+    from flankload.base.arrays import Flags, Floats
     from flankload.contact.sweep import Sweep
     from flankload.result.interpolant import PositionCurve
 
-    Floats = NDArray[np.float64]
-    Flags = NDArray[np.bool_]
 
 #: Places in an interval between positions at which a curve is evaluated.
 BETWEEN = 16
@@ -39,10 +38,20 @@ LEAST_OPEN = 3
 HIDDEN, HIDDEN_ROTATION = 0.5, 0.06
 
 
-def between_positions(
-    part: Sweep, window: Window, position_rad: Floats
-) -> dict[str, tuple[float, float]]:
-    """Sampling errors of quantities that depend on all positions.
+def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str, Left]:
+    """`between_positions`, in three dimensions also the error of the face load factor."""
+    left = between_positions(found, window, position_rad)
+    if found.slices is not None and position_rad.size > 1:
+        factors = face_factors(found)
+        at = int(factors.argmax())
+        # beside a kink, the largest value may lie half the step to a neighbour above the sample
+        beside = [factors[at - 1], factors[(at + 1) % factors.size]]
+        left[FACE_LOAD] = Left(0.0, 0.5 * float(1.0 - min(beside) / factors[at]))
+    return left
+
+
+def between_positions(part: Sweep, window: Window, position_rad: Floats) -> dict[str, Left]:
+    """Sampling errors of quantities that depend on all positions, by quantity.
 
     Parameters
     ----------
@@ -51,11 +60,6 @@ def between_positions(
         Range of the positions. If curves do not close over it, they are extrapolated over the
         interval after the last position.
     position_rad : (P,) array
-
-    Returns
-    -------
-    dict
-        By name: relative error of the quantity from the samples, with its sign, and relative doubt.
     """
     if not window.closed:
         return _open_window(part)
@@ -67,7 +71,7 @@ def between_positions(
     def curve(values: Floats) -> PositionCurve:
         return window.curve_of(position_rad, values, loaded)
 
-    def of_mean(values: Floats) -> tuple[float, float]:
+    def of_mean(values: Floats) -> Left:
         through, mean = curve(values), values.mean()
         missed = mean - through.mean()
         open_kinks = through.doubt_integrals()[changes].sum() / through.length
@@ -76,14 +80,14 @@ def between_positions(
             DOUBT_KINKS * open_kinks,
             HIDDEN_ROTATION * hidden * mean,
         )
-        return _relative(missed, float(np.linalg.norm(doubts)), mean)
+        return Left.relative(missed, float(np.linalg.norm(doubts)), mean)
 
     through = curve(rotation)
     between = np.ptp(through.values(np.linspace(*through.ends, BETWEEN * rotation.size)))
     missed = float(np.ptp(rotation) - between)
     found = {
         "transmission_error_mean": of_mean(rotation),
-        "transmission_error_peak_to_peak": _relative(
+        "transmission_error_peak_to_peak": Left.relative(
             missed, DOUBT_PEAK_TO_PEAK * abs(missed), np.ptp(rotation)
         ),
     }
@@ -95,11 +99,11 @@ def between_positions(
         missed, doubt = _steps(tangent, position_rad, through, changes)
         mean = tangent.mean()
         doubt = float(np.hypot(doubt, HIDDEN * hidden * mean))
-        found["stiffness_tangent"] = _relative(missed, doubt, mean)
+        found["stiffness_tangent"] = Left.relative(missed, doubt, mean)
     return found
 
 
-def _open_window(part: Sweep) -> dict[str, tuple[float, float]]:
+def _open_window(part: Sweep) -> dict[str, Left]:
     """The same if curves do not close: the doubt is the contribution of the last interval."""
     rotation = part.rotation_rad
     if rotation.size < LEAST_OPEN:
@@ -112,21 +116,16 @@ def _open_window(part: Sweep) -> dict[str, tuple[float, float]]:
     ):
         if values is not None:
             missed = 0.5 * (values[0] - _next(values)) / values.size
-            found[name] = _relative(missed, abs(missed), values.mean())
+            found[name] = Left.relative(missed, abs(missed), values.mean())
     missed = float(np.ptp(rotation) - np.ptp([*rotation, _next(rotation)]))
     between = 0.5 * float(np.abs(np.diff(rotation, 2)).max())
-    found["transmission_error_peak_to_peak"] = _relative(missed, between, np.ptp(rotation))
+    found["transmission_error_peak_to_peak"] = Left.relative(missed, between, np.ptp(rotation))
     return found
 
 
 def _next(values: Floats) -> float:
     """Next value by linear extrapolation."""
     return float(2 * values[-1] - values[-2])
-
-
-def mean_stiffness(softness: Floats) -> Floats | None:
-    """Inverse of rotation over torque; None if it is unknown at a position."""
-    return 1.0 / softness if (softness > 0).all() else None
 
 
 def _steps(
@@ -148,8 +147,3 @@ def _hidden(loaded: Flags, changes: Flags) -> float:
     count = loaded.sum(axis=1)
     alike = changes & (count == np.roll(count, -1))
     return float(np.linalg.norm(1.0 / np.maximum(count[alike], 1)) / count.size)
-
-
-def _relative(error: float, doubt: float, whole: float | np.floating) -> tuple[float, float]:
-    size = abs(float(whole))
-    return (error / size, doubt / size) if size > 0 else (0.0, 0.0)

@@ -15,23 +15,22 @@ other sources at one torque and position is no general rule.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.analysis.error_rules import Left
-from flankload.analysis.sampling_error import mean_stiffness
+from flankload.analysis.error_rules import Left, mean_stiffness
 from flankload.elasticity.near_field import mode_values
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flankload.bodies import Body
+    from flankload.base.arrays import Flags, Floats
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.pairing.pairing import Pairing
+    from flankload.pairing.body_pair import BodyPair
 
-    Floats = NDArray[np.float64]
 
 #: A site takes part where it takes up more than this part of what the stiffest does.
 LEAST_PART = 1e-3
@@ -43,19 +42,11 @@ SHORT = 1e-6
 
 def tip_error(
     found: Sweep,
-    bodies: tuple[Body, Body],
+    pair: BodyPair,
     compliances: tuple[BodyCompliance, BodyCompliance],
-    pairing: Pairing,
     face_width_mm: float,
 ) -> dict[str, Left]:
-    """Errors by inclined forces in the quantities of a sweep.
-
-    Parameters
-    ----------
-    found : Sweep
-        With its pairs.
-    bodies, compliances, pairing, face_width_mm
-        Those of the sweep.
+    """Errors by inclined forces in the quantities of a sweep, which has its pairs.
 
     Returns
     -------
@@ -66,7 +57,7 @@ def tip_error(
     turned, between = none.copy(), np.zeros((*none.shape, none.shape[1]))
     for z in (0, 1):
         if compliances[z].modes.nodes is None:
-            on_body = _lost_displacement(found, bodies[z], compliances[z], pairing, z)
+            on_body = _lost_displacement(found, pair, compliances[z], z)
             for whole, part in zip((turned, between), on_body, strict=True):
                 whole += part / face_width_mm
     if not turned.any():
@@ -132,63 +123,56 @@ def _answer(found: Sweep, lost: Floats, between: Floats) -> tuple[Floats, Floats
 
 @dataclass(frozen=True, eq=False)
 class _Loads:
-    """Loaded pairs of a sweep.
+    """Loaded pairs of a sweep; n of all pairs."""
 
-    Attributes
-    ----------
-    at : two (n,) arrays
-        Position and site of each.
-    force : (n,) array
-    shape : (int, int)
-        Numbers of positions and sites.
-    """
+    found: Sweep
 
-    at: tuple[NDArray[np.integer], NDArray[np.integer]]
-    force: Floats
-    shape: tuple[int, ...]
+    @cached_property
+    def loaded(self) -> Flags:
+        """Which of all pairs are loaded."""
+        return self.found.pairs.column("force") > 0
+
+    @cached_property
+    def at(self) -> tuple[NDArray[np.integer], NDArray[np.integer]]:
+        """Position and site (n,) of each."""
+        pairs = self.found.pairs
+        return pairs.position[self.loaded], pairs.sites[self.loaded]
+
+    def column(self, name: str) -> Floats:
+        """Column (n,) of the table of pairs."""
+        return np.asarray(self.found.pairs.column(name)[self.loaded])
 
     def total(self, values: Floats) -> Floats:
         """Sums (P, S, …) of values (n, …) of the pairs of each site."""
-        sums = np.zeros((*self.shape, *values.shape[1:]))
+        sums = np.zeros((*self.found.site_force_N.shape, *values.shape[1:]))
         np.add.at(sums, self.at, values)
         return sums
 
     def mean(self, values: Floats) -> Floats:
         """Means (P, S, …) of values (n, …), weighted by force; 0 without force."""
         more = [1] * (values.ndim - 1)
-        whole = self.total(self.force)
-        whole = np.where(whole > 0, whole, 1.0).reshape(*self.shape, *more)
-        return np.asarray(self.total(values * self.force.reshape(-1, *more)) / whole)
+        force = self.column("force")
+        whole = self.total(force)
+        whole = np.where(whole > 0, whole, 1.0).reshape(*whole.shape, *more)
+        return np.asarray(self.total(values * force.reshape(-1, *more)) / whole)
 
 
 def _lost_displacement(
-    found: Sweep, body: Body, compliance: BodyCompliance, pairing: Pairing, z: int
+    found: Sweep, pair: BodyPair, compliance: BodyCompliance, z: int
 ) -> tuple[Floats, Floats]:
-    """Loss of displacement at each site under all forces, and compliance between sites.
-
-    Returns
-    -------
-    turned : (P, S) array
-        By the inclination of forces; mm² (per width).
-    between : (P, S, S) array
-        By the modes; mm²/N (per width).
+    """Loss of displacement (P, S) at each site by the inclination of all forces, mm² per width, and
+    compliance (P, S, S) between sites by the modes, mm²/N per width.
     """
-    pairs = found.pairs
-    loaded = pairs.column("force") > 0
-    loads = _Loads(
-        (pairs.position[loaded], pairs.sites[loaded]),
-        pairs.column("force")[loaded],
-        found.site_force_N.shape,
-    )
+    loads, body = _Loads(found), pair.bodies[z]
     (low, high), tip = body.mode_range_mm, compliance.modes.tip
-    s, n = pairs.column(f"s_{z + 1}")[loaded], compliance.smooth.shape[1]
-    turn = loads.mean(_turn_of_force(found, body, compliance, pairing, z))
+    s, n = loads.column(f"s_{z + 1}"), compliance.smooth.shape[1]
+    turn = loads.mean(_turn_of_force(loads, pair, compliance, z))
     within = s.clip(low, tip.end_mm if tip else high)
     modes = loads.mean(mode_values(within, body.mode_range_mm, n, tip=tip))
-    teeth = pairing.site_teeth[z]
+    teeth = pair.pairing.site_teeth[z]
     block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
     between = np.einsum("pia,ijab,pjb->pij", modes, compliance.smooth[block], modes)
-    width = loads.total(pairs.column("cell")[loaded])
+    width = loads.total(loads.column("cell"))
     near = np.log(np.where(width > 0, width, 1.0))
     for psi, corner in zip(compliance.near.wedge, body.mode_range_mm, strict=True):
         away = np.maximum(loads.mean(np.abs(s - corner)), 0.5 * width)
@@ -202,13 +186,9 @@ def _lost_displacement(
     return lost, between
 
 
-def _turn_of_force(
-    found: Sweep, body: Body, compliance: BodyCompliance, pairing: Pairing, z: int
-) -> Floats:
+def _turn_of_force(loads: _Loads, pair: BodyPair, compliance: BodyCompliance, z: int) -> Floats:
     """k = (n'·u)/(n·u) of each loaded pair (n,); 1 where the force has the normal of the body."""
-    pairs = found.pairs
-    loaded = pairs.column("force") > 0
-    corner = found.site_corner[pairs.position[loaded], pairs.sites[loaded]]
+    body, corner = pair.bodies[z], loads.found.site_corner[loads.at]
     turned = corner == 2 - z  # the mate's corner
     if compliance.turned is None and compliance.modes.tip is None:
         turned |= corner == z + 1
@@ -216,12 +196,12 @@ def _turn_of_force(
     if body.involute is None or not turned.any():
         return turn
     place, normal = (
-        np.stack([pairs.column(f"{name}{axis}")[loaded] for axis in "xy"], axis=1)[turned]
+        np.stack([loads.column(f"{name}{axis}") for axis in "xy"], axis=1)[turned]
         for name in ("", "normal_")
     )
-    place[:, 0] -= z * pairing.center_distance_mm
+    place[:, 0] -= z * pair.pairing.center_distance_mm
     low, high = body.mode_range_mm
-    s = np.minimum(pairs.column(f"s_{z + 1}")[loaded][turned], high - SHORT * (high - low))
+    s = np.minimum(loads.column(f"s_{z + 1}")[turned], high - SHORT * (high - low))
     pushed = _along_circle((1 - 2 * z) * normal, place)
     turn[turned] = pushed / _along_circle(body.curve.normal(s), body.curve.point(s))
     return turn

@@ -13,13 +13,6 @@ from flankload.errors import InputError
 def require(name: str, value: object, expected: str, *, fits: bool) -> None:
     """Refuse an argument unless it fits.
 
-    Parameters
-    ----------
-    name : str
-    value : object
-    expected : str
-    fits : bool
-
     Raises
     ------
     InputError

@@ -16,11 +16,7 @@ def optional(package: str, user: str, *, extra: str | None = None) -> Any:
     user : str
         Function that needs it.
     extra : str, optional
-        Extra of flankload that installs it; absent = the name of the package.
-
-    Returns
-    -------
-    module
+        Extra of flankload that installs it; by default the name of the package.
 
     Raises
     ------

@@ -1,14 +1,21 @@
-"""A base class whose read-only arrays stay read-only in copies and after unpickling."""
+"""A base class whose arrays are read-only, also in copies and after unpickling."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 
 class KeepsReadOnly:
     """Base of classes with read-only arrays; NumPy's pickles and deep copies lose that flag."""
+
+    def __post_init__(self) -> None:
+        """Make the arrays of a dataclass read-only."""
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                frozen(value)
 
     def __getstate__(self) -> tuple[dict[str, Any], tuple[str, ...]]:
         values = dict(vars(self))
@@ -19,6 +26,12 @@ class KeepsReadOnly:
         vars(self).update(values)
         for key in read_only:
             values[key].flags.writeable = False
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """Make an array read-only and return it."""
+    array.setflags(write=False)
+    return array
 
 
 def _is_read_only(value: object) -> bool:

@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats
 
 
-def turned(
-    vectors: NDArray[np.float64], angle_rad: NDArray[np.float64] | float
-) -> NDArray[np.float64]:
+def turned(vectors: Floats, angle_rad: Floats | float) -> Floats:
     """Vectors (…, 2), rotated counter-clockwise by one angle or each by its own (…)."""
     c, s = np.cos(angle_rad), np.sin(angle_rad)
     x, y = vectors[..., 0], vectors[..., 1]
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+
+
+def directions(angles_rad: Floats) -> Floats:
+    """(n, 2) Unit vectors at polar angles (n,)."""
+    return np.column_stack([np.cos(angles_rad), np.sin(angles_rad)])

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats, Numbers
 
 #: A quotient within this distance of a whole number counts as that number: far above rounding
 #: errors, far below any difference that matters.
@@ -22,18 +22,9 @@ TIE = 1e-9
 @overload
 def round_down(quotient: float) -> int: ...
 @overload
-def round_down(quotient: NDArray[np.float64]) -> NDArray[np.int64]: ...
-def round_down(quotient: float | NDArray[np.float64]) -> int | NDArray[np.int64]:
-    """Floor; a quotient that is a whole number up to `TIE` gives that number.
-
-    Parameters
-    ----------
-    quotient : float or array
-
-    Returns
-    -------
-    int or array of int
-    """
+def round_down(quotient: Floats) -> Numbers: ...
+def round_down(quotient: float | Floats) -> int | Numbers:
+    """Floor of a number or an array; a whole number up to `TIE` gives that number."""
     whole = np.floor(np.asarray(quotient) + TIE).astype(np.int64)
     return int(whole) if whole.ndim == 0 else whole
 
@@ -41,16 +32,7 @@ def round_down(quotient: float | NDArray[np.float64]) -> int | NDArray[np.int64]
 @overload
 def round_up(quotient: float) -> int: ...
 @overload
-def round_up(quotient: NDArray[np.float64]) -> NDArray[np.int64]: ...
-def round_up(quotient: float | NDArray[np.float64]) -> int | NDArray[np.int64]:
-    """Ceiling; a quotient that is a whole number up to `TIE` gives that number.
-
-    Parameters
-    ----------
-    quotient : float or array
-
-    Returns
-    -------
-    int or array of int
-    """
+def round_up(quotient: Floats) -> Numbers: ...
+def round_up(quotient: float | Floats) -> int | Numbers:
+    """Ceiling of a number or an array; a whole number up to `TIE` gives that number."""
     return -round_down(-np.asarray(quotient, dtype=np.float64))

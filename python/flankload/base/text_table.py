@@ -15,18 +15,7 @@ NONE = "-"
 
 
 def number(value: float, form: str) -> str:
-    """Format a number as a cell; `NONE` if it is not finite.
-
-    Parameters
-    ----------
-    value : float
-    form : str
-        Format specification.
-
-    Returns
-    -------
-    str
-    """
+    """Format a number as a cell by a format specification; `NONE` if it is not finite."""
     return format(value, form) if isfinite(value) else NONE
 
 

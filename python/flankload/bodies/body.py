@@ -82,6 +82,11 @@ class SectorMesh:
         """Number of elements along the flank."""
         return len(self.flank_edges)
 
+    @property
+    def flanks(self) -> tuple[SectorMesh, ...]:
+        """Its only flank, as those of a `WholeMesh`."""
+        return (self,)
+
 
 @dataclass(frozen=True)
 class MeshedFlank:

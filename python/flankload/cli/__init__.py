@@ -11,15 +11,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from flankload.cli.benchmarking import benchmark
 from flankload.cli.body_files import compliance, mesh
 from flankload.cli.checking import check, schema
-from flankload.cli.designing import study
+from flankload.cli.designing import optimise, study
 from flankload.cli.importing import scene
-from flankload.cli.optimising import optimise
+from flankload.cli.judging import accuracy, benchmark, verify
 from flankload.cli.solving import plan, report, run
-from flankload.cli.studying import accuracy
-from flankload.cli.verifying import verify
 from flankload.errors import FlankloadError, SceneError
 
 if TYPE_CHECKING:

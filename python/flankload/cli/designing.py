@@ -1,4 +1,4 @@
-"""The command study: many designs of one scene."""
+"""The commands that run many designs of a scene: study, optimise."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import contextmanager, nullcontext
 from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder, write_text
 from flankload.cli.solving import Progress
@@ -21,8 +21,11 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
     from contextlib import AbstractContextManager
 
+    from flankload.scene import Scene
     from flankload.studies.design import DesignStudy
 
+#: Tables of the file of an optimisation; its other keys are options.
+TABLES = ("variables", "objective", "constraints")
 #: Seconds for which a scheduler may take to answer.
 PATIENCE_S = 10
 
@@ -156,3 +159,48 @@ def _dask(address: str) -> Iterator[Executor]:
         raise FlankloadError(f"--scheduler {address}: no connection: {error}") from None
     with client, client.get_executor() as executor:
         yield executor
+
+
+def optimise(arguments: Namespace) -> None:
+    """Read the file and its scene, search, write and print."""
+    from flankload.scene import read_scene
+    from flankload.scene.form import read_table
+    from flankload.scene.reader import read_tables
+    from flankload.studies.optimisation import OptimisationFile
+    from flankload.studies.optimisation import optimise as optimum_of
+
+    file: Path = arguments.file
+    tree = read_tables(file, "a file of an optimisation")
+    options = {key: value for key, value in tree.items() if key not in TABLES}
+    try:
+        scene_path = file.parent / read_table(OptimisationFile, options, "").scene
+    except SceneError as error:
+        raise error.with_file(file) from None
+    scene = read_scene(scene_path)
+    if arguments.output is not None:
+        _check_output(arguments.output, scene, file)
+    del options["scene"]
+    tables: dict[str, Any] = {"variables": (), "objective": {}, "constraints": ()}
+    tables |= {key: tree[key] for key in TABLES if key in tree}
+    try:
+        with Progress(wanted=sys.stderr.isatty()) as progress:
+            optimum = optimum_of(scene, **tables, progress=progress.tell, **options)
+    except SceneError as error:
+        raise (error if error.file is not None else error.with_file(file)) from None
+    if arguments.output is not None:
+        from flankload.base.files import write_atomically
+
+        write_atomically(arguments.output, optimum.scene.to_toml())
+    print(optimum)
+
+
+def _check_output(path: Path, scene: Scene, file: Path) -> None:
+    """Refuse an output that could not be written, or where the files of the scene are not found."""
+    check_file("-o", path)
+    check_apart([("-o", path)], scene, {"the optimisation": file})
+    if scene.files and path.resolve().parent != scene.folder.resolve():
+        raise SceneError(
+            key="-o",
+            expected=f"a file in the folder {scene.folder} of the scene, which names other files",
+            found=path,
+        )

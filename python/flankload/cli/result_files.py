@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from flankload.result import Result, StiffnessTable
-    from flankload.result.csv_form import CsvForm
+    from flankload.result.export import CsvForm
     from flankload.scene import Scene
 
 #: Options that name a file, by their names in the arguments; those that can be printed first.
@@ -77,7 +77,7 @@ def check_outputs(arguments: Namespace, formats: Sequence[str]) -> None:
 
 def csv_form(words: str) -> CsvForm:
     """The form of CSV files from words with commas between them, one separator at most."""
-    from flankload.result.csv_form import SEPARATORS, CsvForm
+    from flankload.result.export import SEPARATORS, CsvForm
 
     found = [word.strip() for word in words.split(",")] if words else []
     separators = [word for word in found if word in SEPARATORS]

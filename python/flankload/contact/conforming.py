@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
     from flankload.contact.sweep import FlankContact
     from flankload.cost import Account
-    from flankload.pairing.common_height import CommonHeight
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
+    from flankload.pairing.spline_fit import CommonHeight
 
     Floats = NDArray[np.float64]
 

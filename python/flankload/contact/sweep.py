@@ -180,7 +180,7 @@ def sweep(
     progress: Callable[[int, int], None] | None = None,
     watched: bool = True,
 ) -> tuple[Sweep, ...]:
-    """Solve all positions for all torques in one call of the core.
+    """Solve all positions for all torques in one call of the core: a Sweep for each torque.
 
     The core runs beside the main thread: Ctrl-C, or an exception from `progress`, stops it within
     milliseconds, unless it is not `watched`: a very short call needs no thread. The result for a
@@ -192,22 +192,21 @@ def sweep(
     position_rad : (P,) array
         Angle of body 1 from position zero.
     torques_Nmm : sequence of float
-        Torques on body 1, >= 0: each has a Sweep in the result.
+        Torques on body 1, >= 0.
     known : KnownContacts, optional
         Pairs in contact in a similar sweep (`known_contacts`): states with as many pairs are those
         of these, without a search and without a certificate.
     keep_pairs : bool
         Whether single pairs are stored; results per site are always stored.
-    account : Account, optional
-        Account of all work of the core, including that for states without a solution.
-    progress : callable, optional
-        Called as progress(done, P) several times a second.
+    account, progress : optional
+        Account of all work, including that for states without a solution; progress(done, P) is
+        called several times a second.
 
     Raises
     ------
     FlankloadError
-        If a position has no solution for a torque; the message names the first one.
-        `NoContactState` contains the largest torque that is possible there.
+        Names the first position without a solution for a torque. `NoContactState` contains the
+        largest torque that is possible there.
     """
     spent, slices = Account() if account is None else account, contact.slices
     torques = np.asarray(torques_Nmm, dtype=float)
@@ -235,10 +234,8 @@ def sweep(
     )
     if slices is not None:
         spent.count(slices=slices.count * positions.size * torques.size)
-    found_of = (
-        _sweep_of(found, contact.pairing, t, float(torques[t])) for t in range(len(torques))
-    )
-    return tuple(found_of if slices is None else (_summed(one, slices) for one in found_of))
+    by_torque = (_sweep_of(found, contact.pairing, t, torque) for t, torque in enumerate(torques))
+    return tuple(by_torque if slices is None else (_summed(one, slices) for one in by_torque))
 
 
 def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
@@ -314,7 +311,7 @@ def _sweep_of(found: Found, pairing: Pairing, t: int, torque_Nmm: float) -> Swee
         coast = CoastSweep(**{name: of_torque[name][:, n:] for name in sites}, pairs=coast_pairs)
         of_torque |= {name: of_torque[name][:, :n] for name in sites}
     return Sweep(
-        torque_Nmm=torque_Nmm,
+        torque_Nmm=float(torque_Nmm),
         site_force_per_torque=of_torque["site_force_N"] / (torque_Nmm or 1.0),
         pairs=pairs,
         coast=coast,

@@ -31,12 +31,8 @@ from flankload.elasticity.finite_elements import lame_parameters
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
-
-    Floats = NDArray[np.float64]
-    Cells = tuple[tuple[str, NDArray[np.int64]], ...]
 
 #: Elements times loads in a block: its arrays fit the cache.
 BLOCK = 320
@@ -73,23 +69,14 @@ class _Element:
 def missed_compliance(
     nodes: Floats, cells: Cells, material: Material, plane: str, moved: Floats
 ) -> Floats:
-    """Estimated error of a compliance from finite elements.
+    """Estimated error (p, p) of the compliance between p loads, positive semidefinite.
 
     Parameters
     ----------
-    nodes : (N, 2) array
-        mm.
-    cells : ((kind, (E, n) array), ...)
-        "quad9" or "triangle6" in meshio's node order.
-    material : Material
-    plane : {"strain", "stress"}
+    nodes, cells
+        As in `finite_elements.stiffness`, of quadratic elements.
     moved : (2N, p) array
-        Displacements under p loads, per mm of width; degree of freedom 2*node + component.
-
-    Returns
-    -------
-    (p, p) array
-        Positive semidefinite, to be added to the compliance between the loads.
+        Displacements under the loads, per mm of width; degree of freedom 2*node + component.
     """
     lame_lambda, lame_mu = lame_parameters(material, plane)
     elastic = np.array(
@@ -122,15 +109,7 @@ def missed_compliance(
 def recovered_strains(nodes: Floats, cells: Cells, moved: Floats) -> Floats:
     """Strains at the nodes: those at the superconvergent points, extrapolated and averaged.
 
-    Parameters
-    ----------
-    nodes, cells, moved
-        As in `missed_compliance`.
-
-    Returns
-    -------
-    (N, 3 p) array
-        e_xx, e_yy and twice e_xy, each of all p loads.
+    Arguments as of `missed_compliance`; (N, 3 p): e_xx, e_yy and twice e_xy, each of all p loads.
     """
     p = moved.shape[1]
     displaced = moved.reshape(len(nodes), 2 * p)
@@ -157,7 +136,7 @@ def _blocks(n_elements: int, n_loads: int) -> Iterator[slice]:
         yield slice(start, start + size)
 
 
-def _to_nodes(connectivity: NDArray[np.int64], outward: Floats, n_nodes: int) -> csr_array:
+def _to_nodes(connectivity: Numbers, outward: Floats, n_nodes: int) -> csr_array:
     """Sum at the nodes (N) of the values extrapolated from the recovery points (E b)."""
     n_elements, n = connectivity.shape
     n_best = outward.shape[1]
@@ -188,65 +167,24 @@ def _strains(places: Floats, displaced: Floats, slopes: Floats) -> tuple[Floats,
 
 @cache
 def _element(kind: str) -> _Element:
-    return _quadrilateral() if kind == "quad9" else _triangle()
+    """Elements of scikit-fem with quadratures exact to degree 4, for recovery to degree 2."""
+    import skfem
+    from skfem.quadrature import get_quadrature
 
+    element = skfem.ElementQuad2() if kind == "quad9" else skfem.ElementTriP2()
+    (best, _), (points, weights) = (get_quadrature(element.refdom, degree) for degree in (2, 4))
 
-def _quadrilateral() -> _Element:
-    """Biquadratic element: 2 x 2 Gauss points for recovery, 3 x 3 for quadrature."""
-    node = np.array(
-        [[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0], [0, 0]], dtype=float
-    )
+    def functions(at: Floats) -> tuple[Floats, Floats]:
+        each = [element.lbasis(at, k) for k in range(len(element.doflocs))]
+        values, slopes = (np.stack(part) for part in zip(*each, strict=True))
+        return values.T, slopes.transpose(2, 1, 0)
 
-    def values(points: Floats) -> tuple[Floats, Floats]:
-        def line(x: Floats) -> tuple[Floats, Floats]:
-            value = np.stack([x * (x - 1) / 2, 1 - x**2, x * (x + 1) / 2])
-            return value, np.stack([x - 0.5, -2 * x, x + 0.5])
+    def recovered(at: Floats) -> Floats:
+        """Terms of the strains that the recovery points determine."""
+        x, y = at
+        return np.column_stack([np.ones_like(x), x, y, *([x * y] if kind == "quad9" else [])])
 
-        (across, d_across), (up, d_up) = line(points[:, 0]), line(points[:, 1])
-        i, j = (node + 1).astype(int).T
-        shapes = across[i] * up[j]
-        slopes = np.stack([d_across[i] * up[j], across[i] * d_up[j]])
-        return shapes.T, slopes.transpose(2, 0, 1)
-
-    def square(n: int) -> tuple[Floats, Floats]:
-        x, weight = np.polynomial.legendre.leggauss(n)
-        grid = np.stack(np.meshgrid(x, x), axis=-1).reshape(-1, 2)
-        return grid, np.outer(weight, weight).ravel()
-
-    best, _ = square(2)
-    bilinear = (1 + node[:, None, 0] * best[:, 0] * 3) * (1 + node[:, None, 1] * best[:, 1] * 3)
-    points, weights = square(3)
-    shapes, slopes = values(points)
-    return _Element(values(best)[1], bilinear / 4, 1.0, slopes, shapes, weights)
-
-
-def _triangle() -> _Element:
-    """Quadratic triangle: three points for its linear strains, six for quadrature."""
-
-    def values(points: Floats) -> tuple[Floats, Floats]:
-        x, y = points.T
-        z = 1 - x - y
-        shapes = [
-            z * (2 * z - 1),
-            x * (2 * x - 1),
-            y * (2 * y - 1),
-            4 * z * x,
-            4 * x * y,
-            4 * y * z,
-        ]
-        nought = np.zeros_like(x)
-        d_x = [1 - 4 * z, 4 * x - 1, nought, 4 * (z - x), 4 * y, -4 * y]
-        d_y = [1 - 4 * z, nought, 4 * y - 1, -4 * x, 4 * x, 4 * (z - y)]
-        return np.stack(shapes, axis=1), np.stack([np.stack(d_x), np.stack(d_y)]).transpose(2, 0, 1)
-
-    node = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0], [0.5, 0.5], [0, 0.5]])
-    best = np.array([[1 / 6, 1 / 6], [2 / 3, 1 / 6], [1 / 6, 2 / 3]])
-    linear = np.linalg.inv(np.column_stack([np.ones(3), best]))
-    outward = np.column_stack([np.ones(6), node]) @ linear
-    # G. R. Cowper, Int. J. Numer. Meth. Eng. 7, 1973: exact to degree 4
-    a, b = 0.445948490915965, 0.091576213509771
-    points = np.array([[c, c] for c in (a, b)] + [[c, 1 - 2 * c] for c in (a, b)])
-    points = np.vstack([points, [[1 - 2 * c, c] for c in (a, b)]])
-    weights = 0.5 * np.tile([0.223381589678011, 0.109951743655322], 3)
-    shapes, slopes = values(points)
-    return _Element(values(best)[1], outward, TRIANGLES, slopes, shapes, weights)
+    outward = recovered(element.doflocs.T) @ np.linalg.inv(recovered(best))
+    part = 1.0 if kind == "quad9" else TRIANGLES
+    shapes, slopes = functions(points)
+    return _Element(functions(best)[1], outward, part, slopes, shapes, weights)

@@ -17,9 +17,9 @@ from flankload.cost import Account
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
     from skfem import Basis
 
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
 
 #: Degree of exactness of the quadrature; degree 6 changes the compliance of a gear by 1e-9.
@@ -35,17 +35,9 @@ MANY_KEPT = 150
 
 
 def lame_parameters(material: Material, plane: str) -> tuple[float, float]:
-    """Lamé's lambda and mu (MPa) of a plane problem.
+    """Lamé's lambda and mu (MPa) in plane "strain" or "stress".
 
-    Parameters
-    ----------
-    material : Material
-    plane : {"strain", "stress"}
-
-    Returns
-    -------
-    lame_lambda, lame_mu : float
-        In plane stress lambda is 2 lambda mu / (lambda + 2 mu).
+    In plane stress lambda is 2 lambda mu / (lambda + 2 mu).
     """
     modulus, ratio = material.young_modulus_MPa, material.poisson_ratio
     lame_mu = modulus / (2 * (1 + ratio))
@@ -55,28 +47,17 @@ def lame_parameters(material: Material, plane: str) -> tuple[float, float]:
     return lame_lambda, lame_mu
 
 
-def stiffness(
-    nodes: NDArray[np.float64],
-    cells: tuple[tuple[str, NDArray[np.int64]], ...],
-    material: Material,
-    plane: str,
-) -> csc_array:
-    """Stiffness of a mesh of quadratic elements, or of linear ones, per mm of width.
+def stiffness(nodes: Floats, cells: Cells, material: Material, plane: str) -> csc_array:
+    """Stiffness (2N, 2N) of a mesh of quadratic elements, or of linear ones, N/mm per mm of width.
 
     Parameters
     ----------
     nodes : (N, 2) array
-        mm.
+        mm; degree of freedom 2*node + component.
     cells : ((kind, (E, k) array), ...)
         "quad9" or "triangle6" in meshio's node order, or "quad4" and "triangle3" (`linear_cells`);
         blocks of both kinds may share nodes.
-    material : Material
     plane : {"strain", "stress"}
-
-    Returns
-    -------
-    csc_array, (2N, 2N)
-        N/mm per mm of width; degree of freedom 2*node + component.
     """
     size = 2 * len(nodes)
     total = csc_array((size, size))
@@ -86,11 +67,7 @@ def stiffness(
 
 
 def _block_stiffness(
-    nodes: NDArray[np.float64],
-    kind: str,
-    connectivity: NDArray[np.int64],
-    material: Material,
-    plane: str,
+    nodes: Floats, kind: str, connectivity: Numbers, material: Material, plane: str
 ) -> csc_array:
     basis = block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE[kind])
     gradients = np.stack([shape[0].grad for shape in basis.basis])  # (k, 2, E, points)
@@ -111,31 +88,13 @@ def _block_stiffness(
     return assembled(blocks.ravel(), rows, columns, (2 * len(nodes), 2 * len(nodes)))
 
 
-def assembled(
-    values: NDArray[np.float64],
-    rows: NDArray[np.int64],
-    columns: NDArray[np.int64],
-    shape: tuple[int, int],
-) -> csc_array:
-    """Sparse matrix of entries; duplicates are summed.
-
-    Parameters
-    ----------
-    values, rows, columns : (n,) arrays
-    shape : (int, int)
-
-    Returns
-    -------
-    csc_array
-        With the 32-bit indices of SuperLU.
-    """
+def assembled(values: Floats, rows: Numbers, columns: Numbers, shape: tuple[int, int]) -> csc_array:
+    """Sparse matrix of entries (n,) with the 32-bit indices of SuperLU; duplicates are summed."""
     places = (rows.astype(np.int32), columns.astype(np.int32))
     return coo_array((values, places), shape=shape).tocsc()
 
 
-def linear_cells(
-    cells: tuple[tuple[str, NDArray[np.int64]], ...],
-) -> tuple[tuple[str, NDArray[np.int64]], ...]:
+def linear_cells(cells: Cells) -> Cells:
     """Linear elements with the corners of the given cells."""
     linear = {"quad9": "quad4", "triangle6": "triangle3"}
     return tuple(
@@ -143,22 +102,11 @@ def linear_cells(
     )
 
 
-def linear_edges(
-    nodes: NDArray[np.float64], cells: tuple[tuple[str, NDArray[np.int64]], ...]
-) -> csc_array:
-    """Displacements of all nodes from those of the corners, for linear elements.
+def linear_edges(nodes: Floats, cells: Cells) -> csc_array:
+    """Displacements (2N, 2N) of all nodes from those of the corners, for linear elements: T.
 
-    A quarter of the unknowns remains; T' reduces the loads of all nodes to the corners.
-
-    Parameters
-    ----------
-    nodes, cells
-        As in `stiffness`.
-
-    Returns
-    -------
-    csc_array, (2N, 2N)
-        T; columns of nodes that are no corners are empty.
+    A quarter of the unknowns remains; T' reduces the loads of all nodes to the corners. Columns of
+    nodes that are no corners are empty.
     """
     rows, columns, parts = [], [], []
     for kind, connectivity in cells:
@@ -179,25 +127,12 @@ def linear_edges(
     return coo_array((weights, degrees), shape=(2 * len(nodes),) * 2).tocsc()
 
 
-def place_load(
-    nodes: NDArray[np.float64],
-    cells: tuple[tuple[str, NDArray[np.int64]], ...],
-    *,
-    lumped: bool = False,
-) -> NDArray[np.float64]:
+def place_load(nodes: Floats, cells: Cells, *, lumped: bool = False) -> Floats:
     """Consistent nodal loads of a force per area equal to the coordinates: centrifugal force.
 
-    Parameters
-    ----------
-    nodes, cells
-        As in `stiffness`.
-    lumped : bool
-        The force of an element acts in equal parts on its corners; its edges are straight.
-
-    Returns
-    -------
-    (2N,) array
-        Integral of N_q x, mm³; times density and the square of the speed a force per mm of width.
+    Integral of N_q x, (2N,), mm³; times density and the square of the speed a force per mm of
+    width. If lumped, the force of an element acts in equal parts on its corners; its edges are
+    straight.
     """
     loads = np.zeros_like(nodes)
     for kind, connectivity in cells:
@@ -216,9 +151,7 @@ def place_load(
     return loads.ravel()
 
 
-def block_basis(
-    nodes: NDArray[np.float64], kind: str, connectivity: NDArray[np.int64], degree: int
-) -> Basis:
+def block_basis(nodes: Floats, kind: str, connectivity: Numbers, degree: int) -> Basis:
     """scikit-fem's basis of a block; shape k of an element belongs to its node k."""
     import skfem
 
@@ -234,26 +167,15 @@ def block_basis(
     return skfem.Basis(mesh, element, intorder=degree)
 
 
-def degrees_of(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
+def degrees_of(nodes: Numbers) -> Numbers:
     """Degrees of freedom of nodes, x and y alternating."""
     return (2 * np.asarray(nodes)[:, None] + np.arange(2)).ravel()
 
 
-def factored(
-    matrix: csc_array, account: Account | None = None
-) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    """Factorise a symmetric positive definite matrix once.
+def factored(matrix: csc_array, account: Account | None = None) -> Callable[[Floats], Floats]:
+    """Factorise a symmetric positive definite matrix (n, n) once.
 
-    Parameters
-    ----------
-    matrix : csc_array, (n, n)
-    account : Account, optional
-        Account for the factorisation and its solutions.
-
-    Returns
-    -------
-    callable
-        Right-hand sides (n, k) to solutions (n, k).
+    Returns the solutions (n, k) of right-hand sides (n, k) as a function; the account counts both.
     """
     if account is None:
         account = Account()
@@ -261,24 +183,13 @@ def factored(
 
 
 def condensed(
-    matrix: csc_array,
-    inner: NDArray[np.int64],
-    kept: NDArray[np.int64],
-    account: Account | None = None,
-) -> tuple[Callable[[NDArray[np.float64]], NDArray[np.float64]], NDArray[np.float64]]:
+    matrix: csc_array, inner: Numbers, kept: Numbers, account: Account | None = None
+) -> tuple[Callable[[Floats], Floats], Floats]:
     """Factorise the inner part of a symmetric positive definite matrix and condense it to the rest.
 
     A few kept unknowns need a solution each. For many, a second factorisation with the kept
     unknowns last is cheaper: its last block is the Schur complement (588 of 21044 unknowns: a sixth
-    of the time).
-
-    Parameters
-    ----------
-    matrix : csc_array, (n, n)
-    inner, kept : arrays
-        Unknowns; others are held.
-    account : Account, optional
-        Account for factorisations and solutions.
+    of the time). Unknowns that are neither inner nor kept are held.
 
     Returns
     -------
@@ -307,10 +218,8 @@ def _factor(matrix: csc_array, order: str, account: Account) -> SuperLU:
     return factor
 
 
-def _in_blocks(
-    factor: SuperLU, account: Account
-) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    def solve(right: NDArray[np.float64]) -> NDArray[np.float64]:
+def _in_blocks(factor: SuperLU, account: Account) -> Callable[[Floats], Floats]:
+    def solve(right: Floats) -> Floats:
         account.count(fe_solutions=right.shape[1])
         solved = np.empty_like(right)
         for first in range(0, right.shape[1], BLOCK):
@@ -322,11 +231,8 @@ def _in_blocks(
 
 
 def _last_block(
-    matrix: csc_array,
-    inner: NDArray[np.int64],
-    kept: NDArray[np.int64],
-    account: Account,
-) -> NDArray[np.float64] | None:
+    matrix: csc_array, inner: Numbers, kept: Numbers, account: Account
+) -> Floats | None:
     """L22 U22 of the factors with the kept unknowns last; None if pivoting mixes them."""
     order = np.concatenate([inner, kept])
     factor = _factor(matrix[order][:, order].tocsc(), "NATURAL", account)

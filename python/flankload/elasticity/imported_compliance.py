@@ -19,13 +19,13 @@ from flankload.elasticity.near_field import (
     projected_near_field,
 )
 from flankload.elasticity.nodal_loads import hat_values, hat_widths
+from flankload.elasticity.sector_closure import made_symmetric
 from flankload.errors import ComplianceFileError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
 
 #: Largest difference between a response and its transpose, relative to the largest response.
@@ -41,12 +41,10 @@ def given_compliance(
     tangential: str | None = None,
     nodal: bool = False,
 ) -> BodyCompliance:
-    """Compliance of a body from its compliance file.
+    """Compliance of a body from its compliance file, `body.given`; no finite elements are counted.
 
     Parameters
     ----------
-    body : Body
-        With `given`.
     modes : int or None
         Number of pressure modes set by the scene; at most that of a file with modes.
     default_modes : int
@@ -58,11 +56,6 @@ def given_compliance(
         Key of the scene that needs the response to loads along the flank.
     nodal : bool
         Tables between the nodes of the file instead of pressure modes.
-
-    Returns
-    -------
-    BodyCompliance
-        No finite elements are counted.
 
     Raises
     ------
@@ -103,8 +96,7 @@ def _of_modes(
     smooth, f = given.smooth, len(given.flanks)
     own = np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
     across = np.arange(f * f).reshape(f, f).T.ravel() if f else -np.arange(len(smooth))
-    mirrored = smooth[across].transpose(0, 2, 1)
-    asymmetry = float(np.abs(smooth - mirrored).max() / np.abs(smooth).max())
+    symmetric, asymmetry = made_symmetric(smooth, across)
     if asymmetry > LARGEST_ASYMMETRY:
         raise ComplianceFileError(
             file=given.file,
@@ -136,7 +128,7 @@ def _of_modes(
             found=f"an eigenvalue of {least:.3g}",
         )
     found = BodyCompliance(
-        smooth=0.5 * (smooth + mirrored),
+        smooth=symmetric,
         near=NearField(
             given.kernel,
             jump=given.jump if friction else 0.0,
@@ -153,7 +145,7 @@ def _of_modes(
     return found.fewer_modes(spare) if spare > 0 else found
 
 
-def _least_eigenvalue(whole: NDArray[np.float64], flanks: int) -> float:
+def _least_eigenvalue(whole: Floats, flanks: int) -> float:
     """Least eigenvalue of the matrix of all flanks, from blocks by tooth or by pairs of flanks."""
     if flanks:
         p = whole.shape[1]
@@ -189,9 +181,7 @@ def _of_nodes(body: Body, given: NodalCompliance, n_modes: int, plane: str) -> B
     )
 
 
-def _responses(
-    body: Body, given: NodalCompliance, loads: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _responses(body: Body, given: NodalCompliance, loads: Floats) -> Floats:
     """Response (z, p, p) of all teeth to p loads on tooth 0, read by the same loads."""
     response = np.zeros((body.teeth, loads.shape[1], loads.shape[1]))
     for offset, block in zip(given.offsets.tolist(), given.matrix, strict=True):
@@ -205,7 +195,7 @@ def _tables(body: Body, given: NodalCompliance, plane: str) -> BodyCompliance:
     """Tables between nodes; of quadratic elements only the ends of edges (see `nodal_loads`)."""
     nodes = given.arc_length_mm[:: 2 if given.quadratic else 1]
 
-    def pressures(s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def pressures(s: Floats) -> Floats:
         return hat_values(s, nodes) / hat_widths(nodes)
 
     if given.of_pressures:
@@ -222,14 +212,12 @@ def _tables(body: Body, given: NodalCompliance, plane: str) -> BodyCompliance:
 
 def nodal_mode_forces(
     given: NodalCompliance, mode_range_mm: tuple[float, float], n_modes: int
-) -> NDArray[np.float64]:
+) -> Floats:
     """Consistent nodal forces (n, n_modes) of the pressure modes along the normal, mm."""
     return consistent_forces(given, lambda s: mode_values(s, mode_range_mm, n_modes))
 
 
-def consistent_forces(
-    given: NodalCompliance, pressures: Callable[[NDArray[np.float64]], NDArray[np.float64]]
-) -> NDArray[np.float64]:
+def consistent_forces(given: NodalCompliance, pressures: Callable[[Floats], Floats]) -> Floats:
     """Consistent nodal forces (n, p) along the normal of p pressures over the arc length."""
     places, weights, shapes = gauss_places(given.arc_length_mm, quadratic=given.quadratic)
     return np.asarray(shapes.T @ (weights[:, None] * pressures(places)))

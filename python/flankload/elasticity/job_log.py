@@ -13,7 +13,7 @@ from flankload.cost import Account
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats, Numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +54,7 @@ class JobLog:
     """
 
     def __init__(
-        self,
-        account: Account | None = None,
-        on_solution: Callable[[NDArray[np.float64]], None] | None = None,
+        self, account: Account | None = None, on_solution: Callable[[Floats], None] | None = None
     ) -> None:
         self.account = Account() if account is None else account
         self._on_solution = on_solution
@@ -70,28 +68,12 @@ class JobLog:
         self._clock = now
 
     def count_loads(self, columns: int, *, friction: bool) -> None:
-        """Count the load cases of a flank by direction.
-
-        Parameters
-        ----------
-        columns : int
-            Normal loads; with friction followed by as many tangential ones.
-        friction : bool
-        """
+        """Count the load cases of a flank: normal ones, with friction as many tangential ones."""
         tangential = columns // 2 if friction else 0
         self.account.count(unit_loads_normal=columns - tangential, unit_loads_tangential=tangential)
 
-    def solution(self, free: NDArray[np.int64], moved: NDArray[np.float64], unknowns: int) -> None:
-        """Report a solution under the unit loads of a flank.
-
-        Parameters
-        ----------
-        free : (n,) array
-            Unknowns that were solved; all others are 0.
-        moved : (n, p) array
-        unknowns : int
-            Number of all unknowns.
-        """
+    def solution(self, free: Numbers, moved: Floats, unknowns: int) -> None:
+        """Report a solution (n, p) under the unit loads of a flank; all but `free` (n,) are 0."""
         if self._on_solution is None:
             return
         self.end_step("solution")

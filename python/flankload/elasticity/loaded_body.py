@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import (
@@ -23,19 +24,17 @@ from flankload.elasticity.finite_elements import (
     lame_parameters,
     stiffness,
 )
-from flankload.elasticity.near_field import SAME_NODE, carrying_edges, mirrored_loads
-from flankload.elasticity.sector_closure import CondensedSector, turned_cuts
+from flankload.elasticity.near_field import carrying_edges, mirrored_loads
+from flankload.elasticity.sector_closure import CondensedSector, ring_displacements
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Body, WholeMesh
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
-    Cells = tuple[tuple[str, Numbers], ...]
+#: Largest distance of fixed nodes on both cuts, relative to the size of the mesh.
+SAME_CUT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,22 +66,11 @@ class LoadedBody:
     def nodal_forces(
         self, tooth: Numbers, s_mm: Floats, force: Floats, *, coast: bool = False
     ) -> Floats:
-        """Consistent nodal forces of point forces on flanks.
+        """Consistent nodal forces (2M,) of point forces (n, 2) on flanks, per mm of width.
 
-        Parameters
-        ----------
-        tooth : (n,) array
-            Teeth of the body, from 0.
-        s_mm : (n,) array
-            Arc lengths on the flank; beyond its elements, the last node carries the force.
-        force : (n, 2) array
-            In the frame of the body, per mm of width.
-        coast : bool
-            On the coast flanks of these teeth; of bodies of equal sectors with involutes only.
-
-        Returns
-        -------
-        (2M,) array
+        In the frame of the body, on teeth (n,) from 0, at arc lengths (n,); beyond the elements of
+        a flank its last node carries the force. Coast flanks exist on bodies of equal sectors with
+        involutes only.
         """
         total = np.zeros((len(self.nodes), 2))
         for each in np.unique(tooth):
@@ -94,25 +82,12 @@ class LoadedBody:
 
     def flank_widths(self, tooth: int, *, coast: bool = False) -> tuple[Numbers, Floats]:
         """Nodes (k,) of a flank, and the flank length (k,) of each, mm."""
-        edges, s = self._edges(tooth, coast=coast)
-        nodes, place = np.unique(edges, return_inverse=True)
-        lengths = np.abs(s[:, 1] - s[:, 0])
-        # Simpson's weights: the integrals of the shape functions of an edge
-        parts = lengths[:, None] * np.array([1.0, 1.0, 4.0]) / 6.0
-        return nodes, np.asarray(np.bincount(place.ravel(), weights=parts.ravel()), dtype=float)
+        return node_widths(*self._edges(tooth, coast=coast))
 
     def stress_MPa(self, moved: Floats) -> Floats:
-        """Stress at the nodes, recovered and averaged over the elements of a node.
+        """Stress (M, 4) at the nodes: xx, yy, zz and xy in the frame of the body.
 
-        Parameters
-        ----------
-        moved : (2M,) array
-            Displacements, mm.
-
-        Returns
-        -------
-        (M, 4) array
-            xx, yy, zz and xy in the frame of the body.
+        Recovered from the displacements (2M,), mm, and averaged over the elements of a node.
         """
         strain = recovered_strains(self.nodes, self.cells, moved[:, None])
         lame_lambda, lame_mu = lame_parameters(self.body.material, self.plane)
@@ -150,37 +125,16 @@ class LoadedBody:
 
 
 def loaded_body(body: Body, plane: str) -> LoadedBody:
-    """Factorise the elements of a body for forces on its flanks.
-
-    Parameters
-    ----------
-    body : Body
-        Plane, elastic, with a mesh.
-    plane : {"strain", "stress"}
-
-    Returns
-    -------
-    LoadedBody
-    """
+    """Factorise the elements of a plane elastic body for forces on its flanks."""
     body = body.for_elements()
     mesh = body.mesh
     assert mesh is not None
     if isinstance(mesh, SectorMesh):
-        nodes, numbers = ring_of(mesh)
-        cells = tuple(
-            (kind, numbers[:, connectivity].reshape(-1, connectivity.shape[1]))
-            for kind, connectivity in mesh.cells
-        )
+        nodes, cells, numbers = ring_of(mesh)
         return LoadedBody(body, plane, nodes, cells, numbers, _ring_solver(body, plane, numbers))
     numbers = np.arange(len(mesh.nodes))[None]
     solve = _whole_solver(body, mesh, plane)
     return LoadedBody(body, plane, mesh.nodes, mesh.cells, numbers, solve)
-
-
-def turned(vectors: Floats, angle_rad: float) -> Floats:
-    """Vectors (…, 2), rotated counter-clockwise."""
-    cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
-    return np.asarray(vectors @ np.array([[cosine, sine], [-sine, cosine]]))
 
 
 def on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
@@ -200,20 +154,29 @@ def on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
     return at, np.stack([0.5 * x * (x - 1), 0.5 * x * (x + 1), 1 - x**2], axis=1)
 
 
-def ring_of(mesh: SectorMesh) -> tuple[Floats, Numbers]:
-    """Nodes (M, 2) of all sectors of a ring and their numbers (z, N) by sector."""
+def node_widths(edges: Numbers, s: Floats) -> tuple[Numbers, Floats]:
+    """Nodes (k,) of the edges (m, 3) of a flank, and the arc length (k,) of each, mm."""
+    nodes, place = np.unique(edges, return_inverse=True)
+    # Simpson's weights: the integrals of the shape functions of an edge
+    parts = np.abs(s[:, 1] - s[:, 0])[:, None] * np.array([1.0, 1.0, 4.0]) / 6.0
+    return nodes, np.asarray(np.bincount(place.ravel(), weights=parts.ravel()), dtype=float)
+
+
+def ring_of(mesh: SectorMesh) -> tuple[Floats, Cells, Numbers]:
+    """Nodes (M, 2) and elements of all sectors of a ring, and numbers (z, N) of its nodes."""
     z, n = mesh.teeth, len(mesh.nodes)
     pitch = 2 * np.pi / z
     fixed = mesh.nodes[mesh.fixed_nodes]
     apart = np.linalg.norm(turned(fixed, pitch)[:, None] - fixed, axis=2)
-    left, right = np.nonzero(apart < SAME_NODE * float(np.abs(mesh.nodes).max()))
+    left, right = np.nonzero(apart < SAME_CUT * float(np.abs(mesh.nodes).max()))
     left = np.concatenate([mesh.left_nodes, mesh.fixed_nodes[left]])
     right = np.concatenate([mesh.right_nodes, mesh.fixed_nodes[right]])
     own = np.setdiff1d(np.arange(n), right)
     numbers = np.empty((z, n), dtype=np.int64)
     numbers[:, own] = np.arange(z * own.size).reshape(z, own.size)
     numbers[:, right] = np.roll(numbers, -1, axis=0)[:, left]
-    return np.concatenate([turned(mesh.nodes[own], k * pitch) for k in range(z)]), numbers
+    cells = tuple((kind, numbers[:, data].reshape(-1, data.shape[1])) for kind, data in mesh.cells)
+    return np.concatenate([turned(mesh.nodes[own], k * pitch) for k in range(z)]), cells, numbers
 
 
 def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats], Floats]:
@@ -227,7 +190,6 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
     inside = np.setdiff1d(np.arange(matrix.shape[0]), held)
     inner, complement = condensed(matrix, inside, cut)
     coupling = matrix[cut][:, inside]
-    waves = np.exp(1j * pitch * np.arange(z // 2 + 1))[:, None, None]
 
     def solve(forces: Floats) -> Floats:
         whole = forces.reshape(-1, 2)
@@ -236,14 +198,8 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
         local[:, mesh.right_nodes] = 0.0
         right = local.reshape(z, -1).T  # (2N, z)
         carried = right[cut] - coupling @ inner(right[inside])
-        sector = CondensedSector((), (carried,), complement)
-        (left_left, left_right, right_left, right_right), ((one, two),) = turned_cuts(sector, pitch)
-        load = np.fft.rfft(one + np.roll(two, 1, axis=1), axis=1).T[:, :, None]
-        system = left_left + right_right + left_right * waves + right_left / waves
-        on_left = np.fft.irfft(np.linalg.solve(system, load)[:, :, 0], n=z, axis=0)
-        on_right = turned(np.roll(on_left, -1, axis=0).reshape(z, -1, 2), pitch)
         moved = np.zeros_like(right)
-        moved[cut] = np.concatenate([on_left.T, on_right.reshape(z, -1).T])
+        moved[cut] = ring_displacements(CondensedSector((), (carried,), complement), z)
         moved[inside] = inner(right[inside] - coupling.T @ moved[cut])
         found = np.empty_like(whole)
         for k, row in enumerate(numbers):

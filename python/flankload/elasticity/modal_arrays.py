@@ -22,19 +22,7 @@ if TYPE_CHECKING:
 def modal_arrays(
     body: Body, compliance: BodyCompliance, *, plane: str
 ) -> Mapping[str, NDArray[Any]]:
-    """Arrays of the compliance file of a body.
-
-    Parameters
-    ----------
-    body : Body
-    compliance : BodyCompliance
-        Compliance of an elastic body.
-    plane : {"strain", "stress"}
-
-    Returns
-    -------
-    mapping of str to array
-    """
+    """Arrays of the compliance file of an elastic body; plane is "strain" or "stress"."""
     curve = body.curve
     arrays: dict[str, Any] = {
         "format": FORMAT,

@@ -29,8 +29,7 @@ from flankload.bodies.tip_modes import Tip, joined, joined_image, on_tip, tip_mo
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Material, SectorMesh
 
 #: Distance between a node and the mirror image of another one, relative to the size of the mesh.
@@ -42,15 +41,7 @@ MORE_POINTS = 14
 def logarithm_strength(material: Material, plane: str) -> float:
     """c0 (mm²/N): normal displacement of a half-plane is -c0 ln(distance) per force and width.
 
-    Parameters
-    ----------
-    material : Material
-    plane : {"strain", "stress"}
-
-    Returns
-    -------
-    float
-        2 (1 - nu²)/(pi E) in plane strain, 2/(pi E) in plane stress.
+    2 (1 - nu²)/(pi E) in plane strain, 2/(pi E) in plane stress.
     """
     factor = 1.0 - material.poisson_ratio**2 if plane == "strain" else 1.0
     return 2.0 * factor / (np.pi * material.young_modulus_MPa)
@@ -60,18 +51,8 @@ def jump_strength(material: Material, plane: str) -> float:
     """j (mm²/N): normal displacement of a half-plane beside a load along its surface.
 
     Out of the material it is -j in front of the load and j behind it, per force and width, at any
-    distance.
-
-    Parameters
-    ----------
-    material : Material
-    plane : {"strain", "stress"}
-
-    Returns
-    -------
-    float
-        (1 - 2 nu)(1 + nu)/(2 E) in plane strain, (1 - nu)/(2 E) in plane stress; K. L. Johnson,
-        Contact Mechanics, (2.23).
+    distance: (1 - 2 nu)(1 + nu)/(2 E) in plane strain, (1 - nu)/(2 E) in plane stress; K. L.
+    Johnson, Contact Mechanics, (2.23).
     """
     ratio = material.poisson_ratio
     factor = (1.0 - 2.0 * ratio) * (1.0 + ratio) if plane == "strain" else 1.0 - ratio
@@ -79,30 +60,18 @@ def jump_strength(material: Material, plane: str) -> float:
 
 
 def mode_values(
-    s: NDArray[np.float64],
+    s: Floats,
     mode_range_mm: tuple[float, float],
     n_modes: int,
     *,
     closed: bool = False,
     tip: Tip | None = None,
-) -> NDArray[np.float64]:
-    """Legendre polynomials P_0 … P_(n_modes - 1) over the range of the modes.
+) -> Floats:
+    """Legendre polynomials P_0 … P_(n_modes - 1) at arc lengths (n,), mm: (n, n_modes).
 
-    Parameters
-    ----------
-    s : (n,) array
-        Arc lengths, mm.
-    mode_range_mm : (float, float)
-    n_modes : int
-    closed : bool
-        The range is a turn: 1, cos t, sin t, cos 2t, … instead, t from 0 to 2 pi.
-    tip : Tip, optional
-        Behind the range: the last modes are the tip's own (`tip_modes`), the others keep their end
-        values.
-
-    Returns
-    -------
-    (n, n_modes) array
+    Over the range of the modes; if closed, it is a turn, t from 0 to 2 pi, with 1, cos t, sin t,
+    cos 2t, … instead. With a tip behind the range the last modes are its own (`tip_modes`), and the
+    others keep their end values there.
     """
     low, high = mode_range_mm
     if tip is not None:
@@ -120,26 +89,16 @@ def mode_values(
 
 
 def to_coefficients(
-    moments: NDArray[np.float64],
+    moments: Floats,
     mode_range_mm: tuple[float, float],
     *,
     closed: bool = False,
     tip: Tip | None = None,
-) -> NDArray[np.float64]:
-    """Coefficients of functions from their integrals with the modes.
+) -> Floats:
+    """Coefficients (n_modes, …) of functions from their integrals with the modes.
 
-    Parameters
-    ----------
-    moments : (n_modes, …) array
-        Integrals over the range, and over the tip behind it.
-    mode_range_mm : (float, float)
-    closed : bool
-        The range is a turn.
-    tip : Tip, optional
-
-    Returns
-    -------
-    (n_modes, …) array
+    The integrals are those over the range of the modes, a turn if closed, and over the tip behind
+    it.
     """
     n_modes = len(moments)
     if tip is None:
@@ -150,9 +109,7 @@ def to_coefficients(
     return np.asarray(found.reshape(moments.shape), dtype=np.float64)
 
 
-def mode_products(
-    mode_range_mm: tuple[float, float], n_modes: int, tip: Tip
-) -> NDArray[np.float64]:
+def mode_products(mode_range_mm: tuple[float, float], n_modes: int, tip: Tip) -> Floats:
     """<P_a, P_b> over flank and tip, mm; those of the flank alone are orthogonal."""
     high, flank = mode_range_mm[1], n_modes - tip_modes(n_modes)
     parts = on_tip(n_modes, tip)
@@ -161,9 +118,7 @@ def mode_products(
     return np.asarray(products)
 
 
-def mode_norms(
-    mode_range_mm: tuple[float, float], n_modes: int, *, closed: bool = False
-) -> NDArray[np.float64]:
+def mode_norms(mode_range_mm: tuple[float, float], n_modes: int, *, closed: bool = False) -> Floats:
     """D_a = integral of P_a² over the range, mm: length/(2a + 1); of a harmonic length/2."""
     low, high = mode_range_mm
     if closed:
@@ -180,29 +135,16 @@ def mode_loads(
     closed: bool = False,
     tip: Tip | None = None,
     twist: float | None = None,
-) -> NDArray[np.float64]:
+) -> Floats:
     """Consistent nodal loads of the modes, along the outward normal or the tangent.
 
     B_qa = integral of N_q P_a n ds over the mesh's flank edges, with the edges' own quadratic
-    geometry and shape functions; s is interpolated like the place.
-
-    Parameters
-    ----------
-    mesh : SectorMesh or MeshedFlank
-    mode_range_mm : (float, float)
-    n_modes : int
-    along : {"normal", "tangent"}
-        The tangent points to growing arc length.
-    closed : bool
-        The range is a turn.
-    tip : Tip, optional
-        Behind the range; its edges are loaded, too.
-    twist : float, optional
-        As in `consistent_loads`.
+    geometry and shape functions; s is interpolated like the place. The tangent points to growing
+    arc length. Behind the range of the modes, a turn if closed, the edges of a tip are loaded, too.
 
     Returns
     -------
-    (2 N, n_modes) array, (3 N, n_modes) with a twist
+    (2 N, n_modes) array, (3 N, n_modes) with a twist (`consistent_loads`)
         Per mm of width, degree of freedom 2*node + component.
     """
     turn = mode_range_mm[1] - mode_range_mm[0] if closed else None
@@ -218,9 +160,7 @@ def mode_loads(
     )
 
 
-def carrying_edges(
-    flank: SectorMesh | MeshedFlank,
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def carrying_edges(flank: SectorMesh | MeshedFlank) -> tuple[Numbers, Floats]:
     """Nodes (m, 3) and arc lengths (mm) of the loaded edges, including those of tip roundings."""
     edges, s = flank.flank_edges, flank.flank_arc_length[flank.flank_edges]
     if isinstance(flank, MeshedFlank) or not flank.tip_edges.size:
@@ -230,41 +170,34 @@ def carrying_edges(
 
 def consistent_loads(
     mesh: SectorMesh | MeshedFlank,
-    values: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    values: Callable[[Floats], Floats],
     *,
     count: int,
     along: Literal["normal", "tangent"] = "normal",
     turn: float | None = None,
     gauss_points: int = 6,
-    edges: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None,
+    edges: tuple[Numbers, Floats] | None = None,
     twist: float | None = None,
-) -> NDArray[np.float64]:
-    """Consistent nodal loads of pressures along a flank.
+) -> Floats:
+    """Consistent nodal loads of pressures along a flank, per mm of width.
+
+    (2 N, count), degree of freedom 2*node + component; with a twist (3 N, count), 3*node +
+    component.
 
     Parameters
     ----------
-    mesh : SectorMesh or MeshedFlank
     values : callable
         Arc lengths (k,) to pressures (k, count).
-    count : int
-        Number of loads.
     along : {"normal", "tangent"}
         Out of the material, or towards growing arc length.
     turn : float, optional
         Length of a closed flank, mm.
-    gauss_points : int
-        On each edge.
     edges : (m, 3) arrays, optional
         Nodes and arc lengths of the loaded edges; by default those of the flank.
     twist : float, optional
         kappa, rad/mm, by which the section turns along the axis. A pressure on the flank of a prism
         then has an axial component: (n, -kappa l) per arc length and width, l the lever of n. A
         load along the profile is 1/cos(beta) = hypot(1, kappa l) of its tangent there.
-
-    Returns
-    -------
-    (2 N, count) array, (3 N, count) with a twist
-        Per mm of width, degree of freedom 2*node + component, or 3*node + component.
     """
     points, weights = leggauss(gauss_points)
     shape = np.stack(
@@ -296,30 +229,14 @@ def consistent_loads(
     return loads.reshape(-1, count)
 
 
-def mirrored_loads(
-    mesh: SectorMesh, loads: NDArray[np.float64], center_rad: float
-) -> tuple[NDArray[np.float64], int]:
-    """Loads of the other flank in the sector, whose halves are mirror images.
+def mirrored_loads(mesh: SectorMesh, loads: Floats, center_rad: float) -> tuple[Floats, int]:
+    """Loads of the other flank in the sector, whose halves are mirror images, and its tooth.
 
-    Parameters
-    ----------
-    mesh : SectorMesh
-    loads : (2 N, p) array
-        Of the flank that the mesh names, that of tooth 0.
-    center_rad : float
-        Polar angle of the centre of tooth 0 (of the space, where teeth stand inwards).
+    Each force (2 N, p) on the flank of tooth 0 acts mirrored at the mirrored node. The coast flank
+    belongs to another tooth where a sector contains a space. `center_rad` is the polar angle of the
+    centre of tooth 0 (of the space, where teeth stand inwards).
 
-    Returns
-    -------
-    loads : (2 N, p) array
-        Each force at the mirrored node, mirrored.
-    tooth : int
-        Tooth of this coast flank: a sector may contain a tooth or a space.
-
-    Raises
-    ------
-    ValueError
-        If a node of the flank has no mirror image.
+    Raises ValueError if a node of the flank has no mirror image.
     """
     cuts = np.concatenate([mesh.left_nodes, mesh.right_nodes])
     axis = np.arctan2(*mesh.nodes[cuts].sum(axis=0)[::-1])
@@ -338,28 +255,13 @@ def mirrored_loads(
     return mirrored.reshape(loads.shape), tooth
 
 
-def projected_logarithm(
-    n_modes: int, length_mm: float, *, closed: bool = False
-) -> NDArray[np.float64]:
-    """<P_a, ln|s - s'| P_b> over a flank, in closed form.
+def projected_logarithm(n_modes: int, length_mm: float, *, closed: bool = False) -> Floats:
+    """<P_a, ln|s - s'| P_b> over a flank, in closed form: (n_modes, n_modes), mm².
 
     With x in [-1, 1] and Legendre functions of the second kind, for n >= 1
     int P_n(y) ln|x - y| dy = 2 (Q_(n+1) - Q_(n-1))/(2n + 1), and
     int P_m Q_n = (1 - (-1)^(m+n))/((m - n)(m + n + 1)) for m != n, else 0. Of the chord on a
     closed flank: ln|2 sin(t/2)| = -sum cos(k t)/k leaves a diagonal.
-
-    Parameters
-    ----------
-    n_modes : int
-    length_mm : float
-        Length of the modes' range.
-    closed : bool
-        The range is a turn.
-
-    Returns
-    -------
-    (n_modes, n_modes) array
-        mm².
     """
     if closed:
         order = np.arange(1, n_modes + 1) // 2
@@ -385,26 +287,13 @@ def projected_logarithm(
     return result
 
 
-def projected_image(n_modes: int, length_mm: float, *, at_high_end: bool) -> NDArray[np.float64]:
-    """<P_a, ln(d + d') P_b> over a flank, with d the distance from one of its ends.
+def projected_image(n_modes: int, length_mm: float, *, at_high_end: bool) -> Floats:
+    """<P_a, ln(d + d') P_b>, mm², d the distance from one end of the flank, where a corner is.
 
-    On both halves of the square, with x and x' = x t in [0, 1] from that end, ln(x + x') =
-    ln x + ln(1 + t). The first term times a polynomial is integrated by its shifted Legendre
-    coefficients, int P~_n ln x = (-1)^(n+1)/(n (n + 1)), and -1 for n = 0; the second by Gauss
-    quadrature.
-
-    Parameters
-    ----------
-    n_modes : int
-    length_mm : float
-        Length of the modes' range.
-    at_high_end : bool
-        The corner is at the greatest arc length.
-
-    Returns
-    -------
-    (n_modes, n_modes) array
-        mm², symmetric.
+    On both halves of the square, with x and x' = x t in [0, 1] from that end,
+    ln(x + x') = ln x + ln(1 + t). The first term times a polynomial is integrated by its shifted
+    Legendre coefficients, int P~_n ln x = (-1)^(n+1)/(n (n + 1)), and -1 for n = 0; the second by
+    Gauss quadrature.
     """
     degree = np.arange(2 * n_modes)  # of two modes and x itself
     x, weights = (0.5 * part for part in leggauss(2 * n_modes))
@@ -432,25 +321,17 @@ def projected_near_field(
     wedge: tuple[float, float] = (0.0, 0.0),
     closed: bool = False,
     tip: Tip | None = None,
-) -> NDArray[np.float64]:
-    """<P_a, K P_b> over a flank for the near field K of strength c0 = -1.
+) -> Floats:
+    """<P_a, K P_b> over a flank for the near field K of strength c0 = -1: mm².
 
     Parameters
     ----------
-    n_modes : int
     length_mm : float
         Length of the modes' range.
     wedge : (float, float)
         Strengths psi of the mirror images behind its low and its high end.
-    closed : bool
-        The range is a turn.
     tip : Tip, optional
         Behind the range, measured from the low end of the range. The high end then has no image.
-
-    Returns
-    -------
-    (n_modes, n_modes) array
-        mm².
     """
     if tip is not None:
         span = (0.0, length_mm)
@@ -466,26 +347,12 @@ def projected_near_field(
     return near
 
 
-def projected_sign(
-    n_modes: int, length_mm: float, *, tip: Tip | None = None
-) -> NDArray[np.float64]:
-    """<P_a, sign(s - s') P_b> over a flank, in closed form; antisymmetric.
+def projected_sign(n_modes: int, length_mm: float, *, tip: Tip | None = None) -> Floats:
+    """<P_a, sign(s - s') P_b> over a flank, in closed form: antisymmetric, mm².
 
     With x in [-1, 1], int P_n(y) sign(x - y) dy = 2 (P_(n+1) - P_(n-1))/(2n + 1) for n >= 1 and
-    2 P_1 for n = 0: only modes of neighbouring degrees are coupled.
-
-    Parameters
-    ----------
-    n_modes : int
-    length_mm : float
-        Length of the modes' range.
-    tip : Tip, optional
-        As in `projected_near_field`.
-
-    Returns
-    -------
-    (n_modes, n_modes) array
-        mm².
+    2 P_1 for n = 0: only modes of neighbouring degrees are coupled. The tip is that of
+    `projected_near_field`.
     """
     if tip is not None:
         return joined(
@@ -495,20 +362,3 @@ def projected_sign(
     below = 4.0 / ((2 * n + 1) * (2 * n + 3))
     on_unit = np.diag(below, -1) - np.diag(below, 1)
     return np.asarray((0.5 * length_mm) ** 2 * on_unit)
-
-
-def strip_kernel(
-    distance: NDArray[np.float64], cell: NDArray[np.float64] | float, strength: float
-) -> NDArray[np.float64]:
-    """Displacement at a distance from the centre of a strip under a uniform unit load.
-
-    -(c0/d) [(x + d/2) ln|x + d/2| - (x - d/2) ln|x - d/2| - d]; the reference for the core.
-    """
-    right = np.asarray(distance) + 0.5 * np.asarray(cell)
-    left = np.asarray(distance) - 0.5 * np.asarray(cell)
-    return -strength * ((_x_log_x(right) - _x_log_x(left)) / cell - 1.0)
-
-
-def _x_log_x(x: NDArray[np.float64]) -> NDArray[np.float64]:
-    magnitude = np.abs(x)
-    return x * np.log(np.where(magnitude > 0, magnitude, 1.0))

@@ -16,32 +16,19 @@ from flankload.bodies.body import MeshedFlank, WholeMesh
 from flankload.elasticity.near_field import carrying_edges, consistent_loads
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import SectorMesh
-
-    Floats = NDArray[np.float64]
 
 
 def flank_nodes(flank: SectorMesh | MeshedFlank) -> Floats:
-    """Arc lengths of the nodes that carry unit loads.
-
-    Parameters
-    ----------
-    flank : SectorMesh or MeshedFlank
-
-    Returns
-    -------
-    (n,) array
-        Arc lengths of the ends of the edges, ascending, mm.
-    """
+    """Arc lengths (n,) of the ends of a flank's edges, which carry unit loads, ascending, mm."""
     _, s = carrying_edges(flank)
     return np.append(s[:, 0], s[-1, 1])
 
 
 def nodes_of(mesh: SectorMesh | WholeMesh) -> Floats:
     """Arc lengths of the nodes of the first flank; they apply to all flanks of the body."""
-    return flank_nodes(mesh.flanks[0] if isinstance(mesh, WholeMesh) else mesh)
+    return flank_nodes(mesh.flanks[0])
 
 
 def hat_values(s: Floats, nodes: Floats) -> Floats:
@@ -70,19 +57,10 @@ def hat_loads(
     *,
     along: Literal["normal", "tangent"] = "normal",
 ) -> Floats:
-    """Consistent loads of a unit force at each node, out of the material or along the flank.
+    """Loads (2 N, n) of a unit force at each node (n,), out of the material or along the flank.
 
-    Parameters
-    ----------
-    flank : SectorMesh or MeshedFlank
-    nodes : (n,) array
-        Arc lengths, mm; the same on every flank of a body.
-    along : {"normal", "tangent"}
-
-    Returns
-    -------
-    (2 N, n) array
-        Per mm of width, degree of freedom 2*node + component.
+    Consistent, per mm of width, degree of freedom 2*node + component; arc lengths of the nodes are
+    the same on every flank of a body, mm.
     """
     widths = hat_widths(nodes)
     return consistent_loads(
@@ -95,19 +73,10 @@ def hat_loads(
 
 
 def every_second(nodes: Floats) -> tuple[Floats, Floats]:
-    """Half as many nodes, and their unit forces as sums of those of all nodes.
+    """Half as many nodes (m,), and their unit forces as sums of those of all nodes (n,).
 
-    Parameters
-    ----------
-    nodes : (n,) array
-        Arc lengths, mm.
-
-    Returns
-    -------
-    fewer : (m,) array
-        Every second node and the last.
-    parts : (n, m) array
-        Forces at all nodes that replace the unit force at each of these; columns sum to 1.
+    Every second node and the last remain; the columns (n, m) are the forces at all nodes that
+    replace the unit force at each of these, and sum to 1.
     """
     fewer = nodes[::2] if nodes.size % 2 else np.append(nodes[::2], nodes[-1])
     return fewer, hat_values(nodes, fewer) * hat_widths(nodes)[:, None] / hat_widths(fewer)

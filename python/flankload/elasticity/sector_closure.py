@@ -17,18 +17,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import condensed, degrees_of, factored
 from flankload.elasticity.job_log import JobLog
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import SectorMesh
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -71,12 +70,10 @@ def condense(
         Stiffness of the sector.
     loads : (2N, p) array
         Load columns; the same columns read the displacements.
-    mesh : SectorMesh
     readings : mapping of str to (2N, q) array, optional
         Further columns that read the displacements, by the counter of their solutions
         (`cost.COUNTERS`). A known load is also a reading: by reciprocity (Betti) it reads the
         displacements that it causes itself.
-    log : JobLog, optional
 
     Returns
     -------
@@ -112,23 +109,12 @@ def condense(
 
 
 def close_ring(sector: CondensedSector, teeth: int) -> Floats:
-    """Response of all teeth of a closed ring to the loads on tooth 0.
+    """Response (z, r, p) of all teeth of a closed ring to the loads on tooth 0.
 
     The left cut of sector k is the right cut of sector k - 1; its unknowns are in the frame of
     sector k, so the right cut of sector k - 1 is rotated by one pitch. The ring is block-circulant:
-    a Fourier transform over the sectors separates its harmonics.
-
-    Parameters
-    ----------
-    sector : CondensedSector
-    teeth : int
-        Number z of sectors.
-
-    Returns
-    -------
-    (z, r, p) array
-        Response of the readings on tooth t, in its frame, to the loads on tooth 0; the first p
-        readings are those of the loads.
+    a Fourier transform over the sectors separates its harmonics. [t] are the readings on tooth t,
+    in its frame; the first p are those of the loads.
     """
     pitch = 2 * np.pi / teeth
     (left_left, left_right, right_left, right_right), carried = turned_cuts(sector, pitch)
@@ -152,19 +138,28 @@ def close_ring(sector: CondensedSector, teeth: int) -> Floats:
     return np.concatenate(response, axis=1)
 
 
+def ring_displacements(sector: CondensedSector, teeth: int) -> Floats:
+    """Displacements (2 m, z) of the cuts of all sectors of a closed ring, in the sectors' frames.
+
+    `sector.carried` has the known forces on the cuts of each sector, (2 m, z).
+    """
+    pitch = 2 * np.pi / teeth
+    (left_left, left_right, right_left, right_right), ((one, two),) = turned_cuts(sector, pitch)
+    load = np.fft.rfft(one + np.roll(two, 1, axis=1), axis=1).T
+    waved = np.empty_like(load)
+    for k, wave in enumerate(np.exp(1j * pitch * np.arange(len(load)))):
+        system = left_left + right_right + left_right * wave + right_left / wave
+        waved[k] = np.linalg.solve(system, load[k])
+    left = np.fft.irfft(waved, n=teeth, axis=0)
+    right = np.roll(left, -1, axis=0).reshape(teeth, -1, sector.components).copy()
+    right[..., :2] = turned(right[..., :2], pitch)
+    return np.concatenate([left.T, right.reshape(teeth, -1).T])
+
+
 def alike_response(sector: CondensedSector, teeth: int) -> Floats:
-    """Response of any tooth of a closed ring under the same loads on all teeth: harmonic 0.
+    """Response (r, p) of any tooth of a ring under the same loads on all teeth: harmonic 0.
 
-    Parameters
-    ----------
-    sector : CondensedSector
-    teeth : int
-        Number z of sectors.
-
-    Returns
-    -------
-    (r, p) array
-        The sum over the teeth of `close_ring`.
+    The sum over the teeth of `close_ring`.
     """
     stiffness, carried = turned_cuts(sector, 2 * np.pi / teeth)
     reads = [left + right for left, right in carried]
@@ -206,17 +201,8 @@ def row_response(cells: Sequence[RowCell]) -> Floats:
 
     Interface k lies between cells k and k + 1. The stiffness of the interfaces is block-tridiagonal
     and is eliminated from one end to the other. Supports and loads at the two ends of the row are
-    part of the first and the last cell.
-
-    Parameters
-    ----------
-    cells : sequence of RowCell
-        Their loads and readings may differ.
-
-    Returns
-    -------
-    (sum of r, sum of p) array
-        Readings of the first cell first; loads likewise.
+    part of the first and the last cell. Cells may differ in loads and readings; the response (sum
+    of r, sum of p) has those of the first cell first.
     """
     loads = [cell.loads for cell in cells]
     ends = np.concatenate([[0], np.cumsum(loads)])
@@ -252,18 +238,9 @@ def row_response(cells: Sequence[RowCell]) -> Floats:
 def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
     """Response of all sectors of an open row with held ends to the loads on each.
 
-    Parameters
-    ----------
-    sector : CondensedSector
-    cells : int
-        Number n of sectors.
-    turn_rad : float
-        Rotation of each sector relative to the previous one, counter-clockwise.
-
-    Returns
-    -------
-    (n, n, r, p) array
-        [i, j]: response of the readings on sector i to the loads on sector j, each in its frame.
+    Each sector is turned counter-clockwise by `turn_rad` relative to the previous one. (n, n, r,
+    p): [i, j] is the response of the readings on sector i to the loads on sector j, each in its
+    frame.
     """
     stiffness, carried = turned_cuts(sector, turn_rad)
     cell = RowCell(sector.local, carried, stiffness)
@@ -280,18 +257,7 @@ def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:
     two such pairs. It is symmetric (Betti) and depends on the distance of the teeth only. Teeth at
     a greater distance than the length of the segment do not affect each other.
 
-    Parameters
-    ----------
-    sector : CondensedSector
-    teeth : int
-        Number z of sectors of the whole body.
-    cells : int
-        Number of sectors of the segment, odd, at most z.
-
-    Returns
-    -------
-    (z, r, p) array
-        As in `close_ring`.
+    The segment has an odd number of cells, at most that of all teeth; (z, r, p) as in `close_ring`.
     """
     row = open_row(sector, cells, 2 * np.pi / teeth)
     response = np.zeros((teeth, *row.shape[2:]))
@@ -313,19 +279,9 @@ def tooth_response(
 ) -> tuple[Floats, int]:
     """Response of a single tooth whose cuts are held while all other teeth are at rest.
 
-    Parameters
-    ----------
-    matrix, loads, mesh, log
-        As in `condense`.
-    readings : sequence of (2N, q) arrays
-        By kind, columns that read the displacements; they need no solutions here.
-
-    Returns
-    -------
-    response : (z, r, p) array
-        As in `close_ring`; 0 except for the tooth itself.
-    degrees_of_freedom : int
-        Number of unknowns that are not held.
+    Arguments as of `condense`; `readings` are columns (2N, q) by kind, which need no solutions
+    here. (z, r, p) as in `close_ring`, 0 except for the tooth itself, and the number of unknowns
+    not held.
     """
     log = JobLog() if log is None else log
     held = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes, mesh.fixed_nodes]))
@@ -339,6 +295,17 @@ def tooth_response(
     log.end_step("solution")
     log.solution(inside, solved, matrix.shape[0])
     return response, inside.size
+
+
+def made_symmetric(response: Floats, across: Numbers) -> tuple[Floats, float]:
+    """Mean of responses (k, p, p) and the same with load and reading exchanged, and their change.
+
+    Both are equal but for rounding (Betti): the largest difference, relative to the largest
+    response, is the rounding error. `across` (k,) are the blocks with load and reading exchanged.
+    """
+    mirrored = response[across].transpose(0, 2, 1)
+    asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
+    return 0.5 * (response + mirrored), asymmetry
 
 
 def turned_cuts(

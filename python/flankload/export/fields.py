@@ -20,13 +20,11 @@ from flankload.scene import scene_of
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.mechanisms.flank_pair.loaded_bodies import FieldBody, SolidBody
     from flankload.result import PairTable
     from flankload.scene import Scene, SceneLike
 
-    Floats = NDArray[np.float64]
 
 #: Name of the collection in each folder.
 COLLECTION = "loaded_pair.pvd"
@@ -181,8 +179,10 @@ def _contacts_of(tables: Sequence[PairTable]) -> bytes:
     """Content of the file of the contact cells of a position, each a line along the flank."""
     ends, columns = [], []
     for table in tables:
-        place = np.column_stack([table.x_mm, table.y_mm, _heights(table)])
-        tangent = np.column_stack([table.normal_y, -table.normal_x, np.zeros(len(table))])
+        none = np.zeros(len(table))
+        height = none if table.z_mm is None else table.z_mm
+        place = np.column_stack([table.x_mm, table.y_mm, height])
+        tangent = np.column_stack([table.normal_y, -table.normal_x, none])
         half = 0.5 * table.cell_mm[:, None] * tangent
         ends.append(np.stack([place - half, place + half], axis=1))
         columns.append((table.pressure_MPa, table.force_N, table.gap_um, table.site))
@@ -194,10 +194,6 @@ def _contacts_of(tables: Sequence[PairTable]) -> bytes:
         {},
         {"pressure_MPa": [pressure], "force_N": [force], "gap_um": [gap], "pair": [pair]},
     )
-
-
-def _heights(table: PairTable) -> Floats:
-    return np.zeros(len(table)) if table.z_mm is None else table.z_mm
 
 
 def _in_space(plane: Floats) -> Floats:

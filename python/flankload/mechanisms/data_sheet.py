@@ -52,7 +52,6 @@ class DataSheet:
     kinds : (str, str)
         Kinds of both bodies.
     bodies : two tuples of SheetRow
-    pair : tuple of SheetRow
     path : tuple of PathPoint
         Empty unless both flanks are involutes that roll on each other.
     """

@@ -52,28 +52,14 @@ class Duration:
 
 
 def work_in_words(scene: Scene, positions: int, least: str = "") -> str:
-    """Describe the torques and positions of a run.
-
-    Parameters
-    ----------
-    least : str
-        Text before the number of positions.
-    """
+    """Describe the torques and positions of a run; `least` precedes the number of positions."""
     torques = len(scene.torques_Nm)
     work = f"{least}{positions} position{'s' * (positions != 1)}"
     return f"{torques} torques x {work}" if torques > 1 else work
 
 
 def elements_seconds(counters: Counters, unknowns: int, elements: int) -> float:
-    """CPU seconds of assembly, factorisations and solutions.
-
-    Parameters
-    ----------
-    counters : mapping of str to int
-        Counters of the stage.
-    unknowns, elements : int
-        Size of the mesh.
-    """
+    """CPU seconds of assembly, factorisations and solutions, from the counters of a stage."""
     cuts = counters.get("cut_columns", 0)
     columns = counters["fe_solutions"] - cuts + CUT_PART * cuts
     factors = counters["fe_factorisations"] * FACTOR_S * unknowns**FACTOR_POWER

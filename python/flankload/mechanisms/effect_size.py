@@ -10,9 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from flankload.base.arrays import Floats, Numbers
 
 #: Least divisor of forces, for states without any load.
 TINY = float(np.finfo(float).tiny)
@@ -23,7 +21,7 @@ class States:
     """Curves of one torque at P positions on S sites; K_Hbeta, which the plane does not have."""
 
     torque_Nm: float
-    sites: NDArray[np.int64]
+    sites: Numbers
     rotation_rad: Floats
     load_share: Floats
     face_load_factor: float | None = None
@@ -32,7 +30,7 @@ class States:
     def of(
         cls,
         torque_Nm: float,
-        sites: NDArray[np.int64],
+        sites: Numbers,
         rotation_rad: Floats,
         site_force_N: Floats,
         face_load_factor: float | None = None,
@@ -46,7 +44,7 @@ class States:
         share = self.load_share[which]
         return replace(self, rotation_rad=self.rotation_rad[which], load_share=share)
 
-    def share_on(self, sites: NDArray[np.int64]) -> Floats:
+    def share_on(self, sites: Numbers) -> Floats:
         """Load share (P, n) on a larger set of sites."""
         share = np.zeros((len(self.load_share), sites.size))
         share[:, np.searchsorted(sites, self.sites)] = self.load_share
@@ -112,17 +110,8 @@ def size_of(
 ) -> Size:
     """Size of an effect at the torque at which it is largest.
 
-    Parameters
-    ----------
-    with_it, without, base : sequences of States
-        One for each torque, at the same positions; `base` is the unchanged scene.
-    unloaded_rad : (P,) array
-        Rotation of the unchanged scene without torque.
-    reference_radius_mm : float
-
-    Returns
-    -------
-    Size
+    States are one for each torque, at the same positions; `base` is the unchanged scene,
+    `unloaded_rad` (P,) its rotation without torque.
     """
     sizes = [
         _size(one, other, scene.rotation_rad - unloaded_rad, reference_radius_mm)

@@ -13,7 +13,7 @@ from importlib import import_module
 from math import log
 from typing import TYPE_CHECKING
 
-from flankload.bodies.body import WholeMesh
+from flankload.bodies.body import SectorMesh
 from flankload.cost import Account
 from flankload.elasticity.compliance.turned import has_turned_forces
 from flankload.elasticity.finite_elements import linear_cells
@@ -46,7 +46,6 @@ class ElementRates:
 
     Attributes
     ----------
-    body : Body
     assembly_s : float
         CPU seconds for the stiffness matrix of its own elements.
     job : JobCost
@@ -68,16 +67,10 @@ class ElementRates:
         return cls(body, linear_s * quadratic / linear, job)
 
     def price(self, counters: Mapping[str, int], *, places: int = 0, finer: float = 1.0) -> Account:
-        """CPU seconds and bytes of the finite elements.
+        """CPU seconds and bytes of the finite elements, from the counters of the stage.
 
-        Parameters
-        ----------
-        counters : mapping of str to int
-            Counters of the stage.
-        places : int
-            Number of evaluation points in the root fillets of a tooth.
-        finer : float
-            Unknowns relative to the mesh of the body.
+        `places` is the number of evaluation points in the root fillets of a tooth, `finer` that of
+        the unknowns relative to the mesh of the body.
         """
         job, steps = self.job, self.job.seconds
         unknowns = finer * unknowns_of(self.body)
@@ -91,11 +84,11 @@ class ElementRates:
         seconds += steps.get("factorisation", 0.0) * larger * work / (2.0 if mine else 1.0)
         seconds += steps.get("solution", 0.0) * more * columns / max(1, own)
         mesh = self.body.mesh
-        flanks = len(mesh.flanks) if isinstance(mesh, WholeMesh) else 1
-        blocks = flanks**2 if isinstance(mesh, WholeMesh) else mesh.teeth  # type: ignore[union-attr]
-        response = (counters["unit_loads_normal"] + counters.get("unit_loads_tangential", 0)) // (
-            flanks
-        )
+        assert mesh is not None
+        flanks = len(mesh.flanks)
+        blocks = mesh.teeth if isinstance(mesh, SectorMesh) else flanks**2
+        loads = counters["unit_loads_normal"] + counters.get("unit_loads_tangential", 0)
+        response = loads // flanks
         modes = counters["unit_loads_normal"] // flanks
         turned = modes if has_turned_forces(self.body) else 0
         # the stresses are part of an array with the readings of the tip
@@ -109,6 +102,6 @@ class ElementRates:
     def smoothing_s(self, counters: Mapping[str, int]) -> float:
         """CPU seconds that the error estimate needs to smooth stresses."""
         columns = counters["unit_loads_normal"] + counters.get("unit_loads_tangential", 0)
-        mesh = self.body.mesh
-        flanks = len(mesh.flanks) if isinstance(mesh, WholeMesh) else 1
+        assert self.body.mesh is not None
+        flanks = len(self.body.mesh.flanks)
         return SMOOTHING_PART * self.assembly_s * (flanks + columns / SMOOTHED_COLUMNS)

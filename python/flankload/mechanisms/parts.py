@@ -38,18 +38,7 @@ class Parts:
         return len(self._held)
 
     def find(self, call: partial[Any]) -> tuple[bytes, Any]:
-        """Key of a call, and its result if it is held.
-
-        Parameters
-        ----------
-        call : partial
-            Of a function without state; its result is never None.
-
-        Returns
-        -------
-        bytes
-        object or None
-        """
+        """Key of a call of a stateless function, whose result is never None, and a held result."""
         key = digest_of(call)
         found = self._held.get(key)
         if found is not None:
@@ -65,18 +54,7 @@ class Parts:
 
 
 def made_once(call: partial[T], parts: Parts | None) -> T:
-    """Result of a call, held for later runs.
-
-    Parameters
-    ----------
-    call : partial
-    parts : Parts or None
-        None: nothing is held.
-
-    Returns
-    -------
-    object
-    """
+    """Result of a call, held for later runs in `parts` unless they are None."""
     if parts is None:
         return call()
     key, found = parts.find(call)

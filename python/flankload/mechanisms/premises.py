@@ -12,18 +12,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.errors import PremiseError
-from flankload.result.accuracy_lines import OUTSIDE
+from flankload.result.notes import OUTSIDE
 from flankload.scene.usual import questions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.result import Result
     from flankload.scene import Scene
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -34,7 +31,6 @@ class Premise:
     ----------
     name : str
         Name in `result.outside_limits`.
-    limit : float
     expected : str
         Expected condition, with the limit.
     """
@@ -56,7 +52,6 @@ class Broken:
 
     Attributes
     ----------
-    premise : Premise
     key : str
         Key that causes the violation.
     found : str
@@ -83,13 +78,7 @@ class Broken:
 
 
 def held(scene: Scene, broken: Sequence[Broken]) -> tuple[Broken, ...]:
-    """Refuse a scene that violates premises, unless it allows that.
-
-    Raises
-    ------
-    PremiseError
-        Names the first violated premise.
-    """
+    """Raise a PremiseError for the first violated premise, unless the scene allows it."""
     if broken and not scene.effects.beyond_limits:
         raise broken[0].error(scene)
     return tuple(broken)

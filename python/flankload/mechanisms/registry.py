@@ -24,12 +24,7 @@ def mechanism_of(scene: Scene) -> Mechanism:
 
 
 def require_flanks(scene: Scene) -> None:
-    """Refuse drives whose bodies have no flanks with finite elements.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Raise a SceneError for drives whose bodies have no flanks with finite elements."""
     why = mechanism_of(scene).without_flanks
     if why is not None:
         raise SceneError(

@@ -48,16 +48,7 @@ class Earlier:
 def prepare(scene: Scene, parts: Parts) -> None:
     """Build the bodies of a scene and solve their elements, for runs of similar scenes.
 
-    Parameters
-    ----------
-    scene : Scene
-    parts : Parts
-        Bodies and compliances are added.
-
-    Raises
-    ------
-    SceneError
-        If the scene is impossible.
+    Bodies and compliances are added to `parts`. Raises SceneError if the scene is impossible.
     """
     mechanism = mechanism_of(scene)
     clock = StageClock(None, mechanism.sweeps(scene), {})
@@ -77,11 +68,10 @@ def run_once(
     on_states: Callable[[States], None] | None = None,
     earlier: Earlier | None = None,
 ) -> tuple[Result, ...]:
-    """Solve a scene at the discretization that it names, or at the default one.
+    """One result per torque of a scene, at the discretization that it names or at the default one.
 
     Parameters
     ----------
-    scene : Scene
     kept : mapping of 0 and 1 to compliance and Account, optional
         Compliances from another scene of the same bodies and discretization; their cost counts as
         if it were spent here. Missing ones are computed and added.
@@ -91,16 +81,9 @@ def run_once(
         Predictions by stage, which the result shows beside the actual cost.
     discretization : Discretization, optional
         Replaces the discretization of the scene.
-    on_assembly : callable, optional
-        Called with the assembly before finite elements are solved.
-    on_states : callable, optional
-        Called with the states of the run, which `Earlier.similar` takes.
-    earlier : Earlier, optional
-
-    Returns
-    -------
-    tuple of Result
-        One per torque.
+    on_assembly, on_states : callables, optional
+        Called with the assembly before finite elements are solved, and with the states of the run,
+        which `Earlier.similar` takes.
 
     Raises
     ------

@@ -11,9 +11,7 @@ from flankload.scene.effects import EFFECTS
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.cost import Account
     from flankload.mechanisms.effect_size import Size, States
     from flankload.mechanisms.toggles import Toggle
@@ -34,13 +32,12 @@ class Screening(ABC):
         Of the scene as it stands.
     unloaded_rad : (P,) array
         Its rotation without torque.
-    reference_radius_mm : float
     """
 
     rows: tuple[str, ...]
     toggles: Mapping[str, Toggle]
     base: list[States]
-    unloaded_rad: NDArray[np.float64]
+    unloaded_rad: Floats
     reference_radius_mm: float
 
     @abstractmethod

@@ -69,21 +69,11 @@ class StageClock:
     def sweep_progress(
         self, name: str, *, sweep: int = 0, number: int | None = None
     ) -> Callable[[int, int], None]:
-        """Progress of the positions in a sweep of a stage.
+        """Progress of the positions in a sweep of a stage, by completed positions and their total.
 
-        Parameters
-        ----------
-        name : str
-        sweep : int
-            Number of earlier sweeps of this stage.
-        number : int, optional
-            Index of a round of positions; the number of rounds is unknown, so each round takes half
-            of the remaining progress.
-
-        Returns
-        -------
-        callable
-            Called with the number of completed positions and the total.
+        `sweep` is the number of earlier sweeps of the stage. `number` is the index of a round of
+        positions: the number of rounds is unknown, so each round takes half of the remaining
+        progress.
         """
         before = STEPS_BEFORE[name] + sweep * SWEEP_STEPS
         left, part = (1.0, 1.0) if number is None else (0.5**number, 0.5 ** (number + 1))

@@ -20,15 +20,12 @@ if TYPE_CHECKING:
 
 #: Effects that keys of [effects] decide on; power loss comes with friction and changes no state.
 RECORDS = {row.name: row for row in EFFECTS if row.on and row.name != "power_loss"}
-#: Numbers that are assumed for an effect whose number the scene does not set.
-ASSUMED: dict[str, dict[str, float]] = {name: row.numbers for name, row in RECORDS.items()}
 #: Values of [effects] with which an effect is on and off, where the deciding key is a choice.
 LEVELS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     name: ({key: value for key, value in row.on.items() if key not in row.numbers}, row.off)
     for name, row in RECORDS.items()
     if not row.is_quantity
 }
-#: Keys of an effect whose deciding key is a number; the effect is off without them.
 #: Keys of [effects] that set a quantity; without them the effect is off.
 QUANTITIES: dict[str, tuple[str, ...]] = {
     name: tuple(row.off) for name, row in RECORDS.items() if row.is_quantity
@@ -73,18 +70,7 @@ class Toggle:
 
 
 def toggles(scene: Scene, names: Iterable[str]) -> dict[str, Toggle]:
-    """Scenes with each of some effects switched, except effects that no key switches.
-
-    Parameters
-    ----------
-    scene : Scene
-    names : iterable of str
-        Rows of the table of effects.
-
-    Returns
-    -------
-    dict of str to Toggle
-    """
+    """Scenes with each of some rows of the table of effects switched, unless no key does that."""
     switches, found = switches_of(scene), {}
     for name in names:
         try:
@@ -97,27 +83,14 @@ def toggles(scene: Scene, names: Iterable[str]) -> dict[str, Toggle]:
 
 
 def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
-    """A scene with one effect switched.
+    """A scene with one row of the table of effects switched, which it has or has not.
 
-    Parameters
-    ----------
-    scene : Scene
-    name : str
-        Row of the table of effects.
-    on : bool
-        Whether the scene has the effect.
+    None if the switched scene is undefined.
 
-    Returns
-    -------
-    Toggle or None
-        None if the switched scene is undefined.
-
-    Raises
-    ------
-    SceneError
-        If the switched scene is impossible.
+    Raises SceneError if the switched scene is impossible.
     """
-    taken = {} if on else ASSUMED.get(name, {})
+    # numbers that are assumed for an effect whose number the scene does not set
+    taken = RECORDS[name].numbers if name in RECORDS and not on else {}
     assumed = next((f"effects.{key} = {value:g}" for key, value in taken.items()), None)
     if name in QUANTITIES and on:
         return Toggle(without_keys(scene, *QUANTITIES[name]))

@@ -3,22 +3,56 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flankload.mechanisms.effect_size import States as EffectStates
 from flankload.mechanisms.premises import Torque, broken_by_turn, largest_turn
+from flankload.mechanisms.protocol import Description
+from flankload.result.result import Result
+from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
+    from flankload.cost import Account
+    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
+    from flankload.mechanisms.protocol import Rows
     from flankload.scene import Scene
+    from flankload.scene.discretization import Discretization
 
-    Floats = NDArray[np.float64]
+
+@dataclass(frozen=True)
+class WrappedAssembly:
+    """Positions of a wheel.
+
+    Attributes
+    ----------
+    position_rad : (P,) array
+        Angles of the wheel.
+    pitches : int or None
+        Pitches covered by the positions; None for single angles.
+    """
+
+    position_rad: Floats
+    pitches: int | None
+
+
+@dataclass(frozen=True)
+class WrappedStates:
+    """States of a belt or a chain.
+
+    Attributes
+    ----------
+    found : tuple of lists
+        For each torque, the state at each position.
+    """
+
+    found: tuple[list[Any], ...]
 
 
 def positions_of(scene: Scene, pitch_rad: float) -> tuple[Floats, int | None]:
@@ -28,6 +62,18 @@ def positions_of(scene: Scene, pitch_rad: float) -> tuple[Floats, int | None]:
         return np.radians(np.asarray(wanted.angles_deg, dtype=float)), None
     pitches = 1 if wanted.pitches == "hunting" else int(wanted.pitches)
     return pitch_rad * np.arange(wanted.count * pitches) / wanted.count, pitches
+
+
+def slack_of(scene: Scene) -> float:
+    """Tension of the slack strand, N."""
+    slack = scene.load.slack_tension_N
+    assert slack is not None
+    return slack
+
+
+def tight_tensions(scene: Scene, pitch_radius_mm: float) -> Floats:
+    """Tension of the tight strand for each torque, N."""
+    return np.array(scene.torques_Nmm) / pitch_radius_mm + slack_of(scene)
 
 
 class Sites:
@@ -63,12 +109,71 @@ class Sites:
         return EffectStates.of(torque_Nm, self.numbers, np.array(rotation_rad), force)
 
 
+def wrapped_result(
+    scene: Scene,
+    assembly: Any,
+    number: int,
+    sites: Sites,
+    force_N: Sequence[Floats],
+    warnings: tuple[str, ...],
+    **own: Any,
+) -> Result:
+    """Result of all positions under the torque with this index.
+
+    `force_N` are the forces of the sites of each position, `own` the fields of belts or chains.
+    """
+    force, pitches = sites.spread(force_N, nothing=0.0), assembly.pitches
+    return Result(
+        name=scene.name,
+        torque_Nm=scene.torques_Nm[number],
+        sites=sites.numbers,
+        position_rad=assembly.position_rad,
+        site_force_N=force,
+        peak_pressure_MPa=np.zeros_like(force),
+        corner_contact=np.zeros(force.shape, dtype=bool),
+        pitch_rad=assembly.pitch_rad,
+        period_rad=assembly.pitch_rad * (pitches or 1),
+        closed=pitches is not None and assembly.position_rad.size > 1,
+        warnings=(*question_notes(scene), *warnings),
+        **own,
+    )
+
+
 class WrappedMechanism(ABC):
     """Stages that are the same for belts and chains."""
 
     @abstractmethod
+    def assemble(self, scene: Scene) -> Any:
+        """Assembly of a scene, whose discretization follows from it."""
+
+    @abstractmethod
     def stiffness(self, assembly: Any, states: Sequence[Any]) -> Floats:
         """(P,) Tangent stiffness at the positions, N m/rad; NaN if nothing rotates."""
+
+    @abstractmethod
+    def result(
+        self,
+        scene: Scene,
+        assembly: Any,
+        states: Any,
+        number: int,
+        estimate: Mapping[str, object] | None,
+    ) -> Result:
+        """Result of the torque with this index."""
+
+    @abstractmethod
+    def rows(self, scene: Scene) -> dict[str, Rows]:
+        """Name and value of each row of `flankload check`, by title."""
+
+    def build(
+        self,
+        scene: Scene,
+        discretization: Discretization | None,
+        account: Account,
+        parts: Parts | None = None,
+    ) -> Any:
+        """Assemble wheel and strand; nothing is reused."""
+        return self.assemble(scene)
 
     def sweeps(self, scene: Scene) -> int:
         """Number of sweeps: all positions, and the few positions of the estimate."""
@@ -86,3 +191,21 @@ class WrappedMechanism(ABC):
         with np.errstate(divide="ignore", invalid="ignore"):
             turned_rad = largest_turn(scene.torques_Nm[number] / stiffness)
         yield from broken_by_turn(turned_rad, assembly.pitch_rad, Torque(scene, number))
+
+    def results(
+        self,
+        scene: Scene,
+        assembly: Any,
+        compliances: Any,
+        states: Any,
+        estimates: Sequence[Mapping[str, object] | None],
+    ) -> tuple[Result, ...]:
+        """Results, one per torque."""
+        return tuple(
+            self.result(scene, assembly, states, number, estimate)
+            for number, estimate in enumerate(estimates)
+        )
+
+    def describe(self, scene: Scene) -> Description:
+        """Describe wheel, strand, load and effects."""
+        return Description(self.rows(scene), question_notes(scene))

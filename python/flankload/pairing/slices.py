@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.body import Body
-    from flankload.pairing.common_height import CommonHeight
+    from flankload.pairing.spline_fit import CommonHeight
 
     Floats = NDArray[np.float64]
 

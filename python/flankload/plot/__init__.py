@@ -19,8 +19,10 @@ from flankload.plot.curves import (
     draw_load_sharing,
     draw_peak_pressure,
     draw_stiffness,
+    draw_torque_sweep,
     draw_transmission_error,
     draw_transmission_error_spectrum,
+    plot_torque_sweep,
     spectrum,
 )
 from flankload.plot.design_study import (
@@ -52,7 +54,6 @@ from flankload.plot.loaded_pair import draw_loaded_pair, plot_loaded_pair
 from flankload.plot.picture import DRAWINGS, PICTURES
 from flankload.plot.root_stress import draw_root_stress, draw_root_stress_over_width
 from flankload.plot.style import FORMATS, SIZE, file_of, png_of, write_pictures
-from flankload.plot.torque_sweep import draw_torque_sweep, plot_torque_sweep
 from flankload.plot.whole_circle import draw_flank_pressure, draw_load_per_tooth
 from flankload.plot.wrapped import (
     draw_belt_on_pulley,

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
 from flankload.plot.style import GREY, SIZE, STYLE, missing_letters_are_boxes, short, torque_colours
-from flankload.result.plotting import torques_of
+from flankload.result.quantities import torques_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 
-from flankload.plot.figures import note
 from flankload.plot.loaded_pair_3d import draw_loaded_body, fill_with_loaded_bodies
 from flankload.plot.picture import at, of_largest_line_load, panels, picture
 from flankload.plot.style import (
@@ -164,7 +163,7 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
         shape = [all_around(outline, teeth, angle)]
         around = drawing.is_around if z else result.whole_circle
         if rims[z] and (around or result.has_cam):
-            turn = np.linspace(0.0, -2 * np.pi, 361)  # clockwise: one of both is a hole
+            turn = np.linspace(0.0, -2 * np.pi, 721)  # clockwise: one of both is a hole
             shape.append(rims[z] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
         # not `add_patch`, which needs the time of a whole picture for limits that are known
         axes.add_artist(
@@ -183,8 +182,8 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
         at_left = (z == 0) != drawing.is_around
         place, ha = (0.03, "left") if at_left else (0.97, "right")
         text = f"body {z + 1} {'↺' if same_way else '↻'}"
-        look: dict[str, Any] = {"fontsize": 10, "weight": "bold", "color": "#404040"}
-        note(axes, text, (place, 0.03), "axes fraction", ha=ha, **look)
+        look: dict[str, Any] = {"fontweight": "bold", "color": "#404040"}
+        axes.text(place, 0.03, text, transform=axes.transAxes, ha=ha, **look)
 
 
 def _window(result: Result, p: int) -> tuple[Floats, Floats]:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     Shown = Callable[..., tuple[Any, ...]]
     #: A text, or a function of what is shown.
     Words = str | Callable[..., str]
-    Maker = Callable[[Callable[..., None]], Callable[..., Any]]
+    Paint = Callable[..., None]
 
 #: All plots by name.
 PICTURES: dict[str, Callable[..., Figure]] = {}
@@ -96,7 +96,7 @@ def picture(
     pad: float = 6.0,
     size: tuple[float, float] = SIZE,
     **axes_options: Any,
-) -> Maker:
+) -> Callable[[Paint], Paint]:
     """Make `draw_NAME` from a function that draws on Axes; with a title also `plot_NAME`.
 
     Parameters
@@ -116,7 +116,7 @@ def picture(
         Of `add_subplot`.
     """
 
-    def make(paint: Callable[..., None]) -> Callable[..., None]:
+    def make(paint: Paint) -> Paint:
         def draw(axes: Axes, results: Results, **options: Any) -> None:
             paint(axes, *_taken(shown, results, options), **options)
 
@@ -142,7 +142,9 @@ def picture(
     return make
 
 
-def panels(shown: Shown, title: Words = "", size: tuple[float, float] = SIZE) -> Maker:
+def panels(
+    shown: Shown, title: Words = "", size: tuple[float, float] = SIZE
+) -> Callable[[Paint], Callable[..., Figure]]:
     """Make `plot_NAME`, kept in `PICTURES`, from a function that fills a figure with panels.
 
     Parameters
@@ -155,7 +157,7 @@ def panels(shown: Shown, title: Words = "", size: tuple[float, float] = SIZE) ->
         Inches.
     """
 
-    def make(fill: Callable[..., None]) -> Callable[..., Figure]:
+    def make(fill: Paint) -> Callable[..., Figure]:
         def plot(results: Results, **options: Any) -> Figure:
             what = _taken(shown, results, options)
             with rc_context(STYLE):
@@ -184,7 +186,7 @@ def _words(text: Words, what: Sequence[Any]) -> str:
 
 
 def _public(
-    call: Callable[..., Any], source: Callable[..., None], first: Sequence[str], shown: Shown
+    call: Callable[..., Any], source: Paint, first: Sequence[str], shown: Shown
 ) -> Callable[..., Any]:
     """A function with the name and words of its source; options are those of both its parts."""
     form = _form(source, first, shown)
@@ -214,7 +216,7 @@ def with_parameters(words: str, texts: Mapping[str, str]) -> str:
     return f"{before}\n\nParameters\n----------\n{listed}{raises}{after}"
 
 
-def _form(source: Callable[..., None], first: Sequence[str], shown: Shown) -> Signature:
+def _form(source: Paint, first: Sequence[str], shown: Shown) -> Signature:
     """Options of `draw_NAME` are named; those of `plot_NAME` may also follow the results."""
     place = Parameter.POSITIONAL_OR_KEYWORD
     options = list(signature(shown).parameters.values())[1:]

@@ -9,8 +9,7 @@ import numpy as np
 
 from flankload.plot.picture import at, largest, of_largest_force, panels, picture
 from flankload.plot.style import FORCE, GREY, INK, SIZE, SLATE, STEEL, all_around, turned
-from flankload.result.belt import BeltDrive
-from flankload.result.chain import ChainDrive
+from flankload.result.drives import BeltDrive, ChainDrive
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

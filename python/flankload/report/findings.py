@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.report.key_figures import percent
-from flankload.result.accuracy_lines import OUTSIDE, accuracy_lines
+from flankload.result.notes import OUTSIDE, accuracy_lines, warning_lines
 from flankload.result.table import STATUS_WORDS
-from flankload.result.warning_lines import warning_lines
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

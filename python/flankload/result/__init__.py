@@ -1,8 +1,7 @@
 """Results of a run: immutable objects with their tables and files."""
 
 from flankload.base.files import write_atomically
-from flankload.result.csv_form import CsvForm
-from flankload.result.export import results_to_csv, results_to_json
+from flankload.result.export import CsvForm, results_to_csv, results_to_json
 from flankload.result.friction import FrictionResult
 from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.result import Result

@@ -45,20 +45,9 @@ OF_FILE = ("a sharp corner of its flank", "a rounding there avoids it")
 
 
 def corner_notes(pair: BodyPair, found: Sweep) -> Iterator[str]:
-    """Warnings about contact on sharp corners, one for each kind of corner of each body.
-
-    Parameters
-    ----------
-    pair : BodyPair
-    found : Sweep
-
-    Yields
-    ------
-    str
-        A warning.
-    """
+    """Warnings about contact on sharp corners, one for each kind of corner of each body."""
     at: dict[tuple[str, str], set[int]] = {}
-    for z, body in enumerate((pair.body_1, pair.body_2)):
+    for z, body in enumerate(pair.bodies):
         for p, s in _places(found, z):
             what, cure = _corner(body, s)
             cure = cure.format(body=f"body_{z + 1}")

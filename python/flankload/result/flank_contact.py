@@ -6,17 +6,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flankload.base.read_only import KeepsReadOnly
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.result.geometry import PairGeometry
     from flankload.result.pairs import PairTable
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,22 +36,9 @@ class FlankContacts(KeepsReadOnly):
 
 
 def flank_contacts(
-    tables: Sequence[PairTable], sites: NDArray[np.int64], geometry: PairGeometry | None
+    tables: Sequence[PairTable], sites: Numbers, geometry: PairGeometry | None
 ) -> FlankContacts:
-    """Contacts of all positions.
-
-    Parameters
-    ----------
-    tables : sequence of PairTable
-        One per position.
-    sites : (S,) array
-    geometry : PairGeometry or None
-        Motion of the bodies.
-
-    Returns
-    -------
-    FlankContacts
-    """
+    """Contacts of all positions, with a table each, on sites (S,)."""
     found = np.full((3, len(tables), sites.size), np.nan)
     for p, table in enumerate(tables):
         motion = pair_velocities(table, geometry, p)
@@ -67,11 +52,10 @@ def flank_contacts(
             found[0, p, s] = max(_half_width(table, part) for part in _slices(table, laid))
             weight = table.force_N[own] / table.force_N[own].sum()
             found[1:, p, s] = [weight @ velocity[own] for velocity in motion]
-    found.setflags(write=False)
     return FlankContacts(*found)
 
 
-def _slices(table: PairTable, laid: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
+def _slices(table: PairTable, laid: Flags) -> list[Flags]:
     """Pairs of a site, those of each loaded slice apart."""
     if table.z_mm is None:
         return [laid]
@@ -79,7 +63,7 @@ def _slices(table: PairTable, laid: NDArray[np.bool_]) -> list[NDArray[np.bool_]
     return [laid & (table.z_mm == z) for z in loaded]
 
 
-def _half_width(table: PairTable, laid: NDArray[np.bool_]) -> float:
+def _half_width(table: PairTable, laid: Flags) -> float:
     """Half of the length of flank in contact at pairs beside each other, mm."""
     if table.half_width_mm is not None:
         return float(table.half_width_mm[laid & (table.force_N > 0)].sum())
@@ -93,19 +77,8 @@ def pair_velocities(
 ) -> tuple[Floats, Floats]:
     """Velocities of both bodies along flank 1, towards its tip, at each pair of position p.
 
-    A body that rotates with the speed w about (c, 0) moves with w (-y, x - c).
-
-    Parameters
-    ----------
-    table : PairTable
-        Table of n pairs.
-    geometry : PairGeometry or None
-    p : int
-
-    Returns
-    -------
-    v_1, v_2 : (n,) arrays
-        mm per rad of position; NaN without geometry.
+    A body that rotates with the speed w about (c, 0) moves with w (-y, x - c). Two arrays (n,) in
+    mm per rad of position, NaN without geometry.
     """
     if geometry is None:
         unknown = np.full(len(table), np.nan)
@@ -124,17 +97,12 @@ def loaded_length(place: Floats, cell: Floats, force: Floats) -> float:
     The square of the pressure p decreases linearly to 0 at the end of a Hertz contact (p² = p_0² (1
     - x²/b²)); a line through the last two cells gives the end, limited to the centre of the next
     open cell. If the pressure increases towards the end (a sharp corner, a flat punch), the whole
-    last cell is in contact.
+    last cell is in contact. Several separate parts are added.
 
     Parameters
     ----------
     place, cell, force : (n,) arrays
         Arc length of the cells' centres, their lengths and forces.
-
-    Returns
-    -------
-    float
-        mm; the sum if several separate parts are in contact.
     """
     order = np.argsort(place)
     s, d = place[order], cell[order]

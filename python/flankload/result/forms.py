@@ -9,49 +9,27 @@ import numpy as np
 
 from flankload.base.arguments import is_number
 from flankload.base.card import Card
-from flankload.base.read_only import KeepsReadOnly
+from flankload.base.read_only import KeepsReadOnly, frozen
 from flankload.errors import InputError
-from flankload.result.contact_quantities import frozen
-from flankload.result.cost_table import cost_table
-from flankload.result.csv_form import CsvForm
-from flankload.result.export import results_to_csv, results_to_json, to_xarray
+from flankload.result.export import CsvForm, results_to_csv, results_to_json, to_xarray
 from flankload.result.frames import pairs_frame, positions_frame, summary_frame
 from flankload.result.plotting import Plots
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
-from flankload.result.table import texts_of
+from flankload.result.table import cost_table, texts_of
 from flankload.result.workbook import results_to_xlsx
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.result.result import Result
 
-#: Key figures of the short form, with the names of their estimates.
-FIGURES = {
-    "transmission_error_mean_um": "transmission_error_mean",
-    "transmission_error_peak_to_peak_um": "transmission_error_peak_to_peak",
-    "contact_ratio_under_load": "",
-    "peak_pressure_off_corners_MPa": "peak_pressure",
-}
 #: Relative difference between torques that counts as rounding.
 ROUNDING = 1e-9
 
 
 class ResultForms(Card, KeepsReadOnly):
     """What a result of one torque and that of a list of torques have in common."""
-
-    if TYPE_CHECKING:
-        # fields of the result
-
-        @property
-        def name(self) -> str: ...
-        @property
-        def warnings(self) -> Sequence[str]: ...
-        @property
-        def cost(self) -> Mapping[str, Any]: ...
 
     @property
     def by_torque(self) -> tuple[Result, ...]:
@@ -64,7 +42,7 @@ class ResultForms(Card, KeepsReadOnly):
         return False
 
     @property
-    def torques_Nm(self) -> NDArray[np.float64]:
+    def torques_Nm(self) -> Floats:
         """(T,) Torques on body 1, N m; T = 1 unless the scene has a list of torques."""
         return frozen(np.array([one.torque_Nm for one in self.by_torque]))
 
@@ -91,19 +69,6 @@ class ResultForms(Card, KeepsReadOnly):
                 return one
         known = ", ".join(f"{torque:.12g}" for torque in self.torques_Nm)
         raise InputError(f"torque_Nm: expected one of {known}, found {torque_Nm!r}")
-
-    def _card_title(self) -> str:
-        return f"Result {self.name!r}"
-
-    def _card_lines(self) -> Iterator[tuple[str, str]]:
-        """Torques, positions, key figures with their estimated errors."""
-        every = self.by_torque
-        yield "torque_Nm", ", ".join(f"{torque:.6g}" for torque in self.torques_Nm)
-        yield "positions", _positions(every[0])
-        yield "pairs", ", ".join(str(site) for site in sorted({s for r in every for s in r.sites}))
-        for key, source in FIGURES.items():
-            yield key, _figure(every, key, source)
-        yield "warnings", f"{len(self.warnings)}{': see result.warnings' * bool(self.warnings)}"
 
     @property
     def plot(self) -> Plots:
@@ -168,21 +133,3 @@ class ResultForms(Card, KeepsReadOnly):
     def cost_table(self) -> str:
         """Return the cost of the run as text, stage by stage, beside the prediction."""
         return cost_table(self.by_torque[0].cost)
-
-
-def _positions(result: Result) -> str:
-    """Number and range of the positions of body 1."""
-    place = result.position_deg
-    covered = ", over the whole period" if result.closed else ""
-    where = f" from {place.min():.6g} to {place.max():.6g} deg{covered}" if place.size > 1 else ""
-    return f"{place.size}{where}"
-
-
-def _figure(results: Sequence[Result], key: str, source: str) -> str:
-    """A key figure of each torque with its estimated error."""
-    texts = []
-    for one in results:
-        value, error = one.key_figures[key], (one.estimate or {}).get(source)
-        text = "unknown" if value is None else f"{value:.5g}"
-        texts.append(text if error is None or value is None else f"{text} (+- {error:.1%})")
-    return ", ".join(texts)

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flankload.base.arrays import Floats
 from flankload.base.card import Card
-
-Floats = NDArray[np.float64]
 
 #: Arrays over the positions, with their units.
 ALONG_POSITIONS = {"torque_2_Nm": "N m", "loss_J_per_rad": "J/rad"}
@@ -73,17 +72,10 @@ class FrictionResult(Card):
 
     def as_dict(self) -> dict[str, Any]:
         """Friction in the form of the files."""
-        tilting = self.tilting_moment_Nm
-        return {
-            "driver": self.driver,
-            "torque_2_Nm": self.torque_2_Nm,
-            "loss_J_per_rad": self.loss_J_per_rad,
-            "site_friction_N": self.site_friction_N,
-            "loss_work_J": self.loss_work_J,
-            "work_1_J": self.work_1_J,
-            "work_2_J": self.work_2_J,
-            "efficiency": self.efficiency,
-        } | ({} if tilting is None else {"tilting_moment_Nm": tilting})
+        works = ("loss_work_J", "work_1_J", "work_2_J", "efficiency")
+        some = ("tilting_moment_Nm",) if self.tilting_moment_Nm is not None else ()
+        keys = ("driver", *ALONG_POSITIONS, "site_friction_N", *works, *some)
+        return {key: getattr(self, key) for key in keys}
 
 
 def friction_result(
@@ -105,20 +97,12 @@ def friction_result(
         Columns x, y, normal_x, normal_y, force, sliding, friction of N pairs, mm, N, and numbers
         of each pair's position and site; `in_section` is the part of a normal force that lies in
         the transverse section. In three dimensions z, from the middle of the face width.
-    n_sites : int
-    n_working : int
-        Sites from this number on are those of coast flanks.
-    center_distance_mm : float
+    n_sites, n_working : int
+        Number of sites; from n_working on they are those of coast flanks.
     speeds : (2, P) array
         As in `FrictionResult`.
-    driver : str
-    torque_1_Nm : float
     over_period : callable
         Integral of a quantity (P,) over one period, None if it is unknown.
-
-    Returns
-    -------
-    FrictionResult
     """
     n, position = speeds.shape[1], pairs["position"]
     force, friction = pairs["force"], pairs["force"] * pairs["friction"]

@@ -1,18 +1,24 @@
-"""Positions and motion of the bodies of a result, for its kinematic quantities."""
+"""Positions and motion of the bodies of a result, and the gap between its coast flanks."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
-from flankload.result.coast_side import CoastSide, coast_side
+import numpy as np
+
+from flankload.contact.sweep import FlankContact, sweep
+from flankload.errors import ContactError
+from flankload.pairing.pairing import coast_sites
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
+    from flankload.bodies.body import Body
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.body_pair import BodyPair
+    from flankload.pairing.pairing import Pairing
+    from flankload.scene.discretization import Grid
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +44,8 @@ class PairGeometry:
     """
 
     center_distance_mm: float
-    speed_1: NDArray[np.float64]
-    speed_2: NDArray[np.float64]
+    speed_1: Floats
+    speed_2: Floats
     contact_ratio: float | None = None
     usable_contact_ratio: float | None = None
     path_pitches: tuple[float, float] | None = None
@@ -50,34 +56,106 @@ class PairGeometry:
 def pair_geometry(
     pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> PairGeometry:
-    """Geometry of a pair; derived quantities are computed on first use.
-
-    Parameters
-    ----------
-    pair : BodyPair
-    compliances : two BodyCompliance
-        They contain the displacement of the flanks from their nominal place.
-
-    Returns
-    -------
-    PairGeometry
-    """
+    """Geometry of a pair with the displacement of its flanks from their nominal place."""
     pairing, mesh = pair.pairing, pair.pairing.mesh
     speeds = pairing.speeds(pair.position_rad)
-    coast, unknown = coast_side(pair, compliances)
-    path = None
-    if mesh is not None:
-        path = (
-            mesh.path_start_mm / mesh.base_pitch_mm,
-            mesh.path_end_mm / mesh.base_pitch_mm,
-        )
-    return PairGeometry(
-        center_distance_mm=pairing.center_distance_mm,
-        speed_1=speeds[0],
-        speed_2=speeds[1],
-        contact_ratio=None if mesh is None else mesh.contact_ratio,
-        usable_contact_ratio=None if mesh is None else mesh.usable_contact_ratio,
-        path_pitches=path,
-        coast=coast,
-        coast_unknown=unknown,
+    coast, unknown = _coast_side(pair, compliances)
+    known = PairGeometry(pairing.center_distance_mm, *speeds, coast=coast, coast_unknown=unknown)
+    if mesh is None:
+        return known
+    pitch = mesh.base_pitch_mm
+    return replace(
+        known,
+        contact_ratio=mesh.contact_ratio,
+        usable_contact_ratio=mesh.usable_contact_ratio,
+        path_pitches=(mesh.path_start_mm / pitch, mesh.path_end_mm / pitch),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class CoastSide:
+    """Mirror image of a pair, in which the search for working flanks finds the coast flanks.
+
+    Attributes
+    ----------
+    bodies : two Body
+    pairing : Pairing
+        Pairing of the mirrored pair.
+    position_rad : (P,) array
+        Positions of the mirrored pair.
+    base_radius_mm : float
+        Base radius of body 1.
+    grid : Grid
+    compliances : two BodyCompliance
+        Without forces; for bodies that expand.
+    """
+
+    bodies: tuple[Body, Body]
+    pairing: Pairing
+    position_rad: Floats
+    base_radius_mm: float
+    grid: Grid
+    compliances: tuple[BodyCompliance, BodyCompliance]
+
+    @cached_property
+    def gap_rad(self) -> Floats:
+        """(P,) Angle by which body 1 can turn back without load before coast flanks touch.
+
+        Negative if they overlap; NaN if no coast flanks face each other.
+        """
+        return self._gaps(self.position_rad)
+
+    def _gaps(self, position_rad: Floats) -> Floats:
+        contact = FlankContact(self.bodies, self.compliances, self.pairing, 1.0, self.grid)
+        try:
+            (found,) = sweep(contact, position_rad, (0.0,), keep_pairs=False)
+        except ContactError:
+            if position_rad.size == 1:
+                return np.full(1, np.nan)
+            return np.concatenate([self._gaps(alone) for alone in position_rad[:, None]])
+        return found.rotation_rad
+
+
+def _coast_side(
+    pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
+) -> tuple[CoastSide | None, str]:
+    """The coast flanks of a pair; None and the reason if they are unknown.
+
+    Both flanks of a tooth are assumed to be equal, and to expand equally; pitch errors apply to
+    working flanks only.
+    """
+    one, two = pair.body_1.involute, pair.body_2.involute
+    for z, involute in enumerate((one, two)):
+        if involute is None:
+            return None, f"body_{z + 1} has no known coast flank"
+        if any(len(shift) > 1 for shift in compliances[z].expansion.shifts.values()):
+            return None, f"the expansion of body_{z + 1} is known on the working flanks only"
+    assert one is not None
+    coast = CoastSide(
+        bodies=pair.bodies,
+        pairing=_mirrored(pair.pairing, pair.body_1, pair.body_2),
+        position_rad=-pair.position_rad,
+        base_radius_mm=one.base_radius_mm,
+        grid=pair.discretization.grid,
+        compliances=(compliances[0].unyielding(), compliances[1].unyielding()),
+    )
+    return coast, ""
+
+
+def _mirrored(pairing: Pairing, body_1: Body, body_2: Body) -> Pairing:
+    """The pairing of coast flanks in the mirror image of `coast_sites`."""
+    numbers = pairing.sites
+    if body_2.outward > 0:
+        numbers = np.union1d(numbers, numbers + 1)
+    coast = coast_sites(numbers, body_1, body_2)
+    turn_1, turn_2 = pairing.turns_at_zero_rad
+    none = np.zeros(numbers.size)
+    return replace(
+        pairing,
+        turns_at_zero_rad=(-turn_1, -turn_2),
+        sites=numbers,
+        site_teeth=coast.site_teeth,
+        site_angles_rad=coast.site_angles_rad,
+        site_deviations_mm=(none, none),
+        coast=None,
     )

@@ -16,7 +16,8 @@ from flankload.base.rounding import round_down
 from flankload.result.interpolant import curve_through, loaded_pair_changes
 
 if TYPE_CHECKING:
-    from flankload.result.interpolant import Flags, Floats, Integers, PositionCurve
+    from flankload.base.arrays import Flags, Floats, Numbers
+    from flankload.result.interpolant import PositionCurve
     from flankload.result.result import Result
 
 #: Number of harmonics of the transmission error in the summary.
@@ -51,8 +52,8 @@ class OverPositions:
 
     result: Result
     position_rad: Floats
-    index: Integers
-    periods: Integers
+    index: Numbers
+    periods: Numbers
     covers_period: bool
     contiguous: bool
     even: bool
@@ -66,7 +67,7 @@ class OverPositions:
         curve = self.curve(values)
         return float(values.mean()) if curve is None else curve.mean()
 
-    def mean_of_steps(self, values: Floats | Integers) -> float:
+    def mean_of_steps(self, values: Floats | Numbers) -> float:
         """Mean of a number that changes where the set of loaded pairs changes.
 
         Between two positions this is at the kink of the transmission error, or half-way.
@@ -125,16 +126,7 @@ class OverPositions:
 
 
 def over_positions(result: Result) -> OverPositions:
-    """Arrangement of the positions of a result in its period.
-
-    Parameters
-    ----------
-    result : Result
-
-    Returns
-    -------
-    OverPositions
-    """
+    """Arrangement of the positions of a result in its period."""
     position, period, pitch = result.position_rad, result.period_rad, result.pitch_rad
     steps = np.diff(position)
     even = bool(
@@ -149,15 +141,15 @@ def over_positions(result: Result) -> OverPositions:
     widest = WIDEST * pitch * (1.0 + SAME)
     span, covered = np.ptp(position), bool(gaps.max() <= widest)
     # single isolated positions are no period, however many turns they are apart
-    covers = result.closed or (covered and span + gaps.max() >= period * (1.0 - SAME))
-    contiguous = not covers and span < period and bool(np.max(gaps[:-1], initial=0.0) <= widest)
+    covers = bool(result.closed or (covered and span + gaps.max() >= period * (1.0 - SAME)))
+    contiguous = bool(not covers and span < period and np.max(gaps[:-1], initial=0.0) <= widest)
     return OverPositions(
         result,
         position_rad=inside[index],
         index=index,
         periods=periods[index],
-        covers_period=bool(covers),
-        contiguous=bool(contiguous),
+        covers_period=covers,
+        contiguous=contiguous,
         even=even,
         regular=bool(np.ptp(steps) <= SAME * pitch) if steps.size else True,
     )

@@ -18,11 +18,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Flags, Floats, Numbers
 
-    Floats = NDArray[np.float64]
-    Integers = NDArray[np.int64]
-    Flags = NDArray[np.bool_]
 
 #: Highest degree of a piece.
 DEGREE = 3
@@ -52,7 +49,7 @@ class PositionCurve:
 
     low: Floats
     high: Floats
-    interval: Integers
+    interval: Numbers
     nodes: Floats
     coefficients: Floats
     doubts: Floats
@@ -161,32 +158,28 @@ def curve_through(
     after = _Polynomials.near(x, y, kinked + 1, start, end, x[kinked + 1])
     meeting, meets = _meeting(before, after, x[kinked], x[kinked + 1])
     chord = _chords(before, after, x, y, kinked)
-    parts = (
-        (whole, x[smooth], x[smooth + 1], smooth),
-        (before.of(meets), x[kinked[meets]], meeting[meets], kinked[meets]),
-        (after.of(meets), meeting[meets], x[kinked[meets] + 1], kinked[meets]),
-        (chord.of(~meets), x[kinked[~meets]], x[kinked[~meets] + 1], kinked[~meets]),
-    )
-    low = np.concatenate([part[1] for part in parts])
+    met, apart = kinked[meets], kinked[~meets]
+    polynomials = (whole, before.of(meets), after.of(meets), chord.of(~meets))
+    low = np.concatenate([x[smooth], x[met], meeting[meets], x[apart]])
+    high = np.concatenate([x[smooth + 1], meeting[meets], x[met + 1], x[apart + 1]])
+    interval = np.concatenate([smooth, met, met, apart])
     order = np.argsort(low, kind="stable")
+    nodes, coefficients, doubts = (
+        np.vstack([getattr(part, name) for part in polynomials])[order]
+        for name in ("nodes", "coefficients", "doubts")
+    )
     return PositionCurve(
-        low=low[order],
-        high=np.concatenate([part[2] for part in parts])[order],
-        interval=np.concatenate([part[3] for part in parts])[order] - first,
-        nodes=np.vstack([part[0].nodes for part in parts])[order],
-        coefficients=np.vstack([part[0].coefficients for part in parts])[order],
-        doubts=np.vstack([part[0].doubts for part in parts])[order],
-        n_intervals=n_intervals,
+        low[order], high[order], interval[order] - first, nodes, coefficients, doubts, n_intervals
     )
 
 
 def loaded_pair_changes(
     loaded: Flags,
-    sites: Integers,
+    sites: Numbers,
     *,
     pitches: int,
     whole_circle: bool = False,
-    periods: Integers | None = None,
+    periods: Numbers | None = None,
 ) -> Flags:
     """Changes of the loaded pairs between positions.
 
@@ -229,11 +222,11 @@ class _Polynomials:
     nodes: Floats
     coefficients: Floats
     doubts: Floats
-    degree: Integers
+    degree: Numbers
 
     @classmethod
     def near(
-        cls, x: Floats, y: Floats, at: Integers, start: Integers, end: Integers, reference: Floats
+        cls, x: Floats, y: Floats, at: Numbers, start: Numbers, end: Numbers, reference: Floats
     ) -> _Polynomials:
         """Through up to four points of the same smooth part around the interval after each `at`.
 
@@ -269,11 +262,11 @@ class _Polynomials:
 
 
 def _newton(nodes: Floats, coefficients: Floats, x: Floats) -> Floats:
-    """Values (K, m) at places (K, m)."""
-    values = coefficients[:, DEGREE, None]
+    """Values (…, m) at places (…, m) of polynomials (…, 4)."""
+    values = coefficients[..., DEGREE, None]
     for d in range(DEGREE - 1, -1, -1):
-        values = values * (x - nodes[:, d, None]) + coefficients[:, d, None]
-    return np.broadcast_to(values, x.shape)
+        values = values * (x - nodes[..., d, None]) + coefficients[..., d, None]
+    return values
 
 
 def _meeting(
@@ -295,16 +288,14 @@ def _meeting(
     )
     for _ in range(MEETING_STEPS):
         middle = 0.5 * (low + high)
-        values = coefficients[..., DEGREE]
-        for d in range(DEGREE - 1, -1, -1):
-            values = values * (middle[:, None] - nodes[..., d]) + coefficients[..., d]
+        values = _newton(nodes, coefficients, middle[:, None, None])[..., 0]
         beyond = (values[:, 0] - values[:, 1]) * at_low <= 0
         low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
     return 0.5 * (low + high), meets
 
 
 def _chords(
-    before: _Polynomials, after: _Polynomials, x: Floats, y: Floats, at: Integers
+    before: _Polynomials, after: _Polynomials, x: Floats, y: Floats, at: Numbers
 ) -> _Polynomials:
     """Lines over intervals, with an error estimate from the misfit of both curves at the ends."""
     nodes, coefficients, doubts = np.zeros((3, at.size, DEGREE + 1))

@@ -12,15 +12,14 @@ from numpy.typing import NDArray
 from flankload.base.card import Card
 
 if TYPE_CHECKING:
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.profile_deviation import ProfileDeviation
 
-Floats = NDArray[np.float64]
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PairTable(Card):
-    """Contact pairs of one position; n pairs, in the order of the core.
+class PairPlaces(Card):
+    """Places of n contact pairs, in the order of the core.
 
     Attributes
     ----------
@@ -35,6 +34,27 @@ class PairTable(Card):
         the positive x axis).
     normal_x, normal_y : (n,) arrays
         Unit normal out of body 1, world frame.
+    """
+
+    site: Numbers
+    radius_mm: Floats
+    arc_length_1_mm: Floats
+    arc_length_2_mm: Floats
+    x_mm: Floats
+    y_mm: Floats
+    normal_x: Floats
+    normal_y: Floats
+
+    def __len__(self) -> int:
+        return len(self.site)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PairTable(PairPlaces):
+    """Contact pairs of one position: their places, forces and gaps.
+
+    Attributes
+    ----------
     force_N, pressure_MPa : (n,) arrays
         Normal force on the pair's cell over the face width, and its mean pressure.
     gap_um : (n,) array
@@ -54,14 +74,6 @@ class PairTable(Card):
         Axial position of the pair's slice; None in a plane scene.
     """
 
-    site: NDArray[np.int64]
-    radius_mm: Floats
-    arc_length_1_mm: Floats
-    arc_length_2_mm: Floats
-    x_mm: Floats
-    y_mm: Floats
-    normal_x: Floats
-    normal_y: Floats
     force_N: Floats
     pressure_MPa: Floats
     gap_um: Floats
@@ -71,9 +83,6 @@ class PairTable(Card):
     half_width_mm: Floats | None = None
     z_mm: Floats | None = None
 
-    def __len__(self) -> int:
-        return len(self.site)
-
     def columns(self) -> dict[str, NDArray[Any]]:
         """Columns by name, except those that are None."""
         every = {field.name: getattr(self, field.name) for field in fields(self)}
@@ -81,15 +90,7 @@ class PairTable(Card):
 
 
 class PairTables(Sequence[PairTable]):
-    """The pair tables of all positions, each created on first use.
-
-    Parameters
-    ----------
-    count : int
-        Number of positions.
-    table_of : callable
-        Creates the table of a position, counted from 0.
-    """
+    """The pair tables of all positions; `table_of` creates that of a position when it is read."""
 
     def __init__(self, count: int, table_of: Callable[[int], PairTable]) -> None:
         self._count = count

@@ -8,18 +8,14 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from flankload.result.quantities import torques_of
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
     from flankload.result.forms import ResultForms
     from flankload.result.result import Result
-
-
-def torques_of(results: ResultForms | Sequence[Result]) -> tuple[Result, ...]:
-    """A result per torque."""
-    several: Sequence[Result] = getattr(results, "by_torque", results)  # type: ignore[arg-type]
-    return tuple(several)
 
 
 class Plots:

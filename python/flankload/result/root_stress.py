@@ -16,11 +16,10 @@ of each slice.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from numpy.typing import NDArray
 
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
@@ -31,16 +30,14 @@ from flankload.elasticity.prism.axial_basis import AxialBasis
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.bodies.root_fillet import RootPoints
     from flankload.bodies.tip_modes import Tip
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.pairs import PairTable
 
-Floats = NDArray[np.float64]
 
-#: Stresses that differ by less, relative to the largest, are equal.
-SAME = 1e-12
 #: Gauss points along the profile of the cell of a slice, which is the height of a spline's flank.
 CELL_POINTS = 4
 
@@ -133,7 +130,7 @@ class Extremes(KeepsReadOnly, Card):
     arc_length_mm: Floats
     radius_mm: Floats
     slant_deg: Floats
-    working: NDArray[np.bool_]
+    working: Flags
     z_mm: Floats | None = None
 
 
@@ -167,31 +164,20 @@ def root_reading(
     pair: BodyPair,
     compliance: BodyCompliance,
     z: int,
-    sites: NDArray[np.int64],
+    sites: Numbers,
     face_width_mm: float,
 ) -> RootReading | None:
-    """Reading of one body at some of its sites.
+    """Reading of body z + 1 at some of its sites; None if its compliance contains no stress.
 
     Parameters
     ----------
-    pair : BodyPair
-    compliance : BodyCompliance
-        Compliance of body z + 1.
-    z : int
-        0 or 1.
     sites : (S,) array
         Columns of the pairing's sites.
-    face_width_mm : float
-
-    Returns
-    -------
-    RootReading or None
-        None if the compliance contains no stress.
     """
     root = compliance.root
     if root is None:
         return None
-    body, axial, over_width = (pair.body_1, pair.body_2)[z], compliance.modes.axial, None
+    body, axial, over_width = pair.bodies[z], compliance.modes.axial, None
     if pair.slices is not None and axial is not None and root.range_mm is not None:
         over_width = OverWidth(root.range_mm, axial.degree, pair.slices.edges_mm)
     teeth = pair.pairing.site_teeth[z][sites]
@@ -209,24 +195,9 @@ def root_reading(
 
 
 def root_stress(
-    reading: RootReading, tables: Sequence[PairTable], sites: NDArray[np.int64], z: int
+    reading: RootReading, tables: Sequence[PairTable], sites: Numbers, z: int
 ) -> RootStress:
-    """Stress of one body at all positions.
-
-    Parameters
-    ----------
-    reading : RootReading
-    tables : sequence of PairTable
-        One per position.
-    sites : (S,) array
-        Pair numbers.
-    z : int
-        0 or 1: which body.
-
-    Returns
-    -------
-    RootStress
-    """
+    """Stress of body z + 1 under the forces of a table per position; sites (S,): pair numbers."""
     loads = np.array([_mode_loads(reading, table, sites, z) for table in tables])
     over_width = reading.over_width
     # normalise the sign of zero
@@ -238,7 +209,6 @@ def root_stress(
         degree, z_mm = by_function.shape[2] - 1, over_width.z_mm
         values = AxialBasis(over_width.range_mm, degree).values(z_mm)
         stress = by_slice = np.einsum("jk,pikq->pijq", values, by_function) + 0.0
-    stress.setflags(write=False)
     points = reading.points
     largest, least = (_extremes(points, by_slice, sign) for sign in (1.0, -1.0))
     return RootStress(
@@ -251,7 +221,7 @@ def root_stress(
     )
 
 
-def _mode_loads(reading: RootReading, table: PairTable, sites: NDArray[np.int64], z: int) -> Floats:
+def _mode_loads(reading: RootReading, table: PairTable, sites: Numbers, z: int) -> Floats:
     """Loads c (S, p) of the modes at one position, MPa: out of the material, then along it.
 
     In three dimensions the forces times the values of the modes, N.
@@ -303,26 +273,13 @@ def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
     sides = [np.flatnonzero(points.working), np.flatnonzero(~points.working)]
     peaks = [_peak(points.arc_length_mm[side], sign * stress[..., side]) for side in sides]
     working = peaks[0][0] >= peaks[1][0]
-    found = np.where(working, peaks[0][0], peaks[1][0])
-    place = np.where(working, peaks[0][1], peaks[1][1])
-    along = {}
-    for key in ("radius_mm", "slant_rad"):
-        values = getattr(points, key)
-        one, two = (
-            np.interp(place.ravel(), points.arc_length_mm[side], values[side]) for side in sides
-        )
-        along[key] = np.where(working.ravel(), one, two).reshape(place.shape)
-    # normalise the sign of zero
-    arrays = (
-        sign * found + 0.0,
-        place,
-        along["radius_mm"],
-        np.degrees(along["slant_rad"]),
-        working,
+    found, place = (np.where(working, *both) for both in zip(*peaks, strict=True))
+    radius, slant = (
+        np.where(working, *(np.interp(place, points.arc_length_mm[k], values[k]) for k in sides))
+        for values in (points.radius_mm, points.slant_rad)
     )
-    for array in arrays:
-        array.setflags(write=False)
-    return Extremes(*arrays)
+    # normalise the sign of zero
+    return Extremes(sign * found + 0.0, place, radius, np.degrees(slant), working)
 
 
 def _over_slices(found: Extremes, sign: float, z_mm: Floats | None) -> Extremes:
@@ -334,8 +291,6 @@ def _over_slices(found: Extremes, sign: float, z_mm: Floats | None) -> Extremes:
     ]
     if z_mm is not None:
         arrays.append(z_mm[at])
-    for array in arrays:
-        array.setflags(write=False)
     return Extremes(*arrays)
 
 
@@ -358,54 +313,6 @@ def _peak(s: Floats, values: Floats) -> tuple[Floats, Floats]:
     return np.where(inside, v_1 + 0.5 * slope * shift, largest), np.where(
         inside, s_1 + shift, s[at]
     )
-
-
-def root_summary(
-    stress: RootStress,
-    position_rad: Floats,
-    sites: NDArray[np.int64],
-    site_force_N: Floats,
-) -> dict[str, Any]:
-    """Largest tension and compression over the positions, with their places.
-
-    Parameters
-    ----------
-    stress : RootStress
-    position_rad : (P,) array
-    sites : (S,) array
-    site_force_N : (P, S) array
-        Of sites with the same tooth, a loaded one is reported.
-
-    Returns
-    -------
-    dict
-        `tension` and `compression`, each with `stress_MPa`, `position_rad`, `pair`,
-        `arc_length_mm`, `radius_mm`, `slant_deg`, `side` ("working" or "coast"), in three
-        dimensions `z_mm`, and `range_MPa`: the largest stress range at one point over all
-        positions and pairs.
-    """
-    found: dict[str, Any] = {}
-    for name, extremes, sign in (
-        ("tension", stress.tension, 1.0),
-        ("compression", stress.compression, -1.0),
-    ):
-        values = sign * extremes.stress_MPa
-        places = np.argwhere(values >= values.max() - SAME * np.abs(values).max())
-        p, s = places[site_force_N[tuple(places.T)].argmax()]
-        found[name] = {
-            "stress_MPa": float(extremes.stress_MPa[p, s]),
-            "position_rad": float(position_rad[p]),
-            "pair": int(sites[s]),
-            "arc_length_mm": float(extremes.arc_length_mm[p, s]),
-            "radius_mm": float(extremes.radius_mm[p, s]),
-            "slant_deg": float(extremes.slant_deg[p, s]),
-            "side": "working" if extremes.working[p, s] else "coast",
-        }
-        if extremes.z_mm is not None:
-            found[name]["z_mm"] = float(extremes.z_mm[p, s])
-    span = stress.stress_MPa.max(axis=(0, 1)) - stress.stress_MPa.min(axis=(0, 1))
-    found["range_MPa"] = float(span.max())
-    return found
 
 
 def root_arrays(stress: RootStress, z: int) -> dict[str, tuple[Floats, str]]:

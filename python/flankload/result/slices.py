@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.base.card import Card
-from flankload.base.read_only import KeepsReadOnly
-from flankload.result.contact_quantities import frozen
+from flankload.base.read_only import KeepsReadOnly, frozen
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from flankload.base.arrays import Floats, Numbers
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,12 +42,6 @@ class SliceLoads(KeepsReadOnly, Card):
     tangent_helix_base: float
     cosine_helix_base: float
     directions: Floats | None = None
-
-    def __post_init__(self) -> None:
-        for array in (self.z_mm, self.width_mm, self.force_N, self.peak_pressure_MPa):
-            frozen(array)
-        if self.directions is not None:
-            frozen(self.directions)
 
     @cached_property
     def line_load_N_per_mm(self) -> Floats:
@@ -111,16 +100,13 @@ class SliceLoads(KeepsReadOnly, Card):
         # (x, y, z) x F n, in the plane of x and y
         return frozen(np.stack([-(along * normal_y).sum(1), (along * normal_x).sum(1)], axis=1))
 
-    def at_sites(self, sites: NDArray[np.int64]) -> SliceLoads:
+    def at_sites(self, sites: Numbers) -> SliceLoads:
         """The same for some of the sites."""
-        return SliceLoads(
-            self.z_mm,
-            self.width_mm,
-            self.force_N[:, sites],
-            self.peak_pressure_MPa[:, sites],
-            self.tangent_helix_base,
-            self.cosine_helix_base,
-            None if self.directions is None else self.directions[:, sites],
+        return replace(
+            self,
+            force_N=self.force_N[:, sites],
+            peak_pressure_MPa=self.peak_pressure_MPa[:, sites],
+            directions=None if self.directions is None else self.directions[:, sites],
         )
 
 
@@ -149,16 +135,3 @@ def face_load_factors(force_N: Floats, width_mm: Floats, *, each: bool = False) 
     factors = np.ones_like(mean)
     np.divide(largest, mean, out=factors, where=mean > 0)
     return factors
-
-
-def slice_summary(slices: SliceLoads | None) -> Mapping[str, float]:
-    """Entries of the summary; none in a plane scene."""
-    if slices is None:
-        return {}
-    _, _, j = np.unravel_index(slices.line_load_N_per_mm.argmax(), slices.force_N.shape)
-    return {
-        "face_load_factor": slices.face_load_factor,
-        "peak_line_load_z_mm": float(slices.z_mm[j]),
-        "axial_force_N": float(np.abs(slices.axial_force_N).max()),
-        "tilting_moment_Nm": float(np.abs(slices.tilting_moment_Nm).max()),
-    }

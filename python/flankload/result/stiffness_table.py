@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.base.card import Card
 from flankload.base.files import write_atomically
-from flankload.result.csv_form import CsvForm
+from flankload.errors import SceneError
+from flankload.result.export import CsvForm
 from flankload.result.harmonics import over_positions
-from flankload.result.multibody import checked_table, modelica_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.result.result import Result
 
 #: Quantities of the table for each torque.
@@ -51,12 +50,17 @@ class StiffnessTable(Card):
     """
 
     name: str
-    angle_rad: NDArray[np.float64]
-    torques_Nm: NDArray[np.float64]
+    angle_rad: Floats
+    torques_Nm: Floats
     reference_radius_mm: float
     period_rad: float
     closed: bool
-    values: dict[str, NDArray[np.float64]]
+    values: dict[str, Floats]
+
+    @property
+    def rotation_rad(self) -> Floats:
+        """(N, T) Rotation of body 1 beyond ideal, rigid flanks."""
+        return self.values["transmission_error_um"] / (1000.0 * self.reference_radius_mm)
 
     def to_csv(self, path: str | Path | None = None, form: CsvForm | None = None) -> str:
         """Return the table as CSV; write it to `path`.
@@ -84,29 +88,18 @@ class StiffnessTable(Card):
             "# angle of body 1; per torque on body 1 (N m, after the @): quantity_unit\n"
         )
         names = [f"{key}@{torque:.12g}" for torque in self.torques_Nm for key in QUANTITIES]
+        by_torque = np.stack([self.values[key] for key in QUANTITIES], axis=2)
+        angles = np.column_stack([self.angle_rad, np.degrees(self.angle_rad)])
+        numbers = np.hstack([angles, by_torque.reshape(len(angles), -1)]).tolist()
         rows = [["angle_rad", "angle_deg", *names]]
-        for n, angle in enumerate(self.angle_rad):
-            row = [angle, np.degrees(angle)]
-            row += [
-                self.values[key][n, t] for t in range(self.torques_Nm.size) for key in QUANTITIES
-            ]
-            rows.append([form.cell(float(x)) for x in row])
+        rows += [[form.cell(x) for x in row] for row in numbers]
         text = head + form.lines(rows)
         if path is not None:
             write_atomically(path, text)
         return text
 
     def to_modelica(self, path: str | Path | None = None) -> str:
-        """Return the table as text for CombiTable2Ds and CombiTable1Ds; write it to `path`.
-
-        Parameters
-        ----------
-        path : path, optional
-
-        Returns
-        -------
-        str
-            As `multibody.modelica_text`.
+        """Return the table as `modelica_text`; write it to `path`.
 
         Raises
         ------
@@ -168,22 +161,13 @@ def stiffness_table(results: Sequence[Result]) -> StiffnessTable:
     if any(not np.array_equal(first.position_rad, other.position_rad) for other in results):
         raise ValueError("results at different positions make no table of angle and torque")
     over = over_positions(first)
-    order, angle = over.index, over.position_rad
-    if not (over.covers_period or first.stands_alike):
+    closed = over.covers_period or first.stands_alike
+    if closed:
+        order = np.append(over.index, over.index[0])
+        angle = np.append(over.position_rad, over.position_rad[0] + first.period_rad)
+    else:
         order = np.argsort(first.position_rad, kind="stable")
-        return _table(results, order, first.position_rad[order], closed=False)
-    order, angle = np.append(order, order[0]), np.append(angle, angle[0] + first.period_rad)
-    return _table(results, order, angle, closed=True)
-
-
-def _table(
-    results: Sequence[Result],
-    order: NDArray[np.int64],
-    angle: NDArray[np.float64],
-    *,
-    closed: bool,
-) -> StiffnessTable:
-    first = results[0]
+        angle = first.position_rad[order]
     return StiffnessTable(
         name=first.name,
         angle_rad=angle,
@@ -196,3 +180,62 @@ def _table(
             for key in QUANTITIES
         },
     )
+
+
+def checked_table(table: StiffnessTable) -> StiffnessTable:
+    """The table with ascending torques, as a function that is periodic in the angle and finite.
+
+    Raises
+    ------
+    SceneError
+        If the angles do not cover a period, a torque occurs twice, or has no stiffness.
+    """
+    if not table.closed:
+        covered = f"{np.ptp(table.angle_rad):.6g} of {table.period_rad:.6g} rad"
+        raise SceneError(
+            key="positions",
+            expected="angles over a whole period, since the table repeats after it",
+            found=covered,
+        )
+    order = np.argsort(table.torques_Nm, kind="stable")
+    torque = table.torques_Nm[order]
+    if (np.diff(torque) <= 0).any():
+        raise SceneError(key="load.torque_Nm", expected="different torques", found=torque.tolist())
+    stiffness = table.values["stiffness_tangent_Nm_per_rad"][:, order]
+    usable = (stiffness > 0).all(axis=0) & np.isfinite(stiffness).all(axis=0)
+    if not usable.all():
+        raise SceneError(
+            key="load.torque_Nm",
+            expected="torques with a tangent stiffness at every position",
+            found=f"{torque[~usable][0]:g}, which has none (accuracy.tangents computes them)",
+        )
+    values = {key: numbers[:, order] for key, numbers in table.values.items()}
+    return replace(table, name=" ".join(table.name.split()), torques_Nm=torque, values=values)
+
+
+def modelica_text(table: StiffnessTable) -> str:
+    """Text file for the tables of the Modelica Standard Library, of a checked table.
+
+    For each quantity `NAME`, angles in rows, (N + 1, T + 1) with the torques in the first row, for
+    CombiTable2Ds; and `NAME_1d`, (N, T + 1) with a column per torque, for CombiTable1Ds. The first
+    column is the angle of body 1 in rad.
+    """
+    torques = ", ".join(f"{torque:.12g}" for torque in table.torques_Nm)
+    lines = [
+        "#1",
+        f"# {table.name}",
+        f"# first column: angle of body 1, rad; it repeats after {table.period_rad!r} rad",
+        f"# torques on body 1, N m: {torques}",
+        f"# reference_radius_mm {table.reference_radius_mm!r}",
+    ]
+    for name, quantity in {
+        "rotation_rad": table.rotation_rad,
+        "transmission_error_um": table.values["transmission_error_um"],
+        "stiffness_Nm_per_rad": table.values["stiffness_tangent_Nm_per_rad"],
+    }.items():
+        values = np.column_stack([table.angle_rad, quantity])
+        head = np.append(0.0, table.torques_Nm)
+        for title, rows in ((name, np.vstack([head, values])), (f"{name}_1d", values)):
+            lines.append(f"double {title}({rows.shape[0]},{rows.shape[1]})")
+            lines += [" ".join(map(repr, row)) for row in rows.tolist()]
+    return "\n".join(lines) + "\n"

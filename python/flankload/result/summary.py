@@ -1,4 +1,4 @@
-"""Summary beyond transmission error, load sharing and pressure."""
+"""Key figures and summary of a result."""
 
 from __future__ import annotations
 
@@ -9,44 +9,157 @@ import numpy as np
 from flankload.result.harmonics import over_positions
 
 if TYPE_CHECKING:
+    from flankload.base.arrays import Floats
     from flankload.result.result import Result
+    from flankload.result.root_stress import RootStress
 
-#: Stiffnesses and the names of their means.
+
+#: Stiffnesses by the names of their means.
 STIFFNESS_MEANS = {
-    "stiffness_tangent_N_per_um": "stiffness_tangent_mean_N_per_um",
-    "stiffness_secant_N_per_um": "stiffness_secant_mean_N_per_um",
-    "stiffness_tangent_Nm_per_rad": "stiffness_tangent_mean_Nm_per_rad",
-    "stiffness_secant_Nm_per_rad": "stiffness_secant_mean_Nm_per_rad",
+    f"stiffness_{kind}_mean_{unit}": f"stiffness_{kind}_{unit}"
+    for unit in ("N_per_um", "Nm_per_rad")
+    for kind in ("tangent", "secant")
 }
+#: Forces, pressures and stresses that differ by less, relative to the largest, are equal.
+SAME, SAME_STRESS = 1e-9, 1e-12
 
 
-def stiffness_means(result: Result) -> dict[str, float | None]:
-    """Means over the period; None if the positions do not cover it."""
-    means: dict[str, float | None] = {}
+def key_figures(result: Result) -> dict[str, Any]:
+    """Entries of the summary that follow from few curves."""
+    error, loaded, geometry = result.transmission_error_um, result.loaded_pairs, result.geometry
+    by_load = 1000.0 * result.turned_by_load_rad * result.reference_radius_mm
+    pressure = result.peak_pressure_MPa
+    smooth = np.where(result.corner_contact, 0.0, pressure)
     over = over_positions(result)
-    for key, name in STIFFNESS_MEANS.items():
-        values = getattr(result, key)
-        known = (over.covers_period or result.stands_alike) and np.isfinite(values).all()
-        means[name] = over.mean(values) if known else None
-    return means
-
-
-def summary_of_contacts(result: Result) -> dict[str, Any]:
-    """Largest line load and its place, largest sliding, least distance of the coast flanks."""
-    load = result.slice_line_load_N_per_mm.max(axis=2)
-    p, s = np.unravel_index(np.argmax(load), load.shape)
-    loaded = float(load[p, s]) > 0
-    sliding = np.abs(result.sliding_mm_per_rad)
-    coast = result.coast_flank_gap_um
     return {
-        "peak_line_load_N_per_mm": float(load[p, s]),
-        "peak_line_load_position_rad": float(result.position_rad[p]) if loaded else None,
-        "peak_line_load_pair": int(result.sites[s]) if loaded else None,
-        "largest_sliding_mm_per_rad": _finite(np.nanmax, sliding),
-        "coast_flank_gap_min_um": None if coast is None else _finite(np.nanmin, coast),
+        "transmission_error_mean_um": over.mean(error),
+        "transmission_error_by_load_mean_um": over.mean(by_load),
+        "transmission_error_peak_to_peak_um": float(np.ptp(error)),
+        "transmission_error_harmonics_um": over.harmonics(error),
+        "transmission_error_mesh_harmonics_um": over.harmonics(error, every=result.period_pitches),
+        "contact_ratio_under_load": over.mean_of_steps(loaded) if over.covers_period else None,
+        "contact_ratio_geometric": geometry.contact_ratio if geometry else None,
+        "contact_ratio_usable": geometry.usable_contact_ratio if geometry else None,
+        "loaded_pairs_min": int(loaded.min()),
+        "loaded_pairs_max": int(loaded.max()),
+        **_largest(result, "peak_pressure", "MPa", pressure),
+        "peak_pressure_at_corner": bool(pressure.max() > smooth.max()),
+        **_largest(result, "peak_pressure_off_corners", "MPa", smooth),
     }
 
 
-def _finite(choose: Any, values: Any) -> float | None:
+def summary(result: Result) -> dict[str, Any]:
+    """`Result.summary`."""
+    line_load = result.slice_line_load_N_per_mm.max(axis=2)
+    sliding, gap = np.abs(result.sliding_mm_per_rad), result.coast_flank_gap_um
+    return {
+        **result.key_figures,
+        **_stiffness_means(result),
+        **_largest(result, "peak_line_load", "N_per_mm", line_load),
+        "largest_sliding_mm_per_rad": _finite(np.nanmax, sliding),
+        "coast_flank_gap_min_um": None if gap is None else _finite(np.nanmin, gap),
+        **_of_coast_flanks(result),
+        **{
+            f"root_stress_{z + 1}": _of_roots(result, stress)
+            for z, stress in enumerate(result.root_stress)
+            if stress is not None
+        },
+        **_of_slices(result),
+        **_of_shafts(result),
+    }
+
+
+def _largest(
+    result: Result, key: str, unit: str, values: Floats, *, same: float = 0.0
+) -> dict[str, Any]:
+    """The first of the largest values (P, S) with its position and pair; None if all are 0."""
+    p, s = np.unravel_index(np.argmax(values >= (1.0 - same) * values.max()), values.shape)
+    found = float(values[p, s])
+    return {
+        f"{key}_{unit}": found,
+        f"{key}_position_rad": float(result.position_rad[p]) if found > 0 else None,
+        f"{key}_pair": int(result.sites[s]) if found > 0 else None,
+    }
+
+
+def _finite(choose: Any, values: Floats) -> float | None:
     """The least or largest finite value."""
     return float(choose(values)) if np.isfinite(values).any() else None
+
+
+def _stiffness_means(result: Result) -> dict[str, float | None]:
+    """Means over the period; None if the positions do not cover it."""
+    over = over_positions(result)
+    covered = over.covers_period or result.stands_alike
+    every = {name: getattr(result, key) for name, key in STIFFNESS_MEANS.items()}
+    return {
+        name: over.mean(values) if covered and np.isfinite(values).all() else None
+        for name, values in every.items()
+    }
+
+
+def _of_coast_flanks(result: Result) -> dict[str, Any]:
+    """Numbers of coast flanks that carry load at once, largest force, largest pressure."""
+    coast = result.coast
+    if coast is None:
+        return {}
+    smooth = np.where(coast.corner_contact, 0.0, coast.peak_pressure_MPa)
+    # of equal values the first one, independent of roundoff
+    return {
+        "coast_flanks_loaded_min": int(coast.loaded.min()),
+        "coast_flanks_loaded_max": int(coast.loaded.max()),
+        **_largest(result, "coast_force", "N", coast.force_N, same=SAME),
+        **_largest(result, "coast_peak_pressure_off_corners", "MPa", smooth, same=SAME),
+    }
+
+
+def _of_roots(result: Result, stress: RootStress) -> dict[str, Any]:
+    """Largest tension and compression with their places, and the largest stress range."""
+    found: dict[str, Any] = {}
+    for name, sign in (("tension", 1.0), ("compression", -1.0)):
+        extremes = getattr(stress, name)
+        values = sign * extremes.stress_MPa
+        places = np.argwhere(values >= values.max() - SAME_STRESS * np.abs(values).max())
+        # of sites with the same tooth, a loaded one is reported
+        p, s = places[result.site_force_N[tuple(places.T)].argmax()]
+        found[name] = {
+            "stress_MPa": float(extremes.stress_MPa[p, s]),
+            "position_rad": float(result.position_rad[p]),
+            "pair": int(result.sites[s]),
+            "arc_length_mm": float(extremes.arc_length_mm[p, s]),
+            "radius_mm": float(extremes.radius_mm[p, s]),
+            "slant_deg": float(extremes.slant_deg[p, s]),
+            "side": "working" if extremes.working[p, s] else "coast",
+        }
+        if extremes.z_mm is not None:
+            found[name]["z_mm"] = float(extremes.z_mm[p, s])
+    span = stress.stress_MPa.max(axis=(0, 1)) - stress.stress_MPa.min(axis=(0, 1))
+    found["range_MPa"] = float(span.max())
+    return found
+
+
+def _of_slices(result: Result) -> dict[str, float]:
+    slices = result.slices
+    if slices is None:
+        return {}
+    _, _, j = np.unravel_index(slices.line_load_N_per_mm.argmax(), slices.force_N.shape)
+    return {
+        "face_load_factor": slices.face_load_factor,
+        "peak_line_load_z_mm": float(slices.z_mm[j]),
+        "axial_force_N": float(np.abs(slices.axial_force_N).max()),
+        "tilting_moment_Nm": float(np.abs(slices.tilting_moment_Nm).max()),
+    }
+
+
+def _of_shafts(result: Result) -> dict[str, Any]:
+    """Mean tilt, largest force on each bearing, and the factor of ISO 6336 if it applies."""
+    shafts = result.shafts
+    if shafts is None:
+        return {}
+    largest = {
+        name.replace("_N", "_max_N"): np.linalg.norm(force, axis=2).max(axis=0).tolist()
+        for name, force in shafts.bearing_forces.items()
+    }
+    compared = {} if shafts.k_h_beta_iso is None else {"k_h_beta_iso": shafts.k_h_beta_iso}
+    tilt = over_positions(result).mean(shafts.tilt_um_per_mm)
+    return {"tilt_mean_um_per_mm": tilt, **largest, **compared}

@@ -8,19 +8,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.base.text_table import MARK, NONE, number, text_table
-from flankload.result.accuracy_lines import accuracy_lines, outside_words
-from flankload.result.coast_contact import CoastContact
-from flankload.result.warning_lines import warning_lines
+from flankload.cost import COUNTERS
+from flankload.result.notes import accuracy_lines, outside_words, warning_lines
+from flankload.result.parts import CoastContact
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from flankload.result.friction import FrictionResult
     from flankload.result.result import Result
 
+    #: Label and text.
+    Line = tuple[str, str]
+
 #: Columns of a position and their units.
 HEAD = ("position", "transm. error", "tangent stiffness", "secant stiffness")
 UNITS = ("deg", "um", "N/um", "N/um")
+FORMS = (".3f", ".3f", ".2f", ".2f")
 
 #: Largest number of pairs with a column each; with more pairs a row lists the loaded ones.
 MOST_COLUMNS = 8
@@ -40,25 +44,24 @@ STATUS_WORDS = {
     2: "solved; a pair has neither force nor gap",
     3: "solved; that no other state exists is not proven",
 }
-
-
-def text_of(result: Result) -> str:
-    """Return warnings, a row per position, then summary, estimate and cost.
-
-    Parameters
-    ----------
-    result : Result
-
-    Returns
-    -------
-    str
-        Lines without a final line break.
-    """
-    return _text([_title(result), "", *_warnings((result,)), *_body(result)])
+#: Counters of the cost in the last line, with their words; the second part only if it is not 0.
+COUNTED = {"fe_factorisations": "FE factorisations", "unit_loads_normal": "unit loads"}
+COUNTED_IF_ANY = {
+    "unit_loads_tangential": "tangential unit loads",
+    "fe_load_cases_growth": "load cases of expansion",
+}
+#: Entries of an account beside its counters: key, name, and number of units in one of the
+#: account's.
+MEASURES = (
+    ("cpu_s", "CPU s", 1.0),
+    ("wall_s", "wall s", 1.0),
+    ("bytes", "MB held", 1e-6),
+    ("workspace_bytes", "MB workspace", 1e-6),
+)
 
 
 def texts_of(results: Sequence[Result]) -> str:
-    """Return the text of several torques: common warnings first, then each table.
+    """Return the text of one or several torques.
 
     Parameters
     ----------
@@ -68,39 +71,25 @@ def texts_of(results: Sequence[Result]) -> str:
     Returns
     -------
     str
+        Common warnings, then for each torque a row per position, summary, estimate and cost; lines
+        without a final line break.
     """
+    warnings = [_labelled("warning", line) for line in warning_lines(results)]
     if len(results) == 1:
-        return text_of(results[0])
-    tables = [_text([_title(result), "", *_body(result)]) for result in results]
-    warnings = _text([*_warnings(results)])
-    return "\n\n".join([warnings, *tables] if warnings else tables)
+        return _text(results[0], [*warnings, ""] if warnings else [])
+    tables = [_text(result) for result in results]
+    return "\n\n".join(["\n".join(warnings), *tables] if warnings else tables)
 
 
-def _text(lines: list[str]) -> str:
+def _text(result: Result, before: Sequence[str] = ()) -> str:
+    """Text of one torque, with lines before its rows."""
+    below = (_labelled(*line) for line in _footer(result))
+    lines = [_title(result), "", *before, *_rows(result), "", *below]
     return "\n".join(line.rstrip() for line in lines).rstrip("\n")
 
 
-def _warnings(results: Sequence[Result]) -> Iterator[str]:
-    """Warnings and an empty line."""
-    lines = warning_lines(results)
-    yield from (_labelled("warning", line) for line in lines)
-    if lines:
-        yield ""
-
-
-def _body(result: Result) -> list[str]:
-    """Rows and the text below them."""
-    if result.drive is not None:
-        rows = [*result.drive.rows(result)]
-    elif result.has_cam:
-        rows = _rows_of_cam(result)
-    elif result.whole_circle:
-        rows = _rows_of_circle(result)
-    elif result.sites.size > MOST_COLUMNS:
-        rows = _rows_of_loaded(result)
-    else:
-        rows = _rows(result)
-    return [*rows, "", *_footer(result)]
+def _labelled(label: str, text: str) -> str:
+    return f"{label:<18}  {text}"
 
 
 def _title(result: Result) -> str:
@@ -117,72 +106,74 @@ def _title(result: Result) -> str:
 
 def _rows(result: Result) -> list[str]:
     """A row per position."""
+    if result.drive is not None:
+        return [*result.drive.rows(result)]
     sites = range(result.sites.size)
-    return text_table(
-        [
-            (*HEAD, *(text for s in sites for text in (f"pair {result.sites[s]}", ""))),
-            (*UNITS, *("share %", "MPa") * result.sites.size),
-            *(
-                (*cells, *(text for s in sites for text in _share_and_pressure(result, p, s)))
-                for p, cells in enumerate(_position_cells(result))
-            ),
-        ]
+    if (follower := result.follower_angle_deg) is not None:
+        return _table(
+            result,
+            ("follower", "force", "pressure"),
+            ("deg", "kN", "MPa"),
+            lambda p: (f"{follower[p]:.3f}", *_force_and_pressure(result, p, 0)),
+        )
+    if result.whole_circle:
+        return _rows_of_circle(result)
+    if result.sites.size > MOST_COLUMNS:
+        return _rows_of_loaded(result)
+    return _table(
+        result,
+        [text for s in sites for text in (f"pair {result.sites[s]}", "")],
+        ("share %", "MPa") * result.sites.size,
+        lambda p: [text for s in sites for text in _share_and_pressure(result, p, s)],
     )
 
 
-def _rows_of_cam(result: Result) -> list[str]:
-    """A row per position: angle of the follower, then the values of its one contact."""
-    assert result.follower_angle_rad is not None
-    follower = np.degrees(result.follower_angle_rad)
-    return text_table(
-        [
-            (*HEAD, "follower", "force", "pressure"),
-            (*UNITS, "deg", "kN", "MPa"),
-            *(
-                (*cells, f"{follower[p]:.3f}", *_force_and_pressure(result, p, 0))
-                for p, cells in enumerate(_position_cells(result))
-            ),
-        ]
+def _table(
+    result: Result,
+    heads: Iterable[str],
+    units: Iterable[str],
+    cells: Callable[[int], Iterable[str]],
+) -> list[str]:
+    """A row per position, with further cells at each."""
+    numbers = zip(
+        np.degrees(result.position_rad),
+        result.transmission_error_um,
+        result.stiffness_tangent_N_per_um,
+        result.stiffness_secant_N_per_um,
+        strict=True,
     )
+    rows = [
+        (*(number(*both) for both in zip(row, FORMS, strict=True)), *cells(p))
+        for p, row in enumerate(numbers)
+    ]
+    return text_table([(*HEAD, *heads), (*UNITS, *units), *rows])
 
 
 def _rows_of_loaded(result: Result) -> list[str]:
     """A row per position with the pairs that carry load there, out of many."""
     most = int(result.loaded_pairs.max())
-    rows: list[tuple[str, ...]] = [
-        (*HEAD, *("pair that", "carries", "") * most),
-        (*UNITS, *("pair", "share %", "MPa") * most),
-    ]
-    for p, cells in enumerate(_position_cells(result)):
-        carrying = np.flatnonzero(result.site_force_N[p] > 0).tolist()
-        rows.append(
-            (
-                *cells,
-                *(
-                    text
-                    for s in carrying
-                    for text in (f"{result.sites[s]}", *_share_and_pressure(result, p, s))
-                ),
-            )
-        )
-    return text_table(rows)
+
+    def cells(p: int) -> Iterator[str]:
+        for s in np.flatnonzero(result.site_force_N[p] > 0).tolist():
+            yield f"{result.sites[s]}"
+            yield from _share_and_pressure(result, p, s)
+
+    heads, units = ("pair that", "carries", ""), ("pair", "share %", "MPa")
+    return _table(result, heads * most, units * most, cells)
 
 
 def _rows_of_circle(result: Result) -> list[str]:
     """A row per position, then one per tooth at the position of the largest force."""
-    rows: list[tuple[str, ...]] = [
-        (*HEAD, "teeth loaded", "most on one", "at tooth"),
-        (*UNITS, "", "share %", ""),
-    ]
-    for p, cells in enumerate(_position_cells(result)):
-        s = int(np.argmax(result.site_force_N[p]))
-        at = f"{result.sites[s]}" if result.loaded_pairs[p] else NONE
-        rows.append(
-            (*cells, f"{result.loaded_pairs[p]}", f"{100 * result.load_share[p, s]:.2f}", at)
-        )
+
+    def cells(p: int) -> tuple[str, str, str]:
+        s, loaded = int(np.argmax(result.site_force_N[p])), result.loaded_pairs[p]
+        share = f"{100 * result.load_share[p, s]:.2f}"
+        return f"{loaded}", share, f"{result.sites[s]}" if loaded else NONE
+
+    rows = _table(result, ("teeth loaded", "most on one", "at tooth"), ("", "share %", ""), cells)
     p = int(np.argmax(result.site_force_N.max(axis=1)))
     title = f"load per tooth at {degrees(result.position_rad[p]):.3f} deg"
-    return [*text_table(rows), "", title, *_rows_of_teeth(result, p)]
+    return [*rows, "", title, *_rows_of_teeth(result, p)]
 
 
 def _rows_of_teeth(result: Result, p: int) -> list[str]:
@@ -202,20 +193,6 @@ def _rows_of_teeth(result: Result, p: int) -> list[str]:
     return text_table(rows)
 
 
-def _position_cells(result: Result) -> Iterator[list[str]]:
-    """Cells of a position before its pairs."""
-    numbers = np.column_stack(
-        [
-            np.degrees(result.position_rad),
-            result.transmission_error_um,
-            result.stiffness_tangent_N_per_um,
-            result.stiffness_secant_N_per_um,
-        ]
-    )
-    for row in numbers:
-        yield [number(*both) for both in zip(row, (".3f", ".3f", ".2f", ".2f"), strict=True)]
-
-
 def _share_and_pressure(result: Result, p: int, s: int) -> tuple[str, str]:
     pressure = _force_and_pressure(result, p, s)[1]
     return (NONE if pressure == NONE else f"{100 * result.load_share[p, s]:.2f}"), pressure
@@ -230,36 +207,37 @@ def _force_and_pressure(contact: Result | CoastContact, p: int, s: int) -> tuple
     return f"{force[p, s] / 1e3:.3f}", f"{contact.peak_pressure_MPa[p, s]:.0f}{mark}"
 
 
-def _footer(result: Result) -> Iterator[str]:
+def _footer(result: Result) -> Iterator[Line]:
+    """Labels and texts of the lines below the rows."""
     summary = result.summary
     yield from _transmission_error_lines(result)
-    yield _labelled("loaded pairs", _loaded_pairs(result))
+    yield "loaded pairs", _loaded_pairs(result)
     if summary["peak_pressure_pair"] is not None:
-        yield _labelled("largest pressure", _largest_pressure(summary))
+        yield "largest pressure", _largest_pressure(summary)
     if result.drive is not None:
-        yield _labelled(result.drive.name, result.drive.words())
+        yield result.drive.name, result.drive.words()
     yield from _contact_lines(result)
     for z in (1, 2):
         if f"root_stress_{z}" in summary and result.torque_Nm > 0:
-            yield _labelled(f"root of body {z}", _root_stress(summary[f"root_stress_{z}"]))
+            yield f"root of body {z}", _root_stress(summary[f"root_stress_{z}"])
     if result.friction is not None:
-        yield _labelled("friction", _friction(result.friction))
+        yield "friction", _friction(result.friction)
     beyond = outside_words(result.outside_limits)
     yield from _estimate_lines(result, beyond)
     if result.accuracy is not None:
         first, *more = accuracy_lines(result.accuracy)
-        yield _labelled("tolerance", first + beyond)
+        yield "tolerance", first + beyond
         for text in more:
-            yield _labelled("", text)
-    yield _labelled("cost", _cost(result.cost))
+            yield "", text
+    yield "cost", _cost(result.cost)
     for status, words in STATUS_WORDS.items():
         positions = np.flatnonzero(result.status == status)
         if positions.size:
             listed = ", ".join(map(str, positions[:8])) + (", ..." if positions.size > 8 else "")
-            yield _labelled(f"status {status}", f"{words}: positions {listed}")
+            yield f"status {status}", f"{words}: positions {listed}"
 
 
-def _transmission_error_lines(result: Result) -> Iterator[str]:
+def _transmission_error_lines(result: Result) -> Iterator[Line]:
     summary = result.summary
     mean, by_load = (summary[f"transmission_error_{kind}mean_um"] for kind in ("", "by_load_"))
     beyond = ""
@@ -272,16 +250,15 @@ def _transmission_error_lines(result: Result) -> Iterator[str]:
     harmonics = summary["transmission_error_mesh_harmonics_um"]
     if harmonics is not None:
         text += f", harmonics 1 to {len(harmonics)}: {_amplitudes(harmonics)} um"
-    yield _labelled("transmission error", text)
+    yield "transmission error", text
     if harmonics is not None and result.period_pitches > 1:
         whole = _amplitudes(summary["transmission_error_harmonics_um"])
-        yield _labelled("", f"harmonics of {result.period_pitches} pitches: {whole} um")
+        yield "", f"harmonics of {result.period_pitches} pitches: {whole} um"
 
 
 def _loaded_pairs(result: Result) -> str:
     summary = result.summary
-    least, most = summary["loaded_pairs_min"], summary["loaded_pairs_max"]
-    text = f"{least}" if least == most else f"{least} to {most}"
+    text = _range(summary, "loaded_pairs")
     if summary["contact_ratio_under_load"] is not None:
         text += f" (contact ratio under load {summary['contact_ratio_under_load']:.3f}"
         if summary["contact_ratio_geometric"] is not None:
@@ -294,7 +271,7 @@ def _loaded_pairs(result: Result) -> str:
     return text + f" of {result.sites.size} teeth carry load" * result.whole_circle
 
 
-def _estimate_lines(result: Result, beyond: str) -> Iterator[str]:
+def _estimate_lines(result: Result, beyond: str) -> Iterator[Line]:
     """Estimated errors, and those of single sources; `beyond`: note on violated premises."""
     if result.estimate is None:
         return
@@ -305,12 +282,22 @@ def _estimate_lines(result: Result, beyond: str) -> Iterator[str]:
     off_corners = summary["peak_pressure_off_corners_pair"] is not None
     if summary["peak_pressure_pair"] is not None and not off_corners:
         text += ", peak pressure not estimated (sharp corners)"
-    yield _labelled("estimated error", text + beyond)
+    yield "estimated error", text + beyond
     for source, label in SHOWN_ALONE.items():
         left = result.estimate.get("by_source", {}).get(source, {})
         if any(error > ROUNDING for error in left.values()) or (left and source == "positions"):
             text = _estimate({key.removeprefix(OF_ROTATION): error for key, error in left.items()})
-            yield _labelled(label, text + beyond)
+            yield label, text + beyond
+
+
+def _range(summary: Mapping[str, Any], key: str) -> str:
+    least, most = summary[f"{key}_min"], summary[f"{key}_max"]
+    return f"{least}" if least == most else f"{least} to {most}"
+
+
+def _place(found: Mapping[str, Any], key: str = "") -> str:
+    """Pair and position of a largest value."""
+    return f"on pair {found[f'{key}pair']} at {degrees(found[f'{key}position_rad']):.3f} deg"
 
 
 def _amplitudes(harmonics: list[float | None]) -> str:
@@ -322,69 +309,56 @@ def _root_stress(found: Any) -> str:
     for name in ("tension", "compression"):
         extreme = found[name]
         parts.append(
-            f"{name} {extreme['stress_MPa']:.0f} MPa on pair {extreme['pair']} at "
-            f"{degrees(extreme['position_rad']):.3f} deg (radius {extreme['radius_mm']:.2f} mm, "
-            f"tangent {extreme['slant_deg']:.0f} deg"
+            f"{name} {extreme['stress_MPa']:.0f} MPa {_place(extreme)} "
+            f"(radius {extreme['radius_mm']:.2f} mm, tangent {extreme['slant_deg']:.0f} deg"
             + (f", z {extreme['z_mm']:.2f} mm)" if "z_mm" in extreme else ")")
         )
     return "; ".join(parts)
 
 
-def _contact_lines(result: Result) -> Iterator[str]:
+def _contact_lines(result: Result) -> Iterator[Line]:
     """Available lines on stiffness, line load, sliding and coast flanks."""
     summary = result.summary
     tangent, secant = (summary[f"stiffness_{kind}_mean_N_per_um"] for kind in ("tangent", "secant"))
     if tangent is not None and secant is not None:
-        text = f"mean {tangent:.2f} N/um tangent, {secant:.2f} N/um secant"
-        yield _labelled("stiffness", text)
+        yield "stiffness", f"mean {tangent:.2f} N/um tangent, {secant:.2f} N/um secant"
     if summary["peak_line_load_pair"] is not None and result.drive is None:
-        text = f"up to {summary['peak_line_load_N_per_mm']:.1f} N/mm on pair "
-        text += f"{summary['peak_line_load_pair']} at "
-        text += f"{degrees(summary['peak_line_load_position_rad']):.3f} deg"
-        yield _labelled("line load", text)
+        load = summary["peak_line_load_N_per_mm"]
+        yield "line load", f"up to {load:.1f} N/mm {_place(summary, 'peak_line_load_')}"
     if summary["largest_sliding_mm_per_rad"]:
         turning = "the cam, for a roller that does not rotate" if result.has_cam else "body 1"
         text = f"up to {summary['largest_sliding_mm_per_rad']:.2f} mm per rad of {turning}"
-        yield _labelled("sliding", text)
+        yield "sliding", text
     if result.coast is not None:
-        yield _labelled("coast flanks", _coast_forces(summary))
+        yield "coast flanks", _coast_forces(summary)
     elif summary["coast_flank_gap_min_um"] is not None:
         gap = summary["coast_flank_gap_min_um"]
         text = f"at least {gap:.1f} um apart under load"
         if gap < 0:
             text = f"overlap of up to {-gap:.1f} um under load: they would carry load as well"
-        yield _labelled("coast flanks", text)
+        yield "coast flanks", text
     elif result.geometry is not None and not result.has_cam:
         reason = result.geometry.coast_unknown or "none face each other"
-        yield _labelled("coast flanks", f"unknown: {reason}")
+        yield "coast flanks", f"unknown: {reason}"
 
 
 def _coast_forces(summary: dict[str, Any]) -> str:
     if summary["coast_force_pair"] is None:
         gap = summary["coast_flank_gap_min_um"]
         return "none carries" + ("" if gap is None else f", at least {gap:.1f} um apart")
-    least, most = summary["coast_flanks_loaded_min"], summary["coast_flanks_loaded_max"]
-    text = f"{least}" if least == most else f"{least} to {most}"
-    text += (
-        f" carry, up to {summary['coast_force_N'] / 1e3:.3f} kN on pair "
-        f"{summary['coast_force_pair']} at {degrees(summary['coast_force_position_rad']):.3f} deg"
-    )
+    text = f"{_range(summary, 'coast_flanks_loaded')} carry, up to "
+    text += f"{summary['coast_force_N'] / 1e3:.3f} kN {_place(summary, 'coast_force_')}"
     if summary["coast_peak_pressure_off_corners_pair"] is not None:
         text += f", {summary['coast_peak_pressure_off_corners_MPa']:.0f} MPa"
     return text
-
-
-def _labelled(label: str, text: str) -> str:
-    return f"{label:<18}  {text}"
 
 
 def _largest_pressure(summary: dict[str, Any]) -> str:
     parts = []
     if summary["peak_pressure_off_corners_pair"] is not None:
         parts.append(
-            f"{summary['peak_pressure_off_corners_MPa']:.0f} MPa on pair "
-            f"{summary['peak_pressure_off_corners_pair']} at "
-            f"{degrees(summary['peak_pressure_off_corners_position_rad']):.3f} deg"
+            f"{summary['peak_pressure_off_corners_MPa']:.0f} MPa "
+            f"{_place(summary, 'peak_pressure_off_corners_')}"
         )
     if summary["peak_pressure_at_corner"]:
         parts.append(
@@ -417,30 +391,40 @@ def _estimate(estimate: Any) -> str:
 
 
 def _cost(cost: Any) -> str:
-    stages = cost.get("stages", {})
     seconds = {
         name: account["wall_s"] if isinstance(account, dict) else account
-        for name, account in stages.items()
+        for name, account in cost.get("stages", {}).items()
     }
-    parts = [f"{name} {value:.3g} s" for name, value in seconds.items()]
-    counters = [
-        f"{cost[key]} {words}"
-        for key, words in (
-            ("fe_factorisations", "FE factorisations"),
-            ("unit_loads_normal", "unit loads"),
-            *(
-                [("unit_loads_tangential", "tangential unit loads")]
-                if cost.get("unit_loads_tangential")
-                else []
-            ),
-            *(
-                [("fe_load_cases_growth", "load cases of expansion")]
-                if cost.get("fe_load_cases_growth")
-                else []
-            ),
-            ("pivots", "pivots"),
-        )
-        if key in cost
-    ]
-    total = f"{sum(seconds.values()):.3g} s ({', '.join(parts)})" if parts else ""
-    return "; ".join(part for part in (total, ", ".join(counters)) if part)
+    stages = ", ".join(f"{name} {value:.3g} s" for name, value in seconds.items())
+    shown = COUNTED | {key: words for key, words in COUNTED_IF_ANY.items() if cost.get(key)}
+    shown["pivots"] = "pivots"
+    counters = ", ".join(f"{cost[key]} {words}" for key, words in shown.items() if key in cost)
+    total = f"{sum(seconds.values()):.3g} s ({stages})" if stages else ""
+    return "; ".join(part for part in (total, counters) if part)
+
+
+def cost_table(cost: Mapping[str, Any]) -> str:
+    """A row for each quantity that a stage was predicted to use, or used."""
+    rows = (row for item in cost["stages"].items() for row in _rows_of_stage(*item))
+    return "\n".join(text_table([("stage", "work", "predicted", "spent"), *rows], left=2))
+
+
+def _rows_of_stage(name: str, stage: Mapping[str, Any]) -> Iterator[tuple[str, str, str, str]]:
+    """Rows of a stage; the first one contains its name."""
+    predicted = stage["predicted"]
+    label = name
+    for key, words, unit in MEASURES:
+        if key == "workspace_bytes" and not stage[key]:
+            continue
+        guess = _number(predicted[key] * unit) if key in predicted else NONE
+        yield label, words, guess, _number(stage[key] * unit)
+        label = ""
+    counted, expected = stage["counters"], predicted.get("counters", {})
+    for key in COUNTERS:
+        if counted.get(key, 0) or expected.get(key, 0):
+            guess = str(expected[key]) if key in expected else NONE
+            yield "", key.replace("_", " "), guess, str(counted.get(key, 0))
+
+
+def _number(value: float) -> str:
+    return f"{value:.3f}" if value < 10 else f"{value:.0f}"

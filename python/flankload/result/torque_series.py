@@ -9,50 +9,37 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from flankload.result.contact_quantities import frozen
-from flankload.result.export import ONLY_LOADED
+from flankload.base.read_only import frozen
+from flankload.result.course import Motion
+from flankload.result.notes import warning_lines
+from flankload.result.quantities import UNLOADED
 from flankload.result.result import Result
-from flankload.result.warning_lines import warning_lines
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Numbers
     from flankload.result.pairs import PairTable
 
-#: Attributes that all torques have in common.
-SHARED = frozenset(
-    {
-        "name",
-        "position_rad",
-        "position_deg",
-        "reference_radius_mm",
-        "face_width_mm",
-        "pitch_rad",
-        "pitch_deg",
-        "period_rad",
-        "period_deg",
-        "period_pitches",
-        "closed",
-        "whole_circle",
-        "has_cam",
-        "words_for_sites",
-        "stands_alike",
-        "follower_angle_rad",
-        "follower_angle_deg",
-        "slice_z_mm",
-        "geometry",
-        "drawing",
-        "accuracy",
-    }
-)
 #: Entries of the cost that each torque has for itself.
 COST_OF_TORQUE = ("of_this_torque", "largest_backward_error", "largest_condition")
-#: Values of a pair at a torque that never loads it, where they are not 0.
-UNLOADED = {**dict.fromkeys(ONLY_LOADED, np.nan), "flank_face_load_factor": 1.0}
 NO_TUPLE = (
     "the result of a list of torques is no tuple any more (its access ends with 1.0): use "
     "result.by_torque, result.at(torque_Nm), or the first axis of its arrays"
 )
+
+
+def _attributes(kind: type) -> Iterator[str]:
+    """Public names of fields and properties of a class."""
+    for name in dict.fromkeys([*kind.__dataclass_fields__, *dir(kind)]):  # type: ignore[attr-defined]
+        value = getattr(kind, name, None)
+        is_field = name in kind.__dataclass_fields__  # type: ignore[attr-defined]
+        if not name.startswith("_") and (is_field or isinstance(value, property | cached_property)):
+            yield name
+
+
+#: Attributes that all torques have in common.
+SHARED = frozenset({*_attributes(Motion), "words_for_sites", "slice_z_mm", "accuracy"})
 
 
 class TorqueSeries(Result):
@@ -102,7 +89,7 @@ class TorqueSeries(Result):
         return True
 
     @cached_property
-    def sites(self) -> NDArray[np.int64]:
+    def sites(self) -> Numbers:
         """(S,) Pair numbers of all torques."""
         return frozen(np.unique(np.concatenate([one.sites for one in self.by_torque])))
 
@@ -153,19 +140,7 @@ class TorqueSeries(Result):
 
 
 def result_of_torques(results: Sequence[Result], *, listed: bool) -> Result:
-    """Join the results of a scene.
-
-    Parameters
-    ----------
-    results : sequence of Result
-        One per torque.
-    listed : bool
-        Whether the scene has a list of torques, even one of a single torque.
-
-    Returns
-    -------
-    Result
-    """
+    """Join the results of a scene; `listed`: it has a list of torques, even of a single one."""
     return TorqueSeries(results) if listed else results[0]
 
 
@@ -200,7 +175,7 @@ def _at_sites(series: TorqueSeries, one: Result, name: str) -> NDArray[Any]:
     if values.ndim < 2 or np.array_equal(one.sites, series.sites):
         return np.asarray(values)
     shape = (values.shape[0], series.sites.size, *values.shape[2:])
-    whole = np.full(shape, UNLOADED.get(name, 0), dtype=values.dtype)
+    whole = np.full(shape, UNLOADED.get(name, np.nan), dtype=values.dtype)
     whole[:, np.searchsorted(series.sites, one.sites)] = values
     return whole
 
@@ -214,15 +189,6 @@ def _merged(values: Sequence[Mapping[str, Any] | None]) -> dict[str, Any]:
         nested = any(isinstance(one, Mapping) for one in found)
         merged[key] = _merged(found) if nested else tuple(found)
     return merged
-
-
-def _attributes(kind: type) -> Iterator[str]:
-    """Public names of fields and properties of a class."""
-    for name in dict.fromkeys([*kind.__dataclass_fields__, *dir(kind)]):  # type: ignore[attr-defined]
-        value = getattr(kind, name, None)
-        is_field = name in kind.__dataclass_fields__  # type: ignore[attr-defined]
-        if not name.startswith("_") and (is_field or isinstance(value, property | cached_property)):
-            yield name
 
 
 # every attribute of one torque, also one that a later version adds, has its form for several,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -11,15 +11,19 @@ import numpy as np
 
 from flankload.base.files import write_atomically
 from flankload.base.optional import optional
-from flankload.result.export import (
+from flankload.result.quantities import (
+    ALONG_POSITIONS,
+    OVER_SITES,
     SINGLE_NUMBERS,
-    SiteValues,
     along_positions,
-    at_position,
+    by_path,
+    column,
     over_sites,
-    slice_arrays,
+    over_slices,
+    site_column,
+    torques_of,
+    units_of,
 )
-from flankload.result.friction import ALONG_POSITIONS as FRICTION
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -43,12 +47,6 @@ def results_to_xlsx(results: Result | Sequence[Result], path: str | Path) -> Non
     the heads: a row per position, a column per torque, or per torque and pair (and slice). A cell
     is empty if there is no number.
 
-    Parameters
-    ----------
-    results : Result or sequence of Result
-        Of one scene, at the same positions.
-    path : path
-
     Raises
     ------
     ImportError
@@ -57,7 +55,7 @@ def results_to_xlsx(results: Result | Sequence[Result], path: str | Path) -> Non
         If the results have different positions.
     """
     openpyxl = optional("openpyxl", "to_xlsx", extra="xlsx")
-    several = tuple(results) if isinstance(results, Sequence) else results.by_torque
+    several = torques_of(results)
     first = several[0]
     if any(not np.array_equal(first.position_rad, one.position_rad) for one in several):
         raise ValueError("results at different positions make no workbook")
@@ -111,7 +109,7 @@ def _summary(results: Sequence[Result]) -> Iterator[Row]:
         ("", [result.summary for result in results]),
         ("estimated error: ", [result.estimate or {} for result in results]),
     ):
-        rows = [dict(_flat(values)) for values in of_results]
+        rows = [dict(by_path(values, _item)) for values in of_results]
         for key in dict.fromkeys(key for row in rows for key in row):
             yield [f"{part}{key}", *(row.get(key) for row in rows)]
     yield []
@@ -123,51 +121,36 @@ def _summary(results: Sequence[Result]) -> Iterator[Row]:
         yield [text, *concerned]
 
 
-def _flat(values: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    """Numbers of nested mappings and lists by their path."""
-    for key, value in values.items():
-        name = f"{before}{key}"
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{name}.")
-        elif isinstance(value, (list, tuple, np.ndarray)):
-            yield from _flat({str(k + 1): item for k, item in enumerate(value)}, f"{name} ")
-        else:
-            yield name, value
+def _item(n: int) -> str:
+    return f" {n + 1}"
 
 
 def _quantities(results: Sequence[Result]) -> Iterator[tuple[str, list[Row]]]:
     """Names and rows of the sheets of quantities."""
-    count = results[0].position_rad.size
-    for key, unit in along_positions(*results).items():
+    along = [along_positions(result) for result in results]
+    for key, unit in units_of(along, ALONG_POSITIONS).items():
         if key != "position_rad":
-            values = [[at_position(result, key, p) for result in results] for p in range(count)]
-            yield key, _rows(results, [_torque(result, unit) for result in results], values)
-    parts: dict[str, tuple[str, list[Any]]] = {}
-    if all(result.friction is not None for result in results):
-        for key, unit in FRICTION.items():
-            parts[f"friction_{key}"] = unit, [getattr(one.friction, key) for one in results]
-    if results[0].drive is not None:
-        for key, unit in results[0].drive.along.items():
-            parts[key] = unit, [getattr(result.drive, key) for result in results]
-    for key, (unit, arrays) in parts.items():
-        yield key, _rows(results, [_torque(r, unit) for r in results], np.stack(arrays, axis=1))
+            columns = [column(*both, key) for both in zip(results, along, strict=True)]
+            heads = [_torque(result, unit) for result in results]
+            yield key, _rows(results, heads, zip(*columns, strict=True))
     sites = sorted({int(site) for result in results for site in result.sites})
-    at_sites = [SiteValues(result) for result in results]
-    for key, unit in over_sites(*results).items():
+    over = [over_sites(result) for result in results]
+    for key, unit in units_of(over, OVER_SITES).items():
         heads = [f"pair {j}, {_torque(result, unit)}" for result in results for j in sites]
-        values = [[at(key, p, j) for at in at_sites for j in sites] for p in range(count)]
-        yield key, _rows(results, heads, values)
+        both = zip(results, over, strict=True)
+        columns = [site_column(*one, key, j) for one in both for j in sites]
+        yield key, _rows(results, heads, zip(*columns, strict=True))
     if all(result.slices is not None for result in results):
-        over_slices = [slice_arrays(result) for result in results]
-        for key, (_, unit) in over_slices[0].items():
+        in_slices = [over_slices(result) for result in results]
+        for key, (_, unit) in in_slices[0].items():
             heads = [
                 f"pair {j}, z {z:.6g} mm, {_torque(result, unit)}"
                 for result in results
                 for j in result.sites
                 for z in result.slice_z_mm
             ]
-            over = [arrays[key][0].reshape(count, -1) for arrays in over_slices]
-            yield key, _rows(results, heads, np.hstack(over))
+            columns = [arrays[key][0].reshape(len(arrays[key][0]), -1) for arrays in in_slices]
+            yield key, _rows(results, heads, np.hstack(columns))
 
 
 def _rows(results: Sequence[Result], heads: Sequence[str], values: Any) -> list[Row]:

@@ -14,12 +14,10 @@ from scipy.stats import norm
 import flankload as fl
 from flankload.base.card import Card
 from flankload.result import TorqueSeries
-from flankload.result.belt import BeltDrive
-from flankload.result.chain import ChainDrive
-from flankload.result.coast_contact import CoastContact
+from flankload.result.drives import BeltDrive, ChainDrive
 from flankload.result.friction import FrictionResult
+from flankload.result.parts import CoastContact, ShaftLoads
 from flankload.result.root_stress import RootStress
-from flankload.result.shafts import ShaftLoads
 from flankload.result.slices import SliceLoads
 from tests.support.made_up_result import made_up_result
 from tests.support.paths import SCENES

@@ -12,7 +12,7 @@ from flankload.bodies import build_body
 from flankload.bodies.body import Body, SectorMesh
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.profile.gear_profile import gear_profile
-from flankload.elasticity.compliance import JobOptions, flank_compliance, modes
+from flankload.elasticity.compliance import JobOptions, flank_compliance, loads
 from flankload.errors import SceneError
 from flankload.meshes.blocks import growing_breaks, symmetric_breaks
 from flankload.meshes.plane_mesh import scaled_jacobians
@@ -213,7 +213,7 @@ def test_compliance_of_a_ring_converges_under_refinement(monkeypatch: pytest.Mon
 
     Without the image behind the tip corner, whose angle would change with the elements.
     """
-    monkeypatch.setattr(modes, "image_strengths", lambda _: (0.0, 0.0))
+    monkeypatch.setattr(loads, "image_strengths", lambda _: (0.0, 0.0))
     sizes = np.array([2.0, 1.0, 0.5])
     smooth = [
         flank_compliance(ring_built(h), JobOptions(n_modes=4, plane="strain")).smooth for h in sizes

@@ -14,7 +14,7 @@ from flankload.elasticity.compliance import (
     flank_compliance,
     flank_compliances,
 )
-from flankload.elasticity.compliance.modes import ModeLoads
+from flankload.elasticity.compliance.loads import ModeLoads
 from flankload.elasticity.compliance.response import Job, of_whole
 from flankload.elasticity.finite_elements import place_load, stiffness
 from flankload.elasticity.job_log import JobLog

@@ -13,8 +13,8 @@ from flankload.elasticity.near_field import (
     mode_norms,
     mode_values,
     projected_logarithm,
-    strip_kernel,
 )
+from tests.support.cells_near_field import strip_kernel
 from tests.support.plane_sectors import STEEL, ring_sector
 from tests.support.tolerances import ROUND_OFF, SOLVER
 

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.base.rotation import turned
 from flankload.bodies import SectorMesh, WholeMesh
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import lame_parameters
-from flankload.elasticity.loaded_body import loaded_body, turned
+from flankload.elasticity.loaded_body import loaded_body
 from flankload.elasticity.near_field import logarithm_strength, mode_loads, mode_norms
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies

@@ -19,7 +19,7 @@ import pytest
 import flankload as fl
 from flankload import _core
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.result.belt import BeltDrive
+from flankload.result.drives import BeltDrive
 from flankload.scene.effects import EFFECTS, Effect, switches_of
 from flankload.scene.effects.keys import EffectsAsked
 from tests.support.body_records import parts_of

@@ -14,10 +14,10 @@ import pytest
 
 import flankload as fl
 from flankload.cli import main
+from flankload.mechanisms.belt.contact import lands_in_words
 from flankload.mechanisms.belt.estimate import DOUBT, between_places
-from flankload.mechanisms.belt.states import lands_in_words
 from flankload.plot import PICTURES, pictures_of
-from flankload.result.belt import BeltDrive
+from flankload.result.drives import BeltDrive
 from tests.support.belt_scenes import EXAMPLE, POSITIONS, SMALL, tables
 from tests.support.tolerances import SOLVER
 

@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 from flankload.result import Result, results_to_csv, results_to_json, results_to_text
-from flankload.result.warning_lines import warning_lines
+from flankload.result.notes import warning_lines
+from flankload.result.parts import ShaftLoads
+from flankload.result.slices import SliceLoads
 from tests.support.made_up_result import made_up_result
 from tests.support.pair_scenes import EXTERNAL, solved
 from tests.support.tolerances import ROUND_OFF
@@ -367,3 +369,13 @@ def test_table_without_load_and_estimate() -> None:
     assert "nan" not in text
     assert "estimated error" not in text
     assert "largest pressure" not in text
+
+
+def test_arrays_of_parts_are_read_only() -> None:
+    none = np.zeros((2, 0, 3))
+    shafts = ShaftLoads(np.zeros(2), none, none.copy())
+    loads = np.ones((2, 1, 3))
+    slices = SliceLoads(np.arange(3.0), np.ones(3), loads, loads.copy(), 0.0, 1.0)
+    arrays = [x for part in (shafts, slices) for x in vars(part).values() if np.ndim(x)]
+    assert len(arrays) == 7
+    assert not any(array.flags.writeable for array in arrays)

@@ -785,7 +785,7 @@ def test_interrupted_command_prints_its_table(
     path = tmp_path / "pair.toml"
     path.write_text(SCENE, encoding="utf-8")
     tell = stop_at(2)
-    monkeypatch.setattr("flankload.cli.studying.Progress.tell", lambda _, *told: tell(*told))
+    monkeypatch.setattr("flankload.cli.judging.Progress.tell", lambda _, *told: tell(*told))
     assert main(["accuracy", str(path)]) == 130
     out, err = capsys.readouterr()
     assert "note: interrupted" in out

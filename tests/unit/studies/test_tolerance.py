@@ -13,7 +13,7 @@ import flankload as fl
 from flankload.cli import main
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.notes import FEWER_DO
-from flankload.result.accuracy_lines import accuracy_lines, percent
+from flankload.result.notes import accuracy_lines, percent
 from flankload.scene.discretization import elements_for_modes
 from flankload.studies.parameters import (
     ANYWHERE,

@@ -25,8 +25,13 @@ from flankload.studies.verification.calculix import read_answer, run_deck, versi
 from flankload.studies.verification.contact_places import Place, contact_places
 from flankload.studies.verification.deck import Deck, DeckFriction, Part, deck_text
 from flankload.studies.verification.model import friction_of_deck, model_of
-from flankload.studies.verification.refine import refined
-from flankload.studies.verification.triangles import Triangles, quadratic, sides, whole_body
+from flankload.studies.verification.triangles import (
+    Triangles,
+    quadratic,
+    refined,
+    sides,
+    whole_body,
+)
 from tests.support.paths import CALCULIX_OUTPUT, SCENES
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
@@ -360,7 +365,7 @@ def small_deck() -> Deck:
     nothing = np.zeros((0, 2))
     ours = (np.array([[20, 3], [31, 1]]), np.array([[40, 2]]))
     part = Part(nothing, np.zeros((0, 6), int), np.zeros(0, int), ours, Material(206e3, 0.3))
-    return Deck("kept", (part, part), (-1, 0), 21571.4, 1e-4, "strain", False)
+    return Deck("kept", (part, part), (-1, 0), 21571.4, 1e-4, False, "strain")
 
 
 def test_reader_takes_the_last_increment(tmp_path: Path) -> None:

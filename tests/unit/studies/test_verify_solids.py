@@ -17,6 +17,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
 from flankload.studies.verification import solid_model
 from flankload.studies.verification.calculix import read_answer
+from flankload.studies.verification.deck import Deck, deck_text
 from flankload.studies.verification.model import flanks_of
 from flankload.studies.verification.solid import (
     Layers,
@@ -25,7 +26,6 @@ from flankload.studies.verification.solid import (
     layers_of,
     solid_part,
 )
-from flankload.studies.verification.solid_deck import SolidDeck, solid_text
 from flankload.studies.verification.solid_model import solid_model_of
 from flankload.studies.verification.triangles import whole_body
 from tests.support.paths import CALCULIX_SOLIDS, SCENES
@@ -64,7 +64,7 @@ def scene_of(helix_deg: float = 0.0, **changes: dict[str, Any]) -> fl.Scene:
     return fl.Scene.from_dict(tree)
 
 
-def deck_of(scene: fl.Scene, position: int) -> SolidDeck:
+def deck_of(scene: fl.Scene, position: int) -> Deck:
     return solid_model_of(scene, solve(scene), position, large_displacement=False, **COARSE).deck
 
 
@@ -79,7 +79,7 @@ SKEWED = scene_of(
 
 
 @pytest.fixture(scope="module")
-def skewed() -> SolidDeck:
+def skewed() -> Deck:
     """Helical, modified in every way, of unequal widths."""
     return deck_of(SKEWED, 2)
 
@@ -126,7 +126,7 @@ def shapes(r: float, s: float, t: float) -> np.ndarray:
     return np.concatenate([*corners, between * low, between * high, middle])
 
 
-def test_wedges_have_positive_jacobians(skewed: SolidDeck) -> None:
+def test_wedges_have_positive_jacobians(skewed: Deck) -> None:
     for part in skewed.parts:
         determinants = wedge_jacobians(part.nodes, part.cells)
         assert (determinants.min(axis=1) > 0.1 * determinants.mean(axis=1)).all()
@@ -139,14 +139,14 @@ FACES = {
 }
 
 
-def flank_nodes(deck: SolidDeck, z: int, k: int) -> np.ndarray:
+def flank_nodes(deck: Deck, z: int, k: int) -> np.ndarray:
     """Nodes of all faces of flank k of body z (0 or 1)."""
     part = deck.parts[z]
     faces = np.vstack(part.flanks[k * deck.layers : (k + 1) * deck.layers])
     return np.unique([part.cells[e, list(FACES[f])] for e, f in faces.tolist()])
 
 
-def test_nodes_of_flanks_are_on_the_modified_helicoids(skewed: SolidDeck) -> None:
+def test_nodes_of_flanks_are_on_the_modified_helicoids(skewed: Deck) -> None:
     """The flank of tooth and z, turned by the metal removed over the base radius."""
     pair = build_bodies(SKEWED)
     turns = [float(turn) for turn in pair.pairing.turns(solve(SKEWED).position_rad[2])]
@@ -195,7 +195,7 @@ def arc_lengths(body: Any, radii: np.ndarray) -> np.ndarray:
     return first
 
 
-def test_misalignment_opens_the_gap_by_what_flankload_takes(skewed: SolidDeck) -> None:
+def test_misalignment_opens_the_gap_by_what_flankload_takes(skewed: Deck) -> None:
     pair = build_bodies(SKEWED)
     assert pair.pairing.mesh is not None
     angle = pair.pairing.mesh.pressure_angle_rad
@@ -267,8 +267,8 @@ def blocks_of(text: str) -> list[tuple[str, list[str]]]:
     return found
 
 
-def test_deck_says_what_the_arrays_say(skewed: SolidDeck) -> None:
-    blocks = blocks_of(solid_text(skewed))
+def test_deck_says_what_the_arrays_say(skewed: Deck) -> None:
+    blocks = blocks_of(deck_text(skewed))
     rows = [row for key, data in blocks if key == "*NODE" for row in data]
     nodes = np.array([[float(x) for x in row.split(",")[1:]] for row in rows])
     np.testing.assert_allclose(nodes, np.vstack([p.nodes for p in skewed.parts]), atol=1e-9)
@@ -304,11 +304,11 @@ def nodes_of(row: str, elements: dict[int, list[int]], nodes: np.ndarray) -> flo
     return float(nodes[elements[int(row.split(",")[0])][0] - 1, 2])
 
 
-def test_held_nodes_of_body_1_turn_as_one(skewed: SolidDeck) -> None:
-    part, axis = skewed.parts[0], skewed.axis_node
+def test_held_nodes_of_body_1_turn_as_one(skewed: Deck) -> None:
+    part, axis = skewed.parts[0], skewed.axis_node(1)
     equations = [
         "".join(data[1:]).split(", ")
-        for key, data in blocks_of(solid_text(skewed))
+        for key, data in blocks_of(deck_text(skewed))
         if key == "*EQUATION"
     ]
     turning = [row for row in equations if row[3] == f"{axis}"]
@@ -321,10 +321,10 @@ def test_held_nodes_of_body_1_turn_as_one(skewed: SolidDeck) -> None:
 
 
 # --- the answer -----------------------------------------------------------------------------------
-def small_deck() -> SolidDeck:
+def small_deck() -> Deck:
     """The deck whose output is kept, as far as the reader looks at it."""
     edges = layers_of(-5.0, 5.0, 2)
-    return SolidDeck("kept", (), (-1, 0), edges, 10.0, 150.0, 1e-4, False)  # type: ignore[arg-type]
+    return Deck("kept", (), (-1, 0), 150e3, 1e-4, False, edges_mm=edges, width_mm=10.0)  # type: ignore[arg-type]
 
 
 def test_reader_has_the_force_of_each_layer() -> None:

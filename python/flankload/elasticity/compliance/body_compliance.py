@@ -23,12 +23,11 @@ from flankload.elasticity.nodal_loads import every_second
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body
     from flankload.pairing.expansion import Growth
 
-    Blocks = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    Blocks = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +44,6 @@ class BodyCompliance:
         at these nodes, and the near field only gives the expected width of contacts.
     near : NearField
         In three dimensions that of a half-space with k = kernel/2 (`prism.flank_potential`).
-    modes : FlankModes
     flanks : tuple of int
         Teeth that have a flank; empty if smooth depends on the distance of teeth only.
     tangential : (z, p, q) array, or (f * f, p, q) array; None without friction
@@ -57,27 +55,24 @@ class BodyCompliance:
     turned : (z, p) array, or (f * f, p) array; None without a sharp tip
         Displacements under a unit force along the flank at its sharp tip, towards growing arc
         length, without its images: forces turn over the corner.
-    coast : CoastCompliance or None
-    expansion : Expansion
     root : RootResponse or None
         Stress in the root fillets, if requested.
     missed : (1, p, p + q) array, or (f, p, p + q) array where `flanks` names f teeth; or None
         Estimated discretization error of the response of a flank to the modes on itself: of
         `smooth`, followed by that of `tangential`. None without an estimate.
-    job : JobCost
     """
 
-    smooth: NDArray[np.float64]
+    smooth: Floats
     near: NearField
     modes: FlankModes
     flanks: tuple[int, ...] = ()
-    tangential: NDArray[np.float64] | None = None
-    along: NDArray[np.float64] | None = None
-    turned: NDArray[np.float64] | None = None
+    tangential: Floats | None = None
+    along: Floats | None = None
+    turned: Floats | None = None
     coast: CoastCompliance | None = None
     expansion: Expansion = field(default_factory=Expansion)
     root: RootResponse | None = None
-    missed: NDArray[np.float64] | None = None
+    missed: Floats | None = None
     job: JobCost = field(default_factory=JobCost)
 
     @property
@@ -97,26 +92,15 @@ class BodyCompliance:
         return n if self.modes.tip is None else n - tip_modes(n)
 
     @property
-    def own_blocks(self) -> NDArray[np.int64]:
+    def own_blocks(self) -> Numbers:
         """Indices in `smooth` of flanks under loads on themselves."""
         f = len(self.flanks)
         return np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
 
-    def block_of(
-        self, displaced: NDArray[np.int64], loaded: NDArray[np.int64], teeth: int
-    ) -> NDArray[np.int64]:
-        """Indices in `smooth` of the response of teeth to loads on teeth.
+    def block_of(self, displaced: Numbers, loaded: Numbers, teeth: int) -> Numbers:
+        """Indices in `smooth` of the response of teeth to loads on teeth, arrays that broadcast.
 
-        Parameters
-        ----------
-        displaced, loaded : arrays that broadcast
-            Teeth of the body, from 0.
-        teeth : int
-            Number of teeth of the body.
-
-        Returns
-        -------
-        array
+        Teeth count from 0; `teeth` is their number.
         """
         if self.is_rigid:
             return np.zeros_like(displaced - loaded)
@@ -125,18 +109,10 @@ class BodyCompliance:
         place = np.searchsorted(self.flanks, np.arange(teeth))
         return place[displaced] * len(self.flanks) + place[loaded]
 
-    def shift_of(self, at: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Displacement of flanks by all loads of the expansion together.
+    def shift_of(self, at: Numbers) -> Floats:
+        """Displacement of flanks by all loads of the expansion: mode coefficients (n, p), mm.
 
-        Parameters
-        ----------
-        at : (n,) array
-            Teeth of the body, from 0.
-
-        Returns
-        -------
-        (n, p) array
-            Mode coefficients, mm; (0, p) without such loads.
+        `at` (n,) are teeth of the body, from 0; (0, p) without such loads.
         """
         shifts = list(self.expansion.shifts.values())
         if not shifts:
@@ -146,23 +122,11 @@ class BodyCompliance:
             return np.broadcast_to(total, (at.size, total.shape[1]))
         return np.asarray(total[np.searchsorted(self.flanks, at)])
 
-    def blocks_of_sites(
-        self, teeth_at: NDArray[np.int64], n_working: int, teeth: int
-    ) -> NDArray[np.int64]:
-        """Blocks of `all_blocks` for displacements at sites (rows) under loads at sites.
+    def blocks_of_sites(self, teeth_at: Numbers, n_working: int, teeth: int) -> Numbers:
+        """Blocks (S, S) of `all_blocks` for displacements at sites (rows) under loads at sites.
 
-        Parameters
-        ----------
-        teeth_at : (S,) array
-            Tooth of the body at each site; sites of coast flanks come last.
-        n_working : int
-            Number of sites of working flanks.
-        teeth : int
-            Number of teeth of the body.
-
-        Returns
-        -------
-        (S, S) array
+        `teeth_at` (S,) are the teeth of the body at the sites, those of working flanks first, and
+        `teeth` is their number in the body.
         """
         displaced, loaded = teeth_at[:, None], teeth_at[None, :]
         block = self.block_of(displaced, loaded, teeth)
@@ -173,7 +137,7 @@ class BodyCompliance:
         block = np.where(coast[None, :], self.block_of(loaded, displaced, teeth), block)
         return block + teeth * (coast[:, None] != coast[None, :])
 
-    def all_blocks(self) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    def all_blocks(self) -> tuple[Floats, Floats | None]:
         """`smooth` and `tangential`, each followed by the response of the coast flanks, if any."""
         coast, tangential = self.coast, self.tangential
         if coast is None:
@@ -182,7 +146,7 @@ class BodyCompliance:
             tangential = np.concatenate([tangential, coast.tangential])
         return np.concatenate([self.smooth, coast.normal]), tangential
 
-    def turned_blocks(self) -> NDArray[np.float64] | None:
+    def turned_blocks(self) -> Floats | None:
         """`turned`, with a row for each of `all_blocks`: 0 for coast flanks."""
         if self.turned is None or self.coast is None:
             return self.turned
@@ -191,16 +155,8 @@ class BodyCompliance:
     def with_blocks(self, change: Blocks, of_coast: Blocks | None = None) -> BodyCompliance:
         """The same with other responses.
 
-        Parameters
-        ----------
-        change : callable
-            Maps each of smooth, tangential, along and turned, as far as they exist.
-        of_coast : callable, optional
-            Maps the responses of the coast flanks; by default `change`.
-
-        Returns
-        -------
-        BodyCompliance
+        `change` maps each of smooth, tangential, along and turned, as far as they exist, `of_coast`
+        the responses of the coast flanks; by default `change`.
         """
         names = ("smooth", "tangential", "along", "turned")
         blocks = {name: getattr(self, name) for name in names}
@@ -238,7 +194,7 @@ class BodyCompliance:
             products = np.kron(mode_products(self.modes.range_mm, n // each, tip), along_axis)
             parts = np.asarray(np.linalg.solve(parts @ products @ parts.T, parts @ products))
 
-        def projected(blocks: NDArray[np.float64]) -> NDArray[np.float64]:
+        def projected(blocks: Floats) -> Floats:
             if blocks.ndim == 2:  # `turned`, without a tip
                 return blocks[:, :kept]
             if tip is None:
@@ -304,16 +260,7 @@ class BodyCompliance:
         return replace(self, modes=modes)
 
     def on_flank(self, body: Body) -> BodyCompliance:
-        """The same for a body whose modified flank has other arc lengths.
-
-        Parameters
-        ----------
-        body : Body
-
-        Returns
-        -------
-        BodyCompliance
-        """
+        """The same for a body whose modified flank has other arc lengths."""
         modes, (low, high), span = self.modes, self.modes.range_mm, body.mode_range_mm
         nodes = modes.nodes
         if nodes is not None:
@@ -324,10 +271,10 @@ class BodyCompliance:
     def without_coupling(self) -> BodyCompliance:
         """The same, but a load on a tooth deforms and stresses no other tooth."""
 
-        def alone(blocks: NDArray[np.float64]) -> NDArray[np.float64]:
+        def alone(blocks: Floats) -> Floats:
             return _only(blocks, self.own_blocks)
 
-        def alone_across(blocks: NDArray[np.float64]) -> NDArray[np.float64]:
+        def alone_across(blocks: Floats) -> Floats:
             # an internal tooth is between two spaces: its coast flank belongs to the next one
             assert self.coast is not None
             own = np.atleast_1d(np.abs(self.coast.normal[:, 0, 0]).argmax())
@@ -340,7 +287,7 @@ class BodyCompliance:
         )
 
 
-def _only(blocks: NDArray[np.float64], kept: NDArray[np.int64]) -> NDArray[np.float64]:
+def _only(blocks: Floats, kept: Numbers) -> Floats:
     """Blocks of which all but some are zero."""
     alone = np.zeros_like(blocks)
     alone[kept] = blocks[kept]

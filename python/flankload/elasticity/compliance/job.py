@@ -16,8 +16,7 @@ import numpy as np
 from flankload.bodies.body import WholeMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
-from flankload.elasticity.compliance.modes import ModeLoads
-from flankload.elasticity.compliance.nodes import node_loads
+from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
 from flankload.elasticity.compliance.parts import (
     CoastCompliance,
     Expansion,
@@ -30,23 +29,27 @@ from flankload.elasticity.compliance.turned import (
     turned_coefficients,
     turned_columns,
 )
-from flankload.elasticity.expansion_loads import growth_loads, growth_of_flanks
 from flankload.elasticity.fe_error import missed_compliance
-from flankload.elasticity.finite_elements import linear_cells, linear_edges, stiffness
+from flankload.elasticity.finite_elements import (
+    linear_cells,
+    linear_edges,
+    place_load,
+    stiffness,
+)
 from flankload.elasticity.job_log import JobLog
+from flankload.elasticity.near_field import mode_loads, to_coefficients
+from flankload.elasticity.nodal_loads import nodes_of
+from flankload.elasticity.sector_closure import made_symmetric
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body, SectorMesh
     from flankload.bodies.root_fillet import RootFillets
-    from flankload.elasticity.compliance.nodes import NodeLoads
     from flankload.pairing.expansion import Growth
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +103,6 @@ def flank_compliance(
     ----------
     body : Body
         With a mesh, or rigid.
-    options : JobOptions
     sectors : int, optional
         Only a segment of an odd number of equal sectors with both ends held; 1: a single tooth.
         By default the whole body; a body meshed as a whole has no segments.
@@ -108,10 +110,6 @@ def flank_compliance(
         Expansion of the body; a single tooth expands uniformly only.
     matrix : csc_array, optional
         Stiffness matrix of the mesh, if available.
-
-    Returns
-    -------
-    BodyCompliance
     """
     return flank_compliances(body, ((sectors, growth),), options, matrix)[0]
 
@@ -124,18 +122,8 @@ def flank_compliances(
 ) -> tuple[BodyCompliance, ...]:
     """Compliances of a body that differ in sectors and expansion, from one job.
 
-    Parameters
-    ----------
-    body : Body
-    variants : sequence of (int or None, Growth or None)
-        `sectors` and `growth` of each, as in `flank_compliance`.
-    options, matrix
-        As in `flank_compliance`.
-
-    Returns
-    -------
-    tuple of BodyCompliance
-        The counters, bytes and seconds of each are those of the whole job.
+    `variants` are `sectors` and `growth` of each; these and the other arguments are those of
+    `flank_compliance`. The counters, bytes and seconds of each are those of the whole job.
     """
     if body.rigid or body.mesh is None:
         return tuple(no_compliance(body, growth) for _, growth in variants)
@@ -148,16 +136,17 @@ def flank_compliances(
             job, mesh, [n for n, _ in variants], coast_flanks=options.coast_flanks
         )
     settled = {n: _settled(job, found, options) for n, found in responses.items()}
-    compliances = [
-        _expanded(settled[n], job, growth, _by_name(growing, growth, responses[n].by_force))
-        for n, growth in variants
-    ]
+    expansions = []
+    for n, growth in variants:
+        moved = _by_name(growing, growth, responses[n].by_force)
+        expansions.append(Expansion(*_growth_of_flanks(body, growth, job.loads.count, moved)))
     job.log.end_step("ring")
     modes = job.loads
     miss = modes.missed(np.stack(missed)) if missed and isinstance(modes, ModeLoads) else None
     seconds = job.log.seconds()
     return tuple(
-        replace(each, missed=miss, job=replace(each.job, seconds=seconds)) for each in compliances
+        replace(found, expansion=grown, missed=miss, job=replace(found.job, seconds=seconds))
+        for found, grown in zip((settled[n] for n, _ in variants), expansions, strict=True)
     )
 
 
@@ -190,7 +179,7 @@ def _job(
         mesh = _of_corners(mesh, onto)
     log.account.workspace_bytes += _sparse_bytes(matrix)
     growing = {
-        growth: growth_loads(matrix, mesh, growth, lumped=options.linear) for _, growth in variants
+        growth: _growth_loads(matrix, mesh, growth, lumped=options.linear) for _, growth in variants
     }
     forces = [load for named in growing.values() for load in named.values()]
     job = Job(
@@ -209,7 +198,8 @@ def _job(
 def _loads(body: Body, options: JobOptions) -> ModeLoads | NodeLoads:
     """Unit loads of a flank."""
     if options.nodal:
-        return node_loads(body, options.plane)
+        assert body.mesh is not None
+        return NodeLoads(body, nodes_of(body.mesh), options.plane)
     count = options.n_modes if body.tip is None else with_tip(options.n_modes)
     return ModeLoads(body, count, options.plane, friction=options.friction)
 
@@ -249,11 +239,7 @@ def _settled(job: Job, found: Response, options: JobOptions) -> BodyCompliance:
     if not options.nodal and has_turned_forces(body):
         turned = turned_coefficients(body, below[:, places, :n_modes], found.own, options.plane)
     loads.settle(response, found.own, job.log.account)
-    # the response with load and reading exchanged is the transposed one (Betti); the mean of both
-    # shares their rounding errors
-    mirrored = response[found.across].transpose(0, 2, 1)
-    asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
-    response = 0.5 * (response + mirrored)
+    response, asymmetry = made_symmetric(response, found.across)
     coast, across = None, found.coast
     if across is not None:
         coast = CoastCompliance(across[..., :n_modes], across[..., n_modes:] if friction else None)
@@ -281,12 +267,56 @@ def _by_name(
     return {name: by_force[:, k] for k, (each, name) in enumerate(known) if each == growth}
 
 
-def _expanded(
-    compliance: BodyCompliance, job: Job, growth: Growth | None, moved: dict[str, Floats]
-) -> BodyCompliance:
-    """The compliance of a body with an expansion."""
-    expansion = growth_of_flanks(job.body, growth, job.loads.count, moved)
-    return replace(compliance, expansion=Expansion(*expansion))
+def _growth_loads(
+    matrix: csc_array, mesh: SectorMesh | WholeMesh, growth: Growth | None, *, lumped: bool = False
+) -> dict[str, Floats]:
+    """Nodal loads (2N,) of an expansion relative to the support, N per mm of width, by cause.
+
+    The displacement is e_s x plus the response to these loads with the held surface at rest. The
+    stiffness matrix (2N, 2N), per mm of width, times the coordinates of the nodes is the load of a
+    strain of 1 in the plane. The body expands freely along its axis, in plane strain as well.
+    """
+    loads: dict[str, Floats] = {}
+    if growth is None:
+        return loads
+    if growth.strain != growth.held_strain:
+        loads["temperature"] = (growth.strain - growth.held_strain) * (matrix @ mesh.nodes.ravel())
+    if growth.speed_rad_per_s > 0.0:
+        pull = growth.density_Ns2_per_mm4 * growth.speed_rad_per_s**2
+        loads["speed"] = pull * place_load(mesh.nodes, mesh.cells, lumped=lumped)
+    return loads
+
+
+def _growth_of_flanks(
+    body: Body, growth: Growth | None, n_modes: int, moved: Mapping[str, Floats]
+) -> tuple[float, dict[str, Floats]]:
+    """Uniform expansion of a body, and the displacements of its flanks beyond that.
+
+    Displacements are known along the normal only, as gaps require; at an edge this is not enough: a
+    tip that moves outwards touches its mate elsewhere. Most of the expansion of a tooth is uniform:
+    the strain that fits all flanks best, by least squares, scales the whole body.
+
+    `moved` are the readings (f, p) of the modes on each of f flanks under each of `_growth_loads`,
+    pressure modes first, mm². Returns the strain, and by load mode coefficients (f, n_modes), mm.
+    """
+    if growth is None:
+        return 0.0, {}
+    mesh, closed = body.mesh, body.curve.closed
+    if mesh is None or not moved:
+        return growth.held_strain, {}
+    span, tip = body.mode_range_mm, body.tip
+    read = [mode_loads(flank, span, n_modes, closed=closed, tip=tip) for flank in mesh.flanks]
+
+    def settled(moments: Floats) -> Floats:
+        return to_coefficients(moments.T, span, closed=closed, tip=tip).T
+
+    evenly = np.array([columns.T @ mesh.nodes.ravel() for columns in read])
+    unit = settled(evenly)
+    shifts = {name: settled(part[:, :n_modes]) for name, part in moved.items()}
+    square = float(np.sum(evenly * unit))
+    parts = {name: float(np.sum(evenly * shift)) / square for name, shift in shifts.items()}
+    left = {name: shift - parts[name] * unit for name, shift in shifts.items()}
+    return growth.held_strain + sum(parts.values()), left
 
 
 def _of_corners(mesh: SectorMesh | WholeMesh, onto: csc_array) -> SectorMesh | WholeMesh:

@@ -6,13 +6,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.root_fillet import RootPoints
     from flankload.bodies.tip_modes import Tip
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.elasticity.compliance.coast import coast_readings
-from flankload.elasticity.compliance.modes import ModeLoads
+from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
 from flankload.elasticity.finite_elements import degrees_of, factored
+from flankload.elasticity.near_field import mirrored_loads
 from flankload.elasticity.sector_closure import (
     CondensedSector,
     alike_response,
@@ -18,19 +18,15 @@ from flankload.elasticity.sector_closure import (
     segment_response,
     tooth_response,
 )
-from flankload.elasticity.unit_loads import unit_loads
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from numpy.typing import NDArray
     from scipy.sparse import csc_array
 
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body, MeshedFlank, SectorMesh, WholeMesh
-    from flankload.elasticity.compliance.nodes import NodeLoads
     from flankload.elasticity.job_log import JobLog
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,17 +35,14 @@ class Job:
 
     Attributes
     ----------
-    body : Body
     matrix : csc_array
         Stiffness of its mesh.
-    loads : ModeLoads or NodeLoads
     friction : bool
         Whether loads along the flank follow those along the normal.
     readings : callable
         Index of a flank to columns (2N, q) that only read the displacements, by counter.
     forces : (2N, k) array or None
         Known loads, of expansion.
-    log : JobLog
     onto : (2N, 2N) csc_array or None
         Displacements of all nodes from the unknown ones, where these are fewer.
     """
@@ -68,16 +61,11 @@ class Job:
         return columns if self.onto is None else self.onto.T @ columns
 
     def unit_loads(self, flank: SectorMesh | MeshedFlank) -> Floats:
-        """Unit loads (2N, p) of a flank on all nodes."""
-        return unit_loads(
-            flank,
-            self.body.mode_range_mm,
-            self.loads.count,
-            friction=self.friction,
-            closed=self.body.curve.closed,
-            nodes=self.loads.nodes,
-            tip=self.loads.tip,
-        )
+        """Unit loads (2N, p) of a flank along the normal, with friction also along the tangent."""
+        normal = self.loads.columns(flank, "normal")
+        if not self.friction:
+            return normal
+        return np.hstack([normal, self.loads.columns(flank, "tangent")])
 
     @property
     def no_forces(self) -> Floats:
@@ -98,15 +86,13 @@ class Response:
         Blocks of loaded flanks themselves; for each block, the one with load and reading exchanged.
     by_force : (f, k, p) array
         Readings of the loads of each flank under each known load.
-    degrees_of_freedom : int
-    flanks : tuple of int
     coast : (z, n, p) array or None
         Response of the coast flanks, as coefficients.
     """
 
     response: Floats
-    own: NDArray[np.int64]
-    across: NDArray[np.int64]
+    own: Numbers
+    across: Numbers
     by_force: Floats
     degrees_of_freedom: int
     flanks: tuple[int, ...] = ()
@@ -114,18 +100,9 @@ class Response:
 
 
 def of_whole(job: Job, mesh: WholeMesh) -> Response:
-    """Response of a body that is meshed as a whole: its flanks are loaded one after the other.
+    """Response of a body that is meshed as a whole: its f flanks are loaded one after the other.
 
-    Parameters
-    ----------
-    job : Job
-    mesh : WholeMesh
-        With f flanks.
-
-    Returns
-    -------
-    Response
-        response[i * f + j] is that of flank i to the loads on flank j.
+    response[i * f + j] is that of flank i to the loads on flank j.
     """
     log, unknowns = job.log, job.matrix.shape[0]
     log.end_step("assembly")
@@ -167,27 +144,20 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
 def of_sector(
     job: Job, mesh: SectorMesh, sectors: Sequence[int | None], *, coast_flanks: bool
 ) -> dict[int | None, Response]:
-    """Response of a body of equal sectors, from the elements of one.
+    """Response of a body of equal sectors, from the elements of one, by number of sectors to build.
 
-    Parameters
-    ----------
-    job : Job
-    mesh : SectorMesh
-    sectors : sequence of int or None
-        Numbers of sectors to build: an odd number for a segment, 1 for a single tooth, None for
-        the whole ring.
-    coast_flanks : bool
-        Whether displacements of the coast flanks are read.
-
-    Returns
-    -------
-    dict of int or None to Response
+    An odd number for a segment, 1 for a single tooth, None for the whole ring. Displacements of the
+    coast flanks are read if requested.
     """
     log, loads = job.log, job.unit_loads(mesh)
-    coast = coast_readings(job.body, mesh, loads[:, : job.loads.count]) if coast_flanks else None
+    readings, tooth = {}, 0
+    if coast_flanks:
+        assert job.body.involute is not None
+        normal, turn_rad = loads[:, : job.loads.count], job.body.involute.turn_rad
+        columns, tooth = mirrored_loads(mesh, normal, turn_rad)
+        readings["coast_readings"] = job.on_unknowns(columns)
     loads = job.on_unknowns(loads)
     log.end_step("assembly")
-    readings = {} if coast is None else {"coast_readings": job.on_unknowns(coast.columns)}
     readings |= job.readings(0)
     log.count_loads(loads.shape[1], friction=job.friction)
     found: dict[int | None, tuple[Floats, Floats]] = {}
@@ -203,9 +173,9 @@ def of_sector(
     responses: dict[int | None, Response] = {}
     for number, (response, by_force) in found.items():
         across = None
-        if coast is not None:
+        if coast_flanks:
             assert isinstance(job.loads, ModeLoads)
-            response, across = coast.taken_from(response, job.loads)
+            response, across = _coast_taken(response, job.loads, tooth)
         responses[number] = Response(
             response,
             own=np.zeros(1, dtype=np.int64),
@@ -234,7 +204,23 @@ def _built(
     return segment_response(sector, mesh.teeth, sectors), by_force
 
 
-def _nonzero(columns: Floats) -> tuple[NDArray[np.int64], Floats]:
+def _coast_taken(response: Floats, modes: ModeLoads, tooth: int) -> tuple[Floats, Floats]:
+    """Response (z, r - n, p) without the readings of the coast flank, and those (z, n, p).
+
+    The readings follow those of the working flank; `tooth` is the tooth of this coast flank. They
+    become the map from the coefficients of loads on the working flank of tooth 0 to those of
+    displacements on the coast flank of tooth t.
+    """
+    first, n = response.shape[2], modes.count
+    crossing = modes.between(np.roll(response[:, first : first + n], tooth, axis=0))
+    # reciprocity (Betti): exchanging load and reading gives a load on the coast flank, which
+    # is the mirror image of a load on the working flank
+    pressures = crossing[..., :n]
+    crossing[..., :n] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
+    return np.delete(response, slice(first, first + n), axis=1), crossing
+
+
+def _nonzero(columns: Floats) -> tuple[Numbers, Floats]:
     """Rows with a value that is not zero, and these rows."""
     rows = np.flatnonzero(columns.any(axis=1))
     return rows, columns[rows]

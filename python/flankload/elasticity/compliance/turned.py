@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legint, legval
 
-from flankload.bodies.body import WholeMesh
 from flankload.bodies.free_corner import along_strengths, image_strength, tip_angle
 from flankload.bodies.tip_modes import graded
 from flankload.elasticity.near_field import (
@@ -26,11 +25,8 @@ from flankload.elasticity.near_field import (
 )
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body, MeshedFlank, SectorMesh
-
-    Floats = NDArray[np.float64]
 
 #: Gauss points: exact for a quadratic edge times a linear function and modes up to degree 20.
 POINTS = 12
@@ -42,19 +38,9 @@ def has_turned_forces(body: Body) -> bool:
 
 
 def turned_columns(body: Body, flank: int) -> Floats:
-    """Loads of a unit force along a flank at its sharp tip.
+    """Loads (2 N, 1) of a unit force along a flank of the mesh at its sharp tip.
 
-    Parameters
-    ----------
-    body : Body
-        With a mesh.
-    flank : int
-        Number of the flank in the mesh.
-
-    Returns
-    -------
-    (2 N, 1) array
-        Per mm of width, on the last edge, increasing linearly from 0 to the tip.
+    Per mm of width, on the last edge, increasing linearly from 0 to the tip.
     """
     mesh = _flank_of(body, flank)
     start, end = last_edge(mesh)
@@ -68,22 +54,11 @@ def turned_columns(body: Body, flank: int) -> Floats:
     )
 
 
-def turned_coefficients(body: Body, moments: Floats, own: NDArray[np.int64], plane: str) -> Floats:
-    """Displacements of the flanks by a force along the flank at the tip, as mode coefficients.
+def turned_coefficients(body: Body, moments: Floats, own: Numbers, plane: str) -> Floats:
+    """Displacements (k, p) of the flanks by a force along the flank at the tip.
 
-    Parameters
-    ----------
-    body : Body
-    moments : (k, p) array
-        Readings of the force under p modes; of k teeth or pairs of flanks.
-    own : array
-        Indices of the responses of flanks to loads on themselves.
-    plane : {"strain", "stress"}
-
-    Returns
-    -------
-    (k, p) array
-        mm²/N, without jump and images.
+    Mode coefficients, mm²/N, without jump and images, from the readings (k, p) of the force under p
+    modes, of k teeth or pairs of flanks; `own` are the indices of flanks under loads on themselves.
     """
     low, high = body.mode_range_mm
     start, end = last_edge(_flank_of(body, 0))
@@ -114,6 +89,5 @@ def last_edge(mesh: SectorMesh | MeshedFlank) -> tuple[float, float]:
 
 
 def _flank_of(body: Body, flank: int) -> SectorMesh | MeshedFlank:
-    mesh = body.mesh
-    assert mesh is not None
-    return mesh.flanks[flank] if isinstance(mesh, WholeMesh) else mesh
+    assert body.mesh is not None
+    return body.mesh.flanks[flank]

@@ -12,6 +12,7 @@ dependent. Elements of a region integrate over its width, with the functions of 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -21,15 +22,53 @@ from numpy.polynomial.legendre import leggauss, legvander
 from flankload.bodies.axial_shape import share_middle
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Mapping
 
+    from flankload.base.arrays import Floats, Numbers
+    from flankload.bodies.body import SectorMesh
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
 
-    Floats = NDArray[np.float64]
+
+class AxialFunctions(ABC):
+    """Functions of z of the nodes of a section, p + 1 of each."""
+
+    @abstractmethod
+    def of_nodes(self, nodes: Numbers) -> tuple[tuple[AxialBasis, ...], Numbers]:
+        """Bases of one degree, the widest first, and the number of that of each node (n,)."""
+
+    @property
+    def _bases(self) -> tuple[AxialBasis, ...]:
+        return self.of_nodes(np.zeros(0, dtype=np.int64))[0]
+
+    @property
+    def count(self) -> int:
+        """Number of functions of a node, p + 1."""
+        return self._bases[0].degree + 1
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether each function is even or odd about one plane."""
+        return share_middle([basis.range_mm for basis in self._bases])
+
+    def products(self, section: SectionStiffness) -> tuple[Numbers, Floats]:
+        """Axial matrices of each pair of nodes of a section, over the width of the pair's region.
+
+        Returns the number (n,) of each pair's matrices, equal for different pairs of nodes, and the
+        matrices (k, 4, p + 1, p + 1), each as `AxialBasis.terms`.
+        """
+        bases, row = self.of_nodes(section.rows)
+        _, column = self.of_nodes(section.columns)
+        k = len(bases)
+        used, number = np.unique((section.regions * k + row) * k + column, return_inverse=True)
+        terms = [
+            cross_terms(bases[code // k % k], bases[code % k], bases[code // k**2])
+            for code in used.tolist()
+        ]
+        return number, np.stack(terms)
 
 
 @dataclass(frozen=True)
-class AxialBasis:
+class AxialBasis(AxialFunctions):
     """Polynomials of degree p over the width of a prism.
 
     Attributes
@@ -43,10 +82,9 @@ class AxialBasis:
     range_mm: tuple[float, float]
     degree: int
 
-    @property
-    def count(self) -> int:
-        """Number of functions, p + 1."""
-        return self.degree + 1
+    def of_nodes(self, nodes: Numbers) -> tuple[tuple[AxialBasis, ...], Numbers]:
+        """The same functions for all nodes."""
+        return (self,), np.zeros(nodes.size, dtype=np.int64)
 
     @property
     def width_mm(self) -> float:
@@ -96,78 +134,31 @@ class AxialBasis:
         values = self.values(places.ravel()).reshape(*places.shape, -1)
         return np.asarray(np.einsum("g,ngk->nk", 0.5 * weights, values))
 
-    def products(self, section: SectionStiffness) -> tuple[NDArray[np.int64], Floats]:
-        """Axial matrices of each pair of nodes of a section.
-
-        Returns
-        -------
-        number : (n,) array
-            Of the matrices of a pair; pairs of equal number are different pairs of nodes.
-        terms : (k, 4, p + 1, p + 1) array
-            `terms` of this basis.
-        """
-        return np.zeros(section.rows.size, dtype=np.int64), self.terms[None]
-
-    @property
-    def symmetric(self) -> bool:
-        """Whether each function is even or odd about one plane."""
-        return True
-
 
 @dataclass(frozen=True, eq=False)
-class AxialRegions:
+class AxialRegions(AxialFunctions):
     """Functions of z of a body whose regions have different widths.
 
     Attributes
     ----------
     bases : tuple of AxialBasis
-        Of different widths and one degree, the widest first.
+        Of one degree, the widest first.
     of_node : (N,) array
         Number of each node's basis.
     """
 
     bases: tuple[AxialBasis, ...]
-    of_node: NDArray[np.int64]
+    of_node: Numbers
 
-    @property
-    def count(self) -> int:
-        """Number of functions of a node, p + 1."""
-        return self.bases[0].count
-
-    @property
-    def symmetric(self) -> bool:
-        """Whether each function is even or odd about one plane."""
-        return share_middle([basis.range_mm for basis in self.bases])
-
-    def products(self, section: SectionStiffness) -> tuple[NDArray[np.int64], Floats]:
-        """As of `AxialBasis`, over the width of each pair's region; `of_node` numbers these too."""
-        region, row, column = (
-            section.regions,
-            self.of_node[section.rows],
-            self.of_node[section.columns],
-        )
-        k = len(self.bases)
-        used, number = np.unique((region * k + row) * k + column, return_inverse=True)
-        terms = [
-            cross_terms(self.bases[code // k % k], self.bases[code % k], self.bases[code // k**2])
-            for code in used.tolist()
-        ]
-        return number, np.stack(terms)
+    def of_nodes(self, nodes: Numbers) -> tuple[tuple[AxialBasis, ...], Numbers]:
+        """Those of the widest region that each node belongs to."""
+        return self.bases, self.of_node[nodes]
 
 
 def cross_terms(one: AxialBasis, two: AxialBasis, over: AxialBasis) -> Floats:
-    """Integrals of a b, a b', a' b and a' b' over a width: a of one basis, b of another.
+    """Integrals of a b, a b', a' b and a' b' over a width: (4, p + 1, p + 1).
 
-    Parameters
-    ----------
-    one, two : AxialBasis
-        Of rows and of columns.
-    over : AxialBasis
-        Over whose width is integrated.
-
-    Returns
-    -------
-    (4, p + 1, p + 1) array
+    a are functions of one basis, of the rows, b of another; the width is that of a third.
     """
     if one.range_mm == two.range_mm == over.range_mm:
         return one.terms
@@ -182,3 +173,27 @@ def cross_terms(one: AxialBasis, two: AxialBasis, over: AxialBasis) -> Floats:
 def mode_norms_z(width_mm: float, degree: int) -> Floats:
     """Integrals of P_b(xi)² dz, mm: b/(2b + 1), (degree + 1,)."""
     return np.asarray(width_mm / (2.0 * np.arange(degree + 1) + 1.0))
+
+
+def functions_of(
+    mesh: SectorMesh, axial: AxialBasis, extents_mm: Mapping[str, tuple[float, float]]
+) -> tuple[tuple[int, ...], AxialFunctions]:
+    """Region of each entry of the mesh's cells, and the functions of its nodes.
+
+    A node of several regions has the functions of the widest one. `axial` covers the width of the
+    teeth, `extents_mm` are those of named regions; others are as wide as the teeth. Of two regions
+    that share nodes, one contains the other.
+    """
+    of_cells = [extents_mm.get(name, axial.range_mm) for name in mesh.regions]
+    if all(extent == axial.range_mm for extent in of_cells):
+        return (0,) * len(mesh.cells), axial
+    ranges = sorted({axial.range_mm, *of_cells}, key=lambda extent: extent[0] - extent[1])
+    numbers = tuple(ranges.index(extent) for extent in of_cells)
+    of_node = np.zeros(len(mesh.nodes), dtype=np.int64)
+    for number in range(len(ranges) - 1, -1, -1):  # wider regions after narrower ones
+        for own, (_, cells) in zip(numbers, mesh.cells, strict=True):
+            if own == number:
+                of_node[cells] = number
+    return numbers, AxialRegions(
+        tuple(AxialBasis(extent, axial.degree) for extent in ranges), of_node
+    )

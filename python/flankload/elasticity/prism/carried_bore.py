@@ -29,21 +29,17 @@ from numpy.polynomial.legendre import leggauss
 from scipy.linalg import null_space
 
 from flankload.elasticity.finite_elements import block_basis
-from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions
 from flankload.elasticity.sector_closure import close_ring, turned_cuts
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Complexes, Floats
     from flankload.bodies.body import SectorMesh
     from flankload.bodies.carrying_shaft import CarryingShaft
+    from flankload.elasticity.prism.axial_basis import AxialBasis, AxialFunctions
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
     from flankload.elasticity.sector_closure import CondensedSector
-
-    Floats = NDArray[np.float64]
-    Complexes = NDArray[np.complex128]
 
 #: Motions of a section: displacements and rotations about x, y, z.
 MOTIONS = 6
@@ -60,8 +56,6 @@ class CarriedBore:
 
     Attributes
     ----------
-    shaft : CarryingShaft
-    teeth : int
     columns : (N, 3 (p + 1), 6 (q_b + 1) + 12) array
         K T: forces on the nodes of a sector when the sections of its bore move; by d, motion. Then
         the loads on the end faces that unit forces and moments of the shaft beyond make there.
@@ -85,29 +79,14 @@ class CarriedBore:
         cls,
         shaft: CarryingShaft,
         section: SectionStiffness,
-        functions: AxialBasis | AxialRegions,
+        functions: AxialFunctions,
         mesh: SectorMesh,
         twist: float,
         regions: Sequence[int] = (),
     ) -> CarriedBore:
-        """The bore of a sector.
-
-        Parameters
-        ----------
-        shaft : CarryingShaft
-        section : SectionStiffness
-        functions : AxialBasis or AxialRegions
-        mesh : SectorMesh
-        twist : float
-            kappa, rad/mm.
-        regions : sequence of int, optional
-            As in `section_stiffness`.
-
-        Returns
-        -------
-        CarriedBore
-        """
-        basis = _bore_basis(functions, mesh)
+        """The bore of a sector; `twist` is kappa, rad/mm, `regions` as in `section_stiffness`."""
+        bases, of_node = functions.of_nodes(np.arange(len(mesh.nodes)))
+        basis = bases[of_node[mesh.fixed_nodes[0]]]  # the bore belongs to one region
         degree = min(SECTION_DEGREE, basis.degree)
         motions = _motions(mesh.nodes, shaft.radius_mm)
         of_bore = np.zeros_like(motions)
@@ -119,7 +98,7 @@ class CarriedBore:
             faces, shares = _face_loads(shaft, mesh, motions, regions, functions, end)
             on_bore = np.einsum("ncm,nco->mo", faces, of_bore) + np.diag(shares / mesh.teeth)
             parts.append(np.einsum("mo,d->mdo", on_bore, at_ends[end]).reshape(MOTIONS, -1))
-            along = _node_values(functions, len(mesh.nodes), place)
+            along = np.concatenate([part.values(np.array([place])) for part in bases])[of_node]
             all_ends.append(np.einsum("ncm,nk->nkcm", faces, along))
         columns = np.concatenate(
             [columns, *(face.reshape(len(face), -1, MOTIONS) for face in all_ends)], axis=2
@@ -196,13 +175,9 @@ class CarriedBore:
         )
 
     def _springs(self, k: int) -> tuple[Complexes, Floats]:
-        """Forces of the shaft beyond the ends in harmonic 0 or 1, and their compliances.
+        """Forces (12, n) of the shaft beyond the ends in a harmonic, and their compliances (n,).
 
-        Returns
-        -------
-        forces : (12, n) array
-        compliances : (n,) array
-            0: the section where the torque enters does not turn.
+        A compliance of 0: the section where the torque enters does not turn.
         """
         forces, compliances = [], []
         own = TURNING if k == 1 else STRAIGHT
@@ -225,22 +200,6 @@ STRAIGHT = np.eye(MOTIONS, dtype=complex)[:, [2, 5]]
 TURNING = np.sqrt(0.5) * np.kron(np.eye(2), np.array([[1.0], [1.0j], [0.0]]))
 
 
-def _bore_basis(functions: AxialBasis | AxialRegions, mesh: SectorMesh) -> AxialBasis:
-    """Functions of z of the nodes of the bore, which belong to one region."""
-    if isinstance(functions, AxialBasis):
-        return functions
-    (number,) = np.unique(functions.of_node[mesh.fixed_nodes])
-    return functions.bases[number]
-
-
-def _node_values(functions: AxialBasis | AxialRegions, nodes: int, place: float) -> Floats:
-    """Functions of all nodes at a place along z, (N, p + 1)."""
-    at = np.array([place])
-    if isinstance(functions, AxialBasis):
-        return np.broadcast_to(functions.values(at), (nodes, functions.count))
-    return np.concatenate([basis.values(at) for basis in functions.bases])[functions.of_node]
-
-
 def _motions(places: Floats, radius_mm: float) -> Floats:
     """Displacements (n, 3, 6) of places of a section under its motions; rotations times R."""
     found = np.zeros((len(places), 3, MOTIONS))
@@ -253,7 +212,7 @@ def _motions(places: Floats, radius_mm: float) -> Floats:
 
 def _bore_columns(
     section: SectionStiffness,
-    functions: AxialBasis | AxialRegions,
+    functions: AxialFunctions,
     mesh: SectorMesh,
     motions: Floats,
     degree: int,
@@ -278,25 +237,21 @@ def _face_loads(
     mesh: SectorMesh,
     motions: Floats,
     regions: Sequence[int],
-    functions: AxialBasis | AxialRegions,
+    functions: AxialFunctions,
     end: int,
 ) -> tuple[Floats, Floats]:
     """How the shaft beyond an end is joined to the end face around the bore, and to the beam.
 
-    Returns
-    -------
-    loads : (N, 3, 6) array
-        On the face of a sector by unit forces and moments (over R) of the shaft.
-    shares : (6,) array
-        Part of them on the beam in the bore.
+    Loads (N, 3, 6) on the face of a sector by unit forces and moments (over R) of the shaft, and
+    the part (6,) of these on the beam in the bore.
     """
     inner, bore, outer = shaft.inner_radius_mm, shaft.radius_mm, shaft.end_radii_mm[end]
     loads = np.zeros_like(motions)
     if outer <= bore:
         return loads, np.ones(MOTIONS)
-    extents = [functions] if isinstance(functions, AxialBasis) else list(functions.bases)
+    bases, _ = functions.of_nodes(mesh.fixed_nodes)
     for number, (kind, cells) in zip(regions or [0] * len(mesh.cells), mesh.cells, strict=True):
-        if extents[number].range_mm[end] != shaft.range_mm[end]:
+        if bases[number].range_mm[end] != shaft.range_mm[end]:
             continue
         basis = block_basis(mesh.nodes, kind, cells, FACE_DEGREE)
         x, y = np.asarray(basis.global_coordinates())
@@ -318,22 +273,10 @@ def _face_loads(
 
 
 def beam_stiffness(shaft: CarryingShaft, basis: AxialBasis, degree: int, twist: float) -> Floats:
-    """Beam in the bore, and the bearings there, Eq. (B2).
+    """Beam in the bore, and the bearings there, Eq. (B2): (6 (q_b + 1), 6 (q_b + 1)).
 
-    Parameters
-    ----------
-    shaft : CarryingShaft
-    basis : AxialBasis
-        Functions of the bore, over its width.
-    degree : int
-        q_b.
-    twist : float
-        kappa, rad/mm.
-
-    Returns
-    -------
-    (6 (q_b + 1), 6 (q_b + 1)) array
-        By d, motion; N/mm, rotations times R.
+    By d, motion; N/mm, rotations times R. `basis` are the functions of the bore over its width,
+    `degree` is q_b and `twist` kappa, rad/mm.
     """
     push, bend, shear, turn = shaft.stiffness
     low, high = basis.range_mm

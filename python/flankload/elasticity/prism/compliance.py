@@ -1,57 +1,64 @@
-"""Compliance of the flanks of a prism: a plane section over its own width, straight or twisted."""
+"""Compliance of the flanks of a prism: a plane section over its own width, straight or twisted.
+
+A unit force out of the material at (s', z') of a flank moves the flank at (s, z), along its normal,
+by
+
+    near field + V(s, z) g V(s', z')',  V = P_a(xi_s) P_b(xi_z) at index a (q_z + 1) + b
+
+with g = `smooth[t]` on the tooth that is t pitches on, xi_s over `mode_range_mm` and xi_z over
+`axial.range_mm`. The near field acts on the same flank alone; it is that of `flank_potential`: a
+half-space with k = `kernel`/2, the images behind both ends with the strengths `axial.end` and
+behind free corners with `wedge`. So
+
+    g_0 = D⁻¹ (B'CB - <P, near P>) D⁻¹,  g_t = D⁻¹ B'C_t B D⁻¹
+    D_ab = L_s b/((2a + 1)(2b + 1) cos(beta_b))
+
+with area elements ds dz/cos(beta_b), which the loads n/cos(beta_b) = (n_t, -kappa l) per ds dz hold
+already. With a tip rounding or chamfer behind the flank D = <P, P> over both, the modes of the tip
+(`bodies.tip_modes`) times the same polynomials of z among them.
+
+With friction loads along the profile, t/cos(beta_b) per ds dz, follow as further columns of the
+same elimination; `tangential` is their g, without the near field with `jump` and `wedge_along`.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from flankload.base.blas_threads import one_blas_thread
 from flankload.bodies.body import SectorMesh
-from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import Account
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
+from flankload.elasticity.compliance.job import JobOptions, flank_compliance
 from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearField, RootResponse
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import jump_strength, logarithm_strength, mode_loads
-from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
+from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of, mode_norms_z
 from flankload.elasticity.prism.carried_bore import CarriedBore
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
-from flankload.elasticity.prism.end_faces import edge_angles, end_strength
-from flankload.elasticity.prism.flank_potential import (
-    FlankSurface,
-    projected_potential,
-    projected_tangential,
-)
+from flankload.elasticity.prism.flank_potential import projected_potential, projected_tangential
+from flankload.elasticity.prism.flank_surface import flank_surface
 from flankload.elasticity.prism.recovery import Recovery
-from flankload.elasticity.prism.regions import functions_of
 from flankload.elasticity.prism.root_surface import root_surface_stress
-from flankload.elasticity.prism.section_error import missed_over_width
 from flankload.elasticity.prism.section_stiffness import section_stiffness
-from flankload.elasticity.sector_closure import close_ring
+from flankload.elasticity.sector_closure import close_ring, made_symmetric
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.carrying_shaft import CarryingShaft
     from flankload.bodies.root_fillet import RootFillets
+    from flankload.elasticity.prism.flank_surface import FlankSurface
     from flankload.elasticity.sector_closure import CondensedSector
-
-    Floats = NDArray[np.float64]
 
 #: Degrees of displacements above those of loads in z: four miss 0.06 % of the highest mode, two
 #: 0.5 to 2 %, and modes above p meet nothing at all.
 DEGREES_ABOVE_LOADS, SCREENING_DEGREES = 4, 2
-
-#: Places of a table of directions on flank and tip each: 1e-7 of them between places.
-TABLE = 2000
 
 
 @dataclass(frozen=True)
@@ -89,12 +96,7 @@ class Prism:
     shaft: CarryingShaft | None = None
 
     def check(self) -> None:
-        """Refuse degrees that do not resolve each other.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise a SceneError for degrees that do not resolve each other."""
         low, high = self.range_mm
         if not low < high:
             raise SceneError(key="face_width_mm", expected="above 0", found=f"{high - low:g}")
@@ -118,46 +120,12 @@ def prism_compliance(
     estimate: bool = False,
     account: Account | None = None,
 ) -> BodyCompliance:
-    """Compliance of a body's flanks in three dimensions.
+    """Compliance of a body's flanks in three dimensions; a rigid body has none.
 
-    The fixed nodes are held over all their width, or follow a shaft (`carried_bore`).
-
-    A unit force out of the material at (s', z') of a flank moves the flank at (s, z), along its
-    normal, by
-
-        near field + V(s, z) g V(s', z')',  V = P_a(xi_s) P_b(xi_z) at index a (q_z + 1) + b
-
-    with g = `smooth[t]` on the tooth that is t pitches on, xi_s over `mode_range_mm` and xi_z over
-    `axial.range_mm`. The near field acts on the same flank alone; it is that of
-    `flank_potential`: a half-space with k = `kernel`/2, the images behind both ends with the
-    strengths `axial.end` and behind free corners with `wedge`. So
-
-        g_0 = D⁻¹ (B'CB - <P, near P>) D⁻¹,  g_t = D⁻¹ B'C_t B D⁻¹
-        D_ab = L_s b/((2a + 1)(2b + 1) cos(beta_b))
-
-    with area elements ds dz/cos(beta_b), which the loads n/cos(beta_b) = (n_t, -kappa l) per
-    ds dz hold already. With a tip rounding or chamfer behind the flank D = <P, P> over both, the
-    modes of the tip (`bodies.tip_modes`) times the same polynomials of z among them.
-
-    With friction loads along the profile, t/cos(beta_b) per ds dz, follow as further columns of the
-    same elimination; `tangential` is their g, without the near field with `jump` and `wedge_along`.
-
-    Parameters
-    ----------
-    body : Body
-        With the mesh of a sector; rigid bodies have no compliance.
-    prism : Prism
-    n_modes : int
-        Pressure modes along s; their degree should be at most half the number of flank elements.
-        A tip rounding or chamfer has half as many more.
-    friction : bool
-        Loads along the profile are solved, as many as along the normal.
-    fillets : RootFillets, optional
-        Where stress is read.
-    estimate : bool
-        Whether the discretization error of the plane elements is estimated.
-    account : Account, optional
-        Where factorisations are counted.
+    The fixed nodes of the sector are held over all their width or follow a shaft (`carried_bore`).
+    The degree of the pressure modes along s should be at most half the number of flank elements; a
+    tip rounding or chamfer has half as many more. With friction as many loads along the profile are
+    solved. Stress is read in `fillets`; `estimate` is that of the error of the plane elements.
 
     Returns
     -------
@@ -175,45 +143,28 @@ def prism_compliance(
     if body.rigid or body.mesh is None:
         return no_compliance(body)
     mesh, log, modes_s = _sector_of(body), JobLog(account), n_modes
-    if body.tip is not None:
-        n_modes = with_tip(n_modes)
+    n_modes = n_modes if body.tip is None else with_tip(n_modes)
     response, of_roots = _ring_response(
         body, mesh, prism, n_modes, log, friction=friction, fillets=fillets
     )
-    surface = flank_surface(body, prism)
+    surface, p = flank_surface(body, prism), n_modes * (prism.load_degree + 1)
     near = _near_field(body, surface, friction=friction)
     response, asymmetry = _settled(response, surface, near, n_modes, prism.load_degree)
-    p = n_modes * (prism.load_degree + 1)
     unknowns = prism_unknowns(body, prism.degree)
     log.account.count(fe_unknowns=unknowns, fe_solutions=response.shape[1])
     log.count_loads(response.shape[1], friction=friction)
     log.end_step("near field")
     missed = None
     if estimate:
-        missed = missed_over_width(
-            body,
-            modes_s,
-            width_mm=surface.width_mm,
-            load_degree=prism.load_degree,
-            friction=friction,
-            cosine=surface.cos_base_helix,
-            account=log.account,
-        )
-        log.end_step("estimate")
+        options = JobOptions(n_modes=modes_s, plane="strain", friction=friction, estimate=True)
+        missed = _missed(body, options, surface, prism.load_degree, log)
+    axial = AxialModes(
+        prism.range_mm, prism.load_degree, prism.twist, surface.cos_base_helix, surface.end
+    )
     return BodyCompliance(
         smooth=np.ascontiguousarray(response[:, :p, :p]),
         near=near,
-        modes=FlankModes(
-            body.mode_range_mm,
-            tip=body.tip,
-            axial=AxialModes(
-                range_mm=prism.range_mm,
-                degree=prism.load_degree,
-                twist=prism.twist,
-                cos_base_helix=surface.cos_base_helix,
-                end=surface.end,
-            ),
-        ),
+        modes=FlankModes(body.mode_range_mm, tip=body.tip, axial=axial),
         tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
         root=None if fillets is None else _of_roots(fillets, of_roots, surface, n_modes, prism),
         missed=missed,
@@ -237,7 +188,6 @@ def _settled(
     """Readings (z, r, r) as mode coefficients without the near field, and their asymmetry.
 
     Behind the p columns of loads along the normal are, with friction, as many along the profile.
-    Responses with load and reading exchanged are transposed (Betti): their mean is returned.
     """
     p, count = n_modes * (degree_z + 1), response.shape[1]
     potential = projected_potential(surface, n_modes, degree_z)
@@ -251,9 +201,7 @@ def _settled(
     inverse = _to_coefficients(surface, n_modes, degree_z, friction=count > p)
     response = inverse @ response @ inverse
     teeth = len(response)
-    mirrored = response[-np.arange(teeth) % teeth].transpose(0, 2, 1)
-    asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
-    return 0.5 * (response + mirrored), asymmetry
+    return made_symmetric(response, -np.arange(teeth) % teeth)
 
 
 def _to_coefficients(
@@ -263,6 +211,28 @@ def _to_coefficients(
     along_axis = mode_norms_z(surface.width_mm, degree_z)
     inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along_axis))
     return np.asarray(np.kron(np.eye(1 + friction), inverse))
+
+
+def _missed(
+    body: Body, options: JobOptions, surface: FlankSurface, load_degree: int, log: JobLog
+) -> Floats:
+    """Estimated error of the response of a flank to loads on itself: `BodyCompliance.missed`.
+
+    The elements of the section miss the same part of the deformation under a flank in every slice:
+    the error varies within a few elements, over which the load hardly changes along the axis.
+    Stress recovery in plane strain (`fe_error`) gives the missed displacement under a line load; a
+    load over P_b(z) is one line load per length.
+    """
+    section = flank_compliance(body, options, sectors=1)
+    assert section.missed is not None
+    counted = ("fe_factorisations", "fe_solutions")
+    log.account.count(**{name: section.job.counters[name] for name in counted})
+    along = np.diag(1.0 / mode_norms_z(surface.width_mm, load_degree))
+    cosine = surface.cos_base_helix
+    missed = cosine**2 * np.kron(section.missed[0], along)
+    missed[:, len(missed) :] /= cosine  # loads along the profile lie in the section
+    log.end_step("estimate")
+    return np.asarray(missed[None])
 
 
 def _of_roots(
@@ -339,93 +309,10 @@ def _with_reading(
 
 
 def prism_unknowns(body: Body, degree: int) -> int:
-    """Number of unknowns of the elements of a sector with displacements of a degree along z.
-
-    Parameters
-    ----------
-    body : Body
-        With the mesh of a sector.
-    degree : int
-        p.
-
-    Returns
-    -------
-    int
-    """
+    """Number of unknowns of the elements of a sector with displacements of a degree along z."""
     mesh = _sector_of(body)
     held = np.unique(np.concatenate([mesh.fixed_nodes, mesh.right_nodes])).size
     return COMPONENTS * (degree + 1) * (len(mesh.nodes) - held)
-
-
-def flank_surface(body: Body, prism: Prism) -> FlankSurface:
-    """The working flank of tooth 0 as its near field sees it.
-
-    Parameters
-    ----------
-    body : Body
-    prism : Prism
-
-    Returns
-    -------
-    FlankSurface
-
-    Raises
-    ------
-    SceneError
-        If an edge between flank and end face is sharper than 50 degrees.
-    """
-    ratio, twist = body.material.poisson_ratio, prism.twist
-    low, high = (end_strength(angle, ratio) for angle in edge_angles(body, twist))
-
-    def exact_slope(s: Floats) -> Floats:
-        return -_turning(body, twist, s)[0]
-
-    slope: Callable[[Floats], Floats] = exact_slope
-    tip_secant = None
-    if body.tip is not None:
-        slope, tip_secant = _tabled_turning(body, twist)
-    return FlankSurface(
-        s_mm=body.mode_range_mm,
-        z_mm=prism.range_mm,
-        cos_base_helix=float(1.0 / np.hypot(1.0, twist * body.normal_lever_mm)),
-        slope=slope,
-        end=(low, high),
-        wedge=image_strengths(body),
-        wedge_along=along_strengths(body),
-        tip=body.tip,
-        tip_secant=tip_secant,
-    )
-
-
-def _turning(body: Body, twist: float, s: Floats) -> tuple[Floats, Floats]:
-    """Twist times the levers P x t and P . t of the profile's tangent t at arc lengths."""
-    if not twist:
-        return np.zeros_like(s), np.zeros_like(s)
-    places = np.ravel(s)
-    point, first, _ = body.curve.derivatives(places)
-    (x, y), (t_x, t_y) = point.T, (first / np.linalg.norm(first, axis=1, keepdims=True)).T
-    across, along = twist * (x * t_y - y * t_x), twist * (x * t_x + y * t_y)
-    return across.reshape(np.shape(s)), along.reshape(np.shape(s))
-
-
-def _tabled_turning(
-    body: Body, twist: float
-) -> tuple[Callable[[Floats], Floats], Callable[[Floats], Floats]]:
-    """ds/dz along the straight line and 1/cos(beta) from tables: a tip takes many places."""
-    assert body.tip is not None
-    inside = np.linspace(1e-9, 1.0 - 1e-9, TABLE)
-    low, high = body.mode_range_mm
-    ends = np.array([low, high, body.tip.end_mm])
-    s = np.concatenate([one + (two - one) * inside for one, two in pairwise(ends)])
-    across, along = _turning(body, twist, s)
-
-    def slope(places: Floats) -> Floats:
-        return np.interp(places, s, -across)
-
-    def secant(places: Floats) -> Floats:
-        return np.interp(places, s, np.hypot(1.0, along))
-
-    return slope, secant
 
 
 def _sector_of(body: Body) -> SectorMesh:

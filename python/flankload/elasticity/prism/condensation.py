@@ -30,14 +30,11 @@ from flankload.elasticity.sector_closure import CondensedSector
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.bodies.body import SectorMesh
-    from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions
+    from flankload.elasticity.prism.axial_basis import AxialFunctions
     from flankload.elasticity.prism.recovery import Independent, Recovery
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
-
-    Floats = NDArray[np.float64]
 
 #: Components of a displacement.
 COMPONENTS = 3
@@ -45,7 +42,7 @@ COMPONENTS = 3
 
 def condense_prism(
     section: SectionStiffness,
-    axial: AxialBasis | AxialRegions,
+    axial: AxialFunctions,
     mesh: SectorMesh,
     loads: Floats,
     *,
@@ -58,24 +55,15 @@ def condense_prism(
 
     Parameters
     ----------
-    section : SectionStiffness
-    axial : AxialBasis or AxialRegions
-        Of degree p.
-    mesh : SectorMesh
     loads : (N, 3 (p + 1), r) array
         Columns by node and unknown; they read, too.
     cut_degree : int
-        q <= p: the displacements of the cuts are polynomials of this degree in z.
+        q <= p: the displacements of the cuts are polynomials of this degree in z. Their unknowns
+        are by node, axial function, component.
     twisted : bool
         False allows the two problems of half the size if the functions of z are even or odd.
-    account : Account, optional
     recovery : Recovery, optional
         Keeps the fronts for displacements inside the sector.
-
-    Returns
-    -------
-    CondensedSector
-        Unknowns of the cuts by node, axial function, component.
     """
     account = Account() if account is None else account
     cut = np.concatenate([mesh.left_nodes, mesh.right_nodes])
@@ -89,8 +77,7 @@ def condense_prism(
         loaded=np.asarray(loads.any(axis=(1, 2))),
     )
     per_cut = COMPONENTS * (cut_degree + 1)
-    count = loads.shape[2]
-    size = cut.size * per_cut
+    count, size = loads.shape[2], cut.size * per_cut
     whole = np.zeros((size + count, size + count))
     products = axial.products(section)
     if recovery is not None:
@@ -115,7 +102,7 @@ def condense_prism(
     )
 
 
-def _independent(functions: int, *, coupled: bool) -> list[NDArray[np.int64]]:
+def _independent(functions: int, *, coupled: bool) -> list[Numbers]:
     """Unknowns of a node in sets that do not meet each other."""
     unknowns = np.arange(COMPONENTS * functions)
     if coupled:
@@ -131,10 +118,10 @@ class _Pencil:
     def __init__(
         self,
         section: SectionStiffness,
-        products: tuple[NDArray[np.int64], Floats],
-        unknowns: NDArray[np.int64],
-        of_cut: NDArray[np.int64],
-        position: NDArray[np.int64],
+        products: tuple[Numbers, Floats],
+        unknowns: Numbers,
+        of_cut: Numbers,
+        position: Numbers,
     ) -> None:
         self.unknowns, self.of_cut, self.position = unknowns, of_cut, position
         self._section, (self._number, self._terms) = section, products
@@ -143,23 +130,21 @@ class _Pencil:
         self._pairs = lower[np.argsort(column[lower], kind="stable")]
         self._first = np.searchsorted(column[self._pairs], np.arange(position.max() + 2))
 
-    def pairs(self, first: int, last: int) -> NDArray[np.int64]:
+    def pairs(self, first: int, last: int) -> Numbers:
         """Pairs of nodes, row not before column, whose columns have these positions."""
         return self._pairs[self._first[first] : self._first[last]]
 
-    def alike(self, pairs: NDArray[np.int64]) -> Iterator[NDArray[np.bool_]]:
+    def alike(self, pairs: Numbers) -> Iterator[Flags]:
         """Pairs with one set of axial matrices, in turn: different pairs of nodes each time."""
         number = self._number[pairs]
         for one in np.unique(number):
             yield number == one
 
-    def ends(self, pairs: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def ends(self, pairs: Numbers) -> tuple[Numbers, Numbers]:
         """Rows and columns of pairs."""
         return self._section.rows[pairs], self._section.columns[pairs]
 
-    def blocks(
-        self, pairs: NDArray[np.int64], rows: NDArray[np.int64], columns: NDArray[np.int64]
-    ) -> Floats:
+    def blocks(self, pairs: Numbers, rows: Numbers, columns: Numbers) -> Floats:
         """Stiffness (n, rows, columns) between these unknowns of pairs that are alike."""
         (a, c), (b, d) = (np.divmod(part, COMPONENTS) for part in (rows, columns))
         of_section = self._section.blocks[pairs]
@@ -175,7 +160,7 @@ class _Remainder:
     """What a front leaves: lower triangle of its boundary's matrix, loads behind the nodes."""
 
     front: Front
-    sizes: NDArray[np.int64]
+    sizes: Numbers
     matrix: Floats
 
 
@@ -189,10 +174,7 @@ def _eliminated(
 ) -> Floats:
     """So many kept nodes, in their order, and the loads after the elimination of all inner nodes.
 
-    Returns
-    -------
-    (m, m) array
-        Symmetric.
+    Symmetric (m, m).
     """
     left: dict[int, _Remainder] = {}
     bytes_held = most = 0
@@ -278,11 +260,7 @@ def _assemble(front: Front, pencil: _Pencil, pivot: Floats, below: Floats) -> No
 
 
 def _extend(
-    front: Front,
-    sizes: NDArray[np.int64],
-    n: int,
-    part: _Remainder,
-    target: tuple[Floats, Floats, Floats],
+    front: Front, sizes: Numbers, n: int, part: _Remainder, target: tuple[Floats, Floats, Floats]
 ) -> None:
     """Add what a part leaves, run by run of unknowns that are neighbours in both."""
     pivot, below, remainder = target

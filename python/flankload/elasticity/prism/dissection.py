@@ -14,9 +14,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
-    Nodes = NDArray[np.int64]
+    from flankload.base.arrays import Flags, Floats, Numbers
 
 #: Parts of no more nodes are eliminated at once.
 LEAF = 12
@@ -43,48 +41,30 @@ class Front:
         Whether one of the nodes eliminated so far carries a load.
     """
 
-    own: Nodes
-    rest: Nodes
+    own: Numbers
+    rest: Numbers
     inner: int
     parts: tuple[int, ...]
     loaded: bool
 
 
 def dissect(
-    places: NDArray[np.float64],
-    cells: Sequence[Nodes],
-    *,
-    inner: NDArray[np.bool_],
-    kept: Nodes,
-    loaded: NDArray[np.bool_],
-) -> tuple[list[Front], Nodes]:
+    places: Floats, cells: Sequence[Numbers], *, inner: Flags, kept: Numbers, loaded: Flags
+) -> tuple[list[Front], Numbers]:
     """Fronts of a mesh, each after its parts; the last one has no boundary but the kept nodes.
 
-    Parameters
-    ----------
-    places : (N, 2) array
-        Of the nodes, mm.
-    cells : sequence of (E, k) arrays
-        Nodes of the elements, kind by kind.
-    inner, loaded : (N,) arrays
-        Whether a node is eliminated; whether it carries loads.
-    kept : (c,) array
-        Nodes that stay.
-
-    Returns
-    -------
-    fronts : list of Front
-    position : (N,) array
-        When a node is eliminated; kept nodes stand behind all others in their order, others are -1.
+    From the places (N, 2) of the nodes, mm, the cells (E, k) kind by kind, the nodes (c,) that
+    stay, and whether a node is eliminated or carries loads (N,). Returns also when a node is
+    eliminated (N,): kept nodes are behind all others in their order, others are -1.
     """
     sizes = np.concatenate([np.full(len(part), part.shape[1]) for part in cells])
     element = np.repeat(np.arange(sizes.size), sizes)
     node = np.concatenate([part.ravel() for part in cells])
     middles = np.concatenate([places[part].mean(axis=1) for part in cells])
-    owns: list[Nodes] = []
+    owns: list[Numbers] = []
     parts: list[tuple[int, ...]] = []
 
-    def split(element: Nodes, node: Nodes) -> int:
+    def split(element: Numbers, node: Numbers) -> int:
         """Number of the front that eliminates the last nodes of these pairs."""
         own, below = np.unique(node), []
         if own.size > LEAF:
@@ -112,15 +92,13 @@ def dissect(
     return fronts, position
 
 
-def _bisected(
-    element: Nodes, node: Nodes, middles: NDArray[np.float64]
-) -> tuple[Nodes, list[NDArray[np.bool_]]]:
+def _bisected(element: Numbers, node: Numbers, middles: Floats) -> tuple[Numbers, list[Flags]]:
     """Nodes that both halves share, and the pairs of each half without them.
 
     The best of some directions: the fewest nodes.
     """
     elements = np.unique(element)
-    best: tuple[Nodes, list[NDArray[np.bool_]]] | None = None
+    best: tuple[Numbers, list[Flags]] | None = None
     for turn in np.arange(DIRECTIONS) * (np.pi / DIRECTIONS):
         along = middles @ [np.cos(turn), np.sin(turn)]
         ahead = along[element] > np.median(along[elements])

@@ -11,8 +11,7 @@ force moves the flank out of the material by
     R_e² = x² + ((z + z' - 2 z_e)/cos(beta_b))²      behind the end face z_e
     R_w² = (d + d')² + y²                            behind a free corner, d = |s - s_w|
 
-In contact lines x = 0. Uniform loads on rectangles have Love's closed form, on segments of a line
-its limit.
+In contact lines x = 0.
 
 A unit force along the profile, towards growing arc length, moves the flank out of the material by
 
@@ -31,159 +30,20 @@ from itertools import pairwise, product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander
+from numpy.polynomial.legendre import legvander
 
-from flankload.elasticity.near_field import mode_norms, mode_values
+from flankload.elasticity.prism.flank_surface import DIRECTION_POINTS, FlankSurface, unit_gauss
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
-    from numpy.typing import ArrayLike, NDArray
+    from flankload.base.arrays import Floats, Numbers
 
-    from flankload.bodies.tip_modes import Tip
-
-    Floats = NDArray[np.float64]
-
-#: Gauss points beside those that the degrees of the modes need: in the directions in which 1/R is
-#: smooth without being a polynomial. Twice as many change the projections by less than 1e-6.
-DIRECTION_POINTS, MIDDLE_POINTS = 16, 4
+#: Gauss points along the profile beside those that the degrees of the modes need.
+MIDDLE_POINTS = 4
 #: Beside a tip, which is short, panels away from R = 0 grow by this factor, and take so many points
 #: beside those of the modes.
 GROWTH, PANEL_POINTS = 4.0, 4
-
-
-def love_rectangle(x: ArrayLike, y: ArrayLike, a: float, b: float) -> Floats:
-    """Mean of 1/R over the rectangle |x'| <= a, |y'| <= b.
-
-    Parameters
-    ----------
-    x, y : arrays that broadcast
-        Place from the centre, mm.
-    a, b : float
-        Half sides, mm, above 0.
-
-    Returns
-    -------
-    array
-        1/mm; times k the displacement under a unit load (A. E. H. Love, Phil. Trans. A 228, 1929).
-    """
-    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
-    corners = (
-        _corner(x + a, y + b)
-        - _corner(x + a, y - b)
-        - _corner(x - a, y + b)
-        + _corner(x - a, y - b)
-    )
-    return np.asarray(corners / (4.0 * a * b))
-
-
-def _corner(x: Floats, y: Floats) -> Floats:
-    """X asinh(Y/|X|) + Y asinh(X/|Y|); a term with a factor 0 is 0."""
-    return _term(x, y) + _term(y, x)
-
-
-def _term(x: Floats, y: Floats) -> Floats:
-    magnitude = np.abs(x)
-    return x * np.arcsinh(y / np.where(magnitude > 0, magnitude, 1.0))
-
-
-def line_segment(y: ArrayLike, b: float) -> Floats:
-    """Mean of 1/R over the segment |y'| <= b of the same line, |y| > b; 1/mm."""
-    distance = np.abs(np.asarray(y, dtype=float))
-    return np.asarray(np.log((distance + b) / (distance - b)) / (2.0 * b))
-
-
-@dataclass(frozen=True, eq=False)
-class FlankSurface:
-    """Flank of a prism between the ends of its modes, unrolled, and its images.
-
-    Attributes
-    ----------
-    s_mm, z_mm : (float, float)
-        Ranges of arc length and along the axis.
-    cos_base_helix : float
-        cos(beta_b).
-    slope : callable
-        Arc lengths to ds/dz along the straight line through the place, of the same shape.
-    end : (float, float)
-        Strengths psi of the images behind the end faces at low and high z.
-    wedge : (float, float)
-        The same behind free corners at low and high s.
-    wedge_along : (float, float)
-        Strengths psi_nt behind free corners of a force along the profile.
-    tip : Tip or None
-        Rounding or chamfer behind the flank; the last two modes are its own.
-    tip_secant : callable or None
-        Arc lengths on the tip to 1/cos(beta) there, of the same shape.
-    """
-
-    s_mm: tuple[float, float]
-    z_mm: tuple[float, float]
-    cos_base_helix: float
-    slope: Callable[[Floats], Floats]
-    end: tuple[float, float]
-    wedge: tuple[float, float]
-    wedge_along: tuple[float, float] = (0.0, 0.0)
-    tip: Tip | None = None
-    tip_secant: Callable[[Floats], Floats] | None = None
-
-    @property
-    def pieces_mm(self) -> tuple[float, ...]:
-        """Arc lengths where the flank begins and ends, and where its tip does."""
-        return self.s_mm if self.tip is None else (*self.s_mm, self.tip.end_mm)
-
-    @property
-    def length_mm(self) -> float:
-        """Along the profile, the tip included."""
-        return self.pieces_mm[-1] - self.pieces_mm[0]
-
-    @property
-    def width_mm(self) -> float:
-        """Along the axis."""
-        return self.z_mm[1] - self.z_mm[0]
-
-    def secant(self, s: Floats) -> Floats:
-        """1/cos(beta): area elements are this times ds dz."""
-        flank = np.full(np.shape(s), 1.0 / self.cos_base_helix)
-        if self.tip_secant is None:
-            return flank
-        return np.where(s > self.s_mm[1], self.tip_secant(s), flank)
-
-    def modes(self, s: Floats, count: int) -> Floats:
-        """Modes along the profile at arc lengths of any shape, (..., count)."""
-        return mode_values(np.ravel(s), self.s_mm, count, tip=self.tip).reshape(*np.shape(s), count)
-
-    def products(self, count: int) -> Floats:
-        """Integrals of P_a P_c ds/cos(beta), mm, (count, count)."""
-        if self.tip is None:
-            return np.diag(mode_norms(self.s_mm, count) / self.cos_base_helix)
-        total = np.zeros((count, count))
-        at, weights = _unit_gauss(count + DIRECTION_POINTS)
-        for low, high in pairwise(self.pieces_mm):
-            s = low + (high - low) * at
-            values = self.modes(s, count)
-            total += values.T @ (((high - low) * weights * self.secant(s))[:, None] * values)
-        return total
-
-    def potential(self, s: Floats, z: Floats, s_load: Floats, z_load: Floats) -> Floats:
-        """Near field of point loads over k; 1/mm, infinite at the load itself.
-
-        Parameters
-        ----------
-        s, z, s_load, z_load : arrays that broadcast
-            Places, mm.
-        """
-        z_change = z - z_load
-        x = s - s_load - 0.5 * (self.slope(s) + self.slope(s_load)) * z_change
-        secant = 0.5 * (self.secant(s) + self.secant(s_load))
-        y = z_change * secant
-        with np.errstate(divide="ignore"):
-            total = 1.0 / np.hypot(x, y)
-        for psi, face in zip(self.end, self.z_mm, strict=True):
-            total = total + psi / np.hypot(x, (z + z_load - 2.0 * face) * secant)
-        for psi, corner in zip(self.wedge, self.s_mm, strict=True):
-            total = total + psi / np.hypot(np.abs(s - corner) + np.abs(s_load - corner), y)
-        return np.asarray(total)
 
 
 def projected_potential(
@@ -196,7 +56,6 @@ def projected_potential(
 
     Parameters
     ----------
-    surface : FlankSurface
     n_modes : int
         a = 0 ... n_modes - 1, those of a tip included.
     degree_z : int
@@ -232,17 +91,8 @@ def projected_tangential(
 ) -> Floats:
     """<P, near field P> for displacements along the normal under loads along the profile.
 
-    Parameters
-    ----------
-    surface, n_modes, degree_z, finer
-        As in `projected_potential`.
-    kernel, jump : float
-        c0 = 2 k and j, mm²/N.
-
-    Returns
-    -------
-    (p, p) array
-        Rows: displacement; with area elements ds dz/cos(beta), mm⁵/N.
+    Arguments as of `projected_potential`, with c0 = 2 k and j, mm²/N. (p, p), rows of
+    displacements; with area elements ds dz/cos(beta), mm⁵/N.
     """
     rule = _Rule(surface, n_modes, degree_z, finer)
     direct, images = rule.direct(turned=True), np.zeros([n_modes] * 2 + [degree_z + 1] * 2)
@@ -277,7 +127,7 @@ class _Lines:
     modes : two (m, g, n) arrays
     """
 
-    index: NDArray[np.int64]
+    index: Numbers
     spare: Floats
     slope: Floats
     secant: Floats
@@ -291,11 +141,11 @@ class _Rule:
     def __init__(self, surface: FlankSurface, n_modes: int, degree_z: int, finer: int) -> None:
         self._surface = surface
         self._n, self._m = n_modes, degree_z + 1
-        self._radial = _unit_gauss(finer * (n_modes + degree_z + 4))
-        self._sideways = _unit_gauss(finer * DIRECTION_POINTS)
-        self._along = _unit_gauss(finer * (n_modes + MIDDLE_POINTS))
-        self._across = _unit_gauss(self._m)
-        self._panel = _unit_gauss(finer * (max(n_modes, degree_z) // 2 + PANEL_POINTS))
+        self._radial = unit_gauss(finer * (n_modes + degree_z + 4))
+        self._sideways = unit_gauss(finer * DIRECTION_POINTS)
+        self._along = unit_gauss(finer * (n_modes + MIDDLE_POINTS))
+        self._across = unit_gauss(self._m)
+        self._panel = unit_gauss(finer * (max(n_modes, degree_z) // 2 + PANEL_POINTS))
         lengths = np.diff(surface.pieces_mm)
         shortest = float(lengths.min())
         self._ahead = _panels(surface.length_mm, shortest, lengths)
@@ -429,12 +279,6 @@ class _Rule:
         one = legvander(2.0 * z - 1.0, self._m - 1)
         two = legvander(2.0 * (z - (z_change / width)[:, None]) - 1.0, self._m - 1)
         return np.asarray((one * (spare[:, None] * gauss)[..., None]).transpose(0, 2, 1) @ two)
-
-
-def _unit_gauss(points: int) -> tuple[Floats, Floats]:
-    """Gauss's rule on [0, 1]."""
-    at, weights = leggauss(points)
-    return 0.5 + 0.5 * at, 0.5 * weights
 
 
 def _panels(length_mm: float, shortest_mm: float, breaks_mm: Floats) -> Floats:

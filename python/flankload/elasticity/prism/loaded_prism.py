@@ -8,33 +8,28 @@ one, as many layers as keep the degree of the displacements.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.base.blas_threads import one_blas_thread
+from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import lame_parameters
-from flankload.elasticity.loaded_body import on_edges, ring_of, turned
+from flankload.elasticity.loaded_body import node_widths, on_edges, ring_of
 from flankload.elasticity.near_field import carrying_edges
-from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions
+from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.recovery import Recovery
-from flankload.elasticity.prism.regions import functions_of
 from flankload.elasticity.prism.section_stiffness import section_stiffness
-from flankload.elasticity.sector_closure import CondensedSector, turned_cuts
+from flankload.elasticity.sector_closure import CondensedSector, ring_displacements
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Body
     from flankload.elasticity.prism.compliance import Prism
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
-    Cells = tuple[tuple[str, Numbers], ...]
 
 #: Solid elements of three stations of a plane element, in meshio's names.
 SOLIDS = {"quad9": "hexahedron27", "triangle6": "wedge18"}
@@ -94,7 +89,6 @@ class LoadedPrism:
     ----------
     body : Body
         As `Body.for_elements` returns it.
-    prism : Prism
     nodes : (M, 2) array
         Of the section of the whole body at z = 0, mm; nodes of the cuts occur once.
     numbers : (z, N) array
@@ -132,32 +126,17 @@ class LoadedPrism:
 
     def flank_widths(self) -> tuple[Numbers, Floats]:
         """Nodes (k,) of the flank of a sector, and the area (k,) of each per mm along z, mm."""
-        edges, s = carrying_edges(self.mesh)
-        nodes, place = np.unique(edges, return_inverse=True)
-        lengths = np.abs(s[:, 1] - s[:, 0])[:, None] * np.array([1.0, 1.0, 4.0]) / 6.0
-        lengths *= np.hypot(1.0, self.prism.twist * self.body.normal_lever_mm)
-        widths = np.bincount(place.ravel(), weights=lengths.ravel())
-        return nodes, np.asarray(widths, dtype=float)
+        nodes, widths = node_widths(*carrying_edges(self.mesh))
+        return nodes, widths * np.hypot(1.0, self.prism.twist * self.body.normal_lever_mm)
 
     def displacements(
         self, tooth: Numbers, s_mm: Floats, spans_mm: Floats, force_N: Floats
     ) -> Floats:
-        """Displacements under forces on flanks, each even over a span along the axis.
+        """Displacements (M, p + 1, 3) under forces (n, 3), N, on flanks, each even over a span.
 
-        Parameters
-        ----------
-        tooth : (n,) array
-        s_mm : (n,) array
-            Arc lengths on the flank.
-        spans_mm : (n, 2) array
-            Their ends along the axis.
-        force_N : (n, 3) array
-            In the section turned with the helix, in the frame of the body.
-
-        Returns
-        -------
-        (M, p + 1, 3) array
-            By node and function of z; the same frame.
+        Forces act on teeth (n,) at arc lengths (n,) between the ends (n, 2) of their spans along
+        the axis. Both are in the section turned with the helix, in the frame of the body;
+        displacements by node and function of z.
         """
         mesh, count = self.mesh, self.prism.degree + 1
         z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
@@ -181,49 +160,19 @@ class LoadedPrism:
         return found
 
     def solved(self, forces: Floats) -> Floats:
-        """Displacements of all sectors of the ring under nodal forces.
+        """Displacements of all sectors of the ring under nodal forces (N, 3 (p + 1), z).
 
-        Parameters
-        ----------
-        forces : (N, 3 (p + 1), z) array
-            By node, unknown and sector, in the frames of the sectors.
-
-        Returns
-        -------
-        array of that shape
+        Both by node, unknown and sector, in the frames of the sectors.
         """
-        mesh, m = self.mesh, len(self.sector.stiffness) // 2
-        z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
         kept, carried = self.recovery.reduced(forces)
-        sector = CondensedSector((), (carried,), self.sector.stiffness, COMPONENTS)
-        (left_left, left_right, right_left, right_right), ((one, two),) = turned_cuts(sector, pitch)
-        waves = np.exp(1j * pitch * np.arange(z // 2 + 1))
-        load = np.fft.rfft(one + np.roll(two, 1, axis=1), axis=1).T
-        waved = np.empty_like(load)
-        for k, wave in enumerate(waves):
-            system = left_left + right_right + left_right * wave + right_left / wave
-            waved[k] = np.linalg.solve(system, load[k])
-        on_left = np.fft.irfft(waved, n=z, axis=0)
-        on_right = np.roll(on_left, -1, axis=0).reshape(z, m // COMPONENTS, COMPONENTS).copy()
-        on_right[..., :2] = turned(on_right[..., :2], pitch)
-        on_cuts = np.concatenate([on_left.T, on_right.reshape(z, m).T])
-        return self.recovery.displacements(kept, on_cuts, len(mesh.nodes))
+        on_cuts = ring_displacements(replace(self.sector, carried=(carried,)), self.mesh.teeth)
+        return self.recovery.displacements(kept, on_cuts, len(self.mesh.nodes))
 
     def fields(self, part: SolidPart, moved: Floats) -> tuple[Floats, Floats]:
-        """Displacement and stress at the points of a part, in the section turned with the helix.
+        """Displacement (n, J, 3), mm, and stress (n, J, 6), MPa, at the points of a part.
 
-        Parameters
-        ----------
-        part : SolidPart
-        moved : (M, p + 1, 3) array
-            Of `displacements`.
-
-        Returns
-        -------
-        displacement : (n, J, 3) array
-            mm.
-        stress : (n, J, 6) array
-            MPa: xx, yy, zz, xy, yz, xz; recovered and averaged over the elements of a node.
+        In the section turned with the helix, from the result of `displacements`. The stress xx, yy,
+        zz, xy, yz, xz is recovered and averaged over the elements of a node.
         """
         own, basis, twist = moved[part.nodes], self.basis_of[part.nodes], self.prism.twist
         v, by_z = (
@@ -253,18 +202,7 @@ class LoadedPrism:
 
 
 def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
-    """Factorise the elements of a body for forces on its flanks.
-
-    Parameters
-    ----------
-    body : Body
-        Elastic, with the mesh of a sector.
-    prism : Prism
-
-    Returns
-    -------
-    LoadedPrism
-    """
+    """Factorise the elements of an elastic body of equal sectors for forces on its flanks."""
     body = body.for_elements()
     mesh = body.mesh
     assert isinstance(mesh, SectorMesh)
@@ -281,29 +219,22 @@ def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
             twisted=prism.twist != 0.0,
             recovery=recovery,
         )
-    nodes, numbers = ring_of(mesh)
-    basis_of = np.zeros(len(nodes), dtype=np.int64)
-    bases: tuple[AxialBasis, ...] = (axial,)
-    if isinstance(functions, AxialRegions):
-        bases = functions.bases
-        basis_of[numbers] = functions.of_node
-    parts = _parts(mesh, regions or (0,) * len(mesh.cells), bases, numbers)
+    nodes, whole, numbers = ring_of(mesh)
+    basis_of = np.empty(len(nodes), dtype=np.int64)
+    bases, basis_of[numbers] = functions.of_nodes(np.arange(len(mesh.nodes)))
+    parts = _parts(whole, regions, bases)
     return LoadedPrism(body, prism, nodes, numbers, basis_of, parts, sector, recovery)
 
 
 def _parts(
-    mesh: SectorMesh, regions: tuple[int, ...], bases: tuple[AxialBasis, ...], numbers: Numbers
+    whole: Cells, regions: tuple[int, ...], bases: tuple[AxialBasis, ...]
 ) -> tuple[SolidPart, ...]:
     """Parts of equal width of the whole body."""
     found = []
     for region in sorted(set(regions)):
         low, high = bases[region].range_mm
         z = np.linspace(low, high, 2 * -(-bases[region].degree // 2) + 1)
-        cells = [
-            (kind, numbers[:, data].reshape(-1, data.shape[1]))
-            for own, (kind, data) in zip(regions, mesh.cells, strict=True)
-            if own == region
-        ]
+        cells = [block for own, block in zip(regions, whole, strict=True) if own == region]
         nodes = np.unique(np.concatenate([data.ravel() for _, data in cells]))
         found.append(
             SolidPart(

@@ -20,12 +20,8 @@ from scipy.linalg.blas import dtrsm
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.elasticity.prism.dissection import Front
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +30,6 @@ class KeptFront:
 
     Attributes
     ----------
-    front : Front
     factor : (o, o) array
         Lower triangle L of the matrix of its own unknowns.
     below : (r, o) array
@@ -58,13 +53,12 @@ class Independent:
         Load columns with a part in this set.
     needed : (f,) array of bool
         Fronts that are kept, in the order of their elimination.
-    fronts : list of KeptFront
     """
 
     unknowns: Numbers
     of_cut: Numbers
     columns: Numbers
-    needed: NDArray[np.bool_]
+    needed: Flags
     fronts: list[KeptFront] = field(default_factory=list)
 
     def keep(self, number: int, front: Front, factor: Floats, below: Floats) -> None:
@@ -115,20 +109,10 @@ class Recovery:
         return self._parts[-1]
 
     def unit_displacements(self, nodes: Numbers, loads: int) -> tuple[Floats, Floats]:
-        """Displacements of wanted nodes under unit loads and under unit displacements of the cuts.
+        """Displacements of nodes (k,) under unit loads and under unit displacements of the cuts.
 
-        Parameters
-        ----------
-        nodes : (k,) array
-        loads : int
-            Number of load columns of the condensation.
-
-        Returns
-        -------
-        by_loads : (k, 3 (p + 1), loads) array
-            With both cuts held.
-        by_cuts : (k, 3 (p + 1), 2 m) array
-            Without loads; unknowns of the cuts as in `CondensedSector`.
+        By loads (k, 3 (p + 1), loads), with both cuts held; by cuts (k, 3 (p + 1), 2 m), without
+        loads and with unknowns of the cuts as in `CondensedSector`.
         """
         cuts, per_cut = self._cut.size, self._per_cut
         by_loads = np.zeros((nodes.size, self._unknowns, loads))
@@ -148,19 +132,10 @@ class Recovery:
         return by_loads, by_cuts
 
     def reduced(self, forces: Floats) -> tuple[list[list[Floats]], Floats]:
-        """Forces carried to the cuts, and what the fronts keep of them.
+        """What the fronts keep of forces (N, 3 (p + 1), r) on all nodes, and what the cuts carry.
 
-        Parameters
-        ----------
-        forces : (N, 3 (p + 1), r) array
-            On all nodes; those of fixed nodes are ignored.
-
-        Returns
-        -------
-        kept : list of lists of arrays
-            y of (R5), by part and front.
-        carried : (2 m, r) array
-            On the cuts, as in `CondensedSector`.
+        y of (R5), by part and front; and the forces (2 m, r) on the cuts, as in `CondensedSector`.
+        Those on fixed nodes are ignored.
         """
         kept, r = [], forces.shape[2]
         carried = np.zeros((self._cut.size, self._per_cut, r))
@@ -179,21 +154,9 @@ class Recovery:
         return kept, carried.reshape(-1, r)
 
     def displacements(self, kept: list[list[Floats]], on_cuts: Floats, nodes: int) -> Floats:
-        """Displacements of all nodes.
+        """Displacements (N, 3 (p + 1), r) of all nodes; 0 at fixed ones.
 
-        Parameters
-        ----------
-        kept : list of lists of arrays
-            Of `reduced`.
-        on_cuts : (2 m, r) array
-            Displacements of the cuts.
-        nodes : int
-            N.
-
-        Returns
-        -------
-        (N, 3 (p + 1), r) array
-            0 at fixed nodes.
+        From the forces kept in `reduced` and the displacements (2 m, r) of the cuts.
         """
         r = on_cuts.shape[1]
         found = np.zeros((nodes, self._unknowns, r))

@@ -21,42 +21,27 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions, cross_terms
+from flankload.elasticity.prism.axial_basis import cross_terms
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Material
     from flankload.bodies.root_fillet import FilletNodes
-
-    Floats = NDArray[np.float64]
+    from flankload.elasticity.prism.axial_basis import AxialBasis, AxialFunctions
 
 
 def root_surface_stress(
     fillet: FilletNodes,
-    functions: AxialBasis | AxialRegions,
+    functions: AxialFunctions,
     axial: AxialBasis,
     material: Material,
     twist: float,
 ) -> Floats:
-    """Stress across the root line at the points of fillets, from displacements of their nodes.
+    """Stress s_11 across the root line at the points of fillets, from displacements of their nodes.
 
-    Parameters
-    ----------
-    fillet : FilletNodes
-    functions : AxialBasis or AxialRegions
-        In which the displacements of the nodes are written.
-    axial : AxialBasis
-        Over the width of the teeth, of the same degree: of the stress.
-    material : Material
-    twist : float
-        kappa, rad/mm.
-
-    Returns
-    -------
-    (q (p + 1), 3 m (p + 1)) array
-        MPa/mm: s_11 by point and function of z, from the unknowns of the nodes by node, function of
-        z and component.
+    (q (p + 1), 3 m (p + 1)), MPa/mm: by point and function of z, from the unknowns of the nodes by
+    node, function of z and component. The displacements are written in `functions`, the stress in
+    `axial` of the same degree, over the width of the teeth; `twist` is kappa, rad/mm.
     """
     count = axial.count
     x, y = fillet.places.T
@@ -78,12 +63,8 @@ def root_surface_stress(
     e_22 = e_zz / g**2
     nu = material.poisson_ratio
     stress = material.young_modulus_MPa / (1.0 - nu**2) * (e_11 + nu * e_22)
-    if isinstance(functions, AxialRegions):
-        stress = np.einsum("qmabd,mbe->qmaed", stress, _in_axial(fillet, functions, axial))
+    bases, number = functions.of_nodes(fillet.nodes)
+    if bases != (axial,):  # coefficients over the teeth of each node's own functions
+        in_axial = np.stack([cross_terms(axial, basis, axial)[0] for basis in bases])[number]
+        stress = np.einsum("qmabd,mbe->qmaed", stress, in_axial)
     return np.ascontiguousarray(stress.transpose(0, 2, 1, 3, 4)).reshape(len(x) * count, -1)
-
-
-def _in_axial(fillet: FilletNodes, functions: AxialRegions, axial: AxialBasis) -> Floats:
-    """Coefficients (m, p + 1, p + 1) over the teeth of each node's own functions."""
-    own = [cross_terms(axial, basis, axial)[0] for basis in functions.bases]
-    return np.stack([own[number] for number in functions.of_node[fillet.nodes]])

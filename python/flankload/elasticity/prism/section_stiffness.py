@@ -21,11 +21,8 @@ from flankload.elasticity.finite_elements import block_basis, lame_parameters
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
-
-    Floats = NDArray[np.float64]
 
 #: Degree of the integration: x and y multiply gradients where the section twists, and shapes are
 #: squared.
@@ -48,37 +45,21 @@ class SectionStiffness:
         Number of the region whose elements the blocks come from.
     """
 
-    rows: NDArray[np.int64]
-    columns: NDArray[np.int64]
+    rows: Numbers
+    columns: Numbers
     blocks: Floats
     nodes: int
-    regions: NDArray[np.int64]
+    regions: Numbers
 
 
 def section_stiffness(
-    nodes: Floats,
-    cells: tuple[tuple[str, NDArray[np.int64]], ...],
-    material: Material,
-    twist: float,
-    regions: Sequence[int] = (),
+    nodes: Floats, cells: Cells, material: Material, twist: float, regions: Sequence[int] = ()
 ) -> SectionStiffness:
-    """Section matrices of a plane mesh.
+    """Section matrices of a plane mesh with the axis at the origin.
 
-    Parameters
-    ----------
-    nodes : (N, 2) array
-        mm, the axis at the origin.
-    cells : ((kind, (E, k) array), ...)
-        As in `finite_elements.stiffness`.
-    material : Material
-    twist : float
-        kappa, rad/mm, counter-clockwise with growing z.
-    regions : sequence of int, optional
-        Number of the region of each entry of `cells`; one region by default.
-
-    Returns
-    -------
-    SectionStiffness
+    Nodes and cells are those of `finite_elements.stiffness`; `twist` is kappa, rad/mm,
+    counter-clockwise with growing z; `regions` number the region of each entry of `cells`, by
+    default one.
     """
     places, parts, count = [], [], len(nodes)
     for number, (kind, connectivity) in zip(regions or [0] * len(cells), cells, strict=True):
@@ -98,11 +79,7 @@ def section_stiffness(
 
 
 def _element_blocks(
-    nodes: Floats,
-    kind: str,
-    connectivity: NDArray[np.int64],
-    material: Material,
-    twist: float,
+    nodes: Floats, kind: str, connectivity: Numbers, material: Material, twist: float
 ) -> Floats:
     """Blocks (E k k, 4, 3, 3) of all pairs of nodes of each element."""
     basis = block_basis(nodes, kind, connectivity, SECTION_DEGREE)

@@ -16,11 +16,8 @@ from numpy.polynomial.legendre import legint, legval
 from flankload.elasticity.near_field import mode_values
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.elasticity.compliance import BodyCompliance
-
-    Floats = NDArray[np.float64]
 
 #: From so many lengths of segments on their second moments are enough, to 1e-5 of the mean.
 FAR = 10.0
@@ -32,8 +29,6 @@ class StripField:
 
     Attributes
     ----------
-    compliance : BodyCompliance
-    teeth : int
     along : (N, n_s) array
         Modes along the profile at the strips.
     over : (J, n_z) array
@@ -56,30 +51,12 @@ class StripField:
 
     @classmethod
     def of(
-        cls,
-        compliance: BodyCompliance,
-        teeth: int,
-        s_mm: Floats,
-        strip_mm: float,
-        edges_mm: Floats,
+        cls, compliance: BodyCompliance, teeth: int, s_mm: Floats, strip_mm: float, edges_mm: Floats
     ) -> StripField:
-        """Field of a body.
+        """Field of a body in three dimensions.
 
-        Parameters
-        ----------
-        compliance : BodyCompliance
-            In three dimensions.
-        teeth : int
-        s_mm : (N,) array
-            Arc lengths of the middles of the strips.
-        strip_mm : float
-            Their width.
-        edges_mm : (J + 1,) array
-            Ends of the slices.
-
-        Returns
-        -------
-        StripField
+        At strips with the middles (N,) along the profile and one width, in slices between edges (J
+        + 1,).
         """
         modes, s = compliance.modes, s_mm
         width, z = np.diff(edges_mm), 0.5 * (edges_mm[1:] + edges_mm[:-1])
@@ -122,7 +99,7 @@ class StripField:
         found += np.einsum("cihjk,j,k->ih", self.corners, self.weight, self.weight)
         return np.asarray(found)
 
-    def between_sites(self, spread: Floats, teeth: NDArray[np.int64]) -> Floats:
+    def between_sites(self, spread: Floats, teeth: Numbers) -> Floats:
         """Compliance (S, J, S, J) between slices whose forces are spread over the strips."""
         modes = np.einsum("a,jb->jab", spread @ self.along, self.over)
         modes = modes.reshape(len(self.over), -1)

@@ -5,35 +5,31 @@ ends of both lands beside it, x outwards (away from the pulley), y in the direct
 from the tight strand to the slack one. The working flank of the belt is the one at negative y: the
 pulley pushes it towards the slack strand. The pitch line, on which the cord lies, is a circle of
 radius teeth*pitch/(2 pi); the land circle is smaller by `land_distance_mm`.
+
+An elastic pulley is a ring of equal sectors, each with one of its own teeth: a sector extends from
+the middle of one groove to the middle of the next. In its frame the land between them is centred on
+the x axis, and the flank that drives the belt has positive polar angles.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import acos, cos, pi, radians, sin, sqrt, tan
+from math import acos, asin, cos, pi, radians, sin, sqrt, tan
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import Material
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.scene import Belt as BeltKeys
     from flankload.scene import Pulley as PulleyKeys
-
-    Floats = NDArray[np.float64]
 
 #: Angle at which the side of a round tooth ends and its tip begins, from the circumferential
 #: direction.
 SIDE_ANGLE = 0.25 * pi
-
-
-def turn_matrix(angle_rad: float) -> Floats:
-    """Matrix by which places as rows are multiplied from the right to turn them about the axis."""
-    cosine, sine = cos(angle_rad), sin(angle_rad)
-    return np.array([[cosine, sine], [-sine, cosine]])
 
 
 @dataclass(frozen=True)
@@ -44,7 +40,6 @@ class Trapezoid:
     ----------
     width_mm : float
         Width at the land.
-    height_mm : float
     angle_rad : float
         Angle of the sides to the centre line.
     """
@@ -59,19 +54,9 @@ class Trapezoid:
         return self.width_mm - 2 * self.height_mm * tan(self.angle_rad)
 
     def side(self, parts: Floats) -> tuple[Floats, Floats]:
-        """Points of the working side at fractions of its length, from the land to the tip.
+        """Points of the working side at fractions (n,) of its length, from the land to the tip.
 
-        Parameters
-        ----------
-        parts : (n,) array
-            From 0 to 1.
-
-        Returns
-        -------
-        places : (n, 2) array
-            mm.
-        normals : (n, 2) array
-            Pointing out of the tooth.
+        Returns places (n, 2), mm, and normals (n, 2) that point out of the tooth.
         """
         depth = self.height_mm * parts
         places = np.column_stack([-depth, -0.5 * self.width_mm + depth * tan(self.angle_rad)])
@@ -158,11 +143,8 @@ class Strip:
 
     Attributes
     ----------
-    pulley_teeth : int
     pitch_mm : float
         Pitch of the pulley, on which the belt lies.
-    wrapped_teeth : int
-    width_mm : float
     tooth : Trapezoid, Round or None
         None for a belt without teeth.
     groove : Trapezoid, Round or None
@@ -173,7 +155,6 @@ class Strip:
         Thickness from the land to the back.
     cord_N_per_mm : float
         Tension of the cord divided by its strain, per mm of width.
-    material : Material
     clearance_rad : float
         Angle by which the pulley rotates before the first contact, in addition to the gaps to the
         groove.
@@ -231,7 +212,7 @@ class Strip:
 
     def in_tooth(self, places: Floats, tooth_angle_rad: float) -> Floats:
         """Transform places (…, 2) from axes at the centre of rotation to the frame of a tooth."""
-        return places @ turn_matrix(-tooth_angle_rad) - np.array([self.foot_radius_mm, 0.0])
+        return turned(places, -tooth_angle_rad) - np.array([self.foot_radius_mm, 0.0])
 
     def gaps(self, places: Floats) -> Floats:
         """(n,) Gaps between places on the working flank, in its tooth frame, and the groove, mm."""
@@ -275,3 +256,102 @@ def build_strip(pulley: PulleyKeys, belt: BeltKeys) -> Strip:
     if pulley.tooth_shape == "T" and wider:
         return replace(strip, clearance_rad=wider / strip.foot_radius_mm)
     return strip
+
+
+@dataclass(frozen=True)
+class ElasticPulley:
+    """An elastic pulley, fixed at its bore.
+
+    Attributes
+    ----------
+    teeth : int
+        Number of equal sectors.
+    land_radius_mm : float
+        Radius of the outer circle.
+    groove : Trapezoid, Round or None
+        Groove with its cut width; None for a plain ring.
+    touched_mm : float
+        Height of the belt's tooth, which is the part of a straight side in contact.
+    depth_mm : float
+        Depth of the groove, from the line between the ends of both lands beside it.
+    bore_radius_mm : float
+        Radius of the bore, which is fixed.
+    plane : {"strain", "stress"}
+    """
+
+    teeth: int
+    land_radius_mm: float
+    groove: Trapezoid | Round | None
+    touched_mm: float
+    depth_mm: float
+    bore_radius_mm: float
+    material: Material
+    plane: str = "strain"
+
+    @property
+    def half_pitch_rad(self) -> float:
+        """Half the angle between adjacent teeth."""
+        return pi / self.teeth
+
+    @property
+    def half_land_rad(self) -> float:
+        """Half the angle of a land."""
+        if self.groove is None:
+            return self.half_pitch_rad
+        return self.half_pitch_rad - asin(0.5 * self.groove.width_mm / self.land_radius_mm)
+
+    def flank(self, parts: Floats) -> Floats:
+        """(n, 2) Places of the working flank at fractions of its contact part, from the land."""
+        assert self.groove is not None
+        straight = isinstance(self.groove, Trapezoid)
+        reach = self.touched_mm / self.groove.height_mm if straight else 1.0
+        return self._placed(self.groove.side(reach * parts)[0])
+
+    def below(self, parts: Floats) -> Floats:
+        """(n, 2) Places of the flank below its contact part, from there to its end."""
+        assert self.groove is not None
+        reach = self.touched_mm / self.groove.height_mm
+        return self._placed(self.groove.side(reach + (1.0 - reach) * parts)[0])
+
+    def bottom(self, parts: Floats) -> Floats:
+        """(n, 2) Places of the bottom of the groove, from the end of the flank to its middle."""
+        assert self.groove is not None
+        places = self.groove.tip(0.5 * parts)
+        start = self.groove.tip(np.zeros(1))[0, 0]
+        # a deeper round groove is extended below its sides
+        drawn = (self.depth_mm + start) / max(self.groove.height_mm + start, 1e-300)
+        if isinstance(self.groove, Round):
+            places[:, 0] = start + (places[:, 0] - start) * drawn
+        return self._placed(places)
+
+    @property
+    def flank_goes_on(self) -> bool:
+        """Whether the flank extends beyond its contact part."""
+        return isinstance(self.groove, Trapezoid) and self.depth_mm > self.touched_mm
+
+    def _placed(self, places: Floats) -> Floats:
+        """Transform places from the frame of the groove to that of the sector."""
+        assert self.groove is not None
+        foot = sqrt(self.land_radius_mm**2 - (0.5 * self.groove.width_mm) ** 2)
+        return turned(places + np.array([foot, 0.0]), self.half_pitch_rad)
+
+
+def build_pulley(keys: PulleyKeys, strip: Strip, plane: str) -> ElasticPulley:
+    """Make an elastic pulley from its validated keys and the belt on it."""
+    assert keys.bore_diameter_mm is not None
+    assert strip.tooth is not None
+    groove = strip.groove if strip.groove is not None else strip.tooth
+    depth = max(keys.groove_depth_mm or 0.0, groove.height_mm)
+    if isinstance(groove, Trapezoid):
+        width = keys.groove_width_mm or groove.width_mm
+        groove = replace(groove, width_mm=width, height_mm=depth)
+    return ElasticPulley(
+        teeth=strip.pulley_teeth,
+        land_radius_mm=strip.land_radius_mm,
+        groove=groove,
+        touched_mm=strip.tooth.height_mm,
+        depth_mm=depth,
+        bore_radius_mm=0.5 * keys.bore_diameter_mm,
+        material=Material(keys.young_modulus_MPa, keys.poisson_ratio),
+        plane=plane,
+    )

@@ -21,10 +21,8 @@ from flankload.meshes.blocks import BlockMesh, coons, even_breaks, with_middles
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.mechanisms.belt.belt import Strip
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Elements on the flank of a tooth; along the strip they have the same length.
 FLANK_ELEMENTS = 6
@@ -68,7 +66,7 @@ class BeltMesh:
 
     nodes: Floats
     turns_rad: Floats
-    cells: tuple[tuple[str, Numbers], ...]
+    cells: Cells
     cord: Numbers
     flanks: dict[int, Numbers]
     lands: dict[int, Numbers]
@@ -80,12 +78,7 @@ class BeltMesh:
 
 
 def half_land(strip: Strip, flank_elements: int) -> Floats:
-    """Element boundaries on half a land, rad, beginning at its middle.
-
-    Returns
-    -------
-    array
-    """
+    """Element boundaries on half a land, rad, beginning at its middle."""
     height, width = _tooth_size(strip)
     base = asin(0.5 * width / strip.land_radius_mm)
     largest = height / flank_elements / strip.land_radius_mm
@@ -113,12 +106,9 @@ def mesh_strip(
 ) -> BeltMesh:
     """Mesh of the belt on its pulley, or of a piece of it.
 
-    Parameters
-    ----------
-    ends_rad : (float, float)
-        Angles at which the belt leaves the pulley, from the middles of the first and the last land.
-    places : (int, int), optional
-        Ends of the piece, in half pitches; by default the whole belt with the strands of `STRAND`.
+    The belt leaves the pulley at two angles `ends_rad` from the middles of the first and the last
+    land. The piece lies between two places in half pitches; by default it is the whole belt with
+    the strands of `STRAND`.
     """
     maker = _Maker(strip, flank_elements, ends_rad)
     for place in range(*(places or (-STRAND, 2 * strip.wrapped_teeth - 2 + STRAND))):
@@ -256,17 +246,8 @@ class _Maker:
 def _half_tooth(strip: Strip, angles: Floats, count: int) -> Floats:
     """Half a tooth from its middle to the working flank, the tip below.
 
-    Parameters
-    ----------
-    angles : (m,) array
-        Angles of the nodes of its foot from the middle.
-    count : int
-        Number of nodes from the land to the tip.
-
-    Returns
-    -------
-    (count, m, 2) array
-        Radius, and angle from the middle.
+    From the angles (m,) of the nodes of its foot from the middle, and the number of nodes from the
+    land to the tip: radius, and angle from the middle, (count, m, 2).
     """
     tooth = strip.tooth
     assert tooth is not None

@@ -10,25 +10,24 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 from scipy.sparse import csc_array, hstack
 
+from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import assembled, degrees_of
-from flankload.mechanisms.belt.belt import turn_matrix
-from flankload.mechanisms.belt.shape_functions import gauss_points, linear, quadratic
+from flankload.elasticity.nodal_loads import hat_values
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.belt_mesh import BeltMesh
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
-
 #: Moments below this part of a shape function's own moment are roundoff.
 NO_MOMENT = 1e-12
+#: Gauss points between two breaks: the integrands are cubic, on round flanks approximately.
+GAUSS_POINTS = 4
 
 
 @dataclass(frozen=True)
@@ -70,24 +69,18 @@ class Flanks:
 
     def turned(self, angle_rad: float) -> Flanks:
         """The same flanks, turned about the axis."""
-        turn = turn_matrix(angle_rad)
         return replace(
             self,
-            places=self.places @ turn,
-            normals=self.normals @ turn,
-            lines=tuple(line @ turn for line in self.lines),
+            places=turned(self.places, angle_rad),
+            normals=turned(self.normals, angle_rad),
+            lines=tuple(turned(line, angle_rad) for line in self.lines),
         )
 
 
 def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, csc_array]:
-    """Contact pairs on all working flanks.
+    """Contact pairs on all working flanks, and their nodal loads (2N, n).
 
-    Returns
-    -------
-    flanks : Flanks
-        n pairs.
-    columns : (2N, n) csc_array
-        Nodal loads in x and y of a unit force of the pulley on each pair; N nodes.
+    A column has the forces in x and y of a unit force of the pulley on a pair.
     """
     none, nowhere = np.zeros(0), np.zeros((0, 2))
     parts = [Flanks(none.astype(np.int64), nowhere, nowhere, none, none, none, ())]
@@ -183,23 +176,37 @@ def _at_nodes(values: Floats, degrees: Numbers, mesh: BeltMesh) -> csc_array:
 
 
 def _on_edges(places: Floats) -> tuple[Floats, Floats, Floats]:
-    """Shape functions at the Gauss points of a line of quadratic edges.
+    """Shape functions at the Gauss points of a line of quadratic edges with nodes (m, 2).
 
-    Parameters
-    ----------
-    places : (m, 2) array
-        Nodes in order, every second one a mid-side node.
-
-    Returns
-    -------
-    shapes : (g, m) array
-        Quadratic functions of the nodes.
-    hats : (g, (m + 1)/2) array
-        Linear functions of the ends of the edges.
-    along : (g, 2) array
-        Tangents at the points, times the weight of the point and the length of the edge, mm.
+    Returns the quadratic functions (g, m) of the nodes, the linear ones (g, (m + 1)/2) of the ends
+    of the edges, and tangents (g, 2) times the weight of the point and the length of the edge, mm.
     """
     line = np.arange(len(places), dtype=np.float64)
     at, weight = gauss_points(line[::2])
     shapes, slopes = quadratic(at, line)
-    return shapes, linear(at, line[::2]), weight[:, None] * (slopes @ places)
+    return shapes, hat_values(at, line[::2]), weight[:, None] * (slopes @ places)
+
+
+def gauss_points(breaks: Floats) -> tuple[Floats, Floats]:
+    """(g,) Gauss points between successive breaks, and their weights."""
+    points, weights = leggauss(GAUSS_POINTS)
+    steps = 0.5 * np.diff(breaks)[:, None]
+    return (breaks[:-1, None] + steps * (1.0 + points)).ravel(), (steps * weights).ravel()
+
+
+def quadratic(at: Floats, nodes: Floats) -> tuple[Floats, Floats]:
+    """(g, m) Functions of quadratic elements at places `at` (g,), and their derivatives.
+
+    Every second one of the nodes (m,) is a mid-side node.
+    """
+    ends = nodes[::2]
+    element = np.clip(np.searchsorted(ends, at, side="right") - 1, 0, ends.size - 2)
+    half = 0.5 * (ends[element + 1] - ends[element])
+    x = (at - ends[element]) / half - 1.0
+    shapes, slopes = np.zeros((2, at.size, nodes.size))
+    rows = np.arange(at.size)
+    for k, value in enumerate((x * (x - 1) / 2, 1 - x**2, x * (x + 1) / 2)):
+        shapes[rows, 2 * element + k] = value
+    for k, slope in enumerate((x - 0.5, -2 * x, x + 0.5)):
+        slopes[rows, 2 * element + k] = slope / half
+    return shapes, slopes

@@ -20,17 +20,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.contact import solve_contact_general
+from flankload.errors import ContactError, NoContactState
 from flankload.mechanisms.belt.strip import Kind
+from flankload.mechanisms.wrapped import slack_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.contact import ContactState
+    from flankload.cost import Account
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.columns import Flanks
     from flankload.mechanisms.belt.row import StripResponse
+    from flankload.scene import Scene
 
-    Floats = NDArray[np.float64]
+#: Number of halvings and doublings in the search for the slack tension at which a belt jumps.
+STEPS = 20
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,6 @@ class BeltState:
     ----------
     first_tooth, first_land : int
         Numbers of the first tooth and the first land.
-    flanks : Flanks
     rotation_rad : float
         Rotation of the pulley while the tight end of the strip is fixed.
     compliance_rad_per_N : float
@@ -60,7 +63,6 @@ class BeltState:
         Reaction at the tight end.
     degrees_of_freedom : int
         Of the finite elements.
-    contact : ContactState
     """
 
     first_tooth: int
@@ -140,26 +142,11 @@ def solve_belt(
     land_friction: float = 0.0,
     land_lift: bool = False,
 ) -> BeltState:
-    """State of a belt under a torque.
+    """State of a belt under a torque divided by the pitch radius, per mm of width.
 
-    Parameters
-    ----------
-    response : StripResponse
-        With the columns of sliding and lifting lands, if requested.
-    force_N_per_mm : float
-        Torque divided by pitch radius, per mm of width.
-    slack_N_per_mm : float
-        Tension of the slack strand.
-    land_friction : float
-        Coefficient on the lands; positive if friction acts with the teeth, negative if against
-        them.
-    land_lift : bool
-        Whether lands can lift.
-
-    Raises
-    ------
-    ContactError
-        If no state exists.
+    The response has the columns of sliding and lifting lands, if requested. The coefficient of
+    friction on the lands is positive if friction acts with the teeth, negative if against them.
+    Raises ContactError if no state exists.
     """
     problem = contact_problem(strip, response, force_N_per_mm, slack_N_per_mm, land_friction)
     if land_lift:
@@ -288,6 +275,92 @@ def _with_lift(held: Problem, response: StripResponse) -> Problem:
     )
 
 
-def _sums(number: NDArray[np.int64], values: Floats, count: int) -> Floats:
+def _sums(number: Numbers, values: Floats, count: int) -> Floats:
     """Sums of values by index."""
     return np.bincount(number, values, count).astype(np.float64)
+
+
+def state_under(
+    scene: Scene, strip: Strip, response: StripResponse, torque_Nm: float, account: Account
+) -> BeltState:
+    """State of a belt under a torque; its work is counted.
+
+    Raises NoContactState if none exists: friction on the lands turns the pulley further than the
+    torque, or the belt jumps.
+    """
+    slack = slack_of(scene)
+    where = f"{torque_Nm:g} N m, slack strand {slack:g} N"
+    try:
+        state = _solved(scene, strip, response, torque_Nm, slack)
+    except ContactError as error:
+        friction, width = scene.effects.land_friction, strip.width_mm
+        # the torque of a problem without load is that of the lands under the slack tension
+        unloaded = contact_problem(strip, response, 0.0, slack / width, friction)
+        alone = -1e-3 * width * unloaded.torque
+        if alone > torque_Nm:
+            raise NoContactState(
+                f"{where}: lands that all slide with effects.land_friction = {friction:g} "
+                f"carry {alone:.4g} N m without any tooth, more than the torque: they stick"
+            ) from error
+        raise NoContactState(f"{where}: {error}") from error
+    account.count(
+        states=1,
+        contact_passes=1,
+        influence_columns=state.pair_N_per_mm.size,
+        pivots=state.contact.info.pivots,
+    )
+    if _jumps(strip, state):
+        most = np.arange(response.lands) == state.land_lift_mm.argmax()
+        land = lands_in_words(response.first_tooth + np.arange(response.teeth), most)
+        raise NoContactState(
+            f"{where}: the land {land} lifts {state.land_lift_mm.max():.3g} mm, more than teeth "
+            "are high; belts of this wrap jump below a slack tension of about "
+            f"{_jump_tension(scene, strip, response, torque_Nm, slack):.3g} N"
+        )
+    return state
+
+
+def lands_in_words(sites: Numbers, some: Flags) -> str:
+    """Names of some lands by the teeth (S,): one before each, and one behind the last.
+
+    `some` (S + 1,) selects lands, from the tight strand.
+    """
+    before = ", ".join(str(site) for site in sites[some[:-1]])
+    words = [f"before tooth {before}"] if before else []
+    return " and ".join(words + [f"behind tooth {sites[-1]}"] * bool(some[-1]))
+
+
+def _solved(
+    scene: Scene, strip: Strip, response: StripResponse, torque_Nm: float, slack_N: float
+) -> BeltState:
+    return solve_belt(
+        strip,
+        response,
+        1000.0 * torque_Nm / (strip.pitch_radius_mm * strip.width_mm),
+        slack_N / strip.width_mm,
+        land_friction=scene.effects.land_friction,
+        land_lift=scene.effects.land_lift,
+    )
+
+
+def _jumps(strip: Strip, state: BeltState) -> bool:
+    """Whether the lift of a land exceeds the height of a tooth."""
+    return strip.tooth is not None and state.land_lift_mm.max() > strip.tooth.height_mm
+
+
+def _jump_tension(
+    scene: Scene, strip: Strip, response: StripResponse, torque_Nm: float, slack_N: float
+) -> float:
+    """Slack tension (N) below which a belt jumps that jumps at the given one."""
+    low, high = slack_N, 2.0 * slack_N
+    for _ in range(STEPS):
+        if not _jumps(strip, _solved(scene, strip, response, torque_Nm, high)):
+            break
+        low, high = high, 2.0 * high
+    for _ in range(STEPS):
+        middle = 0.5 * (low + high)
+        if _jumps(strip, _solved(scene, strip, response, torque_Nm, middle)):
+            low = middle
+        else:
+            high = middle
+    return high

@@ -5,12 +5,11 @@ from __future__ import annotations
 from math import degrees
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from flankload.mechanisms.belt.belt import build_strip
 from flankload.mechanisms.belt.belt_mesh import mesh_strip
 from flankload.mechanisms.belt.drive import bodies_of, flank_elements, pulley_mesh
 from flankload.mechanisms.data_sheet import DataSheet, SheetRow
+from flankload.mechanisms.wrapped import slack_of, tight_tensions
 from flankload.meshes.report import quality_rows
 
 if TYPE_CHECKING:
@@ -25,8 +24,7 @@ def rows_of_belt(scene: Scene) -> dict[str, Rows]:
     """Name and value of each row, by title."""
     strip = build_strip(*bodies_of(scene))
     mesh = mesh_strip(strip, flank_elements(scene, strip))
-    slack = scene.load.slack_tension_N or 0.0
-    tight = np.array(scene.torques_Nmm) / strip.pitch_radius_mm + slack
+    slack, tight = slack_of(scene), tight_tensions(scene, strip.pitch_radius_mm)
     mean = 0.5 * (tight.max() + slack)
     said = f"{strip.prestress_N_per_mm * strip.width_mm:g} N (half of both tensions: {mean:.4g} N)"
     clearance = 1000.0 * strip.clearance_rad * strip.pitch_radius_mm
@@ -72,16 +70,7 @@ def _rows_of_pulley(scene: Scene) -> Rows:
 
 
 def sheet_of_belt(scene: Scene) -> DataSheet:
-    """Drawing data of a pulley and its belt.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    DataSheet
-    """
+    """Drawing data of a pulley and its belt."""
     pulley, belt = bodies_of(scene)
     strip = build_strip(pulley, belt)
     return DataSheet(
@@ -121,8 +110,7 @@ def _sheet_of_strip(belt: Belt) -> Iterator[SheetRow]:
 
 
 def _sheet_of_wrap(scene: Scene, strip: Strip) -> Iterator[SheetRow]:
-    slack = scene.load.slack_tension_N or 0.0
-    tight = np.array(scene.torques_Nmm) / strip.pitch_radius_mm + slack
+    slack, tight = slack_of(scene), tight_tensions(scene, strip.pitch_radius_mm)
     clearance = 1000.0 * strip.clearance_rad * strip.pitch_radius_mm
     wrap = strip.wrapped_teeth * strip.pitch_rad
     yield SheetRow("teeth in mesh", "z_m", f"{strip.wrapped_teeth}")

@@ -7,37 +7,30 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from flankload.base.rounding import round_up
-from flankload.mechanisms.belt.belt import Strip, build_strip
+from flankload.mechanisms.belt.belt import Strip, build_pulley, build_strip
 from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS, coarser
+from flankload.mechanisms.belt.contact import state_under
 from flankload.mechanisms.belt.estimate import estimate_belt
-from flankload.mechanisms.belt.pulley import build_pulley
 from flankload.mechanisms.belt.pulley_compliance import PulleyResponse, rest_on, solve_pulley
 from flankload.mechanisms.belt.pulley_mesh import PulleyMesh, mesh_pulley
 from flankload.mechanisms.belt.row import BeltRow, StripResponse, condensation_work, phases
-from flankload.mechanisms.belt.states import state_under
-from flankload.mechanisms.wrapped import positions_of
+from flankload.mechanisms.wrapped import WrappedAssembly, WrappedStates, positions_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
-
-    from numpy.typing import NDArray
 
     from flankload.cost import Account
     from flankload.mechanisms.belt.contact import BeltState, SpringRow
     from flankload.mechanisms.belt.row import PieceSize
     from flankload.scene import Belt, Pulley, Scene
 
-    Floats = NDArray[np.float64]
-
 #: Least number of elements on a flank for a pressure that varies along it.
 LEAST_ELEMENTS = 2
 
 
 @dataclass(frozen=True)
-class BeltAssembly:
+class BeltAssembly(WrappedAssembly):
     """A belt on its pulley, before finite elements are solved.
 
     Attributes
@@ -46,16 +39,10 @@ class BeltAssembly:
         Belt with the discretization of the run.
     coarse : BeltRow
         Belt with half as many elements, for the error estimate.
-    position_rad : (P,) array
-        Angles of the pulley.
-    pitches : int or None
-        Pitches covered by the positions; None for single angles.
     """
 
     row: BeltRow
     coarse: BeltRow
-    position_rad: Floats
-    pitches: int | None
 
     @property
     def strip(self) -> Strip:
@@ -75,18 +62,9 @@ class BeltAssembly:
 
 
 @dataclass(frozen=True)
-class BeltStates:
-    """States of a belt.
+class BeltStates(WrappedStates):
+    """States of a belt, and a row of springs equivalent to it."""
 
-    Attributes
-    ----------
-    found : tuple of list of BeltState
-        For each torque, the state at each position.
-    springs : SpringRow
-        Row of springs equivalent to the belt.
-    """
-
-    found: tuple[list[BeltState], ...]
     springs: SpringRow
 
 
@@ -96,9 +74,9 @@ def assemble(scene: Scene) -> BeltAssembly:
     elements, columns = flank_elements(scene, strip), land_columns_of(scene)
     halved, fewer = coarser(strip, elements)
     return BeltAssembly(
+        *positions_of(scene, strip.pitch_rad),
         BeltRow(strip, elements, **columns),
         BeltRow(halved, fewer, **columns),
-        *positions_of(scene, strip.pitch_rad),
     )
 
 
@@ -128,17 +106,9 @@ def land_columns_of(scene: Scene) -> dict[str, bool]:
 
 
 def pulley_mesh(scene: Scene, elements: int | None = None) -> PulleyMesh:
-    """Mesh of an elastic pulley.
+    """Mesh of an elastic pulley; by default with as many elements beside a tooth as on it.
 
-    Parameters
-    ----------
-    elements : int, optional
-        On the part that a belt's tooth touches; by default as many as on the tooth.
-
-    Raises
-    ------
-    SceneError
-        If no valid mesh can be made.
+    Raises SceneError if no valid mesh can be made.
     """
     keys, belt = bodies_of(scene)
     strip = build_strip(keys, belt)
@@ -168,19 +138,8 @@ def error_estimates(
 ) -> list[Mapping[str, object] | None]:
     """Errors from elements twice as long at up to two positions, and from the spacing of positions.
 
-    Parameters
-    ----------
-    known : PulleyResponse or None
-        Elastic pulley.
-    found : sequence of sequences of BeltState
-        For each torque, the state at each position.
-    account : Account
-        Account in which the work is counted.
-
-    Returns
-    -------
-    list of dict or None
-        One entry per torque, as the result shows it; None without torque.
+    Each torque has a list of states, one per position. The work is counted. One entry per torque,
+    as the result shows it; None without torque.
     """
     row, coarse, strip = assembly.row, assembly.coarse, assembly.strip
     pulley = None
@@ -215,13 +174,7 @@ def error_estimates(
 
 
 def predicted_work(scene: Scene, assembly: BeltAssembly) -> dict[str, dict[str, int]]:
-    """Count the work of a run exactly.
-
-    Returns
-    -------
-    dict of str to dict of str to int
-        By stages, as `result.cost["stages"]` names them, then by counters.
-    """
+    """Exact counters of a run, by stages as `result.cost["stages"]` names them."""
     row, positions, elastic = assembly.row, assembly.position_rad, not scene.body_1.rigid
     loaded = sum(torque > 0.0 for torque in scene.torques_Nm)
     counted: dict[str, dict[str, int]] = {

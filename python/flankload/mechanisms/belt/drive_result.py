@@ -7,25 +7,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.mechanisms.belt.states import lands_in_words, sites_of
-from flankload.result.belt import BeltDrive
+from flankload.base.rotation import directions
+from flankload.mechanisms.belt.contact import lands_in_words
+from flankload.mechanisms.wrapped import Sites, slack_of, wrapped_result
+from flankload.result.drives import BeltDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
-from flankload.result.result import Result
-from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.contact import BeltState, SpringRow
     from flankload.mechanisms.belt.drive import BeltAssembly, BeltStates
-    from flankload.mechanisms.wrapped import Sites
+    from flankload.result.result import Result
     from flankload.scene import Scene
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 UM_PER_MM = 1000.0
 
@@ -33,7 +30,7 @@ UM_PER_MM = 1000.0
 def result_of_belt(
     scene: Scene,
     assembly: BeltAssembly,
-    found: BeltStates,
+    states: BeltStates,
     number: int,
     estimate: Mapping[str, object] | None,
 ) -> Result:
@@ -44,38 +41,39 @@ def result_of_belt(
     number : int
         Index of the torque.
     """
-    strip, position_rad, pitches = assembly.strip, assembly.position_rad, assembly.pitches
-    states, width = found.found[number], strip.width_mm
-    sites = sites_of(states)
-    drive = _drive(scene, strip, found.springs, sites, states)
-    force = sites.spread([width * state.tooth_N_per_mm for state in states], nothing=0.0)
-    return Result(
-        name=scene.name,
-        torque_Nm=scene.torques_Nm[number],
-        sites=sites.numbers,
-        position_rad=position_rad,
-        rotation_rad=np.array([state.rotation_rad for state in states]),
+    strip, found = assembly.strip, states.found[number]
+    sites, width = sites_of(found), strip.width_mm
+    drive = _drive(scene, strip, states.springs, sites, found)
+    return wrapped_result(
+        scene,
+        assembly,
+        number,
+        sites,
+        [width * state.tooth_N_per_mm for state in found],
+        _warnings(scene, sites.numbers, drive),
+        rotation_rad=np.array([state.rotation_rad for state in found]),
         reference_radius_mm=strip.pitch_radius_mm,
-        site_force_N=force,
-        peak_pressure_MPa=np.zeros_like(force),
-        stiffness_tangent_Nm_per_rad=tangent_stiffness(states, strip),
-        status=np.array([state.contact.status for state in states]),
-        pair_tables=PairTables(len(states), partial(_pairs, states, width)),
-        corner_contact=np.zeros(force.shape, dtype=bool),
-        pitch_rad=strip.pitch_rad,
-        period_rad=strip.pitch_rad * (pitches or 1),
-        closed=pitches is not None and position_rad.size > 1,
+        stiffness_tangent_Nm_per_rad=tangent_stiffness(assembly, found),
+        status=np.array([state.contact.status for state in found]),
+        pair_tables=PairTables(len(found), partial(_pairs, found, width)),
         face_width_mm=width,
         estimate=estimate,
-        cost=_cost(states),
-        warnings=(*question_notes(scene), *_warnings(scene, sites.numbers, drive)),
-        drawing=_drawing(strip, sites.numbers, position_rad),
+        cost=_cost(found),
+        drawing=_drawing(strip, sites.numbers, assembly.position_rad),
         drive=drive,
     )
 
 
-def tangent_stiffness(states: Sequence[BeltState], strip: Strip) -> Floats:
+def sites_of(states: Sequence[BeltState]) -> Sites:
+    """Teeth at the positions of some states."""
+    return Sites(
+        [state.first_tooth for state in states], [state.tooth_N_per_mm.size for state in states]
+    )
+
+
+def tangent_stiffness(assembly: BeltAssembly, states: Sequence[BeltState]) -> Floats:
     """(P,) Tangent stiffness, N m/rad; NaN if nothing rotates."""
+    strip = assembly.strip
     compliance = np.array([state.compliance_rad_per_N for state in states])
     stiffness = np.full_like(compliance, np.nan)
     np.divide(1e-3 * strip.width_mm, compliance, out=stiffness, where=compliance > 0.0)
@@ -103,8 +101,7 @@ def _drive(
     scene: Scene, strip: Strip, row: SpringRow, sites: Sites, states: Sequence[BeltState]
 ) -> BeltDrive:
     width = strip.width_mm
-    slack = scene.load.slack_tension_N
-    assert slack is not None
+    slack = slack_of(scene)
     lands = [width * state.land_N_per_mm for state in states]
     lifts = [UM_PER_MM * state.land_lift_mm for state in states]
     friction_forces = [width * state.land_friction_N_per_mm for state in states]
@@ -181,13 +178,12 @@ def _drawing(strip: Strip, sites: Numbers, position_rad: Floats) -> PairDrawing:
     half = 0.5 * strip.pitch_rad
     foot = float(np.arctan2(-tooth[0, 1], tooth[0, 0]))
     lands = [
-        strip.land_radius_mm * np.column_stack([np.cos(turn), np.sin(turn)])
+        strip.land_radius_mm * directions(turn)
         for turn in (np.linspace(-half, -foot, 5), np.linspace(foot, half, 5))
     ]
     groove = np.concatenate([lands[0], tooth[1:-1], lands[1]])
     back = strip.land_radius_mm + strip.back_mm
-    turn = np.linspace(half, -half, 13)
-    outer = back * np.column_stack([np.cos(turn), np.sin(turn)])
+    outer = back * directions(np.linspace(half, -half, 13))
     first = strip.pitch_rad * (sites[0] + 0.5) + position_rad
     return PairDrawing(
         outline_1=groove,

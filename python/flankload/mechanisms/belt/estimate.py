@@ -28,11 +28,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.mechanisms.belt.contact import BeltState
-
-    Floats = NDArray[np.float64]
 
 #: Remaining element error, relative to the change between elements of double length and those of
 #: the run.
@@ -52,23 +49,11 @@ def estimate_belt(
     states: Sequence[BeltState],
     phases: Floats | None,
 ) -> dict[str, object]:
-    """Estimated errors under a torque, as a result shows them.
+    """Estimated errors under a torque and all contributions by source, as a result shows them.
 
-    Parameters
-    ----------
-    compared : sequence of (str, sequence of (BeltState, BeltState))
-        Sources, each with states at some positions and the states there with longer elements. The
-        largest change with the same source counts.
-    states : sequence of BeltState
-        States at all positions.
-    phases : (P,) array or None
-        Phase of the middle of the first land at each position, beyond the tangent point, from -1/2
-        to 1/2 pitch; None for single angles.
-
-    Returns
-    -------
-    dict
-        Errors of rotation, shares and stiffness, and all contributions by source.
+    Each source that is compared has states at some positions and the states there with longer
+    elements; the largest change with the same source counts. `states` are at all positions, with
+    `phases` (P,) as of `row.phases`; None for single angles.
     """
     rotation = np.array([state.rotation_rad for state in states])
     by_source: dict[str, dict[str, float]] = {}
@@ -121,20 +106,11 @@ def _of_shares(one: BeltState, two: BeltState, least: float) -> float:
 
 
 def between_places(phases: Floats, rotation: Floats, tangent: Floats) -> dict[str, float]:
-    """Sampling errors of positions that cover a pitch.
+    """Sampling errors, by quantity, of positions that cover a pitch; unknown ones are omitted.
 
-    Parameters
-    ----------
-    phases : (P,) array
-        From -1/2 to 1/2 pitch; a tooth engages at the ends, where the curves are discontinuous;
-        further pitches repeat these.
-    rotation, tangent : (P,) arrays
-        The rotation, and its derivative with respect to the torque.
-
-    Returns
-    -------
-    dict of str to float
-        By quantity; unknown ones are omitted.
+    A tooth engages at the ends of the phases (P,), -1/2 and 1/2 pitch, where the curves of the
+    rotation and its derivative with respect to the torque (P,) are discontinuous; further pitches
+    repeat these.
     """
     order = np.argsort(phases, kind="stable")
     once = order[np.diff(phases[order], prepend=-np.inf) > SAME]

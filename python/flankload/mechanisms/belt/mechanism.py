@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from flankload.cost import held_bytes
 from flankload.mechanisms.belt.belt import build_strip
 from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS
-from flankload.mechanisms.belt.contact import spring_row
+from flankload.mechanisms.belt.contact import spring_row, state_under
 from flankload.mechanisms.belt.description import rows_of_belt, sheet_of_belt
 from flankload.mechanisms.belt.drive import (
     BeltStates,
@@ -20,31 +20,22 @@ from flankload.mechanisms.belt.drive import (
     solved_pulley,
 )
 from flankload.mechanisms.belt.drive_result import result_of_belt, tangent_stiffness
-from flankload.mechanisms.belt.states import state_under
 from flankload.mechanisms.duration import ASSEMBLY_S, Duration, elements_seconds, work_in_words
-from flankload.mechanisms.protocol import Description, MeshFile
+from flankload.mechanisms.protocol import MeshFile
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.wrapped import WrappedMechanism
-from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from flankload.cost import Account
     from flankload.mechanisms.belt.contact import BeltState
     from flankload.mechanisms.belt.drive import BeltAssembly
     from flankload.mechanisms.belt.pulley_compliance import PulleyResponse
-    from flankload.mechanisms.data_sheet import DataSheet
     from flankload.mechanisms.parts import Parts
-    from flankload.mechanisms.protocol import Counted, Mechanism, States
+    from flankload.mechanisms.protocol import Mechanism, States
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
-    from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.scene.discretization import Discretization
 
 #: CPU seconds of a contact problem.
 STATE_S = 1e-3
@@ -55,19 +46,12 @@ class TimingBelt(WrappedMechanism):
 
     without_flanks: str | None = "'belt', which lies on its pulley as a strip"
 
-    def build(
-        self,
-        scene: Scene,
-        discretization: Discretization | None,
-        account: Account,
-        parts: Parts | None = None,
-    ) -> BeltAssembly:
-        """Assemble belt and pulley; the element size follows from the scene."""
-        return assemble(scene)
-
-    def work(self, scene: Scene, assembly: BeltAssembly) -> Counted:
-        """Counters of a run by stage, exact."""
-        return predicted_work(scene, assembly)
+    assemble = staticmethod(assemble)
+    work = staticmethod(predicted_work)
+    stiffness = staticmethod(tangent_stiffness)
+    result = staticmethod(result_of_belt)
+    rows = staticmethod(rows_of_belt)
+    data_sheet = staticmethod(sheet_of_belt)
 
     def compliances(
         self,
@@ -113,10 +97,6 @@ class TimingBelt(WrappedMechanism):
         clock.account("sweep").bytes = held_bytes(found)
         return assembly, BeltStates(found, springs)
 
-    def stiffness(self, assembly: BeltAssembly, states: Sequence[BeltState]) -> NDArray[np.float64]:
-        """Tangent stiffness at the positions."""
-        return tangent_stiffness(states, assembly.strip)
-
     def estimates(
         self,
         scene: Scene,
@@ -129,27 +109,6 @@ class TimingBelt(WrappedMechanism):
             return [None] * len(states.found)
         with clock.stage("estimate") as account:
             return error_estimates(scene, assembly, compliances, states.found, account)
-
-    def results(
-        self,
-        scene: Scene,
-        assembly: BeltAssembly,
-        compliances: PulleyResponse | None,
-        states: BeltStates,
-        estimates: Sequence[Mapping[str, object] | None],
-    ) -> tuple[Result, ...]:
-        return tuple(
-            result_of_belt(scene, assembly, states, number, estimate)
-            for number, estimate in enumerate(estimates)
-        )
-
-    def describe(self, scene: Scene) -> Description:
-        """Describe pulley, belt, load and effects."""
-        return Description(rows_of_belt(scene), question_notes(scene))
-
-    def data_sheet(self, scene: Scene) -> DataSheet:
-        """Drawing data of pulley and belt."""
-        return sheet_of_belt(scene)
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Mesh of an elastic pulley at its first tooth; a SceneError for a rigid one."""

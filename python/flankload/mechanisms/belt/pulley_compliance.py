@@ -4,11 +4,13 @@ One sector of the pulley is solved under unit forces at the nodes that a belt ca
 ring of all sectors is closed by a Fourier sum. The response of any shape functions on flanks and
 lands follows from these, wherever the belt lies on the pulley.
 
-On flanks the shape functions of the belt carry forces and average displacements on both bodies. On
-lands N are the forces conjugate to the displacements of the shape functions: on both bodies they
-represent the pressure M^-1 N in shape functions, M = ∫ hat hat ds, and the displacement is
-M^-1 ∫ hat u ds, the linear function with the same moments as the displacements u. A pulley whose
-surface moves as a linear function therefore moves the belt by exactly that function.
+A shape function of the belt lies anywhere on a flank or a land of the pulley, whose elements have
+other boundaries: its force is distributed over these as over those of the belt, and the same
+columns average displacements. On flanks this is so on both bodies. On lands N are the forces
+conjugate to the displacements of the shape functions: on both bodies they represent the pressure
+M^-1 N in shape functions, M = ∫ hat hat ds, and the displacement is M^-1 ∫ hat u ds, the linear
+function with the same moments as the displacements u. A pulley whose surface moves as a linear
+function therefore moves the belt by exactly that function.
 
 The lands of the belt follow the pulley, w = v - C_ll N - C_lf F - C_lt t, with v ≥ 0 where they can
 lift. Substituted into N = P F + p T2 + P_t t + S w, this gives N, and with it every response of a
@@ -19,27 +21,46 @@ other coefficients.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import asin
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
-from flankload.elasticity.finite_elements import stiffness
+from flankload.base.rotation import turned
+from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.job_log import JobLog
+from flankload.elasticity.nodal_loads import hat_values
 from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.mechanisms.belt.columns import gauss_points, quadratic
+from flankload.mechanisms.belt.pulley_mesh import PulleyMesh, fractions
 from flankload.mechanisms.belt.row import Columns, made_symmetric
 from flankload.mechanisms.belt.strip import Kind
-from flankload.mechanisms.belt.touch import Touch, touches_of, unit_forces
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.cost import Account
-    from flankload.mechanisms.belt.belt import Strip
-    from flankload.mechanisms.belt.pulley_mesh import PulleyMesh
+    from flankload.mechanisms.belt.belt import ElasticPulley, Strip
     from flankload.mechanisms.belt.row import StripResponse
 
-    Floats = NDArray[np.float64]
+
+@dataclass(frozen=True)
+class Touch:
+    """Shape functions on one sector of a pulley.
+
+    Attributes
+    ----------
+    sector : int
+        Index in the direction of rotation.
+    numbers : (c,) array
+        Index of each shape function among all.
+    forces : (r, c) array
+        Unit force of each, as combination of `unit_forces`; its transpose averages displacements.
+    """
+
+    sector: int
+    numbers: Numbers
+    forces: Floats
 
 
 @dataclass(frozen=True)
@@ -48,11 +69,9 @@ class PulleyResponse:
 
     Attributes
     ----------
-    mesh : PulleyMesh
     response : (z, r, r) array
         [t]: response of `unit_forces` on sector t to those on sector 0, each in its own frame,
         mm²/N.
-    degrees_of_freedom : int
     """
 
     mesh: PulleyMesh
@@ -61,10 +80,7 @@ class PulleyResponse:
 
 
 def solve_pulley(
-    mesh: PulleyMesh,
-    *,
-    sliding: bool = False,
-    account: Account | None = None,
+    mesh: PulleyMesh, *, sliding: bool = False, account: Account | None = None
 ) -> PulleyResponse:
     """Solve the finite elements of one sector and close the ring.
 
@@ -87,18 +103,7 @@ def solve_pulley(
 
 
 def pulley_compliance(known: PulleyResponse, touches: list[Touch], count: int) -> Floats:
-    """Compliance of the pulley between shape functions.
-
-    Parameters
-    ----------
-    count : int
-        Number of shape functions.
-
-    Returns
-    -------
-    (count, count) array
-        Symmetric, mm²/N.
-    """
+    """Compliance of the pulley between shape functions, symmetric, (count, count), mm²/N."""
     found = np.zeros((count, count))
     for loaded in touches:
         moved = known.response @ loaded.forces
@@ -109,17 +114,10 @@ def pulley_compliance(known: PulleyResponse, touches: list[Touch], count: int) -
 
 
 def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> StripResponse:
-    """Response of a strip on an elastic pulley.
+    """Response of a strip on an elastic pulley, with land displacements relative to the pulley.
 
-    Parameters
-    ----------
-    response : StripResponse
-        On a rigid pulley, with the columns of lifting lands, and of sliding lands if requested.
-
-    Returns
-    -------
-    StripResponse
-        Its land displacements are relative to the pulley.
+    The response on a rigid pulley has the columns of lifting lands, and of sliding lands if
+    requested.
     """
     touches, count = touches_of(strip, response, known.mesh, known.response.shape[1])
     whole = pulley_compliance(known, touches, count)
@@ -144,3 +142,105 @@ def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> Str
         degrees_of_freedom=response.degrees_of_freedom + known.degrees_of_freedom,
         elastic_pulley=True,
     )
+
+
+def unit_forces(mesh: PulleyMesh, *, sliding: bool) -> Floats:
+    """Unit forces (2N, r) at the nodes that a belt can touch, in the frame of the sector.
+
+    In x and y at the nodes of the flank; at those of the land inwards, and against the rotation if
+    lands slide.
+    """
+    flank, land = degrees_of(mesh.flank), 2 * mesh.land
+    inwards = -mesh.sector.nodes[mesh.land]
+    inwards /= np.linalg.norm(inwards, axis=1)[:, None]
+    against = np.column_stack([-inwards[:, 1], inwards[:, 0]])
+    directions = [inwards, against] if sliding else [inwards]
+    loads = np.zeros((2 * len(mesh.sector.nodes), flank.size + land.size * len(directions)))
+    loads[flank, np.arange(flank.size)] = 1.0
+    for k, way in enumerate(directions):
+        columns = flank.size + land.size * k + np.arange(land.size)
+        loads[land, columns], loads[land + 1, columns] = way.T
+    return loads
+
+
+def touches_of(
+    strip: Strip, response: StripResponse, mesh: PulleyMesh, rows: int
+) -> tuple[list[Touch], int]:
+    """Shape functions of a belt on its pulley as combinations of r unit forces, and their number.
+
+    Those of flanks, of lands, and along the lands if these slide: ordered as the pairs, then as
+    `response.land`, then as `response.land` again.
+    """
+    pitch, sliding = strip.pitch_rad, Kind.SLIDING in response.by
+    touches, count = [], 0
+    for tooth, line in enumerate(response.flanks.lines, response.first_tooth):
+        forces = flank_forces(mesh, turned(line, -pitch * (tooth + response.phase)), rows)
+        touches.append(Touch(tooth, count + np.arange(forces.shape[1]), forces))
+        count += forces.shape[1]
+    hats = response.land.size
+    for number in range(response.lands):
+        own = np.flatnonzero(response.land == number)
+        if not own.size:
+            continue
+        sector = response.first_land + number
+        away = response.land_angle_rad[own] - pitch * (sector + response.phase)
+        held, along = land_forces(mesh, away * _narrower(strip, mesh.pulley), rows)
+        touches.append(Touch(sector, count + own, held))
+        if sliding:
+            touches.append(Touch(sector, count + hats + own, along))
+    return touches, count + hats * (1 + sliding)
+
+
+def _narrower(strip: Strip, pulley: ElasticPulley) -> float:
+    """Ratio of the land widths of pulley and belt, which presses on the whole land."""
+    width = strip.tooth.width_mm if strip.tooth is not None else 0.0
+    return pulley.half_land_rad / (0.5 * strip.pitch_rad - asin(0.5 * width / strip.land_radius_mm))
+
+
+def flank_forces(mesh: PulleyMesh, flank: Floats, rows: int) -> Floats:
+    """Forces at the nodes of a pulley's flank equivalent to the shape functions of a belt's flank.
+
+    Points at equal fractions of both flank lengths coincide. The nodes (2 c - 1, 2) of the belt's
+    flank are in the frame of the sector, from the land on. The forces (r, c), as combinations of r
+    unit forces, point out of the belt; each is a unit force distributed as a shape function.
+    """
+    own = fractions(mesh.sector.nodes[mesh.flank])
+    parts = fractions(flank)
+    at, weight = gauss_points(_breaks(parts[::2], own[::2]))
+    hats = hat_values(at, parts[::2])
+    along = weight[:, None] * (quadratic(at, parts)[1] @ flank)
+    out = np.column_stack([-along[:, 1], along[:, 0]])
+    lengths = hats.T @ np.linalg.norm(along, axis=1)
+    forces = np.einsum("gq,gh,gd->qdh", quadratic(at, own)[0], hats, out) / lengths
+    found = np.zeros((rows, lengths.size))
+    found[: 2 * own.size] = forces.reshape(2 * own.size, -1)
+    return found
+
+
+def land_forces(mesh: PulleyMesh, ends_rad: Floats, rows: int) -> tuple[Floats, Floats]:
+    """Forces at the nodes of a land equivalent to shape functions at ascending angles (c,).
+
+    `held` (r, c) act inwards, conjugate to the displacements of the shape functions; `along` (r, c)
+    are forces against the rotation distributed as each shape function, (r, 0) without sliding
+    lands.
+    """
+    nodes = np.arctan2(*mesh.sector.nodes[mesh.land].T[::-1])
+    first, last = 2 * mesh.flank.size, 2 * mesh.flank.size + nodes.size
+    ends = np.clip(ends_rad, nodes[0], nodes[-1])
+    at, weight = gauss_points(_breaks(ends, nodes[::2]))
+    weight = weight * mesh.pulley.land_radius_mm
+    hats = hat_values(at, ends)
+    spread = quadratic(at, nodes)[0].T @ (weight[:, None] * hats)
+    held = np.zeros((rows, ends.size))
+    held[first:last] = np.linalg.solve(hats.T @ (weight[:, None] * hats), spread.T).T
+    if rows == last:
+        return held, held[:, :0]
+    along = np.zeros_like(held)
+    along[last:] = spread / (weight @ hats)
+    return held, along
+
+
+def _breaks(ends: Floats, nodes: Floats) -> Floats:
+    """Kinks of shape functions and ends of elements, from the first to the last of `ends`."""
+    breaks = np.union1d(ends, nodes)
+    return breaks[(breaks >= ends[0]) & (breaks <= ends[-1])]

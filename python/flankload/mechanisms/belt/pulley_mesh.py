@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.involute.sector_breaks import FIRST_ROW, GROWTH
 from flankload.bodies.involute.sector_mesh import inverted_element
@@ -20,12 +21,9 @@ from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS
 from flankload.meshes.blocks import BlockMesh, coons, even_breaks, growing_breaks, with_middles
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats, Numbers
+    from flankload.mechanisms.belt.belt import ElasticPulley
 
-    from flankload.mechanisms.belt.pulley import ElasticPulley
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 MIRROR = np.array([1.0, -1.0])
 #: Least number of elements between land and bore of a ring without grooves, and on a half land.
@@ -41,7 +39,6 @@ class PulleyMesh:
 
     Attributes
     ----------
-    pulley : ElasticPulley
     sector : SectorMesh
         Sector with its land centred on the x axis.
     flank : array
@@ -57,22 +54,14 @@ class PulleyMesh:
 
 
 def mesh_pulley(pulley: ElasticPulley, flank_elements: int = FLANK_ELEMENTS) -> PulleyMesh:
-    """Mesh of one sector.
+    """Mesh of one sector, with as many elements beside a belt's tooth as on it.
 
-    Parameters
-    ----------
-    flank_elements : int
-        On the part that a belt's tooth touches: as many as on the tooth.
-
-    Raises
-    ------
-    SceneError
-        If no valid mesh can be made.
+    Raises SceneError if no valid mesh can be made.
     """
     size = pulley.touched_mm / flank_elements
     half = even_breaks(0.0, pulley.half_land_rad, size / pulley.land_radius_mm, LEAST_LAND)
     turns = with_middles(np.concatenate([-half[:0:-1], half]))[::-1]
-    land = pulley.land_radius_mm * _ways(turns)
+    land = pulley.land_radius_mm * directions(turns)
     plain = pulley.groove is None
     mesh = _plain(pulley, land, size) if plain else _grooved(pulley, land, flank_elements, size)
     _, found = inverted_element(mesh.sector)
@@ -103,15 +92,14 @@ def _grooved(pulley: ElasticPulley, land: Floats, flank_elements: int, size: flo
     flank, touched = _flank(pulley, flank_elements, size)
     corner = flank[-1]
     angle, radius = atan2(corner[1], corner[0]), float(np.hypot(*corner))
-    foot = radius * _ways(angle * (1.0 - 2.0 * columns))
-    up = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(flank[::-1], axis=0).T))])
-    up /= up[-1]
+    foot = radius * directions(angle * (1.0 - 2.0 * columns))
+    up = fractions(flank[::-1])
     across, high = np.stack([columns] * 2), np.stack([up] * 2)
     sides = flank[::-1], flank[::-1] * MIRROR
     tooth = mesh.add(coons(foot, land, *sides, across, high), {})
     rows = with_middles(_rows(pulley, radius - pulley.bore_radius_mm, size))[::-1]
     shaft = corner * (1.0 - rows[:, None]) + pulley.bore_radius_mm / radius * corner * rows[:, None]
-    bore = pulley.bore_radius_mm * _ways(angle * (1.0 - 2.0 * columns))
+    bore = pulley.bore_radius_mm * directions(angle * (1.0 - 2.0 * columns))
     sides, high = (shaft, shaft * MIRROR), np.stack([1.0 - rows] * 2)
     middle = mesh.add(coons(bore, foot, *sides, across, high), {"top": tooth[0]})
     grid = _side_grid(pulley, shaft, rows, size)
@@ -141,7 +129,7 @@ def _side_grid(pulley: ElasticPulley, shaft: Floats, rows: Floats, size: float) 
     top = pulley.bottom(parts)
     angles = np.arctan2(top[:, 1], top[:, 0])
     across = (angles[0] - angles) / (angles[0] - angles[-1])
-    bore = pulley.bore_radius_mm * _ways(angles)
+    bore = pulley.bore_radius_mm * directions(angles)
     cut = bore[0] * rows[:, None] + top[0] * (1.0 - rows[:, None])
     return coons(bore, top, cut, shaft, np.stack([across] * 2), np.stack([1.0 - rows] * 2))
 
@@ -165,8 +153,7 @@ def _sector(
     """The mesh as a general sector, with its flank from the groove to the land."""
     nodes = np.concatenate(mesh.places)
     along = np.full(len(nodes), np.nan)
-    steps = np.hypot(*np.diff(nodes[flank], axis=0).T)
-    along[flank] = np.concatenate([[0.0], np.cumsum(steps)])[: flank.size]
+    along[flank] = _lengths(nodes[flank])[: flank.size]
     return SectorMesh(
         nodes=nodes,
         cells=(("quad9", np.concatenate(mesh.cells)),),
@@ -179,6 +166,11 @@ def _sector(
     )
 
 
-def _ways(angles: Floats) -> Floats:
-    """(n, 2) Unit vectors at polar angles."""
-    return np.column_stack([np.cos(angles), np.sin(angles)])
+def _lengths(places: Floats) -> Floats:
+    """Lengths along a line of nodes (n, 2) from the first one, mm."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))])
+
+
+def fractions(places: Floats) -> Floats:
+    """Fractions of the length of a line of nodes (n, 2)."""
+    return np.asarray(_lengths(places) / _lengths(places)[-1])

@@ -23,15 +23,10 @@ from flankload.mechanisms.belt.strip import Kind, Piece, solve_piece
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.cost import Account
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.belt_mesh import BeltMesh
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
-
 
 #: Parts of a land that are shorter than this part of an element are omitted.
 SLIVER = 0.3
@@ -138,16 +133,10 @@ class PieceSize:
 
 
 def condensation_work(kept: int, columns: int, normal: int, along: int) -> dict[str, int]:
-    """Counted work of elements condensed to some unknowns, by the names of `cost.COUNTERS`.
+    """Counters of elements condensed to some unknowns, by the names of `cost.COUNTERS`.
 
-    Parameters
-    ----------
-    kept : int
-        Unknowns of the cuts: a solution for each, or a second factorisation for many.
-    columns : int
-        Further solutions.
-    normal, along : int
-        Unit loads.
+    Each kept unknown of the cuts needs a solution, many of them a second factorisation; further
+    solutions are `columns`, and unit loads act along the normal and along the surface.
     """
     many = kept > MANY_KEPT
     cuts = 0 if many else kept
@@ -201,15 +190,7 @@ class BeltRow:
         self._known: tuple[tuple[float, float], StripResponse] | None = None
 
     def at(self, phase: float, account: Account | None = None) -> StripResponse:
-        """Response of the belt.
-
-        Parameters
-        ----------
-        phase : float
-            Advance of the teeth, in pitches.
-        account : Account, optional
-            Account in which the work is counted.
-        """
+        """Response of the belt when its teeth have advanced by so many pitches; work is counted."""
         teeth = -round_down(phase + 0.5)
         on = self.strip.pitch_rad * (phase + teeth)
         ends = strand_ends(self.strip, self.elements, on)
@@ -284,13 +265,8 @@ def strand_ends(strip: Strip, flank_elements: int, on_rad: float) -> tuple[float
     If the tangent points of the strands lie on these lands, the strands begin there. Over grooves
     the belt is free: a strand is straight up to the edge of the nearest land, of which a small part
     is always fixed. This part has the default element length and does not decrease with shorter
-    elements, because the displacement of a belt held at a point would be unbounded.
-
-    Parameters
-    ----------
-    on_rad : float
-        Position of the middles of both lands beyond the tangent points, in the direction of
-        rotation.
+    elements, because the displacement of a belt held at a point would be unbounded. The middles of
+    both lands are `on_rad` beyond the tangent points, in the direction of rotation.
     """
     land = half_land(strip, flank_elements)
     edge, element = float(land[-1]), float(land[1])
@@ -315,16 +291,9 @@ def at_position(
     moves all teeth. It leaves along the tangent: the edge of the land resists any bending beyond
     that of the belt on the pulley.
 
-    Parameters
-    ----------
-    response : StripResponse
-        Response with the middle of the first land at angle 0.
-    ends : (float, float)
-        Places where the strands begin, from the middles of the first and the last land, rad.
-    teeth : int
-        Added to the numbers.
-    on_rad : float
-        Angle of the middle of the first land.
+    The known response has the middle of the first land at angle 0; it moves to `on_rad`, and
+    `teeth` is added to its numbers. Strands begin at `ends` from the middles of the first and the
+    last land, rad.
     """
     along = response.flanks.levers_mm / strip.pitch_radius_mm
     follow = along * (strip.pitch_radius_mm * (ends[0] + on_rad) / strip.strand_N_per_mm)
@@ -355,13 +324,7 @@ def at_position(
 
 
 def moved_on(piece: Piece, teeth: int, angle_rad: float) -> Piece:
-    """A piece at a place further around the pulley.
-
-    Parameters
-    ----------
-    teeth : int
-        Added to its numbers.
-    """
+    """A piece at a place further around the pulley, by an angle and so many numbers of teeth."""
     return replace(
         piece,
         flanks=replace(piece.flanks.turned(angle_rad), tooth=piece.flanks.tooth + teeth),
@@ -371,13 +334,7 @@ def moved_on(piece: Piece, teeth: int, angle_rad: float) -> Piece:
 
 
 def strip_response(pieces: Sequence[Piece]) -> StripResponse:
-    """Assemble consecutive pieces.
-
-    Parameters
-    ----------
-    pieces : sequence of Piece
-        The first contains the tight strand, the last the slack one; both may be the same piece.
-    """
+    """Assemble consecutive pieces; the first has the tight strand, the last the slack one."""
     row = row_response([piece.cell for piece in pieces])
     kinds = np.concatenate([piece.kinds for piece in pieces])
     loads = np.concatenate([piece.kinds[: piece.cell.loads] for piece in pieces])

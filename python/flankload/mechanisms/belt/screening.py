@@ -14,6 +14,7 @@ import numpy as np
 
 from flankload.base.rounding import round_down
 from flankload.cost import Account, held_bytes
+from flankload.mechanisms.belt.contact import state_under
 from flankload.mechanisms.belt.drive import (
     assemble,
     land_columns_of,
@@ -23,9 +24,9 @@ from flankload.mechanisms.belt.drive import (
     solved_pulley,
     work_of_pulley,
 )
+from flankload.mechanisms.belt.drive_result import sites_of
 from flankload.mechanisms.belt.pulley_compliance import rest_on
 from flankload.mechanisms.belt.row import BeltRow
-from flankload.mechanisms.belt.states import sites_of, state_under
 from flankload.mechanisms.element_rates import load_packages
 from flankload.mechanisms.premises import Torque, broken_by_turn, held
 from flankload.mechanisms.screening import Screening
@@ -34,14 +35,11 @@ from flankload.mechanisms.toggles import Toggle, toggles, with_keys, without_key
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.row import PieceSize
     from flankload.mechanisms.effect_size import States
     from flankload.scene import Scene
-
-    Floats = NDArray[np.float64]
 
 #: Elements on a flank of the screening, and least number of a second piece; that one has two
 #: thirds as many as the run, so that it costs a third of a piece of the run.
@@ -222,7 +220,7 @@ def _bytes(scene: Scene, row: BeltRow, sizes: Sequence[PieceSize]) -> tuple[int,
     return BYTES * (response + lines + 8 * n), BYTES * state, BYTES * 8 * n
 
 
-def _tried(strip: Strip, position_rad: Floats) -> NDArray[np.int64]:
+def _tried(strip: Strip, position_rad: Floats) -> Numbers:
     """A few positions, and the first at which another tooth has engaged."""
     few = np.arange(position_rad.size)[:: max(1, -(-position_rad.size // POSITIONS))]
     first = round_down(position_rad / strip.pitch_rad + 0.5)

@@ -26,14 +26,10 @@ from flankload.elasticity.sector_closure import RowCell
 from flankload.mechanisms.belt.columns import Flanks, flank_columns, land_columns
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.cost import Account
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.belt_mesh import BeltMesh
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 
 class Kind(IntEnum):
@@ -62,7 +58,6 @@ class Piece:
         Land of each shape function.
     land_angle_rad : (h,) array
         Angle of the end node of each shape function.
-    degrees_of_freedom : int
     """
 
     cell: RowCell
@@ -84,14 +79,8 @@ def solve_piece(
 ) -> Piece:
     """Solve the finite elements of a piece of belt once.
 
-    Parameters
-    ----------
-    mesh : BeltMesh
-        Mesh of the piece, N nodes.
-    cuts : (bool, bool)
-        Whether another piece adjoins at its left and its right face.
-    sliding, lifting : bool
-        Whether the columns of sliding and lifting lands are included.
+    `cuts` are whether another piece adjoins at its left and its right face; `sliding` and `lifting`
+    whether the columns of such lands are included.
     """
     flanks, pairs = flank_columns(strip, mesh)
     lands = land_columns(mesh)
@@ -163,20 +152,11 @@ def _stiffness(strip: Strip, mesh: BeltMesh) -> csc_array:
 
 
 def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_array:
-    """Stiffness of quadratic bars along the cord, and of the tension that holds them straight.
+    """Stiffness (2N, 2N) of quadratic bars along the cord, and of the tension in them.
 
-    The tension resists the slope of the radial displacement alone: the slope of the bar's own
-    normal would resist sliding around the pulley, too. Only on the pulley: nothing pulls the rest.
-
-    Parameters
-    ----------
-    mesh : BeltMesh
-        N nodes.
-
-    Returns
-    -------
-    csc_array, (2N, 2N)
-        Per mm of width.
+    Per mm of width. The tension resists the slope of the radial displacement alone: the slope of
+    the bar's own normal would resist sliding around the pulley, too. Only on the pulley: nothing
+    pulls the rest.
     """
     cord = mesh.cord
     bars = np.stack([cord[:-2:2], cord[1:-1:2], cord[2::2]], axis=1)

@@ -21,18 +21,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.contact import solve_contact_general
-from flankload.mechanisms.chain.planes import Planes, in_pocket, nearest_planes, seat_planes
-from flankload.mechanisms.chain.wrap import Wrap, cross
+from flankload.mechanisms.chain.wrap import (
+    Planes,
+    Wrap,
+    cross,
+    in_pocket,
+    nearest_planes,
+    seat_planes,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.contact import ContactState
-    from flankload.mechanisms.chain.chain import Chain
-
-    Floats = NDArray[np.float64]
+    from flankload.mechanisms.chain.wrap import Chain
 
 #: Planes of a seat in a linear state: 17 give an error of the tensions of 1.3 % of the tight
 #: tension in the widest seat, 9 give 4.7 %.
@@ -73,8 +76,6 @@ class WrapState:
         Displacements of the rollers from the pitch circle, in the same directions.
     tension_N : (n + 1,) array
         In front of each roller and behind the last: tight strand, links, slack strand.
-    status : int
-    passes, pivots, planes : int
     backward_error, condition : float
         For the last contact problem.
     moves_mm : float
@@ -128,23 +129,12 @@ def solve_wrap(
     large_displacement: bool,
     with_compliance: bool = True,
 ) -> WrapState:
-    """State of the rollers at a position.
+    """State of the rollers at a position under a torque and the tension of the slack strand.
 
-    Parameters
-    ----------
-    torque_Nmm : float
-        Torque on the sprocket.
-    slack_N : float
-        Tension of the slack strand.
-    large_displacement : bool
-        Whether to iterate until convergence; otherwise one linear state.
-    with_compliance : bool
-        Whether to compute the derivative of the rotation with respect to the torque.
+    With large displacements iterated until convergence, otherwise one linear state; with its
+    compliance also the derivative of the rotation with respect to the torque.
 
-    Raises
-    ------
-    ContactError
-        If the contact problem has no solution.
+    Raises ContactError if the contact problem has no solution.
     """
     found = _follow(
         _Problem.of(wrap, chain, torque_Nmm, slack_N), large_displacement=large_displacement
@@ -182,8 +172,6 @@ class _Problem:
 
     Attributes
     ----------
-    wrap : Wrap
-    chain : Chain
     torque_Nmm, slack_N, tight_N : float
         Torque, and tensions of both strands.
     run_mm : float

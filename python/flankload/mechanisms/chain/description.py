@@ -8,14 +8,13 @@ import numpy as np
 
 from flankload.mechanisms.chain.drive import build_drive
 from flankload.mechanisms.data_sheet import DataSheet, SheetRow
+from flankload.mechanisms.wrapped import slack_of, tight_tensions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
-    from flankload.mechanisms.chain.chain import Chain
     from flankload.mechanisms.chain.sprocket import Sprocket
+    from flankload.mechanisms.chain.wrap import Chain
     from flankload.mechanisms.protocol import Rows
     from flankload.scene import Scene
 
@@ -25,7 +24,7 @@ def rows_of_chain(scene: Scene) -> dict[str, Rows]:
     sprocket, chain, angle = build_drive(scene)
     count = angle / sprocket.pitch_rad
     ball = 0.5 * sprocket.roller_diameter_mm
-    slack, tight = _tensions(scene, sprocket)
+    slack, tight = slack_of(scene), tight_tensions(scene, sprocket.pitch_radius_mm)
     limits = ", ".join(f"{limit:.4g} N" for limit in sprocket.jump_tension(tight, angle))
     worn = f", worn {chain.link_mm:.4f} mm" if chain.elongation else ""
     large = scene.effects.large_displacement
@@ -60,18 +59,9 @@ def rows_of_chain(scene: Scene) -> dict[str, Rows]:
 
 
 def sheet_of_chain(scene: Scene) -> DataSheet:
-    """Drawing data of a sprocket and its chain.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    DataSheet
-    """
+    """Drawing data of a sprocket and its chain."""
     sprocket, chain, angle = build_drive(scene)
-    slack, tight = _tensions(scene, sprocket)
+    slack, tight = slack_of(scene), tight_tensions(scene, sprocket.pitch_radius_mm)
     limits = sprocket.jump_tension(tight, angle)
     return DataSheet(
         ("sprocket", "roller chain"),
@@ -112,9 +102,3 @@ def _sheet_of_links(chain: Chain, sprocket: Sprocket) -> Iterator[SheetRow]:
     contact = chain.contact_stiffness_N_per_mm
     yield SheetRow("contact stiffness of a roller", "", f"{contact:g} N/mm")
     yield SheetRow("free strands", "", f"{chain.span_mm:g} mm")
-
-
-def _tensions(scene: Scene, sprocket: Sprocket) -> tuple[float, NDArray[np.float64]]:
-    """Tension of the slack strand, and of the tight one for each torque, N."""
-    slack = scene.load.slack_tension_N or 0.0
-    return slack, np.array(scene.torques_Nmm) / sprocket.pitch_radius_mm + slack

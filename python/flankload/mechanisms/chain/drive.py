@@ -12,19 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.errors import ContactError, NoContactState, SceneError
-from flankload.mechanisms.chain.chain import Chain
 from flankload.mechanisms.chain.contact import STANDS, WrapState, solve_wrap, work_of
 from flankload.mechanisms.chain.sprocket import Sprocket, build_sprocket
-from flankload.mechanisms.chain.wrap import Wrap, wrap_at
-from flankload.mechanisms.wrapped import positions_of
+from flankload.mechanisms.chain.wrap import Chain, Wrap, wrap_at
+from flankload.mechanisms.wrapped import WrappedAssembly, positions_of, slack_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from flankload.cost import Account
     from flankload.scene import Scene
-
-    Floats = NDArray[np.float64]
 
 #: Length of the free strands in pitches if a scene does not name one.
 SPAN_PITCHES = 40.0
@@ -35,28 +30,19 @@ LEAST_TENSION = -1e-6
 
 
 @dataclass(frozen=True)
-class ChainAssembly:
+class ChainAssembly(WrappedAssembly):
     """A chain on its sprocket.
 
     Attributes
     ----------
-    sprocket : Sprocket
-    chain : Chain
-    wrap_angle_rad : float
     wraps : list of Wrap
         One entry per position.
-    position_rad : (P,) array
-        Angles of the sprocket.
-    pitches : int or None
-        Pitches covered by the positions; None for single angles.
     """
 
     sprocket: Sprocket
     chain: Chain
     wrap_angle_rad: float
     wraps: list[Wrap]
-    position_rad: Floats
-    pitches: int | None
 
     @property
     def pitch_rad(self) -> float:
@@ -64,37 +50,17 @@ class ChainAssembly:
         return self.sprocket.pitch_rad
 
 
-@dataclass(frozen=True)
-class ChainStates:
-    """States of a chain.
-
-    Attributes
-    ----------
-    found : tuple of list of WrapState
-        For each torque, the state at each position.
-    """
-
-    found: tuple[list[WrapState], ...]
-
-
 def assemble(scene: Scene) -> ChainAssembly:
     """Sprocket, chain and positions of a scene; a SceneError if the rollers do not fit."""
     sprocket, chain, wrap_angle = build_drive(scene)
     position_rad, pitches = positions_of(scene, sprocket.pitch_rad)
     wraps = [wrap_at(sprocket, wrap_angle, float(angle)) for angle in position_rad]
-    return ChainAssembly(sprocket, chain, wrap_angle, wraps, position_rad, pitches)
+    return ChainAssembly(position_rad, pitches, sprocket, chain, wrap_angle, wraps)
 
 
-def predicted_work(scene: Scene, positions: int) -> dict[str, dict[str, int]]:
-    """Count what a run will do.
-
-    Returns
-    -------
-    dict of str to dict of str to int
-        By stages, then by counters: those that are known. The number of passes of an iteration is
-        unknown.
-    """
-    counted = {"states": positions * len(scene.torques_Nm)}
+def predicted_work(scene: Scene, assembly: ChainAssembly) -> dict[str, dict[str, int]]:
+    """Known counters of a run by stages; the number of passes of an iteration is unknown."""
+    counted = {"states": len(assembly.wraps) * len(scene.torques_Nm)}
     if not scene.effects.large_displacement:
         counted["contact_passes"] = LINEAR_PASSES * counted["states"]
     none: dict[str, dict[str, int]] = {"estimate": {}} if scene.accuracy.estimate else {}
@@ -108,27 +74,13 @@ def error_estimate(
     torque_Nm: float,
     account: Account,
 ) -> dict[str, object]:
-    """Error of one linear state, from an iteration at two positions.
+    """Error of one linear state, from an iteration at two positions, as the result shows it.
 
-    The iteration stops at a part of a pitch, which is its own error.
-
-    Parameters
-    ----------
-    states : list of WrapState
-        State at each position.
-    account : Account
-        Account in which the work is counted.
-
-    Returns
-    -------
-    dict
-        As the result shows it.
+    The iteration stops at a part of a pitch, which is its own error. Its work is counted.
     """
     if scene.effects.large_displacement:
         left = {"transmission_error": STANDS, "load_share": STANDS}
         return {**left, "by_source": {"passes": left}}
-    slack = scene.load.slack_tension_N
-    assert slack is not None
     turn, share = 0.0, 0.0
     scale = max(abs(state.rotation_rad) for state in states)
     for p in sorted({0, len(states) // 2}):
@@ -136,7 +88,7 @@ def error_estimate(
             assembly.wraps[p],
             assembly.chain,
             1000.0 * torque_Nm,
-            slack,
+            slack_of(scene),
             large_displacement=True,
             with_compliance=False,
         )
@@ -151,10 +103,7 @@ def error_estimate(
 def build_drive(scene: Scene) -> tuple[Sprocket, Chain, float]:
     """Sprocket, chain and wrap angle (rad) of a scene.
 
-    Raises
-    ------
-    SceneError
-        If the rollers do not fit.
+    Raises SceneError if the rollers do not fit.
     """
     from flankload.scene import Chain as ChainKeys
     from flankload.scene import Sprocket as SprocketKeys
@@ -179,13 +128,10 @@ def build_drive(scene: Scene) -> tuple[Sprocket, Chain, float]:
 def solve_position(scene: Scene, assembly: ChainAssembly, torque_Nm: float, p: int) -> WrapState:
     """State of a position.
 
-    Raises
-    ------
-    NoContactState
-        If there is none; the message names the tension below which the chain jumps.
+    Raises NoContactState if there is none; the message names the tension below which the chain
+    jumps.
     """
-    slack = scene.load.slack_tension_N
-    assert slack is not None
+    slack = slack_of(scene)
     wrap, large = assembly.wraps[p], scene.effects.large_displacement
     one, two = wrap.levers_mm
     tight = (1000.0 * torque_Nm + slack * two) / one

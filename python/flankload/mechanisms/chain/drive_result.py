@@ -8,25 +8,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.mechanisms.chain.contact import WrapState, work_of
-from flankload.mechanisms.wrapped import Sites
-from flankload.result.chain import ChainDrive
+from flankload.mechanisms.chain.wrap import in_world
+from flankload.mechanisms.wrapped import Sites, wrapped_result
+from flankload.result.drives import ChainDrive
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
-from flankload.result.result import Result
-from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
-    from flankload.mechanisms.chain.chain import Chain
+    from flankload.base.arrays import Floats
     from flankload.mechanisms.chain.drive import ChainAssembly
     from flankload.mechanisms.chain.sprocket import Sprocket
-    from flankload.mechanisms.chain.wrap import Wrap
+    from flankload.mechanisms.chain.wrap import Chain, Wrap
+    from flankload.mechanisms.wrapped import WrappedStates
+    from flankload.result.result import Result
     from flankload.scene import Scene
-
-    Floats = NDArray[np.float64]
 
 #: Up to this wear the error of a linear state is about 1 % of the tight tension.
 LINEAR_WEAR = 0.01
@@ -35,7 +33,7 @@ LINEAR_WEAR = 0.01
 def result_of_chain(
     scene: Scene,
     assembly: ChainAssembly,
-    states: Sequence[WrapState],
+    states: WrappedStates,
     number: int,
     estimate: Mapping[str, object] | None,
 ) -> Result:
@@ -43,42 +41,33 @@ def result_of_chain(
 
     Parameters
     ----------
-    states : sequence of WrapState
-        One entry per position.
     number : int
         Index of the torque.
     """
-    wraps, position_rad, pitches = assembly.wraps, assembly.position_rad, assembly.pitches
-    sprocket, pitch = assembly.sprocket, assembly.pitch_rad
+    wraps, sprocket, found = assembly.wraps, assembly.sprocket, states.found[number]
     sites = Sites([wrap.first for wrap in wraps], [wrap.angles_rad.size for wrap in wraps])
-    force = sites.spread([np.hypot(*state.force_N.T) for state in states], nothing=0.0)
-    drive = _drive(scene, assembly, sites, states)
-    return Result(
-        name=scene.name,
-        torque_Nm=scene.torques_Nm[number],
-        sites=sites.numbers,
-        position_rad=position_rad,
-        rotation_rad=np.array([state.rotation_rad for state in states]),
+    drive = _drive(scene, assembly, sites, found)
+    return wrapped_result(
+        scene,
+        assembly,
+        number,
+        sites,
+        [np.hypot(*state.force_N.T) for state in found],
+        _warnings(assembly.chain, sprocket, drive),
+        rotation_rad=np.array([state.rotation_rad for state in found]),
         reference_radius_mm=sprocket.pitch_radius_mm,
-        site_force_N=force,
-        peak_pressure_MPa=np.zeros_like(force),
-        stiffness_tangent_Nm_per_rad=tangent_stiffness(states),
-        status=np.array([state.status for state in states]),
-        pair_tables=PairTables(len(wraps), partial(_rollers, wraps, states)),
-        corner_contact=np.zeros(force.shape, dtype=bool),
-        pitch_rad=pitch,
-        period_rad=pitch * (pitches or 1),
-        closed=pitches is not None and position_rad.size > 1,
+        stiffness_tangent_Nm_per_rad=tangent_stiffness(assembly, found),
+        status=np.array([state.status for state in found]),
+        pair_tables=PairTables(len(wraps), partial(_rollers, wraps, found)),
         face_width_mm=scene.pair.face_width_mm,
         estimate=estimate,
         cost={
             "positions": len(wraps),
-            "of_this_torque": work_of(states),
-            "largest_backward_error": max(state.backward_error for state in states),
-            "largest_condition": max(state.condition for state in states),
+            "of_this_torque": work_of(found),
+            "largest_backward_error": max(state.backward_error for state in found),
+            "largest_condition": max(state.condition for state in found),
         },
-        warnings=(*question_notes(scene), *_warnings(assembly.chain, sprocket, drive)),
-        drawing=_drawing(sprocket, wraps, position_rad),
+        drawing=_drawing(sprocket, wraps),
         drive=drive,
     )
 
@@ -108,7 +97,7 @@ def _force_angles_deg(state: WrapState) -> Floats:
     return np.where(np.hypot(*state.force_N.T) > 0, angles, np.nan)
 
 
-def tangent_stiffness(states: Sequence[WrapState]) -> Floats:
+def tangent_stiffness(assembly: ChainAssembly, states: Sequence[WrapState]) -> Floats:
     """(P,) Tangent stiffness, N m/rad."""
     return 1e-3 / np.array([state.compliance_rad_per_Nmm for state in states])
 
@@ -142,11 +131,8 @@ def _rollers(wraps: Sequence[Wrap], states: Sequence[WrapState], p: int) -> Pair
     force = np.hypot(*state.force_N.T)
     at = np.flatnonzero(force > 0)
     polar = wrap.angles_rad[at] + state.rotation_rad
-    along = np.column_stack([-np.sin(polar), np.cos(polar)])
-    out = np.column_stack([np.cos(polar), np.sin(polar)])
-    normal = (state.force_N[at, :1] * along + state.force_N[at, 1:] * out) / force[at, None]
-    height = wrap.sprocket.pitch_radius_mm + state.place_mm[at, 1:]
-    point = height * out + state.place_mm[at, :1] * along
+    normal = in_world(state.force_N[at], polar) / force[at, None]
+    point = in_world(state.place_mm[at] + [0.0, wrap.sprocket.pitch_radius_mm], polar)
     point = point - 0.5 * wrap.sprocket.roller_diameter_mm * normal
     unknown = np.full(at.size, np.nan)
     return PairTable(
@@ -166,15 +152,14 @@ def _rollers(wraps: Sequence[Wrap], states: Sequence[WrapState], p: int) -> Pair
     )
 
 
-def _drawing(sprocket: Sprocket, wraps: Sequence[Wrap], position_rad: Floats) -> PairDrawing:
-    roller = np.linspace(0.0, 2 * pi, 49)
+def _drawing(sprocket: Sprocket, wraps: Sequence[Wrap]) -> PairDrawing:
     half = 0.5 * sprocket.roller_diameter_mm
     return PairDrawing(
         outline_1=sprocket.outline(),
-        outline_2=half * np.column_stack([np.cos(roller), np.sin(roller)]),
+        outline_2=half * directions(np.linspace(0.0, 2 * pi, 49)),
         teeth_1=sprocket.teeth,
         teeth_2=1,
         center_distance_mm=0.0,
         angle_1=np.array([wrap.angles_rad[0] for wrap in wraps]),
-        angle_2=np.zeros_like(position_rad),
+        angle_2=np.zeros(len(wraps)),
     )

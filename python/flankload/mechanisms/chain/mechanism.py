@@ -8,36 +8,26 @@ from flankload.cost import held_bytes
 from flankload.mechanisms.chain.contact import work_of
 from flankload.mechanisms.chain.description import rows_of_chain, sheet_of_chain
 from flankload.mechanisms.chain.drive import (
-    ChainStates,
     assemble,
     error_estimate,
     predicted_work,
     solve_position,
 )
 from flankload.mechanisms.chain.drive_result import result_of_chain, tangent_stiffness
-from flankload.mechanisms.protocol import Description
 from flankload.mechanisms.registry import require_flanks
-from flankload.mechanisms.wrapped import WrappedMechanism
-from flankload.scene.usual import question_notes
+from flankload.mechanisms.wrapped import WrappedMechanism, WrappedStates
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from flankload.cost import Account
     from flankload.mechanisms.chain.contact import WrapState
     from flankload.mechanisms.chain.drive import ChainAssembly
-    from flankload.mechanisms.data_sheet import DataSheet
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile, States
+    from flankload.mechanisms.protocol import Mechanism, MeshFile, States
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
-    from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.scene.discretization import Discretization
 
 
 class ChainOnSprocket(WrappedMechanism):
@@ -45,19 +35,12 @@ class ChainOnSprocket(WrappedMechanism):
 
     without_flanks: str | None = "'chain', whose sprocket has pockets and which is a truss"
 
-    def build(
-        self,
-        scene: Scene,
-        discretization: Discretization | None,
-        account: Account,
-        parts: Parts | None = None,
-    ) -> ChainAssembly:
-        """Assemble sprocket and chain; a truss has no discretization."""
-        return assemble(scene)
-
-    def work(self, scene: Scene, assembly: ChainAssembly) -> Counted:
-        """Counters of a run by stage, as far as they are known before it."""
-        return predicted_work(scene, assembly.position_rad.size)
+    assemble = staticmethod(assemble)
+    work = staticmethod(predicted_work)
+    stiffness = staticmethod(tangent_stiffness)
+    result = staticmethod(result_of_chain)
+    rows = staticmethod(rows_of_chain)
+    data_sheet = staticmethod(sheet_of_chain)
 
     def compliances(
         self,
@@ -77,7 +60,7 @@ class ChainOnSprocket(WrappedMechanism):
         compliances: None,
         clock: StageClock,
         similar: States | None = None,
-    ) -> tuple[ChainAssembly, ChainStates]:
+    ) -> tuple[ChainAssembly, WrappedStates]:
         """Solve all positions and torques; none is continued from similar states."""
         progress, count = clock.sweep_progress("sweep"), len(assembly.wraps)
         found: list[list[WrapState]] = []
@@ -89,16 +72,10 @@ class ChainOnSprocket(WrappedMechanism):
                     found[-1].append(solve_position(scene, assembly, torque, p))
                 account.count(**work_of(found[-1]))
             account.bytes = held_bytes(found)
-        return assembly, ChainStates(tuple(found))
-
-    def stiffness(
-        self, assembly: ChainAssembly, states: Sequence[WrapState]
-    ) -> NDArray[np.float64]:
-        """Tangent stiffness at the positions."""
-        return tangent_stiffness(states)
+        return assembly, WrappedStates(tuple(found))
 
     def broken_by_load(
-        self, scene: Scene, assembly: ChainAssembly, states: ChainStates, number: int
+        self, scene: Scene, assembly: ChainAssembly, states: WrappedStates, number: int
     ) -> Iterator[Broken]:
         """Premises that a torque violates; with large displacements rollers may move far."""
         if not scene.effects.large_displacement:
@@ -109,7 +86,7 @@ class ChainOnSprocket(WrappedMechanism):
         scene: Scene,
         assembly: ChainAssembly,
         compliances: None,
-        states: ChainStates,
+        states: WrappedStates,
         clock: StageClock,
     ) -> Sequence[Mapping[str, object] | None]:
         with clock.stage("estimate") as account:
@@ -117,27 +94,6 @@ class ChainOnSprocket(WrappedMechanism):
                 error_estimate(scene, assembly, found, torque, account)
                 for torque, found in zip(scene.torques_Nm, states.found, strict=True)
             ]
-
-    def results(
-        self,
-        scene: Scene,
-        assembly: ChainAssembly,
-        compliances: None,
-        states: ChainStates,
-        estimates: Sequence[Mapping[str, object] | None],
-    ) -> tuple[Result, ...]:
-        return tuple(
-            result_of_chain(scene, assembly, states.found[number], number, estimate)
-            for number, estimate in enumerate(estimates)
-        )
-
-    def describe(self, scene: Scene) -> Description:
-        """Describe sprocket, chain, load and effects."""
-        return Description(rows_of_chain(scene), question_notes(scene))
-
-    def data_sheet(self, scene: Scene) -> DataSheet:
-        """Drawing data of sprocket and chain."""
-        return sheet_of_chain(scene)
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Neither body has finite elements: a SceneError."""

@@ -18,7 +18,7 @@ from flankload.mechanisms.chain.drive import (
 from flankload.mechanisms.premises import Torque, broken_by_turn, held
 from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles
-from flankload.mechanisms.wrapped import Sites
+from flankload.mechanisms.wrapped import Sites, slack_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -53,7 +53,7 @@ class ChainScreening(Screening):
             turned = max(state.compliance_rad_per_Nmm for state in mine) * 1000.0 * self._torque_Nm
             torque = Torque(scene, scene.torques_Nm.index(self._torque_Nm))
             held(scene, tuple(broken_by_turn(turned, sprocket.pitch_rad, torque)))
-        slack = scene.load.slack_tension_N or 0.0
+        slack = slack_of(scene)
 
         def solved(p: int, torque_Nm: float, *, large: bool) -> WrapState:
             return solve_wrap(
@@ -95,7 +95,7 @@ class ChainScreening(Screening):
     def price(self, scene: Scene) -> dict[str, Account]:
         """Number of contact problems times the cost of one."""
         large, torques = scene.effects.large_displacement, len(scene.torques_Nm)
-        counted = predicted_work(scene, self._positions)
+        counted = predicted_work(scene, self._assembly)
         found, states = self._found[large], counted["sweep"]["states"]
         with_compliance = large != self._large and large  # not part of the screening
         each = LINEAR_PASSES if not large else (1 + with_compliance) * _passes(found)

@@ -18,11 +18,8 @@ import numpy as np
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.scene import Sprocket as SprocketKeys
-
-    Floats = NDArray[np.float64]
 
 #: ISO 606: least and largest roller seating radius, r_i = 0.505 d1 (+ 0.069 d1^(1/3)).
 SEAT_PART, SEAT_ROOT = 0.505, 0.069
@@ -34,8 +31,6 @@ class Sprocket:
 
     Attributes
     ----------
-    teeth : int
-    pitch_mm, roller_diameter_mm : float
     seat_radius_mm : float
         Radius of the arc on which a roller's centre can lie in its seat: seat radius minus roller
         radius.
@@ -81,20 +76,7 @@ class Sprocket:
         return sin(theta) / sin(theta + 2 * self.half_pitch_rad)
 
     def jump_tension(self, tight_N: Floats, wrap_angle_rad: float) -> Floats:
-        """T1 q^n, the slack tension below which a worn chain climbs the flanks.
-
-        Parameters
-        ----------
-        tight_N : array
-            Tension of the tight strand.
-        wrap_angle_rad : float
-            Angle of n pitches.
-
-        Returns
-        -------
-        array
-            N.
-        """
+        """T1 q^n, the slack tension (N) below which a worn chain climbs the flanks of n pitches."""
         return tight_N * self.tension_ratio ** (0.5 * wrap_angle_rad / self.half_pitch_rad)
 
     @cached_property
@@ -131,50 +113,29 @@ class Sprocket:
         return float(place[1] - self.pitch_radius_mm)
 
     def seat_planes(self, angles_rad: Floats, place: Floats) -> tuple[Floats, Floats]:
-        """Planes tangent to the seat arc.
+        """Planes tangent to the seat arc at angles (m,) from the outward direction.
 
-        Parameters
-        ----------
-        angles_rad : (m,) array
-            Angles of the normals from the outward direction, positive in the direction of rotation.
-        place : (n, 2) array
-            Places of the rollers' centres in the frames of their pockets, mm.
-
-        Returns
-        -------
-        normals : (m, 2) array
-            Pointing out of the sprocket.
-        gaps : (n, m) array
-            Gap of each roller to each plane, mm.
+        Angles are positive in the direction of rotation. Returns the normals (m, 2) out of the
+        sprocket and the gaps (n, m), mm, of rollers with their centres at places (n, 2) in the
+        frames of their pockets.
         """
         normals = np.column_stack([np.sin(angles_rad), np.cos(angles_rad)])
         return normals, (place - [0.0, self.seat_radius_mm]) @ normals.T + self.seat_radius_mm
 
     def flank_gaps(self, place: Floats) -> tuple[Floats, Floats]:
-        """Gaps of rollers to the arcs of both flanks.
+        """Normals (2, n, 2) out of the sprocket and gaps (2, n), mm, of rollers to both flanks.
 
-        Parameters
-        ----------
-        place : (n, 2) array
-
-        Returns
-        -------
-        normals : (2, n, 2) array
-            Pointing out of the sprocket, at the nearest points.
-        gaps : (2, n) array
-            mm.
+        At the nearest points; the rollers' centres are at places (n, 2) in the frames of their
+        pockets.
         """
         away = place[None] - self.flank_centers[:, None]
         distance = np.hypot(away[..., 0], away[..., 1])
         return away / distance[..., None], distance - self.flank_radius_mm
 
     def outline(self, n: int = 24) -> Floats:
-        """Contour of one tooth space from tip to tip, counter-clockwise, for drawings.
+        """Contour (k, 2) of one tooth space from tip to tip, counter-clockwise, for drawings.
 
-        Returns
-        -------
-        (k, 2) array
-            In the frame of the sprocket, with the pocket of roller 0 on the x axis.
+        In the frame of the sprocket, with the pocket of roller 0 on the x axis.
         """
         a = self.seat_half_angle_rad
         ball = 0.5 * self.roller_diameter_mm
@@ -196,25 +157,13 @@ class Sprocket:
 
 
 def build_sprocket(spec: SprocketKeys, key: str) -> Sprocket:
-    """Build a sprocket from its keys.
+    """Build a sprocket from the keys of its table; a SceneError if a roller does not fit.
 
-    Parameters
-    ----------
-    key : str
-        Key of its table, for messages.
-
-    Raises
-    ------
-    SceneError
-        If a roller does not fit the pockets.
-
-    Notes
-    -----
     ISO 606: the roller seating radius lies between 0.505 d1 and 0.505 d1 + 0.069 d1^(1/3), the
-    flank radius between 0.12 d1 (z + 2) and 0.008 d1 (z² + 180), the seating angle between
-    140° - 90°/z and 120° - 90°/z; the tight form has the first of each, the wide one the second,
-    except for the seating angle, which is 120° - 90°/z by default. The tip diameter is the mean of
-    its limits, or less if both flanks of a tooth meet below it.
+    flank radius between 0.12 d1 (z + 2) and 0.008 d1 (z² + 180), the seating angle between 140° -
+    90°/z and 120° - 90°/z; the tight form has the first of each, the wide one the second, except
+    for the seating angle, which is 120° - 90°/z by default. The tip diameter is the mean of its
+    limits, or less if both flanks of a tooth meet below it.
     """
     built = _proportions(spec)
     _check(built, spec, key)

@@ -23,12 +23,12 @@ from flankload.mechanisms.parts import made_once
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.toggles import without_modifications
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.common_height import common_height, tilt_notes
 from flankload.pairing.expansion import growth_notes, growth_of
 from flankload.pairing.friction import friction_notes, friction_of
 from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
 from flankload.pairing.slices import Slices, gap_by_misalignment, reached_positions, slices_of
+from flankload.pairing.spline_fit import common_height, tilt_notes
 from flankload.scene import MeshBody
 from flankload.scene.axial import check_hands
 from flankload.scene.discretization import (
@@ -112,14 +112,10 @@ def build_bodies(
 
     Parameters
     ----------
-    discretization : Discretization, optional
-        By default that of the scene.
-    bodies : two Body, optional
-        From `bodies_of`, if available.
+    discretization, bodies, parts : optional
+        By default that of the scene; from `bodies_of`; of earlier runs.
     groups : (int, int)
         Number of teeth after which the compliance of each body repeats, if known.
-    parts : Parts, optional
-        Of earlier runs.
 
     Raises
     ------
@@ -127,32 +123,32 @@ def build_bodies(
         If a body cannot be made or the bodies cannot mesh; names file, key, expected and found.
     """
     discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
-    body_1, body_2 = bodies or bodies_of(scene, discretization, parts=parts)
+    one, two = bodies or bodies_of(scene, discretization, parts=parts)
     try:
         if effects.coast_flanks:
-            check_coast_kinds(body_1.kind, body_2.kind)
+            check_coast_kinds(one.kind, two.kind)
         if not effects.tip_contact:
-            body_1, body_2 = without_ends(body_1), without_ends(body_2)
-        window = positions_of(scene, (body_1, body_2), groups)
+            one, two = without_ends(one), without_ends(two)
+        window = positions_of(scene, (one, two), groups)
         pairing = pair_bodies(
-            body_1,
-            body_2,
+            one,
+            two,
             center_distance_mm=scene.pair.axes_apart_mm,
-            position_rad=reached_positions(window.position_rad, body_1),
+            position_rad=reached_positions(window.position_rad, one),
             coast_flanks=effects.coast_flanks,
         )
         # coefficients may differ from tooth to tooth
         pairing = replace(pairing, period=window.period)
-        friction = friction_of(scene, body_1, pairing)
-        fillets = (_fillets(body_1, "body_1", effects), _fillets(body_2, "body_2", effects))
+        friction = friction_of(scene, one, pairing)
+        fillets = (_fillets(one, "body_1", effects), _fillets(two, "body_2", effects))
     except SceneError as error:
         raise _with_file(error, scene) from None
     pair = BodyPair(
-        body_1=body_1,
-        body_2=body_2,
+        body_1=one,
+        body_2=two,
         pairing=pairing,
         discretization=discretization,
-        effects=_with_effects_of_files(effects, (body_1, body_2)),
+        effects=_with_effects_of_files(effects, (one, two)),
         position_rad=window.position_rad,
         pitches=window.pitches,
         closed=window.closed,
@@ -161,7 +157,7 @@ def build_bodies(
         friction=friction,
         fillets=fillets,
         growth=growth_of(scene, pairing),
-        slices=_slices(scene, (body_1, body_2), pairing),
+        slices=_slices(scene, (one, two), pairing),
     )
     return replace(pair, notes=_notes(scene, pair, window.notes))
 

@@ -13,14 +13,12 @@ from flankload.base.rotation import turned
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
-from flankload.result.coast_contact import CoastContact
-from flankload.result.contact_quantities import frozen
 from flankload.result.friction import FrictionResult, friction_result
 from flankload.result.harmonics import over_positions
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
+from flankload.result.parts import CoastContact, ShaftLoads
 from flankload.result.result import Result
 from flankload.result.root_stress import root_reading
-from flankload.result.shafts import ShaftLoads
 from flankload.result.slices import SliceLoads
 
 if TYPE_CHECKING:
@@ -156,9 +154,9 @@ def _coast(
 ) -> CoastContact:
     """Contact on the coast flanks of some pair numbers."""
     return CoastContact(
-        force_N=frozen(found.site_force_N[:, carries]),
-        peak_pressure_MPa=frozen(found.site_peak_N_per_mm[:, carries] / width),
-        corner_contact=frozen(found.site_corner[:, carries] > 0),
+        force_N=found.site_force_N[:, carries],
+        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / width,
+        corner_contact=found.site_corner[:, carries] > 0,
         pair_tables=_pair_tables(pair, found.pairs, width),
     )
 
@@ -264,7 +262,7 @@ def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoad
             across /= np.linalg.norm(across)
             tilt[p] += sign * (across[0] * turned[1] - across[1] * turned[0])
             bearings[z][p] = shaft.bearing_loads @ wrench
-    return ShaftLoads(frozen(1000.0 * tilt), frozen(bearings[0]), frozen(bearings[1]))
+    return ShaftLoads(1000.0 * tilt, bearings[0], bearings[1])
 
 
 def _contacts(

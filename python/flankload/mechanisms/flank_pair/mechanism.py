@@ -9,7 +9,6 @@ from flankload.analysis.estimate import MOST_SWEEPS
 from flankload.mechanisms.flank_pair import data_sheet as sheet
 from flankload.mechanisms.flank_pair import description, premises
 from flankload.mechanisms.flank_pair.assembly import build_bodies, with_standing_gap
-from flankload.mechanisms.flank_pair.error_estimates import error_estimates, unseen_notes
 from flankload.mechanisms.flank_pair.from_sweep import result_of
 from flankload.mechanisms.flank_pair.iso_6336 import with_iso_factor
 from flankload.mechanisms.flank_pair.prediction import duration_of, predicted_work
@@ -21,8 +20,10 @@ from flankload.mechanisms.flank_pair.stages import (
 from flankload.mechanisms.flank_pair.states import (
     FlankStates,
     continued_states,
+    error_estimates,
     flank_states,
     position_notes,
+    unseen_notes,
 )
 from flankload.pairing.body_pair import BodyPair
 

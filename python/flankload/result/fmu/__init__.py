@@ -23,7 +23,7 @@ from flankload.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from flankload.result.multibody import Table
+    from flankload.result.stiffness_table import StiffnessTable
 
 #: Sources that all FMUs share.
 SHARED = ("flankload_fmu.c", "table.h")
@@ -44,22 +44,11 @@ UNITS = {
 }
 
 
-def fmu_of(table: Table, *, binary: bool | None = None) -> tuple[bytes, bool]:
-    """Content of the FMU of a table.
+def fmu_of(table: StiffnessTable, *, binary: bool | None = None) -> tuple[bytes, bool]:
+    """Content of the FMU of a checked table, and whether it contains a library for linux64.
 
-    Parameters
-    ----------
-    table : Table
-    binary : bool, optional
-        Whether it contains a library for linux64; by default if this is such a machine with a C
-        compiler ($CC, cc or gcc).
-
-    Returns
-    -------
-    bytes
-        The same for the same table and compiler.
-    bool
-        Whether it contains a library.
+    By default it does if this is such a machine with a C compiler ($CC, cc or gcc). The bytes are
+    the same for the same table and compiler.
 
     Raises
     ------
@@ -88,19 +77,19 @@ def _identifier(name: str) -> str:
     return f"flankload_{found[:LONGEST_NAME]}" if found else "flankload"
 
 
-def _numbers(table: Table) -> str:
+def _numbers(table: StiffnessTable) -> str:
     """Definitions of the table in C."""
     lines = [
-        f"const double start_torque_Nm = {float(table.torque_Nm[-1])!r};",
+        f"const double start_torque_Nm = {float(table.torques_Nm[-1])!r};",
         f"const double reference_radius_mm = {float(table.reference_radius_mm)!r};",
         f"const double period_rad = {float(table.period_rad)!r};",
-        f"const int n_angles = {table.angle_rad.size}, n_torques = {table.torque_Nm.size};",
+        f"const int n_angles = {table.angle_rad.size}, n_torques = {table.torques_Nm.size};",
     ]
     for key, values in (
         ("angles_rad", table.angle_rad),
-        ("torques_Nm", table.torque_Nm),
+        ("torques_Nm", table.torques_Nm),
         ("table_rotation_rad", table.rotation_rad),
-        ("table_stiffness_Nm_per_rad", table.stiffness_Nm_per_rad),
+        ("table_stiffness_Nm_per_rad", table.values["stiffness_tangent_Nm_per_rad"]),
     ):
         # an integer in C would be divided as one
         rows = (f"    {float(value)!r}," for value in values.ravel())
@@ -108,9 +97,9 @@ def _numbers(table: Table) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _description(table: Table, name: str, guid: str) -> str:
+def _description(table: StiffnessTable, name: str, guid: str) -> str:
     """Content of modelDescription.xml."""
-    torque = float(table.torque_Nm[-1])
+    torque = float(table.torques_Nm[-1])
     inputs = 'causality="input" variability="continuous"'
     output = 'causality="output" variability="continuous" initial="calculated"'
     offset = 'causality="parameter" variability="tunable" initial="exact"'

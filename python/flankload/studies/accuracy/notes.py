@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.result.accuracy_lines import outside_words
+from flankload.result.notes import outside_words
 from flankload.studies.accuracy.quantities import CORNER
 
 if TYPE_CHECKING:

@@ -12,7 +12,6 @@ import numpy as np
 
 from flankload.base.arguments import is_number
 from flankload.contact import solve_contact, solve_contact_general
-from flankload.elasticity.near_field import mode_norms
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
@@ -246,15 +245,10 @@ def _compliance(case: Case, folder: Path) -> Value:
     width, helix = inputs["face_width_mm"], radians(inputs["helix_angle_deg"])
     pitch_radius = 0.5 * inputs["module_mm"] * inputs["teeth"]
     prism = Prism((-0.5 * width, 0.5 * width), tan(helix) / pitch_radius)
-    response = prism_compliance(body, prism, n_modes=MODES_S).smooth.copy()
-    surface = flank_surface(body, prism)
-    norms = np.outer(
-        mode_norms(body.mode_range_mm, MODES_S),
-        mode_norms_z(width, MODES_Z - 1) / surface.cos_base_helix,
-    ).ravel()
-    material = body.material
-    half_plane = (1 - material.poisson_ratio**2) / (np.pi * material.young_modulus_MPa)
-    near = half_plane * projected_potential(surface, MODES_S, MODES_Z - 1)
+    found, surface = prism_compliance(body, prism, n_modes=MODES_S), flank_surface(body, prism)
+    response = found.smooth.copy()
+    norms = np.kron(np.diag(surface.products(MODES_S)), mode_norms_z(width, MODES_Z - 1))
+    near = 0.5 * found.near.kernel * projected_potential(surface, MODES_S, MODES_Z - 1)
     response[0] += near / np.outer(norms, norms)
 
     def value(tooth: float, a: float, c: float) -> float:

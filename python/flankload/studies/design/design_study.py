@@ -16,7 +16,7 @@ from flankload.base.card import Card
 from flankload.base.files import write_atomically
 from flankload.base.optional import optional
 from flankload.base.text_table import text_table
-from flankload.result.export import ALONG_POSITIONS
+from flankload.result.quantities import ALONG_POSITIONS
 from flankload.studies.design.run import SOLVED
 
 if TYPE_CHECKING:

@@ -15,8 +15,7 @@ import numpy as np
 from flankload.base.blas_threads import one_blas_thread
 from flankload.errors import FlankloadError
 from flankload.mechanisms import Parts
-from flankload.result.export import along_positions
-from flankload.result.friction import ALONG_POSITIONS as FRICTION
+from flankload.result.quantities import curves_of
 from flankload.studies.prepared import solve_scene
 
 if TYPE_CHECKING:
@@ -154,10 +153,10 @@ def row_of(result: Result, names: tuple[str, ...], *, whole: bool = True) -> dic
     dict
         An entry of `Outcome.results`.
     """
-    curves = _curves(result)
+    curves = curves_of(result)
     known = result.key_figures.keys() | curves.keys()
     quantities = _flat(result.summary if whole or set(names) - known else result.key_figures)
-    found = {name: getattr(*curves[name]) for name in names if name in curves}
+    found = {name: getattr(*curves[name][:2]) for name in names if name in curves}
     found = {name: values for name, values in found.items() if values is not None}
     if found:
         found["position_rad"] = result.position_rad
@@ -168,16 +167,6 @@ def row_of(result: Result, names: tuple[str, ...], *, whole: bool = True) -> dic
         if isinstance(value, float) and isfinite(value)
     }
     return {"torque_Nm": result.torque_Nm, "quantities": quantities, "estimate": errors}
-
-
-def _curves(result: Result) -> dict[str, tuple[Any, str]]:
-    """Arrays over the positions: an object and the name of its attribute, read when wanted."""
-    found: dict[str, tuple[Any, str]] = {name: (result, name) for name in along_positions(result)}
-    if result.friction is not None:
-        found |= {f"friction_{name}": (result.friction, name) for name in FRICTION}
-    if result.drive is not None:
-        found |= {name: (result.drive, name) for name in result.drive.along}
-    return found
 
 
 def _flat(tree: Mapping[str, Any], before: str = "") -> dict[str, Any]:

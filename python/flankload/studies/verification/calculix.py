@@ -14,17 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.errors import OtherProgramError
-from flankload.studies.verification.deck import surface_name
-from flankload.studies.verification.solid_deck import SolidDeck, layer_surface
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.studies.verification.deck import Deck
-
-    Floats = NDArray[np.float64]
 
 #: Name of the job: deck.inp, deck.dat, deck.sta.
 JOB = "deck"
@@ -79,17 +74,9 @@ def files_of_deck(folder: Path) -> tuple[Path, ...]:
 
 
 def find_program(program: str) -> str:
-    """Full path of the program.
+    """Full path of a program by its name or path.
 
-    Parameters
-    ----------
-    program : str
-        Its name or path.
-
-    Raises
-    ------
-    OtherProgramError
-        If it is not found; the message names the package that contains it.
+    Raises OtherProgramError if it is not found; the message names the package that contains it.
     """
     found = shutil.which(program)
     if found is None:
@@ -112,29 +99,10 @@ def version_of(program: str) -> str:
     return found.group(1) if found else "unknown"
 
 
-def run_deck(
-    program: str, folder: Path, deck: Deck | SolidDeck, *, time_limit_s: float | None
-) -> Answer:
-    """Run CalculiX on folder/deck.inp and read its solution.
+def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | None) -> Answer:
+    """Run CalculiX on folder/deck.inp and read its solution; all its files stay in the folder.
 
-    Parameters
-    ----------
-    program : str
-    folder : Path
-        Folder of all its files, including deck.log.
-    deck : Deck or SolidDeck
-        Content of the input file.
-    time_limit_s : float or None
-        Wall-clock seconds after which the run is stopped.
-
-    Returns
-    -------
-    Answer
-
-    Raises
-    ------
-    OtherProgramError
-        If it does not converge, does not end in time or writes no solution.
+    Raises OtherProgramError if it does not converge, does not end in time or writes no solution.
     """
     for old in files_of_deck(folder):
         if old.suffix != ".inp":
@@ -162,7 +130,7 @@ def run_deck(
 
 def read_answer(
     folder: Path,
-    deck: Deck | SolidDeck,
+    deck: Deck,
     *,
     version: str = "unknown",
     cpu_s: float = float("nan"),
@@ -170,21 +138,7 @@ def read_answer(
 ) -> Answer:
     """Read deck.dat and deck.sta of a successful run.
 
-    Parameters
-    ----------
-    folder : Path
-    deck : Deck or SolidDeck
-    version : str
-    cpu_s, wall_s : float
-
-    Returns
-    -------
-    Answer
-
-    Raises
-    ------
-    OtherProgramError
-        If data are missing in them.
+    Raises OtherProgramError if data are missing in them.
     """
     try:
         text = (folder / f"{JOB}.dat").read_text(encoding="utf-8", errors="replace")
@@ -192,10 +146,7 @@ def read_answer(
         rotation = deck.start_rad + float(turned.split()[1])
         if not isfinite(rotation):
             raise ValueError("the rotation is not a number")
-        if isinstance(deck, SolidDeck):
-            loads = _solid_loads(text, deck)
-        else:
-            loads = _plane_loads(text, deck)
+        loads = _loads(text, deck)
         iterations = _iterations(folder / f"{JOB}.sta")
     except (OSError, LookupError, ValueError) as error:
         raise OtherProgramError(
@@ -257,37 +208,27 @@ def _last_block(text: str, title: str) -> str:
     return re.split(r"\n\s*\n", text[found[-1].end() :].lstrip("\n "), maxsplit=1)[0]
 
 
-def _plane_loads(text: str, deck: Deck) -> dict[str, Any]:
-    """Loads of `Answer` from the output for plane bodies."""
-    forces, moments = np.zeros((2, len(deck.sites)))
-    for s, site in enumerate(deck.sites):
-        block = _statistics(text, surface_name(site, 1), surface_name(site, 2))
-        normal = _numbers_after(block, NORMAL, 2)[1] if block else 0.0
-        if normal < 0:
-            forces[s], moments[s] = -normal, abs(_numbers_after(block, TOTAL, 6)[5])
-    return {
-        "force_N_per_mm": forces,
-        "moment_N": float(moments.sum()),
-        "pressure_MPa": _pressures(_last_block(text, STRESS_TITLE), deck),
-    }
-
-
-def _solid_loads(text: str, deck: SolidDeck) -> dict[str, Any]:
-    """Loads of `Answer` from the output for solid bodies: those of the layers, summed."""
+def _loads(text: str, deck: Deck) -> dict[str, Any]:
+    """Loads of `Answer` from the output; those of solid bodies are summed over the layers."""
     forces, moments = np.zeros((2, len(deck.sites), deck.layers))
-    for s, site in enumerate(deck.sites):
-        for layer in range(deck.layers):
-            names = layer_surface(site, layer, 1), layer_surface(site, layer, 2)
-            if block := _statistics(text, *names):
-                total = _numbers_after(block, TOTAL, 6)
-                forces[s, layer] = np.linalg.norm(total[:3])
-                moments[s, layer] = abs(total[5])
-    return {
-        "force_N_per_mm": forces.sum(axis=1) / deck.face_width_mm,
-        "moment_N": float(moments.sum()) / deck.face_width_mm,
-        "pressure_MPa": np.full(len(deck.sites), np.nan),
-        "line_load_N_per_mm": forces / np.diff(deck.edges_mm),
+    for place, (slave, master) in zip(np.ndindex(forces.shape), deck.contacts(), strict=True):
+        block = _statistics(text, slave, master)
+        total = _numbers_after(block, TOTAL, 6) if block else [0.0] * 6
+        if deck.plane:
+            force = -_numbers_after(block, NORMAL, 2)[1] if block else 0.0
+        else:
+            force = float(np.linalg.norm(total[:3]))
+        if force > 0:
+            forces[place], moments[place] = force, abs(total[5])
+    loads = {
+        "force_N_per_mm": forces.sum(axis=1) / deck.width_mm,
+        "moment_N": float(moments.sum()) / deck.width_mm,
     }
+    if deck.edges_mm is None:
+        return {**loads, "pressure_MPa": _pressures(_last_block(text, STRESS_TITLE), deck)}
+    nothing = np.full(len(deck.sites), np.nan)
+    line_load = forces / np.diff(deck.edges_mm)
+    return {**loads, "pressure_MPa": nothing, "line_load_N_per_mm": line_load}
 
 
 def _statistics(text: str, slave: str, master: str) -> str:

@@ -22,18 +22,17 @@ from flankload.studies.verification.calculix import JOB, Answer, find_program, r
 from flankload.studies.verification.deck import deck_text
 from flankload.studies.verification.model import check_bodies, model_of
 from flankload.studies.verification.report import json_of, text_of
-from flankload.studies.verification.solid_deck import SolidDeck, solid_text
-from flankload.studies.verification.solid_model import SolidModel, solid_model_of
+from flankload.studies.verification.solid_model import solid_model_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.result import Result
+    from flankload.result.slices import SliceLoads
     from flankload.scene import Scene, SceneLike
     from flankload.studies.verification.deck import Deck
     from flankload.studies.verification.model import Model
-
-    Floats = NDArray[np.float64]
 
 #: Elements on the half-width of a contact by default, in the plane and of solids.
 ELEMENTS, SOLID_ELEMENTS = 6.0, 1.0
@@ -109,11 +108,11 @@ class Verification(Card):
     torque_Nm: float
     face_width_mm: float
     reference_radius_mm: float
-    sites: NDArray[np.int64]
+    sites: Numbers
     rotation_rad: float
     site_force_N: Floats
     peak_pressure_MPa: Floats
-    corner_contact: NDArray[np.bool_]
+    corner_contact: Flags
     job_cpu_s: float
     position_cpu_s: float
     positions: int
@@ -200,8 +199,13 @@ def verify(
     require("position", position, "an integer", fits=isinstance(position, int | np.integer))
     require_path("folder", folder)
     scene, result = _solved(scene_of(scene), position)
-    model = _model(
-        scene, result, position, elements_per_half_width, large_displacement=large_displacement
+    plane = result.slices is None
+    model = (model_of if plane else solid_model_of)(
+        scene,
+        result,
+        position,
+        elements_per_half_width=elements_per_half_width or (ELEMENTS if plane else SOLID_ELEMENTS),
+        large_displacement=large_displacement,
     )
     path = _write(model.deck, folder)
     keep = folder is not None
@@ -209,38 +213,17 @@ def verify(
     return _comparison(scene, result, position, model, path if path.exists() else None, answer)
 
 
-def _model(
-    scene: Scene,
-    result: Result,
-    position: int,
-    elements: float | None,
-    *,
-    large_displacement: bool,
-) -> Model | SolidModel:
-    """Plane or solid deck, as the result is."""
-    plane = result.slices is None
-    made = model_of if plane else solid_model_of
-    return made(
-        scene,
-        result,
-        position,
-        elements_per_half_width=elements or (ELEMENTS if plane else SOLID_ELEMENTS),
-        large_displacement=large_displacement,
-    )
-
-
-def _write(deck: Deck | SolidDeck, folder: str | Path | None) -> Path:
+def _write(deck: Deck, folder: str | Path | None) -> Path:
     """Write the deck into the folder, or into a new temporary one."""
     place = Path(folder) if folder is not None else Path(tempfile.mkdtemp(prefix="flankload_"))
     place.mkdir(parents=True, exist_ok=True)
     path = place / f"{JOB}.inp"
-    text = solid_text(deck) if isinstance(deck, SolidDeck) else deck_text(deck)
-    write_atomically(path, text.encode("ascii", errors="replace"))
+    write_atomically(path, deck_text(deck).encode("ascii", errors="replace"))
     return path
 
 
 def _run(
-    folder: Path, deck: Deck | SolidDeck, program: str, time_limit_s: float | None, *, keep: bool
+    folder: Path, deck: Deck, program: str, time_limit_s: float | None, *, keep: bool
 ) -> Answer:
     """Solution of CalculiX; the folder is deleted unless it is kept or there is no solution."""
     try:
@@ -262,7 +245,7 @@ def _comparison(
     scene: Scene,
     result: Result,
     position: int,
-    model: Model | SolidModel,
+    model: Model,
     deck: Path | None,
     answer: Answer | None,
 ) -> Verification:
@@ -274,7 +257,7 @@ def _comparison(
     def of_sites(values: NDArray[Any]) -> NDArray[Any]:
         return np.append(values[position], np.zeros(1, values.dtype))[rows]
 
-    layers = _layers(result, position, model, rows) if isinstance(model, SolidModel) else None
+    layers = None if result.slices is None else _layers(result.slices, position, model, rows)
     stages, positions = result.cost["stages"], result.position_rad.size
     return Verification(
         name=result.name,
@@ -302,10 +285,10 @@ def _comparison(
     )
 
 
-def _layers(result: Result, position: int, model: SolidModel, rows: list[int]) -> Layers:
+def _layers(slices: SliceLoads, position: int, model: Model, rows: list[int]) -> Layers:
     """Flankload's line load in the layers of the deck; rows: of its sites, -1 if it has none."""
-    slices, edges = result.slices, model.deck.edges_mm
-    assert slices is not None
+    edges = model.deck.edges_mm
+    assert edges is not None
     half = 0.5 * slices.width_mm
     low = np.maximum(edges[:-1, np.newaxis], slices.z_mm - half)
     high = np.minimum(edges[1:, np.newaxis], slices.z_mm + half)

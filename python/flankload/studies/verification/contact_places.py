@@ -11,16 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.elasticity.near_field import logarithm_strength
 from flankload.errors import FlankloadError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from flankload.bodies import Material
+    from flankload.base.arrays import Floats
     from flankload.flank import FlankCurve
     from flankload.pairing.body_pair import BodyPair
-
-    Floats = NDArray[np.float64]
 
 #: Number of sample points on a flank for the gap.
 SAMPLES = 600
@@ -66,33 +63,15 @@ def contact_places(
 ) -> tuple[Place, ...]:
     """Places at which flanks can touch before body 1 has turned far beyond its rotation.
 
-    Parameters
-    ----------
-    pair : BodyPair
-    turns : (float, float)
-        Rotations of both bodies' frames, rad.
-    force_N_per_mm : dict of int to float
-        Approximate force of each pair; determines the element size.
-    rotation_rad : float
-        Approximate rotation of body 1.
-    reach : float
-        Flanks are omitted if their gap exceeds this multiple of the rotation after the first
-        contact.
-    elements_per_half_width : float
-        Elements on the half-width of a Hertz contact under that force.
-    plane : {"strain", "stress"}
-
-    Returns
-    -------
-    tuple of Place
-        By ascending pair number.
-
-    Raises
-    ------
-    FlankloadError
-        If no flanks meet.
+    By ascending pair number, from the rotations of both bodies' frames, rad, the approximate
+    rotation of body 1 and the approximate force of each pair, which determines the element size: so
+    many on the half-width of a Hertz contact under that force. Flanks are omitted if their gap
+    exceeds `reach` times the rotation after the first contact. Raises FlankloadError if no flanks
+    meet.
     """
-    compliance = sum(half_plane(body.material, plane) for body in (pair.body_1, pair.body_2))
+    compliance = sum(
+        logarithm_strength(body.material, plane) for body in (pair.body_1, pair.body_2)
+    )
     found = meetings(pair, turns)
     if not found:
         raise FlankloadError("no flanks meet at this position")
@@ -117,7 +96,6 @@ class Meeting:
         Pair number.
     curve_1, curve_2 : FlankCurve
         Rotated to the position; curve 2 about its own axis.
-    center_distance_mm : float
     gaps_rad, arc_mm : (n,) arrays
         Gap angles and arc lengths on flank 1 of the samples.
     points : (n, 2) array
@@ -149,7 +127,8 @@ class Meeting:
         """Element size and zone from the force times the compliance of both half-planes, mm."""
         best = int(self.gaps_rad.argmin())
         s_1, middle = self.arc_mm[best], self.points[best]
-        lever = abs(float(_cross(middle, self.curve_1.normal([s_1])[0])))
+        n_x, n_y = self.curve_1.normal([s_1])[0]
+        lever = abs(float(middle[0] * n_y - middle[1] * n_x))
         longest = LARGEST_PART * min(self.curve_1.length_mm, self.curve_2.length_mm)
         size = min(self.half_width_mm(force_compliance) / elements_per_half_width, longest)
         near = (self.gaps_rad - self.gap_rad) * lever <= ZONE_HALF_WIDTHS**2 * force_compliance
@@ -157,18 +136,7 @@ class Meeting:
 
 
 def meetings(pair: BodyPair, turns: tuple[float, float]) -> list[Meeting]:
-    """The pairs of flanks that have opposite points, by ascending pair number.
-
-    Parameters
-    ----------
-    pair : BodyPair
-    turns : (float, float)
-        Rotations of both bodies' frames, rad.
-
-    Returns
-    -------
-    list of Meeting
-    """
+    """Pairs of flanks with opposite points, by ascending number; the bodies are turned, rad."""
     pairing = pair.pairing
     found = []
     for number, site in enumerate(pairing.sites.tolist()):
@@ -182,16 +150,6 @@ def meetings(pair: BodyPair, turns: tuple[float, float]) -> list[Meeting]:
         if gaps is not None:
             found.append(Meeting(site, curve_1, curve_2, pairing.center_distance_mm, *gaps))
     return found
-
-
-def half_plane(material: Material, plane: str) -> float:
-    """Compliance c0 of a half-plane, mm²/N."""
-    ratio = material.poisson_ratio if plane == "strain" else 0.0
-    return 2 * (1 - ratio**2) / (np.pi * material.young_modulus_MPa)
-
-
-def _cross(a: Floats, b: Floats) -> float:
-    return float(a[0] * b[1] - a[1] * b[0])
 
 
 def _gaps(

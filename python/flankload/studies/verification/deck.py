@@ -1,7 +1,10 @@
-"""Input deck for CalculiX: bodies in quadratic plane elements, contact, supports and torque.
+"""Input deck for CalculiX: two bodies in quadratic elements, contact, supports and torque.
 
-Everything is per mm of face width. The names for the reader of the output are defined here: node
-set AXIS_1 (its first component is the rotation of body 1), surfaces PAIR_<j>_BODY_<z>.
+Plane bodies are written per mm of width, solid ones with their whole width. A pair of flanks of
+solid bodies has a contact pair for each layer of elements over the common width, so that the output
+has the force of each. The names for the reader of the output are defined here: node set AXIS_1 (its
+first component is the rotation of body 1), surfaces PAIR_<j>_BODY_<z> and
+PAIR_<j>_LAYER_<l>_BODY_<z>.
 """
 
 from __future__ import annotations
@@ -11,18 +14,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.studies.verification.triangles import quadratic
-
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies import Material
-    from flankload.studies.verification.triangles import Triangles
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Contact pressure per mm of overlap, MPa/mm: 1000 MPa cause an overlap of 0.01 um.
 PENALTY = 1e8
@@ -31,8 +27,39 @@ STICK = 5e6
 #: An iteration is the last one if its largest correction is below this part of the displacement;
 #: the default of CalculiX is 0.01, which leaves 0.05 % in the rotation.
 CORRECTION = 1e-5
-#: Six-node plane elements of CalculiX.
-ELEMENT = {"strain": "CPE6", "stress": "CPS6"}
+#: Elements of CalculiX: plane triangles of six nodes, wedges of 15.
+ELEMENT = {"strain": "CPE6", "stress": "CPS6", None: "C3D15"}
+#: For solid bodies the defaults of CalculiX but for the third number: contacts have their whole
+#: stiffness from the first increment, so that CalculiX does not append a second one.
+STIFF = "0.001, 0.1, 1, 60"
+#: Interaction of all contact pairs of solid bodies, and their supports: body 1 turns about its axis
+#: alone, body 2 does not move.
+FLANKS, SOLID_SUPPORTS = "FLANKS", ("HELD_1, 3, 3", "HELD_2, 1, 3")
+
+
+@dataclass(frozen=True)
+class Ties:
+    """Nodes of thin layers that move as a face of a thick layer does; k of them.
+
+    Attributes
+    ----------
+    nodes : (k,) array
+    masters : (k, 8) array
+    weights : (k, 8) array
+        0 for entries that are not used.
+    """
+
+    nodes: Numbers
+    masters: Numbers
+    weights: Floats
+
+    @staticmethod
+    def of(rows: list[tuple[int, list[int], list[float]]]) -> Ties:
+        """From nodes, masters and weights of each tie."""
+        masters, weights = np.zeros((len(rows), 8), dtype=np.int64), np.zeros((len(rows), 8))
+        for k, (_, ours, theirs) in enumerate(rows):
+            masters[k, : len(ours)], weights[k, : len(ours)] = ours, theirs
+        return Ties(np.array([row[0] for row in rows], dtype=np.int64), masters, weights)
 
 
 @dataclass(frozen=True)
@@ -41,14 +68,15 @@ class Part:
 
     Attributes
     ----------
-    nodes : (N, 2) array
+    nodes : (N, 2) or (N, 3) array
         mm, at the place of the body.
-    cells : (m, 6) array
+    cells : (m, 6) or (m, 15) array
     held : array
         Fixed nodes.
     flanks : tuple of (k, 2) arrays
-        Element and side (1 to 3) of each pair's surface.
-    material : Material
+        Element and side (1 to 3), or face (3 to 5), of the surfaces of each pair, layer by layer.
+    ties : Ties or None
+        Of solid bodies.
     """
 
     nodes: Floats
@@ -56,6 +84,7 @@ class Part:
     held: Numbers
     flanks: tuple[Numbers, ...]
     material: Material
+    ties: Ties | None = None
 
 
 @dataclass(frozen=True)
@@ -83,101 +112,95 @@ class Deck:
 
     Attributes
     ----------
-    title : str
     parts : two Part
         Body 1 rotates about the origin; body 2 is fixed.
     sites : tuple of int
-        Pair number of each of `Part.flanks`.
-    torque_N : float
-        Torque per mm of width, N mm/mm.
+        Pair number of each flank of the parts.
+    torque_Nmm : float
+        On the width of the deck.
     start_rad : float
         Initial rotation of body 1; its total rotation is this plus that of its axis.
-    plane : {"strain", "stress"}
     large_displacement : bool
         Whether the geometry follows the deformation.
+    plane : {"strain", "stress"} or None
+        None for solid bodies.
     friction : DeckFriction or None
-        None without friction.
+        Of plane bodies.
+    edges_mm : (L + 1,) array or None
+        Ends of the layers of solid bodies over the common width.
+    width_mm : float
+        Width by which the answer divides forces and torque.
     """
 
     title: str
     parts: tuple[Part, Part]
     sites: tuple[int, ...]
-    torque_N: float
+    torque_Nmm: float
     start_rad: float
-    plane: str
     large_displacement: bool
+    plane: str | None = None
     friction: DeckFriction | None = None
+    edges_mm: Floats | None = None
+    width_mm: float = 1.0
+
+    @property
+    def layers(self) -> int:
+        """Number of layers over the common width; 1 of plane bodies."""
+        return 1 if self.edges_mm is None else self.edges_mm.size - 1
 
     @property
     def node_count(self) -> int:
         """Number of nodes of both bodies."""
         return sum(len(part.nodes) for part in self.parts)
 
+    @property
+    def unknowns(self) -> int:
+        """Number of independent displacements, with the rotation of body 1."""
+        found = 1
+        for part in self.parts:
+            tied = 0 if part.ties is None else part.ties.nodes.size
+            found += part.nodes.shape[1] * (len(part.nodes) - part.held.size - tied)
+        return found
+
     def axis_node(self, body: int) -> int:
         """Number of the node whose first component is the rotation of body 1 or 2."""
         return self.node_count + body
 
+    def surface(self, site: int, layer: int, body: int) -> str:
+        """Name of the surface of a flank in a layer."""
+        of_layer = "" if self.plane else f"_LAYER_{layer}"
+        return f"{pair_name(site)}{of_layer}_BODY_{body}"
 
-def part_of(mesh: Triangles, n_flanks: int, material: Material) -> Part:
-    """A body of the deck from its triangles.
-
-    Parameters
-    ----------
-    mesh : Triangles
-        Mesh at the place of the body.
-    n_flanks : int
-        Number of flanks that may touch.
-    material : Material
-
-    Returns
-    -------
-    Part
-    """
-    nodes, cells, middles = quadratic(mesh)
-    border = mesh.border
-    held = np.unique(np.concatenate([border.ends[border.held].ravel(), middles[border.held]]))
-    # element and side that contain each middle node of the border
-    owner = np.zeros((len(nodes), 2), dtype=np.int64)
-    for side in range(3):
-        owner[cells[:, 3 + side]] = np.stack(
-            [np.arange(len(cells)), np.full(len(cells), side + 1)], axis=1
-        )
-    flanks = tuple(owner[middles[border.flank == k]] for k in range(n_flanks))
-    return Part(nodes, cells, held, flanks, material)
+    def contacts(self) -> Iterator[tuple[str, str]]:
+        """Names of the surfaces of all contact pairs, by site, then layer."""
+        for site in self.sites:
+            for layer in range(self.layers):
+                yield self.surface(site, layer, 1), self.surface(site, layer, 2)
 
 
-def surface_name(site: int, body: int | None = None) -> str:
-    """Name of a pair, or of its surface on body 1 or 2; M means minus."""
-    name = f"PAIR_{'M' if site < 0 else ''}{abs(site)}"
-    return name if body is None else f"{name}_BODY_{body}"
+def pair_name(site: int) -> str:
+    """Name of a pair; M means minus."""
+    return f"PAIR_{'M' if site < 0 else ''}{abs(site)}"
 
 
 def deck_text(deck: Deck) -> str:
-    """The input file.
-
-    Parameters
-    ----------
-    deck : Deck
-
-    Returns
-    -------
-    str
-    """
+    """The input file."""
     return "\n".join(_lines(deck)) + "\n"
 
 
 def _lines(deck: Deck) -> Iterator[str]:
     yield "*HEADING"
-    yield f"scene: {' '.join(deck.title.split())} [mm, N, MPa; per mm of width]"
+    per_width = "; per mm of width" if deck.plane else ""
+    yield f"scene: {' '.join(deck.title.split())} [mm, N, MPa{per_width}]"
     yield f"** body 1 is rotated by {deck.start_rad!r} rad from the position without load;"
     yield f"** its rotation is that angle and the first component of node {deck.axis_node(1)}"
     first_node, first_element = 1, 1
     for z, part in enumerate(deck.parts, start=1):
-        yield from _body(part, z, ELEMENT[deck.plane], first_node, first_element)
-        for site, faces in zip(deck.sites, part.flanks, strict=True):
-            yield f"*SURFACE, NAME={surface_name(site, z)}, TYPE=ELEMENT"
-            yield from (f"{first_element + e}, S{side}" for e, side in faces.tolist())
-        yield from node_set(f"HELD_{z}", first_node + part.held)
+        yield from _body(part, z, deck, first_node, first_element)
+        yield from _surfaces(deck, z, first_element)
+        yield f"*NSET, NSET=HELD_{z}"
+        yield from (f"{node}," for node in (first_node + part.held).tolist())
+        yield from _ties(part, first_node)
         first_node += len(part.nodes)
         first_element += len(part.cells)
     yield from _axis(deck, 1, 0.0)
@@ -185,77 +208,110 @@ def _lines(deck: Deck) -> Iterator[str]:
         yield from _axis(deck, 2, deck.friction.center_distance_mm)
     yield from _contact(deck)
     if deck.friction is None:
-        yield from ("*BOUNDARY", "HELD_2, 1, 2")
+        yield from ("*BOUNDARY", *(("HELD_2, 1, 2",) if deck.plane else SOLID_SUPPORTS))
         yield from _step(deck)
     else:
-        yield from _step(deck, f"AXIS_2, 1, 1, {number(deck.friction.back_rad)}")
+        yield from _step(deck, f"AXIS_2, 1, 1, {_number(deck.friction.back_rad)}")
         yield from _step(deck, "AXIS_2, 1, 1, 0.")
 
 
+def _body(part: Part, z: int, deck: Deck, first_node: int, first_element: int) -> Iterator[str]:
+    yield "*NODE"
+    flat = ["0."] if deck.plane else []
+    for k, place in enumerate(part.nodes.tolist(), start=first_node):
+        yield ", ".join([f"{k}", *map(_number, place), *flat])
+    yield f"*ELEMENT, TYPE={ELEMENT[deck.plane]}, ELSET=BODY_{z}"
+    for k, row in enumerate((first_node + part.cells).tolist(), start=first_element):
+        yield f"{k}, " + ", ".join(map(str, row))
+    yield f"*MATERIAL, NAME=MATERIAL_{z}"
+    yield "*ELASTIC"
+    yield ", ".join(map(_number, (part.material.young_modulus_MPa, part.material.poisson_ratio)))
+    yield f"*SOLID SECTION, ELSET=BODY_{z}, MATERIAL=MATERIAL_{z}"
+    if deck.plane:
+        yield "1."
+
+
+def _surfaces(deck: Deck, z: int, first_element: int) -> Iterator[str]:
+    """Faces of each flank and layer; those of body 2 include both neighbouring layers."""
+    near = 0 if z == 1 else 1
+    for k, site in enumerate(deck.sites):
+        faces = deck.parts[z - 1].flanks[k * deck.layers : (k + 1) * deck.layers]
+        for layer in range(deck.layers):
+            yield f"*SURFACE, NAME={deck.surface(site, layer, z)}, TYPE=ELEMENT"
+            for rows in faces[max(0, layer - near) : layer + near + 1]:
+                yield from (f"{first_element + e}, S{face}" for e, face in rows.tolist())
+
+
+def _ties(part: Part, first_node: int) -> Iterator[str]:
+    """Equations of nodes that follow the faces of thick layers."""
+    ties = part.ties
+    if ties is None:
+        return
+    rows = zip(ties.nodes.tolist(), ties.masters.tolist(), ties.weights.tolist(), strict=True)
+    for node, masters, weights in rows:
+        terms = [(first_node + m, -w) for m, w in zip(masters, weights, strict=True) if w]
+        for component in (1, 2, 3):
+            own = [(first_node + node, component, 1.0)]
+            yield from _equation(own + [(m, component, w) for m, w in terms])
+
+
+def _equation(terms: list[tuple[int, int, float]]) -> Iterator[str]:
+    """A homogeneous equation of (node, component, factor), four terms to a line."""
+    yield "*EQUATION"
+    yield f"{len(terms)}"
+    for k in range(0, len(terms), 4):
+        yield ", ".join(f"{node}, {c}, {_number(f)}" for node, c, f in terms[k : k + 4])
+
+
 def _axis(deck: Deck, body: int, center_mm: float) -> Iterator[str]:
-    """Constrain the fixed nodes of a body to rotate about its axis: u = (-y, x) times rotation."""
-    axis = deck.axis_node(body)
-    part = deck.parts[body - 1]
+    """Let the fixed nodes of a body rotate about its axis: u = (-y, x) times rotation."""
+    axis, part = deck.axis_node(body), deck.parts[body - 1]
     first_node = 1 + sum(len(before.nodes) for before in deck.parts[: body - 1])
     yield f"*NODE, NSET=AXIS_{body}"
-    yield f"{axis}, {number(center_mm)}, 0., 0."
+    yield f"{axis}, {_number(center_mm)}, 0., 0."
     for node in part.held.tolist():
-        x, y = part.nodes[node].tolist()
-        for component, arm in ((1, y), (2, center_mm - x)):
-            yield "*EQUATION"
-            yield "2"
-            yield f"{first_node + node}, {component}, 1., {axis}, 1, {number(arm)}"
+        x, y = part.nodes[node, :2].tolist()
+        yield from _equation([(first_node + node, 1, 1.0), (axis, 1, y)])
+        yield from _equation([(first_node + node, 2, 1.0), (axis, 1, center_mm - x)])
     yield "*BOUNDARY"
     yield f"AXIS_{body}, 2, 3"
 
 
 def _contact(deck: Deck) -> Iterator[str]:
-    for k, site in enumerate(deck.sites):
-        name = surface_name(site)
-        yield f"*SURFACE INTERACTION, NAME={name}"
-        yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
-        yield f"{PENALTY:g}"
-        if deck.friction is not None and deck.friction.coefficients[k] > 0:
-            yield "*FRICTION"
-            yield f"{number(deck.friction.coefficients[k])}, {STICK:g}"
+    """Contact pairs; each pair of flanks of plane bodies has its own friction."""
+    interaction = ""
+    for k, (slave, master) in enumerate(deck.contacts()):
+        name = pair_name(deck.sites[k]) if deck.plane else FLANKS
+        if name != interaction:
+            interaction = name
+            yield f"*SURFACE INTERACTION, NAME={name}"
+            yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
+            yield f"{PENALTY:g}"
+            if deck.friction is not None and deck.friction.coefficients[k] > 0:
+                yield "*FRICTION"
+                yield f"{_number(deck.friction.coefficients[k])}, {STICK:g}"
         yield f"*CONTACT PAIR, INTERACTION={name}, TYPE=SURFACE TO SURFACE"
-        yield f"{surface_name(site, 1)}, {surface_name(site, 2)}"
+        yield f"{slave}, {master}"
 
 
 def _step(deck: Deck, boundary: str | None = None) -> Iterator[str]:
     yield "*STEP, INC=1000" + (", NLGEOM" if deck.large_displacement else "")
     yield from ("*CONTROLS, PARAMETERS=FIELD", f", {CORRECTION:g}")
+    if not deck.plane:
+        yield from ("*CONTROLS, PARAMETERS=CONTACT", STIFF)
     yield from ("*STATIC", "1., 1.")
     if boundary is not None:
         yield from ("*BOUNDARY", boundary)
-    yield from ("*CLOAD", f"AXIS_1, 1, {number(deck.torque_N)}")
+    yield from ("*CLOAD", f"AXIS_1, 1, {_number(deck.torque_Nmm)}")
     yield from ("*NODE PRINT, NSET=AXIS_1", "U")
-    for site in deck.sites:
-        yield f"*CONTACT PRINT, SLAVE={surface_name(site, 1)}, MASTER={surface_name(site, 2)}"
+    for slave, master in deck.contacts():
+        yield f"*CONTACT PRINT, SLAVE={slave}, MASTER={master}"
         yield "CF"
-    yield from ("*CONTACT PRINT", "CSTR")
+    if deck.plane:
+        yield from ("*CONTACT PRINT", "CSTR")
     yield "*END STEP"
 
 
-def _body(part: Part, z: int, kind: str, first_node: int, first_element: int) -> Iterator[str]:
-    yield "*NODE"
-    for k, (x, y) in enumerate(part.nodes.tolist(), start=first_node):
-        yield f"{k}, {number(x)}, {number(y)}, 0."
-    yield f"*ELEMENT, TYPE={kind}, ELSET=BODY_{z}"
-    for k, row in enumerate((first_node + part.cells).tolist(), start=first_element):
-        yield f"{k}, " + ", ".join(map(str, row))
-    yield f"*MATERIAL, NAME=MATERIAL_{z}"
-    yield "*ELASTIC"
-    yield ", ".join(map(number, (part.material.young_modulus_MPa, part.material.poisson_ratio)))
-    yield f"*SOLID SECTION, ELSET=BODY_{z}, MATERIAL=MATERIAL_{z}"
-    yield "1."
-
-
-def number(value: float) -> str:
+def _number(value: float) -> str:
     """A number in at most 20 characters: CalculiX silently ignores further characters."""
     return f"{value:.13g}"
-
-
-def node_set(name: str, nodes: Numbers) -> Iterator[str]:
-    yield f"*NSET, NSET={name}"
-    yield from (f"{node}," for node in nodes.tolist())

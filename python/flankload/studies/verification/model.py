@@ -8,27 +8,31 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import structs
 
+from flankload.base.rotation import turned
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.effects import is_spatial
 from flankload.scene.refusal import shown
 from flankload.studies.verification.contact_places import contact_places
-from flankload.studies.verification.deck import Deck, DeckFriction, Part, part_of
-from flankload.studies.verification.refine import refined
-from flankload.studies.verification.triangles import moved, whole_body
+from flankload.studies.verification.deck import Deck, DeckFriction, Part
+from flankload.studies.verification.triangles import (
+    border_owners,
+    held_nodes,
+    moved,
+    quadratic,
+    refined,
+    whole_body,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies import Body
     from flankload.pairing.body_pair import BodyPair
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.verification.contact_places import Place
-
-    Floats = NDArray[np.float64]
 
 #: Element length of the coarse mesh along the flanks in modules, and on splines; kept on far teeth.
 COARSE_PART, COARSE_SPLINE_PART = 0.35, 0.25
@@ -54,89 +58,55 @@ class Model:
 
     Attributes
     ----------
-    deck : Deck
     finest_mm : float
-        Length of the elements at the contacts.
+        Length of the elements at the contacts, across the flank.
+    half_width_mm : float
+        Half-width of the most loaded contact of solid bodies; NaN of plane ones.
     """
 
     deck: Deck
     finest_mm: float
+    half_width_mm: float = float("nan")
 
 
 def check_bodies(scene: Scene) -> None:
-    """Refuse bodies without finite elements.
+    """Raise a SceneError for bodies without finite elements and for what decks do not contain."""
+    for key, expected, found in _refusals(scene):
+        raise SceneError(file=scene.file, key=key, expected=expected, found=found)
 
-    Raises
-    ------
-    SceneError
-    """
+
+def _refusals(scene: Scene) -> Iterator[tuple[str, str, str]]:
+    """Key, expected and found of all that is refused."""
+    bodies, effects = (("body_1", scene.body_1), ("body_2", scene.body_2)), scene.effects
     if not scene.body_2.has_teeth:
-        raise SceneError(
-            file=scene.file,
-            key="body_2.kind",
-            expected="bodies with teeth: no deck is written for a cam and its follower",
-            found="'cam'",
-        )
-    _check_solids(scene)
-    for key in ("temperature_rise_K", "speed_rpm"):
-        if getattr(scene.effects, key):
-            raise SceneError(
-                file=scene.file,
-                key=f"effects.{key}",
-                expected="nothing: expanding bodies are not written for another program",
-                found=shown(getattr(scene.effects, key)),
-            )
-    if scene.effects.coast_flank:
-        raise SceneError(
-            file=scene.file,
-            key="effects.coast_flank",
-            expected="false: a deck has contact on the working flanks only",
-            found="true",
-        )
-    for key, spec in (("body_1", scene.body_1), ("body_2", scene.body_2)):
+        no_cams = "bodies with teeth: no deck is written for a cam and its follower"
+        yield "body_2.kind", no_cams, "'cam'"
+    if is_spatial(scene).on:
+        if effects.friction_coefficient:
+            smooth = "nothing, since solid decks have no friction"
+            yield "effects.friction_coefficient", smooth, shown(effects.friction_coefficient)
+        for key, spec in bodies:
+            if spec.kind not in ("gear", "mesh"):
+                external = "'gear' or 'mesh', since solid decks have external teeth"
+                yield f"{key}.kind", external, shown(spec.kind)
+            for name, reason in NOT_SOLID.items():
+                if value := getattr(spec, name, None):
+                    found = "a table" if name == "shaft" else shown(value)
+                    yield f"{key}.{name}", f"nothing, since {reason}", found
+    for name in ("temperature_rise_K", "speed_rpm"):
+        if value := getattr(effects, name):
+            unheated = "nothing: expanding bodies are not written for another program"
+            yield f"effects.{name}", unheated, shown(value)
+    if effects.coast_flank:
+        working = "false: a deck has contact on the working flanks only"
+        yield "effects.coast_flank", working, "true"
+    for key, spec in bodies:
         if spec.brings_compliance:
-            raise SceneError(
-                file=scene.file,
-                key=f"{key}.kind",
-                expected="a body with elements, for another program to solve them",
-                found="'compliance': its file contains no elements",
-            )
+            solvable = "a body with elements, for another program to solve them"
+            yield f"{key}.kind", solvable, "'compliance': its file contains no elements"
         if spec.rigid:
-            raise SceneError(
-                file=scene.file,
-                key=f"{key}.rigid",
-                expected="an elastic body: rigid flanks are not written for another program",
-                found="true",
-            )
-
-
-def _check_solids(scene: Scene) -> None:
-    """Refuse what solid decks do not contain."""
-    if not is_spatial(scene).on:
-        return
-    if scene.effects.friction_coefficient:
-        raise SceneError(
-            file=scene.file,
-            key="effects.friction_coefficient",
-            expected="nothing, since solid decks have no friction",
-            found=shown(scene.effects.friction_coefficient),
-        )
-    for key, spec in (("body_1", scene.body_1), ("body_2", scene.body_2)):
-        if spec.kind not in ("gear", "mesh"):
-            raise SceneError(
-                file=scene.file,
-                key=f"{key}.kind",
-                expected="'gear' or 'mesh', since solid decks have external teeth",
-                found=shown(spec.kind),
-            )
-        for name, reason in NOT_SOLID.items():
-            if value := getattr(spec, name, None):
-                raise SceneError(
-                    file=scene.file,
-                    key=f"{key}.{name}",
-                    expected=f"nothing, since {reason}",
-                    found="a table" if name == "shaft" else shown(value),
-                )
+            elastic = "an elastic body: rigid flanks are not written for another program"
+            yield f"{key}.rigid", elastic, "true"
 
 
 def model_of(
@@ -149,31 +119,14 @@ def model_of(
 ) -> Model:
     """Deck of one position.
 
-    Parameters
-    ----------
-    scene : Scene
-    result : Result
-        Flankload's result: only determines the element size and the range of the search for
-        contacts.
-    position : int
-    elements_per_half_width : float
-        Elements on the half-width of a Hertz contact.
-    large_displacement : bool
+    Flankload's result only determines the element size, by the number of elements on the half-width
+    of a Hertz contact, and the range of the search for contacts.
 
-    Returns
-    -------
-    Model
-
-    Raises
-    ------
-    SceneError, FlankloadError
-        If a body cannot be meshed or no flanks meet.
+    Raises SceneError or FlankloadError if a body cannot be meshed or no flanks meet.
     """
     pair = coarse_bodies(scene)
     plane = scene.accuracy.plane
-    angle = float(result.position_rad[position])
-    turn_1, turn_2 = pair.pairing.turns(np.float64(angle))  # type: ignore[arg-type]
-    turns = float(turn_1), float(turn_2)
+    turns = turns_of(pair, float(result.position_rad[position]))
     loads = result.site_force_N[position] / result.face_width_mm
     rotation = float(result.rotation_rad[position])
     places = contact_places(
@@ -191,7 +144,7 @@ def model_of(
         title=f"{result.name}, position {position}",
         parts=_parts(pair, places, turns, start),
         sites=tuple(place.site for place in places),
-        torque_N=1000.0 * result.torque_Nm / result.face_width_mm,
+        torque_Nmm=1000.0 * result.torque_Nm / result.face_width_mm,
         start_rad=start,
         plane=plane,
         large_displacement=large_displacement,
@@ -203,22 +156,9 @@ def model_of(
 def friction_of_deck(
     scene: Scene, pair: BodyPair, places: tuple[Place, ...]
 ) -> DeckFriction | None:
-    """Friction of the pairs in the deck.
+    """Friction of the pairs in the deck; None without friction or sliding.
 
-    Parameters
-    ----------
-    scene : Scene
-    pair : BodyPair
-    places : tuple of Place
-
-    Returns
-    -------
-    DeckFriction, or None without friction or sliding
-
-    Raises
-    ------
-    SceneError
-        If a coefficient varies along a flank.
+    Raises SceneError if a coefficient varies along a flank.
     """
     friction, pairing = pair.friction, pair.pairing
     if friction is None or pairing.center_distance_mm == 0.0:
@@ -241,15 +181,7 @@ def friction_of_deck(
 def coarse_bodies(scene: Scene, part: float | None = None) -> BodyPair:
     """Both bodies, with coarse elements on the true flanks if flankload makes their meshes.
 
-    Parameters
-    ----------
-    scene : Scene
-    part : float, optional
-        Element length along the flanks in modules.
-
-    Returns
-    -------
-    BodyPair
+    `part` is the length of the elements along the flanks in modules.
     """
     accuracy = structs.replace(scene.accuracy, unmodified_elements=False)
     scene = replace(scene, accuracy=accuracy)
@@ -266,6 +198,12 @@ def coarse_bodies(scene: Scene, part: float | None = None) -> BodyPair:
         return build_bodies(replace(scene, accuracy=accuracy))
     except SceneError:  # too coarse for this rim or tooth
         return build_bodies(scene)
+
+
+def turns_of(pair: BodyPair, position_rad: float) -> tuple[float, float]:
+    """Rotations of both bodies at a position, rad."""
+    turn_1, turn_2 = pair.pairing.turns(np.float64(position_rad))  # type: ignore[arg-type]
+    return float(turn_1), float(turn_2)
 
 
 def flanks_of(pair: BodyPair, z: int, sites: tuple[int, ...]) -> tuple[tuple[int, float], ...]:
@@ -310,7 +248,10 @@ def _part(
 ) -> Part:
     """One body: refined at its place at the position, then rotated by the initial angle."""
     turn, further, shift = stand
-    c, s = np.cos(turn), np.sin(turn)
-    to_place = np.array([[c, s], [-s, c]])
-    mesh = refined(whole_body(body, flanks), lambda points: size(points @ to_place + [shift, 0.0]))
-    return part_of(moved(mesh, turn + further, shift), len(flanks), body.material)
+    axis = np.array([shift, 0.0])
+    mesh = refined(whole_body(body, flanks), lambda points: size(turned(points, turn) + axis))
+    mesh = moved(mesh, turn + further, shift)
+    nodes, cells, middles = quadratic(mesh)
+    faces = border_owners(mesh) + np.array([0, 1])
+    sides = tuple(faces[mesh.border.flank == k] for k in range(len(flanks)))
+    return Part(nodes, cells, held_nodes(mesh, middles), sides, body.material)

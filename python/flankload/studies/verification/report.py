@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -11,11 +12,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.studies.verification.comparison import Layers, Verification
-
-    Floats = NDArray[np.float64]
 
 
 def json_of(v: Verification) -> str:
@@ -92,37 +90,36 @@ def _plain(value: Any) -> Any:
 
 
 def _lines(v: Verification) -> Iterator[str]:
-    other = v.calculix
+    theirs = tree_of(v)["calculix"] or {}
+
+    def other(name: str, *place: int) -> float | None:
+        return float(np.asarray(theirs[name])[place]) if name in theirs else None
+
     where = f"position {v.position} ({degrees(v.position_rad):.3f} deg)"
     yield f"{v.name}: {v.torque_Nm:g} N m, {where}"
     yield ""
-    title = "CalculiX" if other is None else f"CalculiX {other.version}"
+    title = f"CalculiX {theirs['version']}" if theirs else "CalculiX"
     yield f"{'':<24}{'flankload':>14}{title:>16}{'difference':>16}"
-    turned = None if other is None else other.rotation_rad
-    um = 1000.0 * v.reference_radius_mm
+    turned, um = other("rotation_rad"), 1000.0 * v.reference_radius_mm
     yield _row("rotation, rad", v.rotation_rad, turned, ".6e")
     error = None if turned is None else um * turned
     yield _row("transm. error, um", um * v.rotation_rad, error, ".3f")
-    held = None if other is None else other.moment_N * v.face_width_mm / 1000.0
-    yield _row("torque of forces, N m", v.torque_Nm, held, ".2f")
+    yield _row("torque of forces, N m", v.torque_Nm, other("torque_found_Nm"), ".2f")
     for s, site in enumerate(v.sites.tolist()):
-        force = None if other is None else other.force_N_per_mm[s] * v.face_width_mm
+        force = other("site_force_N", s)
         if not (v.site_force_N[s] or force):
             continue
         yield _row(f"pair {site}: load, N", v.site_force_N[s], force, ".1f", v.site_force_N.sum())
-        if v.layers is not None:
-            continue
-        mark = "*" if v.corner_contact[s] else ""
-        pressure = None if other is None else other.pressure_MPa[s]
-        yield _row("  pressure, MPa" + mark, v.peak_pressure_MPa[s], pressure, ".1f")
+        if v.layers is None:
+            mark, pressure = "*" if v.corner_contact[s] else "", other("peak_pressure_MPa", s)
+            yield _row("  pressure, MPa" + mark, v.peak_pressure_MPa[s], pressure, ".1f")
     if v.layers is not None:
         yield from _width_lines(v, v.layers)
-    yield f"{'CPU seconds':<24}{v.job_cpu_s:>14.3g}" + (
-        f"{other.cpu_s:>16.3g}{'':>4}(all {v.positions} positions versus one; flankload needs "
-        f"{v.position_cpu_s:.2g} s for each position)"
-        if other is not None
-        else f"{'-':>16}{'':>4}(all {v.positions} positions)"
-    )
+    seconds, scope = f"{'-':>16}", f"all {v.positions} positions"
+    if theirs:
+        seconds = f"{theirs['cpu_s']:>16.3g}"
+        scope += f" versus one; flankload needs {v.position_cpu_s:.2g} s for each position"
+    yield f"{'CPU seconds':<24}{v.job_cpu_s:>14.3g}{seconds}{'':>4}({scope})"
     yield ""
     if v.corner_contact.any():
         yield "* on a sharp corner, where the pressure is meaningless"
@@ -133,7 +130,7 @@ def _lines(v: Verification) -> Iterator[str]:
             f"{v.layers.edges_mm.size - 1} layers, finest {v.finest_mm:.3g} mm across the flank "
             f"(half-width of the contact {v.layers.half_width_mm:.3g} mm)"
         )
-    yield deck if other is None else f"{deck}; {other.iterations} iterations"
+    yield f"{deck}; {theirs['iterations']} iterations" if theirs else deck
     if v.deck is not None:
         yield f"kept as {v.deck}"
 
@@ -142,14 +139,13 @@ def _width_lines(v: Verification, layers: Layers) -> Iterator[str]:
     """Line loads in the layers, in % of the mean of the most loaded pair; their distribution."""
     ours = layers.line_load_N_per_mm
     theirs = None if v.calculix is None else v.calculix.line_load_N_per_mm
-    width = float(np.ptp(layers.edges_mm))
+    scale = v.site_force_N.max() / float(np.ptp(layers.edges_mm))
     for s, site in enumerate(v.sites.tolist()):
         if not ours[s].any() and (theirs is None or not theirs[s].any()):
             continue
         yield f"pair {site}: line load, N/mm"
-        for k, (low, high) in enumerate(zip(layers.edges_mm, layers.edges_mm[1:], strict=False)):
+        for k, (low, high) in enumerate(pairwise(layers.edges_mm)):
             other = None if theirs is None else theirs[s, k]
-            scale = v.site_force_N.max() / width
             yield _row(f"  z {low:.2f} to {high:.2f} mm", ours[s, k], other, ".1f", scale, "mean")
     factor = None if theirs is None else layers.face_load_factor(theirs)
     yield _row("K_Hbeta, this position", layers.face_load_factor(ours), factor, ".4f")

@@ -8,16 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.flank_surface import section_curves
-from flankload.studies.verification.triangles import find_sides, quadratic, sides
+from flankload.studies.verification.deck import Part, Ties
+from flankload.studies.verification.triangles import border_owners, held_nodes, quadratic, sides
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from flankload.bodies import Body, Material
+    from flankload.base.arrays import Complexes, Flags, Floats, Numbers
+    from flankload.bodies import Body
     from flankload.studies.verification.triangles import Triangles
-
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Each layer from an end of the width is so many times as thick as the one before, and the layers
 #: in the middle so many times as thick as those at the ends.
@@ -64,72 +61,11 @@ class Layers:
     edges_mm: Floats
     coarse: Numbers
     common: tuple[int, int]
-    near: NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class Ties:
-    """Nodes of thin layers that move as a face of a thick layer does; k of them.
-
-    Attributes
-    ----------
-    nodes : (k,) array
-    masters : (k, 8) array
-    weights : (k, 8) array
-        0 for entries that are not used.
-    """
-
-    nodes: Numbers
-    masters: Numbers
-    weights: Floats
-
-    @staticmethod
-    def of(rows: list[tuple[int, list[int], list[float]]]) -> Ties:
-        """From nodes, masters and weights of each tie."""
-        masters, weights = np.zeros((len(rows), 8), dtype=np.int64), np.zeros((len(rows), 8))
-        for k, (_, ours, theirs) in enumerate(rows):
-            masters[k, : len(ours)], weights[k, : len(ours)] = ours, theirs
-        return Ties(np.array([row[0] for row in rows], dtype=np.int64), masters, weights)
-
-
-@dataclass(frozen=True)
-class SolidPart:
-    """One solid body of a deck.
-
-    Attributes
-    ----------
-    nodes : (N, 3) array
-        mm, at the place of the body.
-    cells : (m, 15) array
-    held : array
-        Fixed nodes.
-    flanks : tuple of (k, 2) arrays
-        Element and face (3 to 5) of each flank and layer of the common width, layer by layer.
-    material : Material
-    ties : Ties
-    """
-
-    nodes: Floats
-    cells: Numbers
-    held: Numbers
-    flanks: tuple[Numbers, ...]
-    material: Material
-    ties: Ties
+    near: Flags
 
 
 def layers_of(low_mm: float, high_mm: float, count: int) -> Floats:
-    """Ends (count + 1,) of layers that are thin at both ends of a width, mm.
-
-    Parameters
-    ----------
-    low_mm, high_mm : float
-    count : int
-        >= 1.
-
-    Returns
-    -------
-    (count + 1,) array
-    """
+    """Ends (count + 1,) of layers that are thin at both ends of a width, mm."""
     from_end = np.minimum(np.arange(count), np.arange(count)[::-1])
     thickness = np.minimum(GROWTH**from_end, MIDDLE)
     inside = np.concatenate([[0.0], np.cumsum(thickness)]) / thickness.sum()
@@ -137,19 +73,7 @@ def layers_of(low_mm: float, high_mm: float, count: int) -> Floats:
 
 
 def beyond(edges_mm: Floats, range_mm: tuple[float, float]) -> Floats:
-    """The layers of the common width continued to the ends of a wider body.
-
-    Parameters
-    ----------
-    edges_mm : (L + 1,) array
-    range_mm : (float, float)
-        Ends of the body.
-
-    Returns
-    -------
-    array
-        Ends of all layers of the body, which include the edges.
-    """
+    """Ends of the layers of a body: those of the common width, continued to the body's own ends."""
     step = float(np.diff(edges_mm).min())
 
     def outer(rest: float) -> Floats:
@@ -170,20 +94,8 @@ def beyond(edges_mm: Floats, range_mm: tuple[float, float]) -> Floats:
 def modification_turn(body: Body, tooth: int, s_mm: Floats, z_mm: Floats) -> Floats:
     """Turn (m, n) of the points of a flank about the axis by the metal removed, rad.
 
-    Parameters
-    ----------
-    body : Body
-        Three-dimensional.
-    tooth : int
-        Number of the tooth in the order of pitch errors.
-    s_mm : (n,) array
-        Arc lengths on the flank.
-    z_mm : (m,) array
-
-    Returns
-    -------
-    (m, n) array
-        Counter-clockwise.
+    Counter-clockwise, at arc lengths (n,) and places (m,) along z, of the tooth with this number in
+    the order of pitch errors.
     """
     axial = body.axial
     assert axial is not None
@@ -201,29 +113,9 @@ def modification_turn(body: Body, tooth: int, s_mm: Floats, z_mm: Floats) -> Flo
 
 
 def solid_part(
-    body: Body,
-    mesh: Triangles,
-    teeth: tuple[int, ...],
-    layers: Layers,
-    stand: Stand,
-) -> SolidPart:
-    """A body of the deck.
-
-    Parameters
-    ----------
-    body : Body
-        Three-dimensional.
-    mesh : Triangles
-        Its section in its own frame.
-    teeth : tuple of int
-        Tooth of each flank of the mesh.
-    layers : Layers
-    stand : Stand
-
-    Returns
-    -------
-    SolidPart
-    """
+    body: Body, mesh: Triangles, teeth: tuple[int, ...], layers: Layers, stand: Stand
+) -> Part:
+    """A body of the deck, from its section in its own frame and the tooth of each of its flanks."""
     plane, triangles, border = quadratic(mesh)
     fine, coarse = layers.edges_mm, layers.edges_mm[layers.coarse]
     corners = np.arange(len(plane)) < len(mesh.vertices)
@@ -243,11 +135,8 @@ def solid_part(
     nodes = places[chosen]
     ties = _ties(triangles, layers, (edge, between, wide), near & far)
     nodes[ties.nodes] = np.einsum("kj,kjx->kx", ties.weights, nodes[ties.masters])
-    held = np.unique(
-        np.concatenate([mesh.border.ends[mesh.border.held].ravel(), border[mesh.border.held]])
-    )
-    of_held = np.unique(number[:, held])
-    return SolidPart(
+    of_held = np.unique(number[:, held_nodes(mesh, border)])
+    return Part(
         nodes=nodes,
         cells=np.concatenate(
             [
@@ -262,7 +151,7 @@ def solid_part(
     )
 
 
-def _used(triangles: Numbers, count: int) -> NDArray[np.bool_]:
+def _used(triangles: Numbers, count: int) -> Flags:
     used = np.zeros(count, dtype=bool)
     used[triangles] = True
     return used
@@ -283,10 +172,7 @@ def _wedges(triangles: Numbers, edge: Numbers, between: Numbers) -> Numbers:
 
 
 def _ties(
-    triangles: Numbers,
-    layers: Layers,
-    numbers: tuple[Numbers, Numbers, Numbers],
-    shared: NDArray[np.bool_],
+    triangles: Numbers, layers: Layers, numbers: tuple[Numbers, Numbers, Numbers], shared: Flags
 ) -> Ties:
     """Ties of thin layers to thick ones, by the functions of the faces of the latter."""
     edge, between, wide = numbers
@@ -363,20 +249,15 @@ def _placed(body: Body, plane: Floats, z_mm: Floats, turns_rad: Floats, stand: S
 
 def _faces(mesh: Triangles, n_flanks: int, layers: Layers) -> tuple[Numbers, ...]:
     """Element and face (3 to 5) of each flank in each of the layers of the common width."""
-    numbers, ends = sides(mesh.corners)
-    place = np.cumsum(layers.near) - 1  # thin layers come first
-    count = int(layers.near.sum())
-    owner = np.zeros((len(ends), 2), dtype=np.int64)
-    for side in range(3):
-        owner[numbers[:, side]] = np.stack([place, np.full(len(numbers), side + 3)], axis=1)
-    own = owner[find_sides(ends, mesh.border.ends, len(mesh.vertices))]
-    low, high = layers.common
+    own = border_owners(mesh)
+    own[:, 0] = (np.cumsum(layers.near) - 1)[own[:, 0]]  # thin layers come first
+    count, (low, high) = int(layers.near.sum()), layers.common
     return tuple(
-        own[mesh.border.flank == k] + np.array([layer * count, 0])
+        own[mesh.border.flank == k] + np.array([layer * count, 3])
         for k in range(n_flanks)
         for layer in range(low, high)
     )
 
 
-def _complex(points: Floats) -> NDArray[np.complex128]:
+def _complex(points: Floats) -> Complexes:
     return np.asarray(points[..., 0] + 1j * points[..., 1])

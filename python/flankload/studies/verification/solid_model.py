@@ -7,33 +7,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
+from flankload.elasticity.near_field import logarithm_strength
 from flankload.errors import FlankloadError
-from flankload.studies.verification.contact_places import Place, half_plane, meetings
-from flankload.studies.verification.model import coarse_bodies, flanks_of
-from flankload.studies.verification.refine import refined
-from flankload.studies.verification.solid import (
-    Layers,
-    Stand,
-    beyond,
-    layers_of,
-    solid_part,
-)
-from flankload.studies.verification.solid_deck import SolidDeck
-from flankload.studies.verification.triangles import whole_body, without
+from flankload.studies.verification.contact_places import Place, meetings
+from flankload.studies.verification.deck import Deck, Part
+from flankload.studies.verification.model import Model, coarse_bodies, flanks_of, turns_of
+from flankload.studies.verification.solid import Layers, Stand, beyond, layers_of, solid_part
+from flankload.studies.verification.triangles import refined, whole_body, without
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from scipy.spatial import cKDTree
 
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.bodies import Body
     from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.slices import Slices
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.studies.verification.solid import SolidPart
     from flankload.studies.verification.triangles import Triangles
-
-    Floats = NDArray[np.float64]
 
 #: Element length of the coarse mesh along the flanks in modules: the coarsest that can be meshed.
 COARSE_PART = 5.0
@@ -54,24 +46,6 @@ REACH = 1.5
 LAYERS, THICK_LAYERS = 17.0, 2
 #: A contact line moves by at most so many elements across the flank within a layer.
 ELEMENTS_PER_LAYER = 2.0
-
-
-@dataclass(frozen=True)
-class SolidModel:
-    """A solid deck and data on its fineness.
-
-    Attributes
-    ----------
-    deck : SolidDeck
-    finest_mm : float
-        Length of the elements at the contacts, across the flank.
-    half_width_mm : float
-        Half-width of the most loaded contact.
-    """
-
-    deck: SolidDeck
-    finest_mm: float
-    half_width_mm: float
 
 
 @dataclass(frozen=True)
@@ -106,27 +80,13 @@ def solid_model_of(
     *,
     elements_per_half_width: float,
     large_displacement: bool,
-) -> SolidModel:
+) -> Model:
     """Deck of one position.
 
-    Parameters
-    ----------
-    scene : Scene
-    result : Result
-        Determines only the element size and the range of the search for contacts.
-    position : int
-    elements_per_half_width : float
-        Elements on the half-width of a contact; all others and the layers follow.
-    large_displacement : bool
+    The result only determines the element size and the range of the search for contacts. All
+    elements and the layers follow from the number of elements on the half-width of a contact.
 
-    Returns
-    -------
-    SolidModel
-
-    Raises
-    ------
-    SceneError, FlankloadError
-        If a body cannot be meshed or no flanks meet.
+    Raises SceneError or FlankloadError if a body cannot be meshed or no flanks meet.
     """
     pair = coarse_bodies(scene, COARSE_PART)
     assert pair.slices is not None
@@ -139,31 +99,26 @@ def solid_model_of(
         float(ends[1]),
         _layer_count(result, float(np.ptp(ends)), found.half_width_mm, elements_per_half_width),
     )
-    turns = _turns(pair, float(result.position_rad[position]))
+    turns = turns_of(pair, float(result.position_rad[position]))
     shear = 1e-3 * scene.pair.inclination_um_per_mm, 1e-3 * scene.pair.deviation_um_per_mm
     stands = (
         Stand(turns[0] + start, 0.0, (0.0, 0.0)),
         Stand(turns[1], pair.pairing.center_distance_mm, shear),
     )
-    deck = SolidDeck(
+    deck = Deck(
         title=f"{result.name}, position {position}",
         parts=(
             _part(pair, 0, found, edges, stands[0], elements_per_half_width),
             _part(pair, 1, found, edges, stands[1], elements_per_half_width),
         ),
         sites=found.sites,
-        edges_mm=edges,
-        face_width_mm=result.face_width_mm,
-        torque_Nm=result.torque_Nm,
+        torque_Nmm=1000.0 * result.torque_Nm,
         start_rad=start,
         large_displacement=large_displacement,
+        edges_mm=edges,
+        width_mm=result.face_width_mm,
     )
-    return SolidModel(deck, float(found.sizes.min()), found.half_width_mm)
-
-
-def _turns(pair: BodyPair, position_rad: float) -> tuple[float, float]:
-    turn_1, turn_2 = pair.pairing.turns(np.float64(position_rad))  # type: ignore[arg-type]
-    return float(turn_1), float(turn_2)
+    return Model(deck, float(found.sizes.min()), found.half_width_mm)
 
 
 def _layer_count(result: Result, width_mm: float, half_width_mm: float, elements: float) -> int:
@@ -179,9 +134,11 @@ def _places(
 ) -> _Found:
     """Places where flanks may touch in all slices, with the length of elements there."""
     assert result.slices is not None
-    turns = _turns(pair, float(result.position_rad[position]))
+    turns = turns_of(pair, float(result.position_rad[position]))
     largest = float(result.slices.line_load_N_per_mm[position].max())
-    compliance = sum(half_plane(body.material, "strain") for body in (pair.body_1, pair.body_2))
+    compliance = sum(
+        logarithm_strength(body.material, "strain") for body in (pair.body_1, pair.body_2)
+    )
     rotation, distance = float(result.rotation_rad[position]), pair.pairing.center_distance_mm
     rows: list[tuple[Place, tuple[float, float], float]] = []
     for j in range(slices.count):
@@ -199,9 +156,9 @@ def _places(
         sites=tuple(sorted({place.site for place, _, _ in near})),
         touch_rad=touch,
         points=(
-            np.vstack([_turned(place.points, -stand[0]) for place, stand, _ in near]),
+            np.vstack([turned(place.points, -stand[0]) for place, stand, _ in near]),
             np.vstack(
-                [_turned(place.points - [distance, 0.0], -stand[1]) for place, stand, _ in near]
+                [turned(place.points - [distance, 0.0], -stand[1]) for place, stand, _ in near]
             ),
         ),
         sizes=np.concatenate(
@@ -224,14 +181,9 @@ def _removed(pair: BodyPair, slices: Slices, site: int, j: int) -> float:
     return total
 
 
-def _turned(points: Floats, angle_rad: float) -> Floats:
-    c, s = np.cos(angle_rad), np.sin(angle_rad)
-    return points @ np.array([[c, s], [-s, c]])
-
-
 def _part(
     pair: BodyPair, z: int, found: _Found, edges: Floats, stand: Stand, elements: float
-) -> SolidPart:
+) -> Part:
     """One body: its section refined, then in layers at its place."""
     from scipy.spatial import cKDTree
 
@@ -264,7 +216,7 @@ def _part(
     return solid_part(body, mesh, teeth, layers, stand)
 
 
-def _far_teeth(body: Body, mesh: Triangles, tree: cKDTree) -> NDArray[np.bool_]:
+def _far_teeth(body: Body, mesh: Triangles, tree: cKDTree) -> Flags:
     """Triangles beyond the root circle far from all contacts: they carry nothing."""
     root = float(np.linalg.norm(body.curve.point([0.0])[0])) * (1.0 - SAME_RADIUS)
     teeth = (np.linalg.norm(mesh.vertices, axis=1)[mesh.corners] >= root).all(axis=1)
@@ -273,13 +225,13 @@ def _far_teeth(body: Body, mesh: Triangles, tree: cKDTree) -> NDArray[np.bool_]:
     return np.asarray(teeth & (distance > TEETH_REACH * body.curve.length_mm))
 
 
-def _thick(edges: Floats) -> NDArray[np.int64]:
+def _thick(edges: Floats) -> Numbers:
     """Ends of thick layers, about equal in width, among those of thin layers."""
     wanted = np.linspace(edges[0], edges[-1], min(THICK_LAYERS, edges.size - 1) + 1)
     return np.unique(np.abs(edges[:, None] - wanted).argmin(axis=0))
 
 
-def _on_flanks(mesh: Triangles) -> NDArray[np.bool_]:
+def _on_flanks(mesh: Triangles) -> Flags:
     """Triangles with a side or a vertex on a flank."""
     on = np.zeros(len(mesh.vertices), dtype=bool)
     on[mesh.border.ends[mesh.border.flank >= 0]] = True

@@ -1,7 +1,11 @@
 """Triangles of a whole body, with a border on the exact flank curves.
 
 Only corners are stored: a side is straight inside the body and has its own middle node on the
-border. `refine.py` bisects triangles, `quadratic` returns six-node elements.
+border. `refined` bisects triangles, `quadratic` returns six-node elements.
+
+Bisection of the longest sides extends to the neighbours until no vertex lies in the middle of a
+side; angles stay above half the smallest initial angle (Rivara). New vertices of a flank lie on its
+curve.
 """
 
 from __future__ import annotations
@@ -11,22 +15,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies import SectorMesh
-from flankload.meshes.plane_mesh import boundary_edges
+from flankload.base.rotation import turned
+from flankload.bodies import SectorMesh, WholeMesh
+from flankload.elasticity.loaded_body import ring_of
+from flankload.meshes.plane_mesh import boundary_edges, jacobians
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Callable
 
-    from flankload.bodies import Body, WholeMesh
+    from flankload.base.arrays import Cells, Flags, Floats, Numbers
+    from flankload.bodies import Body
     from flankload.flank import FlankCurve
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
-
-#: Nodes closer to each other than this part of the shortest edge are merged.
-SAME_NODE = 0.05
 #: Border nodes closer to a flank curve than this part of its length lie on it.
 ON_CURVE = 1e-4
+#: Largest number of bisections of a triangle: from a body's size to a ten-thousandth of it.
+MOST_HALVINGS = 60
+#: Least Jacobian of a triangle relative to its mean; a straight triangle has 1.
+LEAST_JACOBIAN = 0.4
 
 
 @dataclass(frozen=True)
@@ -50,7 +56,7 @@ class Border:
     middles: Floats
     flank: Numbers
     s: Floats
-    held: NDArray[np.bool_]
+    held: Flags
 
 
 @dataclass(frozen=True)
@@ -63,7 +69,6 @@ class Triangles:
         mm.
     corners : (m, 3) array
         Counter-clockwise.
-    border : Border
     curves : tuple of FlankCurve
         The curves numbered by `border.flank`, at their places.
     """
@@ -77,35 +82,29 @@ class Triangles:
 def whole_body(body: Body, flanks: tuple[tuple[int, float], ...]) -> Triangles:
     """Mesh of a whole body, in the body's own frame.
 
-    Parameters
-    ----------
-    body : Body
-        With a mesh.
-    flanks : tuple of (int, float)
-        Tooth and angle (rad) of each flank that may touch; a flank with pitch error moves the
-        border with it.
-
-    Returns
-    -------
-    Triangles
-        `curves` in the order of `flanks`.
+    Each flank that may touch has its tooth and its angle (rad); a flank with pitch error moves the
+    border with it. `curves` follow the order of the flanks.
     """
     mesh = body.mesh
     assert mesh is not None
     if isinstance(mesh, SectorMesh):
-        nodes, cells, held = _all_sectors(mesh)
+        nodes, cells, numbers = ring_of(mesh)
+        held = numbers[:, mesh.fixed_nodes]
     else:
-        nodes, cells, held = mesh.nodes, mesh.cells, mesh.fixed_nodes
+        nodes, cells, held = mesh.nodes.copy(), mesh.cells, mesh.fixed_nodes
     edges = boundary_edges(cells)
     curves = tuple(body.curve.rotated(angle) for _, angle in flanks)
-    nodes = nodes.copy()
     flank = np.full(len(edges), -1)
     s_ends = np.full((len(edges), 2), np.nan)
-    known = _given_arc_lengths(body, mesh, nodes)
     for k, (tooth, angle) in enumerate(flanks):
-        share = 2 * np.pi * tooth / body.teeth
-        standing = angle if not isinstance(mesh, SectorMesh) else share
-        s = _arc_lengths(body.curve.rotated(standing), nodes, edges, known.get(tooth))
+        standing, known = angle, np.full(len(nodes), np.nan)
+        if isinstance(mesh, SectorMesh):
+            standing = 2 * np.pi * tooth / body.teeth
+            known[numbers[tooth]] = mesh.flank_arc_length
+        for given in mesh.flanks if isinstance(mesh, WholeMesh) else ():
+            if given.tooth == tooth:
+                known = given.flank_arc_length
+        s = _arc_lengths(body.curve.rotated(standing), nodes, edges, known)
         ours = ~np.isnan(s[edges]).any(axis=1)
         on = np.unique(edges[ours])
         nodes[on] = curves[k].point(s[on])
@@ -133,14 +132,12 @@ def moved(mesh: Triangles, turn_rad: float, shift_mm: float) -> Triangles:
 
     Its curves remain in the body's frame and are omitted.
     """
-    c, s = np.cos(turn_rad), np.sin(turn_rad)
-    turn = np.array([[c, s], [-s, c]])
     shift = np.array([shift_mm, 0.0])
-    border = replace(mesh.border, middles=mesh.border.middles @ turn + shift)
-    return Triangles(mesh.vertices @ turn + shift, mesh.corners, border, ())
+    border = replace(mesh.border, middles=turned(mesh.border.middles, turn_rad) + shift)
+    return Triangles(turned(mesh.vertices, turn_rad) + shift, mesh.corners, border, ())
 
 
-def without(mesh: Triangles, dropped: NDArray[np.bool_]) -> Triangles:
+def without(mesh: Triangles, dropped: Flags) -> Triangles:
     """The same body without some triangles (m,); new sides of its border are straight."""
     corners = mesh.corners[~dropped]
     numbers, ends = sides(corners)
@@ -169,14 +166,8 @@ def without(mesh: Triangles, dropped: NDArray[np.bool_]) -> Triangles:
 def quadratic(mesh: Triangles) -> tuple[Floats, Numbers, Numbers]:
     """Six-node triangles.
 
-    Returns
-    -------
-    nodes : (N, 2) array
-        The vertices first, then the middles.
-    cells : (m, 6) array
-        Corners, then the middles of the sides 0-1, 1-2, 2-0.
-    border : (k,) array
-        Middle nodes of the border's sides.
+    Returns the nodes (N, 2), vertices first, then middles; the cells (m, 6), corners, then middles
+    of the sides 0-1, 1-2, 2-0; and the middle nodes (k,) of the border's sides.
     """
     numbers, ends = sides(mesh.corners)
     n = len(mesh.vertices)
@@ -203,49 +194,25 @@ def find_sides(ends: Numbers, wanted: Numbers, count: int) -> Numbers:
     return np.searchsorted(keys, low * count + high)
 
 
-def _all_sectors(
-    mesh: SectorMesh,
-) -> tuple[Floats, tuple[tuple[str, Numbers], ...], Numbers]:
-    """All sectors of a body, with merged nodes on the cuts."""
-    from scipy.spatial import cKDTree
-
-    n = len(mesh.nodes)
-    angles = 2 * np.pi * np.arange(mesh.teeth) / mesh.teeth
-    c, s = np.cos(angles), np.sin(angles)
-    turns = np.stack([np.stack([c, s], 1), np.stack([-s, c], 1)], axis=1)
-    nodes = np.einsum("ni,tij->tnj", mesh.nodes, turns).reshape(-1, 2)
-    ends = np.concatenate([data[:, :2] for _, data in mesh.cells])
-    shortest = float(np.linalg.norm(np.diff(mesh.nodes[ends], axis=1), axis=2).min())
-    number = np.arange(len(nodes))
-    for a, b in cKDTree(nodes).query_pairs(SAME_NODE * shortest, output_type="ndarray"):
-        number[max(a, b)] = min(number[a], number[b])
-    number = number[number]
-    offsets = n * np.arange(mesh.teeth)[:, None, None]
-    cells = tuple(
-        (kind, number[(data[None] + offsets).reshape(-1, data.shape[1])])
-        for kind, data in mesh.cells
-    )
-    held = np.unique(number[(mesh.fixed_nodes[None] + offsets[:, 0]).ravel()])
-    return nodes, cells, held
+def border_owners(mesh: Triangles) -> Numbers:
+    """(k, 2) Triangle and side (0 to 2) that each side of the border belongs to."""
+    numbers, ends = sides(mesh.corners)
+    owner = np.zeros((len(ends), 2), dtype=np.int64)
+    for side in range(3):
+        owner[numbers[:, side]] = np.stack(
+            [np.arange(len(numbers)), np.full(len(numbers), side)], axis=1
+        )
+    return owner[find_sides(ends, mesh.border.ends, len(mesh.vertices))]
 
 
-def _given_arc_lengths(
-    body: Body, mesh: SectorMesh | WholeMesh, nodes: Floats
-) -> dict[int, Floats]:
-    """Arc lengths stored in the mesh, over all nodes, by tooth."""
-    if not isinstance(mesh, SectorMesh):
-        return {flank.tooth: flank.flank_arc_length for flank in mesh.flanks}
-    n = len(mesh.nodes)
-    found = {}
-    for tooth in range(body.teeth):
-        s = np.full(len(nodes), np.nan)
-        s[n * tooth : n * (tooth + 1)] = mesh.flank_arc_length
-        found[tooth] = s
-    return found
+def held_nodes(mesh: Triangles, middles: Numbers) -> Numbers:
+    """Fixed nodes, with the middle nodes (k,) of the border's sides."""
+    held = mesh.border.held
+    return np.unique(np.concatenate([mesh.border.ends[held].ravel(), middles[held]]))
 
 
-def _arc_lengths(curve: FlankCurve, nodes: Floats, edges: Numbers, known: Floats | None) -> Floats:
-    """Arc lengths (N,) of the border nodes on a flank; NaN elsewhere."""
+def _arc_lengths(curve: FlankCurve, nodes: Floats, edges: Numbers, known: Floats) -> Floats:
+    """Arc lengths (N,) of the border nodes on a flank, known ones as they are; NaN elsewhere."""
     border = np.unique(edges)
     samples = curve.point(np.linspace(0.0, curve.length_mm, 64))
     low, high = samples.min(axis=0), samples.max(axis=0)
@@ -256,12 +223,10 @@ def _arc_lengths(curve: FlankCurve, nodes: Floats, edges: Numbers, known: Floats
         places, distance = curve.arc_length_of(nodes[near])
         on = distance <= ON_CURVE * curve.length_mm
         s[near[on]] = places[on]
-    if known is not None:
-        s = np.where(np.isnan(known), s, known)
-    return s
+    return np.where(np.isnan(known), s, known)
 
 
-def _triangles(nodes: Floats, cells: tuple[tuple[str, Numbers], ...]) -> Numbers:
+def _triangles(nodes: Floats, cells: Cells) -> Numbers:
     """Corners of triangles: quadrilaterals are split along their shorter diagonal."""
     parts = []
     for kind, data in cells:
@@ -276,3 +241,112 @@ def _triangles(nodes: Floats, cells: tuple[tuple[str, Numbers], ...]) -> Numbers
         chosen = np.where(first <= second, split, other)
         parts.append(chosen.transpose(0, 2, 1).reshape(-1, 3))
     return np.concatenate(parts)
+
+
+def refined(mesh: Triangles, size_at: Callable[[Floats], Floats]) -> Triangles:
+    """Refine until no side is longer than wanted and no border side is bent too much.
+
+    `size_at` maps places (m, 2) to the largest allowed side of a triangle there (m,), mm.
+    """
+    for _ in range(MOST_HALVINGS):
+        places = mesh.vertices[mesh.corners]
+        longest = _lengths(places).max(axis=1)
+        marked = (longest > size_at(places.mean(axis=1))) | _bent(mesh)
+        if not marked.any():
+            break
+        mesh = _halved(mesh, marked)
+    return mesh
+
+
+def _bent(mesh: Triangles) -> Flags:
+    """Triangles that a curved side of the border nearly inverts."""
+    nodes, cells, middles = quadratic(mesh)
+    on_border = np.zeros(len(nodes), dtype=bool)
+    on_border[middles] = True
+    outer = np.flatnonzero(on_border[cells[:, 3:]].any(axis=1))
+    determinants = jacobians(nodes, "triangle6", cells[outer])
+    bent = np.zeros(len(cells), dtype=bool)
+    bent[outer] = determinants.min(axis=1) < LEAST_JACOBIAN * determinants.mean(axis=1)
+    return bent
+
+
+def _lengths(places: Floats) -> Floats:
+    """Lengths (m, 3) of the sides 0-1, 1-2, 2-0 of triangles with corners (m, 3, 2)."""
+    return np.asarray(np.linalg.norm(places - np.roll(places, -1, axis=1), axis=2))
+
+
+def _halved(mesh: Triangles, marked: Flags) -> Triangles:
+    """Bisect marked triangles, and those that must follow."""
+    own, ends = sides(mesh.corners)
+    longest = _lengths(mesh.vertices[mesh.corners]).argmax(axis=1)
+    rows = np.arange(len(own))
+    parted = np.zeros(len(ends), dtype=bool)
+    parted[own[rows, longest][marked]] = True
+    while True:
+        follow = parted[own].any(axis=1) & ~parted[own[rows, longest]]
+        if not follow.any():
+            break
+        parted[own[rows, longest][follow]] = True
+    count = len(mesh.vertices)
+    middles = mesh.vertices[ends].mean(axis=1)
+    border_side = find_sides(ends, mesh.border.ends, count)
+    middles[border_side] = mesh.border.middles
+    new = np.full(len(ends), -1)
+    new[parted] = count + np.arange(int(parted.sum()))
+    # rotated so that the longest side comes first
+    order = (longest[:, None] + np.arange(3)) % 3
+    corners = np.take_along_axis(mesh.corners, order, axis=1)
+    vertices = np.concatenate([mesh.vertices, middles[parted]])
+    return Triangles(
+        vertices=vertices,
+        corners=_parts(corners, new[np.take_along_axis(own, order, axis=1)]),
+        border=_halved_border(mesh, new[border_side]),
+        curves=mesh.curves,
+    )
+
+
+def _parts(corners: Numbers, new: Numbers) -> Numbers:
+    """Triangles after bisection; `new` (m, 3) are the vertices on their sides, -1 if none."""
+    (a, b, c), (p, q, r) = corners.T, new.T
+    none, second, third = p < 0, q >= 0, r >= 0
+    once = ~none
+    parts = [
+        np.stack([a, b, c], 1)[none],
+        np.stack([p, b, c], 1)[once & ~second],
+        np.stack([p, b, q], 1)[once & second],
+        np.stack([p, q, c], 1)[once & second],
+        np.stack([a, p, c], 1)[once & ~third],
+        np.stack([a, p, r], 1)[once & third],
+        np.stack([p, c, r], 1)[once & third],
+    ]
+    return np.concatenate(parts)
+
+
+def _halved_border(mesh: Triangles, new: Numbers) -> Border:
+    """The border with bisected sides; `new` (k,) are the vertices on them, or -1."""
+    old = mesh.border
+    keep, part = new < 0, new >= 0
+    ends, s = old.ends[part], old.s[part]
+    at = new[part]
+    a, b, m = mesh.vertices[ends[:, 0]], mesh.vertices[ends[:, 1]], old.middles[part]
+    s_middle = s.mean(axis=1)
+    # at one and three quarters of the parabola through both ends and the middle
+    first = 0.375 * a + 0.75 * m - 0.125 * b
+    second = -0.125 * a + 0.75 * m + 0.375 * b
+    flank = old.flank[part]
+    for k, curve in enumerate(mesh.curves):
+        on = flank == k
+        if on.any():
+            first[on] = curve.point(0.5 * (s[on, 0] + s_middle[on]))
+            second[on] = curve.point(0.5 * (s_middle[on] + s[on, 1]))
+    return Border(
+        ends=np.concatenate(
+            [old.ends[keep], np.stack([ends[:, 0], at], 1), np.stack([at, ends[:, 1]], 1)]
+        ),
+        middles=np.concatenate([old.middles[keep], first, second]),
+        flank=np.concatenate([old.flank[keep], flank, flank]),
+        s=np.concatenate(
+            [old.s[keep], np.stack([s[:, 0], s_middle], 1), np.stack([s_middle, s[:, 1]], 1)]
+        ),
+        held=np.concatenate([old.held[keep], old.held[part], old.held[part]]),
+    )

@@ -15,9 +15,13 @@ from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.prism import Prism, prism_compliance
-from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions, cross_terms
+from flankload.elasticity.prism.axial_basis import (
+    AxialBasis,
+    AxialRegions,
+    cross_terms,
+    functions_of,
+)
 from flankload.elasticity.prism.condensation import condense_prism
-from flankload.elasticity.prism.regions import functions_of
 from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import close_ring
 from tests.support.plain_prism import product_loads, unknowns, whole_stiffness

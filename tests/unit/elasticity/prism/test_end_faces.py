@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flankload.bodies.involute.involute_body import build_involute_body
-from flankload.elasticity.prism.end_faces import edge_angles, end_strength
+from flankload.elasticity.prism.flank_surface import edge_angles, end_strength
 from flankload.errors import SceneError
 from tests.support.ring_bodies import gear
 

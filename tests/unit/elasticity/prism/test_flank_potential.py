@@ -10,13 +10,9 @@ import pytest
 from numpy.polynomial.legendre import leggauss, legvander
 
 from flankload.bodies.tip_modes import Tip
-from flankload.elasticity.prism.flank_potential import (
-    FlankSurface,
-    line_segment,
-    love_rectangle,
-    projected_potential,
-    projected_tangential,
-)
+from flankload.elasticity.prism.flank_potential import projected_potential, projected_tangential
+from flankload.elasticity.prism.flank_surface import FlankSurface
+from tests.support.rectangle_means import line_segment, love_rectangle
 from tests.support.tolerances import ROUND_OFF
 
 NONE = (0.0, 0.0)

@@ -1,49 +1,53 @@
-"""Text lines about the tolerance report and the validity of an error estimate."""
+"""Lines of text about warnings, violated premises and the report on a tolerance."""
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from flankload.result.result import Result
 
+#: Separate numbers, not those in a name such as body_1.
+NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[-+]?\d+)?")
 #: Error bound relative to the largest transmission error, for estimates given as part of it.
 PEAK_TO_PEAK = "transmission_error_peak_to_peak"
 #: Prefix of results that violate a premise.
 OUTSIDE = "outside the model's limits"
 
 
-def outside_words(names: Sequence[str]) -> str:
-    """Words that accompany an error estimate if premises are violated.
+def warning_lines(results: Sequence[Result]) -> list[str]:
+    """Warnings of the results of a scene, one per torque, without repetition.
 
-    Parameters
-    ----------
-    names : sequence of str
-        `Result.outside_limits`.
-
-    Returns
-    -------
-    str
-        Empty if all premises hold.
+    Warnings that differ only in their numbers are merged, in the words of the largest torque; a
+    warning that does not apply to all torques names its torques.
     """
-    if not names:
-        return ""
-    return f"; {OUTSIDE} ({', '.join(name.replace('_', ' ') for name in names)})"
+    groups: dict[str, dict[float, str]] = {}
+    for result in results:
+        for text in result.warnings:
+            groups.setdefault(NUMBER.sub("#", text), {})[result.torque_Nm] = text
+    return [_line(said, len(results)) for said in groups.values()]
+
+
+def _line(said: dict[float, str], torques: int) -> str:
+    largest = max(said)
+    if len(said) == torques and len(set(said.values())) == 1:
+        return said[largest]
+    others = ", ".join(f"{torque:g}" for torque in sorted(said) if torque != largest)
+    alike = f"; similar under {others} N m" if others else ""
+    return f"{said[largest]} [under {largest:g} N m{alike}]"
+
+
+def outside_words(names: Sequence[str]) -> str:
+    """Words that accompany an error estimate if premises (`Result.outside_limits`) are violated."""
+    listed = ", ".join(name.replace("_", " ") for name in names)
+    return f"; {OUTSIDE} ({listed})" if names else ""
 
 
 def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
-    """Verdict, discretization, changes of the discretization, and missed limits.
-
-    Parameters
-    ----------
-    found : mapping
-        `Result.accuracy`.
-
-    Returns
-    -------
-    list of str
-    """
+    """Verdict, discretization, changes of it, and missed limits, of `Result.accuracy`."""
     lines = [f"{percent(found['tolerance'])}: {_verdict(found)}"]
     words = ", ".join(_words(knob, row) for knob, row in found["knobs"].items())
     if words:

@@ -1,9 +1,9 @@
-"""Unit loads as pressure modes, and the smooth part of their response."""
+"""Unit loads of the flanks of a body: pressure modes, or forces at the nodes of the elements."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -13,18 +13,17 @@ from flankload.elasticity.compliance.parts import NearField
 from flankload.elasticity.near_field import (
     jump_strength,
     logarithm_strength,
+    mode_loads,
     projected_near_field,
     projected_sign,
     to_coefficients,
 )
+from flankload.elasticity.nodal_loads import hat_loads
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from flankload.bodies.body import Body
+    from flankload.base.arrays import Floats, Numbers
+    from flankload.bodies.body import Body, MeshedFlank, SectorMesh
     from flankload.cost import Account
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +32,9 @@ class ModeLoads:
 
     Attributes
     ----------
-    body : Body
     count : int
         Number of modes of a flank, including those of its tip.
     plane : {"strain", "stress"}
-    friction : bool
     """
 
     body: Body
@@ -64,6 +61,13 @@ class ModeLoads:
         """End of the tip modes, which follow those of the flank and are included in `count`."""
         return self.body.tip
 
+    def columns(
+        self, flank: SectorMesh | MeshedFlank, along: Literal["normal", "tangent"]
+    ) -> Floats:
+        """Nodal forces (2 N, count) of the modes along the normal or the tangent of a flank."""
+        span, closed = self.body.mode_range_mm, self.body.curve.closed
+        return mode_loads(flank, span, self.count, along=along, closed=closed, tip=self.tip)
+
     def coefficients(self, moments: Floats) -> Floats:
         """Mode coefficients of moments (k, r, …) along the second axis."""
         body, n = self.body, self.count
@@ -74,21 +78,11 @@ class ModeLoads:
         ]
         return np.concatenate(found).swapaxes(0, 1)
 
-    def settle(
-        self,
-        response: Floats,
-        own: NDArray[np.int64],
-        account: Account,
-    ) -> None:
+    def settle(self, response: Floats, own: Numbers, account: Account) -> None:
         """Subtract the near field from a response and convert it to mode coefficients, in place.
 
-        Parameters
-        ----------
-        response : (k, p, p) array
-            Projected on the modes; overwritten.
-        own : array
-            Indices of the responses of flanks to loads on themselves.
-        account : Account
+        The response (k, p, p) is projected on the modes; `own` are the indices of the responses of
+        flanks to loads on themselves.
         """
         low, high = self.body.mode_range_mm
         n, tip = self.count, self.tip
@@ -115,3 +109,45 @@ class ModeLoads:
     def missed(self, missed: Floats) -> Floats:
         """Estimated error of the elements along the normal, as a map between coefficients."""
         return self.between(missed[:, : self.count])
+
+
+@dataclass(frozen=True, eq=False)
+class NodeLoads:
+    """Unit forces at nodes; with friction followed by as many along the flank.
+
+    Their response includes the near field.
+
+    Attributes
+    ----------
+    nodes : (n,) array
+        Arc lengths, mm.
+    plane : {"strain", "stress"}
+    """
+
+    body: Body
+    nodes: Floats
+    plane: str
+
+    #: The flank has no tip modes.
+    tip = None
+
+    @property
+    def count(self) -> int:
+        """Number of nodes of a flank."""
+        return self.nodes.size
+
+    @property
+    def near_field(self) -> NearField:
+        """Only the strength of the logarithm, for the expected width of contacts."""
+        return NearField(logarithm_strength(self.body.material, self.plane))
+
+    def columns(
+        self, flank: SectorMesh | MeshedFlank, along: Literal["normal", "tangent"]
+    ) -> Floats:
+        """Nodal forces (2 N, n) of unit forces along the normal or the tangent of a flank."""
+        return hat_loads(flank, self.nodes, along=along)
+
+    def settle(self, response: Floats, own: Numbers, account: Account) -> None:
+        """Count the unit forces; the response is left as it is (see `ModeLoads.settle`)."""
+        assert self.body.mesh is not None
+        account.count(unit_loads_nodal=response.shape[2] * len(self.body.mesh.flanks))

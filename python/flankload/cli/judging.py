@@ -1,0 +1,148 @@
+"""The commands that judge the program: accuracy, verify, benchmark."""
+
+from __future__ import annotations
+
+import json
+import sys
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder, write_text
+from flankload.cli.solving import Progress
+from flankload.errors import SceneError
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+    from flankload.studies.benchmark import Answers, Case
+
+#: Range of elements on the half-width of a contact: fewer do not resolve the pressure, more take
+#: hours. Solids do not need the pressure.
+FEWEST, FEWEST_SOLID, MOST = 1.0, 0.2, 100.0
+
+
+def accuracy(arguments: Namespace) -> None:
+    """Run, write and print the study; after an interruption, the finished part of it."""
+    if not (isfinite(arguments.budget) and arguments.budget > 0):
+        raise SceneError(key="--budget", expected="CPU seconds > 0", found=f"{arguments.budget:g}")
+    files = {"--csv": arguments.csv, "--json": arguments.json}
+    if STDOUT in files.values() and files["--csv"] == files["--json"]:
+        raise SceneError(key="--json", expected="a file, since --csv uses stdout", found="-")
+    named = {**files, "--resume": arguments.resume}
+    places = {key: Path(path) for key, path in named.items() if path not in (None, STDOUT)}
+    for key, path in places.items():
+        check_file(key, path)
+    if arguments.plot is not None:
+        check_folder("--plot", arguments.plot, content="PNG files")
+        places["--plot"] = arguments.plot
+    from flankload.scene import read_scene
+
+    scene = read_scene(arguments.scene)
+    check_apart(places.items(), scene)
+    from flankload.studies.accuracy import accuracy as study_of
+
+    with Progress(wanted=sys.stderr.isatty()) as progress:
+        study = study_of(
+            scene,
+            tuple(arguments.quantities.split(",")),
+            arguments.budget,
+            progress=progress.tell,
+            resume=arguments.resume,
+        )
+    for path, text_of in ((arguments.csv, study.to_csv), (arguments.json, study.to_json)):
+        if path is not None:
+            write_text(path, text_of())
+    if arguments.plot is not None:
+        from flankload.plot.work_precision import write_work_precision
+
+        write_work_precision(study, arguments.plot)
+    if STDOUT not in files.values():
+        print(study)
+    if study.interrupted:
+        raise KeyboardInterrupt
+
+
+def verify(arguments: Namespace) -> None:
+    """Print both solutions side by side."""
+    if arguments.folder is not None:
+        check_folder("-o", arguments.folder, content="the deck")
+    limit = arguments.time_limit
+    if limit is not None and not (isfinite(limit) and limit > 0):
+        raise SceneError(key="--time-limit", expected="seconds > 0", found=f"{limit:g}")
+    from flankload.scene import read_scene
+    from flankload.scene.effects import is_spatial
+
+    scene = read_scene(arguments.scene)
+    if arguments.dimension is not None:
+        scene = scene.replace({"effects.dimension": arguments.dimension})
+    _check_elements(arguments.elements, solid=is_spatial(scene).on)
+    from flankload.studies.verification import files_of_deck
+    from flankload.studies.verification import verify as compared
+
+    if arguments.folder is not None:
+        check_apart((("-o", path) for path in files_of_deck(arguments.folder)), scene)
+
+    found = compared(
+        scene,
+        position=arguments.position,
+        folder=arguments.folder,
+        run=not arguments.no_run,
+        time_limit_s=limit,
+        elements_per_half_width=arguments.elements,
+        large_displacement=arguments.large_displacement,
+        program=arguments.program,
+    )
+    print(found.to_json() if arguments.json else found.table(), end="" if arguments.json else "\n")
+
+
+def _check_elements(elements: float | None, *, solid: bool) -> None:
+    """Refuse a number of elements on the half-width outside its range."""
+    fewest = FEWEST_SOLID if solid else FEWEST
+    if elements is not None and not fewest <= elements <= MOST:
+        raise SceneError(
+            key="--elements",
+            expected=f"a number from {fewest:g} to {MOST:g}",
+            found=f"{elements:g}",
+        )
+
+
+def benchmark(arguments: Namespace) -> None:
+    """Solve the cases, or read the answers of a program, and print the comparison."""
+    from flankload.studies.benchmark import check_answers, compare, read_answers, read_cases
+
+    printed = str(arguments.output) == STDOUT
+    if printed and arguments.json:
+        raise SceneError(key="-o", expected="a file, since --json uses stdout", found="-")
+    if arguments.output is not None and not printed:
+        check_file("-o", arguments.output)
+    cases = read_cases(arguments.folder, arguments.cases)
+    if arguments.answers is None:
+        answers = _solve(cases, arguments)
+    else:
+        answers = read_answers(arguments.answers)
+        check_answers(answers, read_cases(arguments.folder), arguments.answers)
+    if arguments.output is not None:
+        values = {"program": answers.program, "values": answers.values, "seconds": answers.seconds}
+        write_text(arguments.output, json.dumps(values, indent=1) + "\n")
+    if printed:
+        return
+    found = compare(cases, answers)
+    if arguments.json:
+        print(json.dumps(found.as_dict(), indent=1))
+        return
+    texts = [found.case_text(case.name) for case in cases] if arguments.cases else []
+    print("\n\n".join([*texts, found.to_text()]))
+
+
+def _solve(cases: tuple[Case, ...], arguments: Namespace) -> Answers:
+    """Answers of this program."""
+    import flankload
+    from flankload.studies.benchmark import Answers, answers_of
+
+    values, seconds = {}, {}
+    with Progress(wanted=sys.stderr.isatty()) as progress:
+        for number, case in enumerate(cases):
+            progress.tell("benchmark", number, len(cases))
+            values[case.name], seconds[case.name] = answers_of(case, arguments.folder)
+    return Answers(f"flankload {flankload.__version__}", values, seconds)

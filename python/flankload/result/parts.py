@@ -1,0 +1,182 @@
+"""Parts of a result that only some scenes have: slices, shafts, coast flanks, friction, drives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from flankload.base.arrays import Flags, Floats, Numbers
+from flankload.base.card import Card
+from flankload.base.read_only import KeepsReadOnly, frozen
+from flankload.result.course import Course
+from flankload.result.drives import BeltDrive, ChainDrive
+from flankload.result.friction import FrictionResult
+from flankload.result.pairs import PairTable
+from flankload.result.root_stress import RootReading, RootStress, root_stress
+from flankload.result.slices import SliceLoads
+
+#: Arrays over positions and sites that only results with coast flanks have, with their units.
+OVER_COAST_SITES = {"coast_force_N": "N", "coast_peak_pressure_MPa": "MPa"}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CoastContact(KeepsReadOnly, Card):
+    """Contact on coast flanks at P positions, for the S pair numbers of the working flanks.
+
+    Pair j is the tooth of body 1 whose working flank belongs to pair j; its coast flank faces the
+    tooth of body 2 that meets the next tooth, or, if body 2 is an internal gear, the other side of
+    its own space.
+
+    Attributes
+    ----------
+    force_N, peak_pressure_MPa : (P, S) arrays
+        Force and largest pressure; 0 if open.
+    corner_contact : (P, S) array of bool
+        Contact on a sharp corner, where the peak pressure is meaningless.
+    pair_tables : sequence of PairTable, one per position
+        Their forces turn body 1 against its torque.
+    """
+
+    force_N: Floats
+    peak_pressure_MPa: Floats
+    corner_contact: Flags
+    pair_tables: Sequence[PairTable]
+
+    @property
+    def loaded(self) -> Numbers:
+        """(P,) Number of coast flanks that carry load."""
+        return np.asarray((self.force_N > 0).sum(axis=1))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ShaftLoads(KeepsReadOnly, Card):
+    """Shafts and bearings of both bodies at P positions.
+
+    Attributes
+    ----------
+    tilt_um_per_mm : (P,) array
+        Slope of the gap between the flanks by both shafts, along the base tangent; positive if the
+        gap opens towards larger z, as a positive `helix_slope_um` over the face width does.
+    bearing_force_1_N, bearing_force_2_N : (P, B, 3) arrays
+        Force (x, y, z) of the shaft on each of its B bearings; x from axis 1 to axis 2, z along the
+        axes. B = 0 if the shaft is known by its compliance only, and without a shaft.
+    k_h_beta_iso : float or None
+        Face load factor by the formulas of ISO 6336-1, method C, for comparison only; None without
+        a shaft that bends and twists under the teeth of the pinion, and where they do not apply.
+    """
+
+    tilt_um_per_mm: Floats
+    bearing_force_1_N: Floats
+    bearing_force_2_N: Floats
+    k_h_beta_iso: float | None = None
+
+    @property
+    def bearing_forces(self) -> dict[str, Floats]:
+        """Forces on the bearings of the shafts with known bearings, by name."""
+        names = ("bearing_force_1_N", "bearing_force_2_N")
+        return {name: getattr(self, name) for name in names if getattr(self, name).size}
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Parts(Course):
+    """A course with the parts that only some scenes have; fields as in `Result`."""
+
+    friction: FrictionResult | None = None
+    root_readings: tuple[RootReading | None, RootReading | None] = (None, None)
+    drive: ChainDrive | BeltDrive | None = None
+    coast: CoastContact | None = None
+    slices: SliceLoads | None = None
+    shafts: ShaftLoads | None = None
+
+    @property
+    def words_for_sites(self) -> tuple[str, str]:
+        """Words for a site, and for several: pair, tooth or roller."""
+        if self.drive is not None:
+            return self.drive.words_for_sites
+        return ("tooth", "teeth") if self.whole_circle else ("pair", "pairs")
+
+    @cached_property
+    def line_load_N_per_mm(self) -> Floats:
+        """(P, S) Force of each pair per mm of face width; (P, S, J) in three dimensions."""
+        if self.slices is not None:
+            return self.slices.line_load_N_per_mm
+        return frozen(self.site_force_N / self.face_width_mm)
+
+    @property
+    def slice_z_mm(self) -> Floats:
+        """(J,) Axial positions of the slices; one slice at 0 in a plane scene."""
+        return frozen(np.zeros(1)) if self.slices is None else self.slices.z_mm
+
+    @property
+    def slice_peak_pressure_MPa(self) -> Floats:
+        """(P, S, J) Largest pressure of each flank pair in each slice."""
+        if self.slices is None:
+            return self.peak_pressure_MPa[..., np.newaxis]
+        return self.slices.peak_pressure_MPa
+
+    @property
+    def slice_line_load_N_per_mm(self) -> Floats:
+        """(P, S, J) Force per mm of face width of each flank pair in each slice."""
+        if self.slices is None:
+            return self.line_load_N_per_mm[..., np.newaxis]
+        return self.slices.line_load_N_per_mm
+
+    @property
+    def tilt_um_per_mm(self) -> Floats | None:
+        """(P,) Slope of the gap along z by both shafts, um/mm; None without shafts."""
+        return None if self.shafts is None else self.shafts.tilt_um_per_mm
+
+    @property
+    def axial_force_N(self) -> Floats:
+        """(P,) Axial force on body 1, positive along z; 0 in a plane scene."""
+        if self.slices is None:
+            return frozen(np.zeros_like(self.rotation_rad))
+        return self.slices.axial_force_N
+
+    @property
+    def tilting_moment_Nm(self) -> Floats:
+        """(P,) Moment of the transverse forces about the middle of the face width, N m; 0 if plane.
+
+        Positive if more load is at larger z; of a spline the magnitude of the moment about x and y.
+        """
+        if self.slices is None:
+            return frozen(np.zeros_like(self.rotation_rad))
+        return self.slices.tilting_moment_Nm
+
+    @property
+    def flank_face_load_factor(self) -> Floats:
+        """(P, S) Largest line load of each flank over its mean; 1 in a plane scene."""
+        if self.slices is None:
+            return frozen(np.ones_like(self.site_force_N))
+        return self.slices.flank_face_load_factor
+
+    @property
+    def face_load_factor(self) -> float:
+        """K_Hbeta: largest line load of a slice over the mean; 1 in a plane scene.
+
+        The load of a slice is the sum over all flanks; of a spline that of one tooth, and the mean
+        is that of all teeth.
+        """
+        return 1.0 if self.slices is None else self.slices.face_load_factor
+
+    @property
+    def coast_force_N(self) -> Floats | None:
+        """(P, S) Force of each coast flank, 0 if open; None if they cannot carry load."""
+        return None if self.coast is None else self.coast.force_N
+
+    @property
+    def coast_peak_pressure_MPa(self) -> Floats | None:
+        """(P, S) Largest pressure of each coast flank; None if they cannot carry load."""
+        return None if self.coast is None else self.coast.peak_pressure_MPa
+
+    @cached_property
+    def root_stress(self) -> tuple[RootStress | None, RootStress | None]:
+        """Stress in the tooth roots of both bodies; None if not requested, or for rigid bodies."""
+        one, two = (
+            None if reading is None else root_stress(reading, self.pair_tables, self.sites, z)
+            for z, reading in enumerate(self.root_readings)
+        )
+        return one, two
