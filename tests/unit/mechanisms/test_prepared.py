@@ -19,6 +19,7 @@ from flankload.flank import fit
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.parts import MOST_PARTS, Parts, made_once
 from tests.support.gear_scenes import SCENE, example
+from tests.support.mesh_files import COARSE_PINION, COARSE_WHEEL
 from tests.support.paths import SCENES
 from tests.support.scene_walk import BESIDE, other_values
 
@@ -62,7 +63,10 @@ BASES: dict[str, dict[str, Any]] = {
     "cam": {
         **{"accuracy.flank_element_mm": 12.0, "positions": {"angles_deg": [40.0, 200.0]}, **COARSE}
     },
-    "external_gear_mesh_profile": COARSE,
+    "external_gear_mesh_profile": {
+        **{"body_1.file": str(COARSE_PINION), "body_2.file": str(COARSE_WHEEL)},
+        **COARSE,
+    },
     "external_gear_compliance": COARSE,
 }
 #: Keys that reach the elements of a body, by the end of their path: section, material, holding,
