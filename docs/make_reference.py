@@ -28,7 +28,7 @@ from flankload.result import friction, quantities, root_stress
 from flankload.result.drives import BeltDrive, ChainDrive
 from flankload.result.parts import OVER_COAST_SITES
 from flankload.scene.form import expected_of, fields_of, is_required, types_of
-from flankload.scene.scene_file import Body1, Body2, SceneFile
+from flankload.scene.scene import Body1, Body2, SceneFile
 from flankload.scene.table import Table
 from flankload.scene.usual import _usual_ranges
 

@@ -9,19 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rounding import TIE
-from flankload.bodies.carrying_shaft import carrying_shaft
-from flankload.bodies.shaft import Shaft, build_shaft
+from flankload.bodies.shaft import Shaft, build_shaft, carrying_shaft
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
-    from flankload.bodies.carrying_shaft import CarryingShaft
+    from flankload.base.arrays import Floats
     from flankload.bodies.flank_surface import FlankSurface
+    from flankload.bodies.shaft import CarryingShaft
     from flankload.scene.axial import AxialKeys
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -47,18 +43,9 @@ class LeadModifications:
     end_relief_power: int = 1
 
     def at(self, zeta: Floats, width_mm: float) -> Floats:
-        """Metal removed, mm.
+        """Metal removed (n,) at places zeta (n,) along the face width, mm, >= 0.
 
-        Parameters
-        ----------
-        zeta : (n,) array
-            Places along the face width: 0 at the end of smaller z, 1 at the other.
-        width_mm : float
-
-        Returns
-        -------
-        (n,) array
-            >= 0.
+        zeta is 0 at the end of smaller z, 1 at the other.
         """
         removed = self.crowning_mm * (2.0 * zeta - 1.0) ** 2
         removed += _sloped(self.slope_mm, zeta)
@@ -159,21 +146,9 @@ def axial_shape(
     reference_radius_mm: float,
     surface: FlankSurface | None = None,
 ) -> AxialShape:
-    """Shape along the axis from the keys of a body.
+    """Shape along the axis from the keys of a body, with the positions of both ends.
 
-    Parameters
-    ----------
-    keys : AxialKeys
-    range_mm : (float, float)
-        Positions of both ends.
-    reference_radius_mm : float
-        Radius of the cylinder on which the helix angle is given.
-    surface : FlankSurface, optional
-        What varies over the height of the flanks.
-
-    Returns
-    -------
-    AxialShape
+    The helix angle is that on the reference radius; `surface` varies over the height of the flanks.
     """
     one, two = keys.end_relief_um or (0.0, 0.0)
     lengths = keys.end_relief_length_mm or (1.0, 1.0)

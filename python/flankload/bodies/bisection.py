@@ -9,18 +9,9 @@ if TYPE_CHECKING:
 
 
 def sign_change(function: Callable[[float], float], low: float, high: float) -> float:
-    """Bracketed point at which a function changes its sign.
+    """Point at which a continuous function of opposite signs at both ends changes its sign.
 
-    Parameters
-    ----------
-    function : callable
-        Continuous, of opposite signs at both ends.
-    low, high : float
-
-    Returns
-    -------
-    float
-        Exactly an end if the function is 0 there.
+    It is exactly an end if the function is 0 there.
 
     Raises
     ------

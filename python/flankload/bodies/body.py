@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies.tip_modes import Tip
-from flankload.errors import SceneError
+from flankload.meshes.blocks import edges_along
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.imported.given import GivenCompliance
     from flankload.bodies.profile.involute import Involute
     from flankload.flank import FlankCurve
+    from flankload.meshes.blocks import BlockMesh
 
 
 #: So near to the end of the modes' range, as part of it, the flank has its last direction.
@@ -65,16 +66,16 @@ class SectorMesh:
         are.
     """
 
-    nodes: NDArray[np.float64]
-    cells: tuple[tuple[str, NDArray[np.int64]], ...]
-    flank_edges: NDArray[np.int64]
-    flank_arc_length: NDArray[np.float64]
-    fixed_nodes: NDArray[np.int64]
-    left_nodes: NDArray[np.int64]
-    right_nodes: NDArray[np.int64]
+    nodes: Floats
+    cells: tuple[tuple[str, Numbers], ...]
+    flank_edges: Numbers
+    flank_arc_length: Floats
+    fixed_nodes: Numbers
+    left_nodes: Numbers
+    right_nodes: Numbers
     teeth: int
-    tip_edges: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
-    tip_arc_length: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 3)))
+    tip_edges: Numbers = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
+    tip_arc_length: Floats = field(default_factory=lambda: np.empty((0, 3)))
     regions: tuple[str, ...] = ()
 
     @property
@@ -96,18 +97,14 @@ class MeshedFlank:
     ----------
     tooth : int
         Tooth number: tooth k is k pitches counter-clockwise of tooth 0.
-    nodes : (N, 2) array
-        Nodes of the whole body, mm.
-    flank_edges : (m, 3) array
-        First, last and middle node of the edges with pressure modes, by ascending arc length.
-    flank_arc_length : (N,) array
-        Arc length on the flank curve of the nodes of `flank_edges`, mm; NaN elsewhere.
+    nodes, flank_edges, flank_arc_length
+        As in `SectorMesh`; nodes of the whole body.
     """
 
     tooth: int
-    nodes: NDArray[np.float64]
-    flank_edges: NDArray[np.int64]
-    flank_arc_length: NDArray[np.float64]
+    nodes: Floats
+    flank_edges: Numbers
+    flank_arc_length: Floats
 
 
 @dataclass(frozen=True)
@@ -122,10 +119,19 @@ class WholeMesh:
         By ascending tooth number, tooth 0 first.
     """
 
-    nodes: NDArray[np.float64]
-    cells: tuple[tuple[str, NDArray[np.int64]], ...]
-    fixed_nodes: NDArray[np.int64]
+    nodes: Floats
+    cells: tuple[tuple[str, Numbers], ...]
+    fixed_nodes: Numbers
     flanks: tuple[MeshedFlank, ...]
+
+    @classmethod
+    def of_blocks(cls, blocks: BlockMesh, fixed: Numbers, flank: Numbers, s: Floats) -> WholeMesh:
+        """Mesh of blocks with one flank, of nodes (2 m + 1,) at arc lengths s, mm."""
+        nodes = blocks.nodes
+        arc_length = np.full(len(nodes), np.nan)
+        arc_length[flank[::-1]] = s[::-1]  # a closed flank ends at its first node
+        flanks = (MeshedFlank(0, nodes, edges_along(flank), arc_length),)
+        return cls(nodes, blocks.quads, np.unique(fixed), flanks)
 
     @property
     def flank_elements(self) -> int:
@@ -252,14 +258,14 @@ class Body:
     teeth: int
     material: Material
     rigid: bool
-    mesh: SectorMesh | WholeMesh | None
     mode_range_mm: tuple[float, float]
     reference_radius_mm: float
-    involute: Involute | None
-    flank_angle_known: bool
-    pitch_errors_um: tuple[float, ...]
-    outline: NDArray[np.float64]
+    outline: Floats
     bore_radius_mm: float
+    mesh: SectorMesh | WholeMesh | None = None
+    involute: Involute | None = None
+    flank_angle_known: bool = True
+    pitch_errors_um: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
     flank_turns_rad: tuple[float, ...] = ()
     named_teeth: tuple[int, ...] = ()
@@ -345,17 +351,8 @@ class Body:
 
 
 def checked_pitch_errors(errors_um: tuple[float, ...], teeth: int, key: str) -> tuple[float, ...]:
-    """Pitch errors of a body: none, or one per tooth.
-
-    Raises
-    ------
-    SceneError
-        If there is another number of entries.
-    """
+    """Pitch errors of a body: none, or one per tooth; another number is refused."""
     if errors_um and len(errors_um) != teeth:
-        raise SceneError(
-            key=f"{key}.pitch_errors_um",
-            expected=f"one entry per tooth: {teeth}",
-            found=f"{len(errors_um)} entries",
-        )
+        expected = f"one entry per tooth: {teeth}"
+        refuse(f"{key}.pitch_errors_um", expected, f"{len(errors_um)} entries")
     return tuple(errors_um)

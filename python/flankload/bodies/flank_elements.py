@@ -8,9 +8,8 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats
 
-    Floats = NDArray[np.float64]
 
 GAUSS_POINTS = 8
 
@@ -18,19 +17,9 @@ GAUSS_POINTS = 8
 def gauss_places(nodes: Floats, *, quadratic: bool) -> tuple[Floats, Floats, Floats]:
     """Gauss points of all elements, with the shape functions there.
 
-    Parameters
-    ----------
-    nodes : (n,) array
-        Arc lengths of the nodes, ascending, mm.
-    quadratic : bool
-        Every second node is the middle node of an element (n odd).
-
-    Returns
-    -------
-    places, weights : (g,) arrays
-        Arc lengths of the Gauss points and weights of an integral over arc length, mm.
-    shapes : (g, n) array
-        Values of the nodes' shape functions.
+    The nodes (n,) are ascending arc lengths, mm; `quadratic`: every second one is the middle node
+    of an element. Returns arc lengths (g,) of the points and weights (g,) of an integral over arc
+    length, mm, and values (g, n) of the nodes' shape functions.
     """
     points, weights = leggauss(GAUSS_POINTS)
     if quadratic:

@@ -34,17 +34,9 @@ SAME_PLACE = 1e-6
 
 
 def image_strength(angle_deg: float) -> float:
-    """Strength psi of the mirror image behind a corner, Eq. (W1).
+    """Strength psi of the mirror image behind a corner of an interior angle > 0, Eq. (W1).
 
-    Parameters
-    ----------
-    angle_deg : float
-        Interior angle of the metal, above 0.
-
-    Returns
-    -------
-    float
-        0 where the metal turns by less than 5 degrees, or inwards.
+    0 where the metal turns by less than 5 degrees, or inwards.
     """
     if angle_deg > SMOOTH - LEAST_TURN:
         return 0.0
@@ -54,16 +46,7 @@ def image_strength(angle_deg: float) -> float:
 
 
 def image_strengths(body: Body) -> tuple[float, float]:
-    """Psi at the low and the high end of the range of a body's modes.
-
-    Parameters
-    ----------
-    body : Body
-
-    Returns
-    -------
-    (float, float)
-    """
+    """Psi at the low and the high end of the range of a body's modes."""
     low, high = corner_angles(body)
     return image_strength(low), image_strength(high)
 
@@ -72,16 +55,7 @@ def along_strength(angle_deg: float) -> float:
     """Strength psi_nt of the image of a force along the flank, towards the corner, Eq. (W3).
 
     By that force the flank moves along its normal by -c0 psi_nt ln(d + d') beside the jump.
-
-    Parameters
-    ----------
-    angle_deg : float
-        Interior angle of the metal, above 0.
-
-    Returns
-    -------
-    float
-        -pi sin^2 w/(w^2 - sin^2 w); 0 where there is no corner.
+    -pi sin^2 w/(w^2 - sin^2 w) with the interior angle w > 0 of the metal; 0 without a corner.
     """
     if not image_strength(angle_deg):
         return 0.0
@@ -96,17 +70,9 @@ def along_strengths(body: Body) -> tuple[float, float]:
 
 
 def corner_angles(body: Body) -> tuple[float, float]:
-    """Interior angles of the metal where the modes of a body end, degrees; 180 without a corner.
+    """Interior angles of the metal at the low and the high end of the modes of a body, degrees.
 
-    Parameters
-    ----------
-    body : Body
-        With elements, or with a compliance that tells the angles.
-
-    Returns
-    -------
-    (float, float)
-        At the low and the high end of the modes' range.
+    180 without a corner. The body has elements, or a compliance that tells the angles.
     """
     if body.given is not None:
         return body.given.corner_angles_deg
@@ -134,17 +100,7 @@ def _tip_is_sharp(body: Body) -> bool:
 
 
 def angle_at(mesh: SectorMesh | WholeMesh, node: int) -> float:
-    """Interior angle of the elements at a corner node of theirs, degrees; 180 on a cut face.
-
-    Parameters
-    ----------
-    mesh : SectorMesh or WholeMesh
-    node : int
-
-    Returns
-    -------
-    float
-    """
+    """Interior angle of the elements at a corner node of theirs, degrees; 180 on a cut face."""
     if isinstance(mesh, SectorMesh) and node in np.append(mesh.left_nodes, mesh.right_nodes):
         return SMOOTH
     whole = 0.0

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.profile.involute import Involute
 
-    Floats = NDArray[np.float64]
 
 #: Points in each interval of the curve.
 PLACES = 8
@@ -46,21 +44,12 @@ class ProfileDeviation:
 
 
 def deviation_at(involute: Involute, places: Floats) -> tuple[Floats, Floats]:
-    """Roll length and deviation of points near an involute.
+    """Roll length and deviation (m,) of points (m, 2) near an involute, mm.
 
     A point of the involute is r_b e_r(a) + r_b t e_theta(a) with a = th0 - t; the points on its
-    normal differ only in the length along the same e_theta(a).
-
-    Parameters
-    ----------
-    involute : Involute
-    places : (m, 2) array
-        Points in the frame of the body, not inside the base circle, mm.
-
-    Returns
-    -------
-    roll_length, deviation : (m,) arrays
-        r_b t, and the distance of the point from the involute, positive for extra material, mm.
+    normal differ only in the length along the same e_theta(a). The roll length is r_b t, the
+    deviation the distance of the point from the involute, positive for extra material. Points are
+    not inside the base circle.
     """
     base = involute.base_radius_mm
     reach = np.sqrt(np.maximum(np.sum(places**2, axis=1) - base**2, 0.0))
@@ -72,17 +61,7 @@ def deviation_at(involute: Involute, places: Floats) -> tuple[Floats, Floats]:
 
 
 def profile_deviation(body: Body) -> ProfileDeviation | None:
-    """Deviation of a body's flank between root fillet and tip rounding.
-
-    Parameters
-    ----------
-    body : Body
-
-    Returns
-    -------
-    ProfileDeviation or None
-        None if the involute is unknown.
-    """
+    """Deviation of a body's flank between root fillet and tip rounding; None without involute."""
     involute, curve = body.involute, body.curve
     if involute is None:
         return None

@@ -13,22 +13,21 @@ itself is not included.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import WholeMesh
 from flankload.errors import SceneError
 from flankload.meshes.plane_mesh import boundary_edges
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.bodies.body import Body, SectorMesh
     from flankload.flank import FlankCurve
 
-    Floats = NDArray[np.float64]
 
 #: Key of the scene that requests the tooth root stress.
 KEY = "effects.root_stress"
@@ -63,7 +62,7 @@ class RootPoints:
     radius_mm: Floats
     angle_rad: Floats
     slant_rad: Floats
-    working: NDArray[np.bool_]
+    working: Flags
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +78,7 @@ class FilletNodes:
         The points in the frame of the mesh, mm, and the unit tangents there.
     """
 
-    nodes: NDArray[np.int64]
+    nodes: Numbers
     shapes: Floats
     slopes: Floats
     places: Floats
@@ -102,7 +101,7 @@ class RootFillets:
     """
 
     points: RootPoints
-    degrees: tuple[NDArray[np.int64], ...]
+    degrees: tuple[Numbers, ...]
     strains: tuple[Floats, ...]
     on_elements: FilletNodes
 
@@ -114,18 +113,9 @@ class RootFillets:
 
 
 def root_fillets(body: Body, key: str) -> RootFillets:
-    """Find both fillets of every tooth that has a flank in the mesh.
+    """Find both fillets of every tooth that has a flank in the mesh of a body.
 
-    Parameters
-    ----------
-    body : Body
-        Body with a mesh.
-    key : str
-        "body_1" or "body_2", for messages.
-
-    Returns
-    -------
-    RootFillets
+    `key` is "body_1" or "body_2", for messages.
 
     Raises
     ------
@@ -159,13 +149,13 @@ def root_fillets(body: Body, key: str) -> RootFillets:
 
 def _both_sides(
     mesh: SectorMesh | WholeMesh, curve: FlankCurve, turn: float, center: float, key: str
-) -> tuple[RootPoints, Floats, NDArray[np.int64]]:
+) -> tuple[RootPoints, Floats, Numbers]:
     """Gauss points of both fillets of the tooth rotated by `turn`, their strains and edges."""
     edges = boundary_edges(mesh.cells)
     form = curve.range_of("fillet")[1]
-    own = _turned(mesh.nodes, -turn)
+    own = turned(mesh.nodes, -turn)
     # the other side of the tooth is the working side of the mirrored tooth
-    images = (own, _turned(_turned(own, -center) * [1.0, -1.0], center))
+    images = (own, turned(turned(own, -center) * [1.0, -1.0], center))
     parts = []
     for image in images:
         on = _edges_on_fillet(image, edges, curve, form, key)
@@ -177,8 +167,8 @@ def _both_sides(
         parts.append((s[order], strains[:, order], number[order]))
     s = np.concatenate([part[0] for part in parts])
     working = np.arange(s.size) < parts[0][0].size
-    place = _turned(curve.point(s), -center)
-    along = _turned(curve.tangent(s), -center)
+    place = turned(curve.point(s), -center)
+    along = turned(curve.tangent(s), -center)
     angle = np.arctan2(place[:, 1], place[:, 0])
     points = RootPoints(
         arc_length_mm=s,
@@ -191,7 +181,7 @@ def _both_sides(
     return points, strains, numbers
 
 
-def _on_elements(mesh: SectorMesh | WholeMesh, numbers: NDArray[np.int64]) -> FilletNodes:
+def _on_elements(mesh: SectorMesh | WholeMesh, numbers: Numbers) -> FilletNodes:
     """Shape functions of the edges (q, 3) of points, of which a fourth column has the number."""
     edges, which = numbers[:, :3], numbers[:, 3]
     shape, slope = (part[which] for part in _line_shapes(np.array(GAUSS)))
@@ -213,8 +203,8 @@ def _line_shapes(x: Floats) -> tuple[Floats, Floats]:
 
 
 def _edges_on_fillet(
-    nodes: Floats, edges: NDArray[np.int64], curve: FlankCurve, form: float, key: str
-) -> NDArray[np.int64]:
+    nodes: Floats, edges: Numbers, curve: FlankCurve, form: float, key: str
+) -> Numbers:
     """Edges on the fillet of a curve."""
     ends = curve.point([0.0, form])
     reach = float(np.linalg.norm(ends[1] - ends[0])) + form
@@ -226,32 +216,17 @@ def _edges_on_fillet(
     lies = (away < ON_FILLET * length[:, None]).all(axis=1) & (s[:, 2] < form)
     covered = float(np.ptp(s[lies][:, :2], axis=1).sum())
     if not abs(covered / form - 1) <= 1 - LEAST_COVER:
-        raise SceneError(
-            key=KEY,
-            expected=f"a mesh of {key} that holds both root fillets of a tooth in one piece",
-            found=f"edges along {100 * covered / form:.0f} % of a fillet",
-        )
+        expected = f"a mesh of {key} that holds both root fillets of a tooth in one piece"
+        refuse(KEY, expected, f"edges along {100 * covered / form:.0f} % of a fillet")
     return candidates[lies]
 
 
-def edge_strains(nodes: Floats, image: Floats, edges: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """Strain along edges at their Gauss points.
+def edge_strains(nodes: Floats, image: Floats, edges: Numbers) -> tuple[Floats, Floats]:
+    """Strain along edges (m, 3) at their Gauss points.
 
-    Parameters
-    ----------
-    nodes : (N, 2) array
-        mm.
-    image : (N, 2) array
-        The same nodes, rotated or mirrored, in the frame of the returned points.
-    edges : (m, 3) array
-        First, last, middle node.
-
-    Returns
-    -------
-    places : (2 m, 2) array
-        Gauss points in the frame of `image`.
-    strains : (2N, 2 m) array
-        Columns that give t·du/ds from displacements numbered 2*node + component.
+    `image`: the same nodes (N, 2), rotated or mirrored. Returns the Gauss points (2 m, 2) in the
+    frame of `image`, and the columns (2N, 2 m) that give t·du/ds from displacements numbered
+    2*node + component.
     """
     places, strains = [], np.zeros((len(nodes), 2, 2 * len(edges)))
     for g, x in enumerate(GAUSS):
@@ -273,13 +248,8 @@ def _at_places(wanted: RootPoints, found: RootPoints, rows: Floats) -> Floats:
     for side in (True, False):
         own = np.flatnonzero(found.working == side)
         s = found.arc_length_mm[own]
-        for place in wanted.arc_length_mm[wanted.working == side]:
-            k = int(np.clip(np.searchsorted(s, place), 1, s.size - 1))
-            part = float(np.clip((place - s[k - 1]) / (s[k] - s[k - 1]), 0.0, 1.0))
-            columns.append((1 - part) * rows[:, own[k - 1]] + part * rows[:, own[k]])
-    return np.stack(columns, axis=1)
-
-
-def _turned(places: Floats, angle: float) -> Floats:
-    c, s = cos(angle), sin(angle)
-    return places @ np.array([[c, s], [-s, c]])
+        places = wanted.arc_length_mm[wanted.working == side]
+        k = np.clip(np.searchsorted(s, places), 1, s.size - 1)
+        part = np.clip((places - s[k - 1]) / (s[k] - s[k - 1]), 0.0, 1.0)
+        columns.append((1 - part) * rows[:, own[k - 1]] + part * rows[:, own[k]])
+    return np.concatenate(columns, axis=1)

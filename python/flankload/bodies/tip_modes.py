@@ -33,9 +33,8 @@ from numpy.polynomial.polynomial import polypow
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats
 
-    Floats = NDArray[np.float64]
 
 #: Least number of modes that a tip has of its own.
 LEAST_TIP_MODES = 2
@@ -139,18 +138,9 @@ def joined(
 def joined_image(
     of_flank: Floats, n_modes: int, mode_range_mm: tuple[float, float], tip: Tip
 ) -> Floats:
-    """<P_a, ln(d + d') P_b> over flank and tip, d the distances from the low end of the flank.
+    """<P_a, ln(d + d') P_b> over flank and tip (n_modes, n_modes) from that over the flank (p, p).
 
-    Parameters
-    ----------
-    of_flank : (p, p) array
-        The same over the flank alone.
-    n_modes, mode_range_mm, tip
-        As in `joined`.
-
-    Returns
-    -------
-    (n_modes, n_modes) array
+    d are the distances from the low end of the flank; the others as in `joined`.
     """
     length = mode_range_mm[1] - mode_range_mm[0]
     (x, before), (y, behind) = _pieces(n_modes, mode_range_mm, tip)

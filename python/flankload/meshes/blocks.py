@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -13,12 +13,19 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
+    from flankload.base.arrays import Floats, Numbers
+
+    T = TypeVar("T", np.int64, np.float64)
 
 
 #: Largest number of nodes of a block and of parts of a line, to limit the memory of a mesh.
 MOST_NODES, MOST_PARTS = 1_000_000, 50_000
+LOW, MIDDLE, HIGH = slice(None, -2, 2), slice(1, None, 2), slice(2, None, 2)
+#: Rows and columns of a block's nodes that are the nodes of its "quad9" elements, in their order.
+NODES_OF_QUAD = (
+    *((LOW, LOW), (LOW, HIGH), (HIGH, HIGH), (HIGH, LOW)),
+    *((LOW, MIDDLE), (MIDDLE, HIGH), (HIGH, MIDDLE), (MIDDLE, LOW), (MIDDLE, MIDDLE)),
+)
 
 
 def check_count(count: float, most: int, what: str) -> None:
@@ -37,6 +44,11 @@ def with_middles(breaks: Floats) -> Floats:
     result[::2] = breaks
     result[1::2] = 0.5 * (breaks[:-1] + breaks[1:])
     return result
+
+
+def edges_along(path: NDArray[T]) -> NDArray[T]:
+    """First, last and middle (m, 3) of each edge of a path (2 m + 1,) through ends and middles."""
+    return np.stack([path[:-2:2], path[2::2], path[1:-1:2]], axis=1)
 
 
 def even_breaks(start: float, end: float, largest: float, least_count: int = 1) -> Floats:
@@ -85,7 +97,7 @@ def symmetric_breaks(width: float, first: float, growth: float, largest: float) 
 
 
 def coons(bottom: Floats, top: Floats, left: Floats, right: Floats, x: Floats, y: Floats) -> Floats:
-    """Points inside four edges (Coons patch).
+    """Points (n, m, 2) inside four edges (Coons patch).
 
     Parameters
     ----------
@@ -93,15 +105,10 @@ def coons(bottom: Floats, top: Floats, left: Floats, right: Floats, x: Floats, y
         Edges from left to right.
     left, right : (n, 2) arrays
         Edges from bottom to top.
-    x : (2, m) array
-        Relative positions along bottom and top.
-    y : (2, n) array
-        Relative positions along left and right.
-
-    Returns
-    -------
-    (n, m, 2) array
+    x, y : (2, m) or (m,) array, (2, n) or (n,) array
+        Relative positions along bottom and top, along left and right, or along both.
     """
+    x, y = (np.broadcast_to(part, (2, part.shape[-1])) for part in (x, y))
     check_count(x.shape[1] * y.shape[1], MOST_NODES, "nodes")
     # both coordinates are interpolated between opposite edges; two passes suffice
     across = np.broadcast_to(x[0], (y.shape[1], x.shape[1]))
@@ -136,6 +143,16 @@ class BlockMesh:
     cells: list[Numbers] = field(default_factory=list)
     _count: int = 0
 
+    @property
+    def nodes(self) -> Floats:
+        """All nodes (N, 2)."""
+        return np.concatenate(self.places)
+
+    @property
+    def quads(self) -> tuple[tuple[str, Numbers], ...]:
+        """All elements, as in a mesh of a body."""
+        return (("quad9", np.concatenate(self.cells)),)
+
     def add(self, grid: Floats, known: dict[str, Numbers]) -> Numbers:
         """Add a block and return its node numbers (n, m).
 
@@ -156,21 +173,6 @@ class BlockMesh:
         numbers[new] = self._count + np.arange(int(new.sum()))
         self._count += int(new.sum())
         self.places.append(grid[new])
-        a = numbers
-        self.cells.append(
-            np.stack(
-                [
-                    a[:-2:2, :-2:2],
-                    a[:-2:2, 2::2],
-                    a[2::2, 2::2],
-                    a[2::2, :-2:2],
-                    a[:-2:2, 1::2],
-                    a[1::2, 2::2],
-                    a[2::2, 1::2],
-                    a[1::2, :-2:2],
-                    a[1::2, 1::2],
-                ],
-                axis=-1,
-            ).reshape(-1, 9)
-        )
+        quads = np.stack([numbers[row, column] for row, column in NODES_OF_QUAD], axis=-1)
+        self.cells.append(quads.reshape(-1, 9))
         return numbers

@@ -17,6 +17,7 @@ from flankload.meshes.plane_mesh import (
     EDGES,
     boundary_edges,
     counter_clockwise,
+    edge_lengths,
     jacobians,
     raise_to_quadratic,
 )
@@ -24,13 +25,9 @@ from flankload.meshes.plane_mesh import (
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.meshes.io import RawMesh
-    from flankload.meshes.plane_mesh import Cells
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Two nodes closer than this part of the shortest edge coincide.
 SAME_PLACE = 1e-3
@@ -77,19 +74,9 @@ class PlaneBody:
 
 
 def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBody:
-    """Convert a mesh to standard form.
+    """Convert a mesh to standard form; `key` is the scene's key that names the file.
 
-    Parameters
-    ----------
-    raw : RawMesh
-    key : str
-        The scene's key that names the file, for messages.
-    one_material : bool
-        Groups of elements do not mean different materials.
-
-    Returns
-    -------
-    PlaneBody
+    `one_material`: groups of elements do not mean different materials.
 
     Raises
     ------
@@ -115,15 +102,7 @@ def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBo
 def find_defects(raw: RawMesh, *, one_material: bool = False) -> Iterator[Defect]:
     """All defects of a mesh; a defect that prevents further checks is the only one.
 
-    Parameters
-    ----------
-    raw : RawMesh
-    one_material : bool
-        Groups of elements do not mean different materials.
-
-    Yields
-    ------
-    Defect
+    `one_material`: groups of elements do not mean different materials.
     """
     mixed = _mixed_orders(raw)
     if mixed is not None:
@@ -153,20 +132,12 @@ def _mixed_orders(raw: RawMesh) -> Defect | None:
     return Defect("elements of one order", f"{linear} linear and {quadratic} quadratic elements")
 
 
-def _edge_lengths(nodes: Floats, cells: Cells) -> Floats:
-    """Lengths of all edges, from corner to corner."""
-    parts = []
-    for kind, data in cells:
-        corners = data[:, : 3 if kind.startswith("triangle") else 4]
-        steps = nodes[corners] - nodes[np.roll(corners, -1, axis=1)]
-        parts.append(np.linalg.norm(steps, axis=2).ravel())
-    return np.concatenate(parts)
-
-
 def _double_nodes(raw: RawMesh) -> Defect | None:
     from scipy.spatial import cKDTree
 
-    lengths = _edge_lengths(raw.nodes, raw.cells)
+    lengths = np.concatenate(
+        [edge_lengths(raw.nodes, kind, data).ravel() for kind, data in raw.cells]
+    )
     reach = SAME_PLACE * float(np.min(lengths[lengths > 0], initial=np.inf))
     if not np.isfinite(reach):
         return Defect("elements with an area", "only such that are shrunk to a point")
@@ -199,23 +170,25 @@ def _double_elements(raw: RawMesh) -> Defect | None:
 
 def _middles_off(raw: RawMesh) -> Defect | None:
     """Middle nodes far from the middle of their edges: wrong node order, or moved nodes."""
-    off, total, first = 0, 0, -1
-    for kind, data in raw.cells:
-        if kind in CORNERS:
-            continue
-        for a, b, m in EDGES["triangle6" if kind == "triangle6" else "quad9"]:
-            chord = raw.nodes[data[:, b]] - raw.nodes[data[:, a]]
-            away = raw.nodes[data[:, m]] - 0.5 * (raw.nodes[data[:, a]] + raw.nodes[data[:, b]])
-            square = np.maximum((chord**2).sum(axis=1), np.finfo(float).tiny)
-            bad = np.abs((away * chord).sum(axis=1)) > MIDDLE_TOLERANCE * square
-            off, total = off + int(bad.sum()), total + len(data)
-            if bad.any() and first < 0:
-                first = int(data[np.argmax(bad), m])
-    if not off:
+    edges = [
+        data[:, edge]
+        for kind, data in raw.cells
+        if kind not in CORNERS
+        for edge in EDGES["triangle6" if kind == "triangle6" else "quad9"]
+    ]
+    if not edges:
+        return None
+    first, last, middle = np.vstack(edges).T
+    chord = raw.nodes[last] - raw.nodes[first]
+    away = raw.nodes[middle] - 0.5 * (raw.nodes[first] + raw.nodes[last])
+    square = np.maximum((chord**2).sum(axis=1), np.finfo(float).tiny)
+    bad = np.abs((away * chord).sum(axis=1)) > MIDDLE_TOLERANCE * square
+    if not bad.any():
         return None
     return Defect(
         f"middle nodes within {MIDDLE_TOLERANCE:g} of an edge's length from its middle",
-        f"{off} of {total} further off, the first at {_place(raw.nodes, first)}",
+        f"{bad.sum()} of {bad.size} further off, the first at "
+        f"{_place(raw.nodes, middle[np.argmax(bad)])}",
     )
 
 
@@ -260,9 +233,8 @@ def _loose_parts(cells: Cells) -> Defect | None:
     edges = np.vstack([data[:, edge[:2]] for kind, data in cells for edge in EDGES[kind]])
     element = np.concatenate(
         [
-            first + np.arange(len(data))
+            np.tile(first + np.arange(len(data)), len(EDGES[kind]))
             for first, (kind, data) in zip(numbers[:-1], cells, strict=True)
-            for _ in EDGES[kind]
         ]
     )
     _, edge = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Cells, Floats, Numbers
 
-    Cells = tuple[tuple[str, NDArray[np.int64]], ...]
 
 #: Edges of the quadratic elements (first, last, middle), counter-clockwise, in meshio's node order.
 EDGES = {
@@ -24,30 +23,17 @@ ROUND = 1e-6
 REVERSED = {"triangle6": [0, 2, 1, 5, 4, 3], "quad9": [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 
 
-def raise_to_quadratic(
-    nodes: NDArray[np.float64], cells: Cells
-) -> tuple[NDArray[np.float64], Cells]:
-    """Convert every element to "triangle6" or "quad9".
+def raise_to_quadratic(nodes: Floats, cells: Cells) -> tuple[Floats, Cells]:
+    """Convert every element to "triangle6" or "quad9"; the given nodes (N, 2) stay the first ones.
 
     Linear elements get middle nodes on their straight edges. "quad8" gets a centre node at the
     place given by its own shape functions (half the sum of the middle nodes minus a quarter of
     the sum of the corners).
-
-    Parameters
-    ----------
-    nodes : (N, 2) array
-    cells : ((kind, (E, k) array), ...)
-
-    Returns
-    -------
-    nodes : (N', 2) array
-        The given nodes first.
-    cells : ((kind, (E, k) array), ...)
     """
     places = [nodes]
     count = len(nodes)
     middles: dict[tuple[int, int], int] = {}
-    done: list[tuple[str, NDArray[np.int64]]] = []
+    done: list[tuple[str, Numbers]] = []
     for kind, data in cells:
         if kind in CORNERS:
             corners = CORNERS[kind]
@@ -72,18 +58,10 @@ def raise_to_quadratic(
     return np.vstack(places), tuple(done)
 
 
-def boundary_edges(cells: Cells) -> NDArray[np.int64]:
-    """Edges that belong to only one element.
+def boundary_edges(cells: Cells) -> Numbers:
+    """Edges (m, 3) of quadratic elements that belong to only one of them: first, last, middle node.
 
-    Parameters
-    ----------
-    cells : ((kind, (E, k) array), ...)
-        Quadratic elements numbered counter-clockwise.
-
-    Returns
-    -------
-    (m, 3) array
-        First, last, middle node; the material is on the left.
+    The material is on the left of elements that are numbered counter-clockwise.
     """
     edges = np.vstack([data[:, edge] for kind, data in cells for edge in EDGES[kind]])
     _, first, count = np.unique(
@@ -92,45 +70,25 @@ def boundary_edges(cells: Cells) -> NDArray[np.int64]:
     return edges[np.sort(first[count == 1])]
 
 
-def jacobians(
-    nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Jacobian determinants of quadratic elements at their corners, middle nodes and centre.
+def jacobians(nodes: Floats, kind: str, data: Numbers) -> Floats:
+    """Jacobian determinants (E, g) of quadratic elements at corners, middle nodes and centre, mm².
 
-    Parameters
-    ----------
-    nodes : (N, 2) array
-    kind : {"triangle6", "quad9"}
-    data : (E, k) array
-
-    Returns
-    -------
-    (E, g) array
-        mm² (reference element [0, 1]² or its triangle); negative where an element is inverted.
+    The reference element is [0, 1]² or its triangle; negative where an element is inverted.
+    `kind` is "triangle6" or "quad9", with the nodes (E, k) of the elements.
     """
     along_x, along_y = _tangents(nodes, kind, data)
     return along_x[..., 0] * along_y[..., 1] - along_x[..., 1] * along_y[..., 0]
 
 
-def counter_clockwise(nodes: NDArray[np.float64], cells: Cells) -> tuple[Cells, int]:
-    """Number elements counter-clockwise.
+def counter_clockwise(nodes: Floats, cells: Cells) -> tuple[Cells, int]:
+    """Number quadratic elements counter-clockwise; also how many were numbered clockwise.
 
-    Parameters
-    ----------
-    nodes : (N, 2) array
-    cells : ((kind, (E, k) array), ...)
-        Quadratic elements.
-
-    Returns
-    -------
-    cells : ((kind, (E, k) array), ...)
-    turned : int
-        Number of elements that were numbered clockwise.
+    A defective element stays defective.
     """
     done = []
     turned = 0
     for kind, data in cells:
-        clockwise = (jacobians(nodes, kind, data) < 0).all(axis=1)
+        clockwise = jacobians(nodes, kind, data).sum(axis=1) < 0
         data = data.copy()
         data[clockwise] = data[clockwise][:, REVERSED[kind]]
         turned += int(clockwise.sum())
@@ -138,22 +96,11 @@ def counter_clockwise(nodes: NDArray[np.float64], cells: Cells) -> tuple[Cells, 
     return tuple(done), turned
 
 
-def scaled_jacobians(
-    nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Least sine of the angle between the element's coordinate lines, scaled to its ideal shape.
+def scaled_jacobians(nodes: Floats, kind: str, data: Numbers) -> Floats:
+    """Least sine (E,) of the angle between an element's coordinate lines, scaled to its ideal form.
 
-    Parameters
-    ----------
-    nodes : (N, 2) array
-    kind : {"triangle6", "quad9"}
-    data : (E, k) array
-        Counter-clockwise.
-
-    Returns
-    -------
-    (E,) array
-        1 for a rectangle and an equilateral triangle, 0 for a collapsed element.
+    1 for a rectangle and an equilateral triangle, 0 for a collapsed element; arguments as of
+    `jacobians`, counter-clockwise.
     """
     along_x, along_y = _tangents(nodes, kind, data)
     area = along_x[..., 0] * along_y[..., 1] - along_x[..., 1] * along_y[..., 0]
@@ -167,20 +114,21 @@ def scaled_jacobians(
     return np.asarray((area / product).min(axis=1))
 
 
-def aspect_ratios(
-    nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Ratio of longest to shortest edge of elements, from corner to corner: (E,)."""
+def edge_lengths(nodes: Floats, kind: str, data: Numbers) -> Floats:
+    """Lengths (E, 3) or (E, 4) of the edges of elements, from corner to corner."""
     corners = data[:, : 3 if kind.startswith("triangle") else 4]
     steps = nodes[corners] - nodes[np.roll(corners, -1, axis=1)]
-    lengths = np.linalg.norm(steps, axis=2)
+    return np.asarray(np.linalg.norm(steps, axis=2))
+
+
+def aspect_ratios(nodes: Floats, kind: str, data: Numbers) -> Floats:
+    """Ratio of longest to shortest edge of elements, from corner to corner: (E,)."""
+    lengths = edge_lengths(nodes, kind, data)
     least = np.maximum(lengths.min(axis=1), np.finfo(float).tiny)
     return np.asarray(lengths.max(axis=1) / least)
 
 
-def _tangents(
-    nodes: NDArray[np.float64], kind: str, data: NDArray[np.int64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _tangents(nodes: Floats, kind: str, data: Numbers) -> tuple[Floats, Floats]:
     """Derivatives of the position by both reference coordinates at the places of `jacobians`."""
     if kind == "quad9":
         x, y = (axis.ravel() for axis in np.meshgrid([0.0, 0.5, 1.0], [0.0, 0.5, 1.0]))
@@ -203,18 +151,10 @@ def _tangents(
     return np.einsum("gk,ekd->egd", by_x, place), np.einsum("gk,ekd->egd", by_y, place)
 
 
-def chain(edges: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Sort edges into consecutive chains.
+def chain(edges: Numbers) -> list[Numbers]:
+    """Sort edges (m, 3) of first, last and middle node into consecutive chains (k, 3).
 
-    Parameters
-    ----------
-    edges : (m, 3) array
-        First, last, middle node of each.
-
-    Returns
-    -------
-    list of (k, 3) arrays
-        Each chain from one end to the other; a closed chain may start anywhere.
+    Each chain runs from one end to the other; a closed chain may start anywhere.
     """
     by_start = {int(edge[0]): edge for edge in edges}
     starts = set(by_start) - {int(edge[1]) for edge in edges}
@@ -230,18 +170,11 @@ def chain(edges: NDArray[np.int64]) -> list[NDArray[np.int64]]:
     return runs
 
 
-def circle_through(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float] | None:
-    """Circle through points.
+def circle_through(points: Floats) -> tuple[Floats, float] | None:
+    """Centre (2,) and radius of the circle through points (n, 2).
 
-    Parameters
-    ----------
-    points : (n, 2) array
-
-    Returns
-    -------
-    centre (2,) and radius, or None
-        None for fewer than 4 points, for points that are not on a circle (to `ROUND` of its
-        radius), and for a radius much larger than the points' coordinates.
+    None for fewer than 4 points, for points that are not on a circle (to `ROUND` of its radius),
+    and for a radius much larger than the points' coordinates.
     """
     if len(points) < 4:
         return None

@@ -9,24 +9,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.meshes.plane_mesh import (
-    REVERSED,
     aspect_ratios,
     boundary_edges,
     chain,
     circle_through,
-    jacobians,
+    counter_clockwise,
     raise_to_quadratic,
     scaled_jacobians,
 )
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.meshes.io import RawMesh
-    from flankload.meshes.plane_mesh import Cells
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
     Rows = list[tuple[str, str]]
 
 #: Sizes in mm: a smaller body is probably given in metres, a larger one in micrometres.
@@ -44,15 +39,7 @@ WHOLE_SECTORS = 1e-3
 def quality_rows(nodes: Floats, cells: Cells) -> Rows:
     """Least scaled Jacobian with a verdict, largest aspect ratio, and their places.
 
-    Parameters
-    ----------
-    nodes : (N, 2) array
-    cells : ((kind, (E, k) array), ...)
-        Quadratic elements, counter-clockwise.
-
-    Returns
-    -------
-    list of (str, str)
+    The elements are quadratic, counter-clockwise.
     """
     rows = []
     for name, measure, worst_of in (
@@ -81,16 +68,7 @@ def verdict(scaled_jacobian: float) -> str:
 
 
 def mesh_rows(raw: RawMesh) -> Rows:
-    """Nodes, elements, size, quality and material of a mesh.
-
-    Parameters
-    ----------
-    raw : RawMesh
-
-    Returns
-    -------
-    list of (str, str)
-    """
+    """Nodes, elements, size, quality and material of a mesh."""
     low, high = raw.nodes.min(axis=0), raw.nodes.max(axis=0)
     radii = np.hypot(*raw.nodes.T)
     rows = [
@@ -109,16 +87,7 @@ def mesh_rows(raw: RawMesh) -> Rows:
 
 
 def set_rows(raw: RawMesh) -> Rows:
-    """Shape of each named set: a line of the boundary, an arc, all nodes, …
-
-    Parameters
-    ----------
-    raw : RawMesh
-
-    Returns
-    -------
-    list of (str, str)
-    """
+    """Shape of each named set: a line of the boundary, an arc, all nodes, …"""
     nodes, cells = _oriented(raw)
     edges = boundary_edges(cells)
     rows = []
@@ -135,16 +104,7 @@ def natural(name: str) -> list[tuple[str, int]]:
 
 
 def hints(raw: RawMesh) -> Iterator[str]:
-    """Properties that look wrong but may be intended.
-
-    Parameters
-    ----------
-    raw : RawMesh
-
-    Yields
-    ------
-    str
-    """
+    """Properties that look wrong but may be intended."""
     largest = float(np.hypot(*raw.nodes.T).max())
     if largest < SMALL_MM:
         yield (
@@ -169,15 +129,9 @@ def hints(raw: RawMesh) -> Iterator[str]:
 
 
 def _oriented(raw: RawMesh) -> tuple[Floats, Cells]:
-    """Quadratic elements, counter-clockwise if possible; a defective mesh stays defective."""
+    """Quadratic elements, counter-clockwise if possible."""
     nodes, cells = raise_to_quadratic(raw.nodes, raw.cells)
-    done = []
-    for kind, data in cells:
-        clockwise = jacobians(nodes, kind, data).sum(axis=1) < 0
-        data = data.copy()
-        data[clockwise] = data[clockwise][:, REVERSED[kind]]
-        done.append((kind, data))
-    return nodes, tuple(done)
+    return nodes, counter_clockwise(nodes, cells)[0]
 
 
 def _shape(nodes: Floats, edges: Numbers, members: Numbers) -> str:

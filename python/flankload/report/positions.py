@@ -30,8 +30,7 @@ def scene_of_report(scene: Scene) -> Scene:
     named = {key for key in scene.named_knobs if key.startswith("positions.")}
     if named - {"positions.driver"} or scene.steers or scene.is_drive or scene.is_concentric:
         return scene
-    bodies = (scene.body_1, scene.body_2)
-    three = three_dimensional_key(bodies, scene.pair, scene.effects.dimension) is not None
+    three = three_dimensional_key(scene) is not None
     if not scene.body_2.has_teeth or three:
         return scene
     try:

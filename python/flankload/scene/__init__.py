@@ -13,8 +13,7 @@ from flankload.scene.gear import Gear, Ring
 from flankload.scene.mesh import ComplianceBody, MeshBody, Profile
 from flankload.scene.pair import Load, Positions
 from flankload.scene.reader import SceneLike, read_scene, scene_of
-from flankload.scene.scene import Scene
-from flankload.scene.scene_file import BodySpec
+from flankload.scene.scene import BodySpec, Scene
 from flankload.scene.schema import scene_paths, scene_schema
 from flankload.scene.shaft import Shaft
 from flankload.scene.spline import SplineHub, SplineShaft

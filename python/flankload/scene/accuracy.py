@@ -13,63 +13,62 @@ class Accuracy(Table, frozen=True, kw_only=True):
     """Tolerance and discretization; parameters that are absent follow from the tolerance."""
 
     tolerance: Annotated[
-        Annotated[float, Meta(ge=1e-4, le=0.1)],
+        float,
+        Meta(ge=1e-4, le=0.1),
         about(
+            "requested relative error of transmission error, load share, peak pressure off sharp "
+            "corners and secant stiffness; if set, it determines the discretization parameters "
+            "that are not set",
             "-",
-            "requested relative error of transmission error, load share, peak pressure off "
-            "sharp corners and secant stiffness; if set, it determines the discretization "
-            "parameters that are not set",
         ),
     ] = 0.01
     plane: Annotated[
-        Literal["strain", "stress"], about("", "plane strain (wide gears) or plane stress (discs)")
+        Literal["strain", "stress"], about("plane strain (wide gears) or plane stress (discs)")
     ] = "strain"
-    estimate: Annotated[bool, about("", "false: no error estimate")] = True
+    estimate: Annotated[bool, about("false: no error estimate")] = True
     tangents: Annotated[
         bool,
         about(
-            "",
             "false: the tangent stiffness is that of fixed contact zones, without two further "
-            "sweeps, and 0.1 to 0.3 % smaller",
+            "sweeps, and 0.1 to 0.3 % smaller"
         ),
     ] = True
     unmodified_elements: Annotated[
         bool,
         about(
-            "",
             "true: the finite elements follow the flanks without tip relief and profile crowning, "
-            "so that these do not change the compliance",
+            "so that these do not change the compliance"
         ),
     ] = False
     flank_element_mm: Annotated[
-        Length | None, about("mm", "length of the finite elements along the flank")
+        Length | None, about("length of the finite elements along the flank", "mm")
     ] = None
     modes: Annotated[
-        Annotated[int, Meta(ge=3, le=12)] | None, about("-", "pressure modes per flank")
+        Annotated[int, Meta(ge=3, le=12)] | None, about("pressure modes per flank", "-")
     ] = None
     strips_per_half_width: Annotated[
-        Strips | None, about("-", "contact strips per Hertz half-width")
+        Strips | None, about("contact strips per Hertz half-width", "-")
     ] = None
     corner_strips_per_half_width: Annotated[
-        Strips | None, about("-", "the same at sharp tip corners that carry load")
+        Strips | None, about("the same at sharp tip corners that carry load", "-")
     ] = None
     zone_half_widths: Annotated[
         Annotated[float, Meta(gt=1, le=20)] | None,
-        about("-", "half-width of the zone of strips in Hertz half-widths"),
+        about("half-width of the zone of strips in Hertz half-widths", "-"),
     ] = None
     slices: Annotated[
         Annotated[int, Meta(ge=1, le=200)] | None,
-        about("-", "three dimensions: slices over the common face width"),
+        about("three dimensions: slices over the common face width", "-"),
     ] = None
     axial_degree: Annotated[
         Annotated[int, Meta(ge=4, le=16)] | None,
-        about("-", "three dimensions: degree of the displacements along the axis"),
+        about("three dimensions: degree of the displacements along the axis", "-"),
     ] = None
     load_degree_z: Annotated[
         Annotated[int, Meta(ge=0, le=12)] | None,
         about(
-            "-",
             "three dimensions: degree of the pressure modes along the axis, at most "
             "accuracy.axial_degree - 4",
+            "-",
         ),
     ] = None

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
-from flankload.scene.refusal import refuse, shown
+from flankload.scene.refusal import refuse, refuse_absent, shown
 from flankload.scene.shaft import Shaft
 from flankload.scene.table import (
     USUAL_ERRORS,
@@ -14,15 +14,13 @@ from flankload.scene.table import (
     Deviation,
     Length,
     Relief,
-    Table,
     Text,
     about,
 )
 
 if TYPE_CHECKING:
     from flankload.scene.accuracy import Accuracy
-    from flankload.scene.pair import Pair
-    from flankload.scene.scene_file import SceneFile
+    from flankload.scene.scene import Scene, SceneFile
 
 #: Larger helix angles have end-face edges below 50 degrees.
 LARGEST_HELIX = 40.0
@@ -67,96 +65,90 @@ BothLengths = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=2)]
 
 
 HelixAngle = Annotated[
-    Annotated[float, Meta(ge=0, le=LARGEST_HELIX)],
-    about("deg", "helix angle on the reference cylinder; module_mm is then the normal module"),
+    float,
+    Meta(ge=0, le=LARGEST_HELIX),
+    about("helix angle on the reference cylinder; module_mm is then the normal module", "deg"),
 ]
 MeshHelixAngle = Annotated[
-    Annotated[float, Meta(ge=0, le=LARGEST_HELIX)],
+    float,
+    Meta(ge=0, le=LARGEST_HELIX),
     about(
-        "deg",
         "helix angle on the reference circle of the profile, without a profile on the circle of "
         "reference_radius_mm; mesh and profile are the transverse section",
+        "deg",
     ),
 ]
 Hand = Annotated[
-    Literal["right", "left"] | None, about("", "hand of the helix; required with a helix angle")
+    Literal["right", "left"] | None, about("hand of the helix; required with a helix angle")
 ]
 OwnWidth = Annotated[
     Length | None,
-    about(
-        "mm",
-        "face width of this body; absent = pair.face_width_mm",
-        usual=(0.05, 5000.0),
-    ),
+    about("face width of this body; absent = pair.face_width_mm", "mm", usual=(0.05, 5000.0)),
 ]
 AxialOffset = Annotated[
-    Annotated[float, Meta(ge=-1e5, le=1e5)],
-    about("mm", "axial position of the middle of the face width", usual=(1e-3, 5000.0)),
+    float,
+    Meta(ge=-1e5, le=1e5),
+    about("axial position of the middle of the face width", "mm", usual=(1e-3, 5000.0)),
 ]
 LeadCrowning = Annotated[
     Relief | None,
     about(
-        "um",
         "lead crowning: parabola over the face width, 0 in the middle, this amount of metal "
         "removed at both ends",
+        "um",
         usual=USUAL_MODIFICATION,
     ),
 ]
 HelixSlope = Annotated[
     Deviation | None,
     about(
+        "helix slope modification: metal removed, linear over the face width; positive: at the "
+        "end of larger z, negative: at the end of smaller z",
         "um",
-        "helix slope modification: metal removed, linear over the face width; positive: at "
-        "the end of larger z, negative: at the end of smaller z",
         usual=USUAL_MODIFICATION,
     ),
 ]
 ToothHelixSlopes = Annotated[
     tuple[Deviation, ...],
     about(
-        "um",
         "one helix slope per tooth, with the sign of helix_slope_um, which is added; in the order "
         "of pitch_errors_um: that in which the teeth come into contact, from the tooth of pair 0",
+        "um",
         usual=USUAL_ERRORS,
     ),
 ]
 ProfileTwist = Annotated[
     Deviation | None,
     about(
-        "um",
         "twist of the flank: half of a positive amount is removed at the root at the end of "
         "smaller z and at the tip at the end of larger z, half is added at the two other corners; "
         "bilinear over the arc length of the active flank and the face width",
+        "um",
         usual=USUAL_MODIFICATION,
     ),
 ]
 TopographyFile = Annotated[
     Text | None,
     about(
-        "",
         ".csv file with the metal removed in um, relative to the folder of the scene file: first "
-        "row = distances from the end of smaller z in mm, first column = diameters in mm",
+        "row = distances from the end of smaller z in mm, first column = diameters in mm"
     ),
 ]
 EndRelief = Annotated[
     BothEnds | None,
-    about("um", "end relief at the ends of smaller and of larger z", usual=USUAL_MODIFICATION),
+    about("end relief at the ends of smaller and of larger z", "um", usual=USUAL_MODIFICATION),
 ]
 EndReliefLength = Annotated[
-    BothLengths | None,
-    about("mm", "length of the end relief at both ends", usual=(0.01, 500.0)),
+    BothLengths | None, about("length of the end relief at both ends", "mm", usual=(0.01, 500.0))
 ]
 EndReliefShape = Annotated[
-    Literal["linear", "parabolic"], about("", "shape of the end relief along the axis")
+    Literal["linear", "parabolic"], about("shape of the end relief along the axis")
 ]
 
 
 OnShaft = Annotated[
     Shaft | None,
-    about(
-        "",
-        "shaft and bearings, by dimensions or by a compliance; absent = the bore does not move",
-    ),
+    about("shaft and bearings, by dimensions or by a compliance; absent = the bore does not move"),
 ]
 
 
@@ -193,6 +185,13 @@ class AxialKeys:
         @property
         def number_of_teeth(self) -> int: ...
 
+        @property
+        def turn_per_mm(self) -> float:
+            """Rotation of the section along the axis times half the number of teeth, rad/mm."""
+
+        def helix_deg_of(self, turn_per_mm: float) -> float:
+            """The helix angle with which sections turn so fast, deg."""
+
     @property
     def helix_rad(self) -> float:
         """Helix angle on the reference cylinder, rad; positive for both hands."""
@@ -202,15 +201,6 @@ class AxialKeys:
     def hand_sign(self) -> int:
         """1 for a right-hand helix, -1 for a left-hand one, 0 without a helix."""
         return {"right": 1, "left": -1, None: 0}[self.hand]
-
-    @property
-    def turn_per_mm(self) -> float:
-        """Rotation of the section along the axis times half the number of teeth, rad/mm."""
-        raise NotImplementedError
-
-    def helix_deg_of(self, turn_per_mm: float) -> float:
-        """The helix angle with which sections turn so fast, deg."""
-        raise NotImplementedError
 
     @property
     def helix_tolerance_deg(self) -> float:
@@ -234,38 +224,21 @@ class AxialKeys:
         """Refuse what this version has in plane scenes only."""
 
     def check_axial(self, given: Mapping[str, Any], key: str) -> None:
-        """Check that a helix has a hand, an end relief lengths, all teeth a slope, a shaft a hold.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Check helix and hand, end relief and its lengths, the slopes of all teeth, the shaft."""
         if self.shaft is not None:
             self.shaft.check(given["shaft"], f"{key}.shaft", helical=bool(self.helix_angle_deg))
         if self.helix_angle_deg and self.hand is None:
-            refuse(
-                f"{key}.hand",
-                f"'right' or 'left', since there is a {key}.helix_angle_deg",
-                "nothing",
-            )
+            refuse_absent(key, "hand", "'right' or 'left'", "helix_angle_deg")
         if self.hand is not None and not self.helix_angle_deg:
             refuse(f"{key}.hand", f"nothing, unless {key}.helix_angle_deg is > 0", shown(self.hand))
         slopes = self.tooth_helix_slope_um
         if slopes and len(slopes) != self.number_of_teeth:
-            refuse(
-                f"{key}.tooth_helix_slope_um",
-                f"one entry per tooth: {self.number_of_teeth}, as in {key}.teeth",
-                f"{len(slopes)} entries",
-            )
-        if (self.end_relief_um is None) != (self.end_relief_length_mm is None):
-            there, missing = "end_relief_um", "end_relief_length_mm"
-            if self.end_relief_um is None:
-                there, missing = missing, there
-            refuse(
-                f"{key}.{missing}",
-                f"a list of 2 numbers, since there is a {key}.{there}",
-                "nothing",
-            )
+            expected = f"one entry per tooth: {self.number_of_teeth}, as in {key}.teeth"
+            refuse(f"{key}.tooth_helix_slope_um", expected, f"{len(slopes)} entries")
+        reliefs = ("end_relief_um", "end_relief_length_mm")
+        for missing, there in (reliefs, reliefs[::-1]):
+            if getattr(self, missing) is None and getattr(self, there) is not None:
+                refuse_absent(key, missing, "a list of 2 numbers", there)
 
 
 def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tuple[float, float]:
@@ -279,11 +252,8 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
     width = body.face_width_mm or pair_width_mm
     for k, length in enumerate(body.end_relief_length_mm or ()):
         if length > width:
-            refuse(
-                f"{key}.end_relief_length_mm[{k}]",
-                f"at most the face width of the body, {width:g}",
-                length,
-            )
+            expected = f"at most the face width of the body, {width:g}"
+            refuse(f"{key}.end_relief_length_mm[{k}]", expected, length)
     ends = body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
     body.check_extents(ends, key)
     if body.shaft is not None and body.shaft.is_flexible:
@@ -308,27 +278,15 @@ def degrees_of(accuracy: "Accuracy") -> tuple[int, int]:
     return degree, min(LOAD_DEGREE, degree - DEGREES_ABOVE_LOAD)
 
 
-def three_dimensional_key(
-    bodies: tuple[Table, Table], pair: "Pair | None", dimension: int | None
-) -> str | None:
-    """The key for which a pair of bodies needs three dimensions, with its value.
+def three_dimensional_key(scene: "Scene | SceneFile") -> str | None:
+    """The key for which a scene needs three dimensions; None if nothing varies along the axis."""
+    return "effects.dimension = 3" if scene.effects.dimension == 3 else _varying_key(scene)
 
-    Parameters
-    ----------
-    bodies : two tables of bodies
-    pair : Pair or None
-    dimension : 2, 3 or None
-        The key `effects.dimension`.
 
-    Returns
-    -------
-    str or None
-        None if nothing varies along the axis.
-    """
-    if dimension == 3:
-        return "effects.dimension = 3"
-    widths = []
-    for number, body in enumerate(bodies, start=1):
+def _varying_key(scene: "Scene | SceneFile") -> str | None:
+    """The first key that varies along the axis."""
+    pair, widths = scene.pair, []
+    for number, body in enumerate((scene.body_1, scene.body_2), start=1):
         if not isinstance(body, AxialKeys):
             continue
         for name in ("helix_angle_deg", *LEAD_KEYS, "axial_offset_mm", "shaft", *REGION_KEYS):
@@ -336,25 +294,17 @@ def three_dimensional_key(
             if any(value) if isinstance(value, tuple) else value:
                 return f"body_{number}.{name}"
         widths.append((number, body.face_width_mm))
+    if pair is None:
+        return None
     for number, width in widths:
-        if width is not None and pair is not None and width != pair.face_width_mm:
+        if width is not None and width != pair.face_width_mm:
             return f"body_{number}.face_width_mm"
-    if pair is not None:
-        for name in MISALIGNMENTS:
-            if getattr(pair, name):
-                return f"pair.{name}"
-    return None
+    return next((f"pair.{name}" for name in MISALIGNMENTS if getattr(pair, name)), None)
 
 
 def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
-    """Check the keys of a three-dimensional scene, and that a plane scene has none of them.
-
-    Raises
-    ------
-    SceneError
-    """
-    bodies, dimension = (asked.body_1, asked.body_2), asked.effects.dimension
-    needed_by = three_dimensional_key(bodies, asked.pair, None)
+    """Check the keys of a three-dimensional scene, and that a plane scene has none of them."""
+    dimension, needed_by = asked.effects.dimension, _varying_key(asked)
     if dimension == 2 and needed_by is not None:
         refuse("effects.dimension", f"3 or nothing, since there is a {needed_by}", 2)
     accuracy = asked.accuracy
@@ -368,8 +318,8 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
                 )
         return
     why = needed_by or "effects.dimension = 3"
-    one, two = bodies
-    for number, body in enumerate(bodies, start=1):
+    one, two = asked.body_1, asked.body_2
+    for number, body in enumerate((one, two), start=1):
         if not isinstance(body, AxialKeys):
             refuse(
                 f"body_{number}.kind",
@@ -385,12 +335,9 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
     _check_effects(asked, given.get("effects", {}), why)
     degree = accuracy.axial_degree or AXIAL_DEGREE
     if (accuracy.load_degree_z or 0) > degree - DEGREES_ABOVE_LOAD:
-        refuse(
-            "accuracy.load_degree_z",
-            f"at most {degree - DEGREES_ABOVE_LOAD}, {DEGREES_ABOVE_LOAD} less than "
-            f"accuracy.axial_degree ({degree})",
-            accuracy.load_degree_z,
-        )
+        expected = f"at most {degree - DEGREES_ABOVE_LOAD}, {DEGREES_ABOVE_LOAD} less than "
+        expected += f"accuracy.axial_degree ({degree})"
+        refuse("accuracy.load_degree_z", expected, accuracy.load_degree_z)
 
 
 def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> None:
@@ -419,27 +366,14 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
 def check_hands(sign_1: int, sign_2: int, *, inward: bool) -> None:
     """Check that the hands of two helices mesh: equal if body 2 has internal teeth, else opposite.
 
-    Parameters
-    ----------
-    sign_1, sign_2 : int
-        1 for a right hand, -1 for a left hand, 0 without a helix.
-    inward : bool
-        Whether body 2 has internal teeth.
-
-    Raises
-    ------
-    SceneError
+    The signs are 1 for a right hand, -1 for a left hand, 0 without a helix.
     """
-    if sign_2 == (sign_1 if inward else -sign_1):
-        return
+    wanted, how = -sign_1, "the opposite of body_1.hand"
+    if inward:
+        wanted, how = sign_1, "as body_1.hand, since body_2 has internal teeth"
     hands = {1: "'right'", -1: "'left'", 0: "nothing"}
-    how = (
-        "as body_1.hand, since body_2 has internal teeth"
-        if inward
-        else ("the opposite of body_1.hand")
-    )
-    wanted = sign_1 if inward else -sign_1
-    refuse("body_2.hand", f"{hands[wanted]}, {how}", hands[sign_2])
+    if sign_2 != wanted:
+        refuse("body_2.hand", f"{hands[wanted]}, {how}", hands[sign_2])
 
 
 def _check_pair(one: AxialKeys, two: AxialKeys, pair_width_mm: float) -> None:

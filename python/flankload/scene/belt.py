@@ -19,11 +19,12 @@ from flankload.scene.table import (
     Length,
     Modulus,
     PoissonRatio,
+    Toothed,
     YoungModulus,
     about,
 )
 
-Pitch = Annotated[Length, about("mm", "pitch", usual=(0.5, 500.0))]
+Pitch = Annotated[Length, about("pitch", "mm", usual=(0.5, 500.0))]
 FlankAngle = Annotated[float, Meta(ge=0, le=45)]
 #: Largest relative difference of the pitches; beyond it the belt does not fit the pulley.
 LARGEST_PITCH_DIFFERENCE = 0.02
@@ -35,62 +36,57 @@ LEAST_BOTTOM = 0.1
 ELASTIC = ("bore_diameter_mm", "material", "young_modulus_MPa", "poisson_ratio")
 
 
-class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
+class Pulley(Toothed, DriveTable, frozen=True, kw_only=True, tag="pulley"):
     """A pulley for timing belts: rigid, or an elastic ring fixed at its bore."""
 
     partner: ClassVar[str | None] = "belt"
 
-    teeth: Annotated[
-        Annotated[int, Meta(ge=6, le=1000)],
-        about("-", "number of grooves"),
-    ]
+    teeth: Annotated[int, Meta(ge=6, le=1000), about("number of grooves", "-")]
     pitch_mm: Pitch = BY_NAME
     profile: Annotated[
         Literal["T", "HTD"] | ProfileName,
         about(
-            "",
-            "shape of belt teeth and grooves: 'T' is trapezoidal; 'HTD' has a round tip "
-            "and, if the height exceeds half the width, straight sides; or the name of a profile "
+            "shape of belt teeth and grooves: 'T' is trapezoidal; 'HTD' has a round tip and, if "
+            "the height exceeds half the width, straight sides; or the name of a profile "
             "(docs/guide/catalogues.md), which gives the pitch and the keys of the belt that the "
-            "scene does not set",
+            "scene does not set"
         ),
     ] = "T"
     groove_width_mm: Annotated[
         Length | None,
         about(
+            "width of the grooves at the land; the excess over the width of the belt's teeth is "
+            "clearance; absent = no clearance",
             "mm",
-            "width of the grooves at the land; the excess over the width of the belt's "
-            "teeth is clearance; absent = no clearance",
         ),
     ] = None
     groove_depth_mm: Annotated[
         Length | None,
         about(
+            "depth of the grooves; absent = deep enough (rigid pulley) or the height of the "
+            "belt's teeth (elastic pulley)",
             "mm",
-            "depth of the grooves; absent = deep enough (rigid pulley) or the height of "
-            "the belt's teeth (elastic pulley)",
         ),
     ] = None
     groove_angle_deg: Annotated[
         FlankAngle | None,
         about(
-            "deg",
             "angle between flank and centre line of a groove, 'T' only; absent = that of the belt",
+            "deg",
         ),
     ] = None
     rigid: Annotated[
         bool,
         about(
-            "",
             "true: rigid pulley; false: elastic pulley, as wide as the belt; requires "
-            "bore_diameter_mm",
+            "bore_diameter_mm"
         ),
     ] = True
     bore_diameter_mm: Annotated[
         Length | None,
         about(
-            "mm",
             "diameter of the bore, where the pulley is fixed; required for elastic pulleys",
+            "mm",
             usual=USUAL_SIZE,
         ),
     ] = None
@@ -102,11 +98,6 @@ class Pulley(DriveTable, frozen=True, kw_only=True, tag="pulley"):
     def tooth_shape(self) -> str:
         """Shape of teeth and grooves: "T" or "HTD"."""
         return "HTD" if self.profile.startswith("HTD") else "T"
-
-    @property
-    def number_of_teeth(self) -> int:
-        """Number of grooves."""
-        return self.teeth
 
 
 class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
@@ -120,54 +111,50 @@ class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
     no_pair: ClassVar[str] = "a belt has body_2.width_mm and lies on its pulley"
 
     pitch_mm: Pitch = BY_NAME
-    wrapped_teeth: Annotated[
-        Annotated[int, Meta(ge=1, le=200)],
-        about("-", "number of belt teeth in grooves"),
-    ]
-    width_mm: Annotated[Length, about("mm", "width of the belt", usual=(0.5, 5000.0))]
+    wrapped_teeth: Annotated[int, Meta(ge=1, le=200), about("number of belt teeth in grooves", "-")]
+    width_mm: Annotated[Length, about("width of the belt", "mm", usual=(0.5, 5000.0))]
     cord_stiffness_N_per_mm: Annotated[
-        Annotated[float, Meta(ge=1e-3, le=1e9)],
-        about("N/mm", "tension of the cord per unit of strain, per mm of width"),
+        float,
+        Meta(ge=1e-3, le=1e9),
+        about("tension of the cord per unit of strain, per mm of width", "N/mm"),
     ] = BY_NAME
     land_distance_mm: Annotated[
         Length,
         about(
-            "mm", "distance from the land between the teeth to the cord, which is the pitch line"
+            "distance from the land between the teeth to the cord, which is the pitch line", "mm"
         ),
     ] = BY_NAME
-    back_mm: Annotated[Length, about("mm", "thickness from the land to the back of the belt")] = (
+    back_mm: Annotated[Length, about("thickness from the land to the back of the belt", "mm")] = (
         BY_NAME
     )
-    tooth_height_mm: Annotated[Length, about("mm", "height of the teeth above the land")] = BY_NAME
+    tooth_height_mm: Annotated[Length, about("height of the teeth above the land", "mm")] = BY_NAME
     tooth_width_mm: Annotated[
-        Length, about("mm", "width of the teeth at the land; 'HTD': diameter of the round tip")
+        Length, about("width of the teeth at the land; 'HTD': diameter of the round tip", "mm")
     ] = BY_NAME
     flank_angle_deg: Annotated[
         FlankAngle | None,
         about(
-            "deg",
             "angle between flank and centre line of a tooth; required for 'T', not allowed for "
             "'HTD'",
+            "deg",
         ),
     ] = None
     young_modulus_MPa: Annotated[
         Modulus,
         # from soft rubber to filled polyurethane
-        about("MPa", "Young's modulus of the belt's material", usual=(1.0, 2e4)),
+        about("Young's modulus of the belt's material", "MPa", usual=(1.0, 2e4)),
     ] = BY_NAME
-    poisson_ratio: Annotated[
-        Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")
-    ] = 0.45
+    poisson_ratio: Annotated[float, Meta(ge=0, lt=0.5), about("Poisson's ratio", "-")] = 0.45
     pitch_difference_um: Annotated[
         Deviation,
-        about("um", "pitch of the unloaded belt minus body_1.pitch_mm", usual=(0.1, 2000.0)),
+        about("pitch of the unloaded belt minus body_1.pitch_mm", "um", usual=(0.1, 2000.0)),
     ] = 0.0
     prestress_N: Annotated[
         Force,
         about(
+            "mean tension of the cord, which keeps it straight; the mean of tight and slack "
+            "tension is a good value",
             "N",
-            "mean tension of the cord, which keeps it straight; the mean of tight and "
-            "slack tension is a good value",
         ),
     ] = 0.0
 
@@ -186,46 +173,28 @@ class Belt(WrappedTable, frozen=True, kw_only=True, tag="belt"):
 
 def _check_pitch(pulley: Pulley, belt: Belt) -> None:
     if belt.wrapped_teeth >= pulley.teeth:
-        refuse(
-            "body_2.wrapped_teeth",
-            f"less than body_1.teeth ({pulley.teeth})",
-            f"{belt.wrapped_teeth}",
-        )
+        expected = f"less than body_1.teeth ({pulley.teeth})"
+        refuse("body_2.wrapped_teeth", expected, f"{belt.wrapped_teeth}")
     difference = belt.pitch_mm - pulley.pitch_mm
     part = 100 * LARGEST_PITCH_DIFFERENCE
     if abs(difference) > LARGEST_PITCH_DIFFERENCE * pulley.pitch_mm:
-        refuse(
-            "body_2.pitch_mm",
-            f"body_1.pitch_mm ({pulley.pitch_mm:g}) to {part:g} %",
-            f"{belt.pitch_mm:g}",
-        )
+        expected = f"body_1.pitch_mm ({pulley.pitch_mm:g}) to {part:g} %"
+        refuse("body_2.pitch_mm", expected, f"{belt.pitch_mm:g}")
     whole = difference + belt.pitch_difference_um / 1000.0
     if abs(whole) > LARGEST_PITCH_DIFFERENCE * pulley.pitch_mm:
-        refuse(
-            "body_2.pitch_difference_um",
-            f"at most {part:g} % of body_1.pitch_mm ({pulley.pitch_mm:g})",
-            f"{belt.pitch_difference_um:g}",
-        )
+        expected = f"at most {part:g} % of body_1.pitch_mm ({pulley.pitch_mm:g})"
+        refuse("body_2.pitch_difference_um", expected, f"{belt.pitch_difference_um:g}")
     land = pulley.teeth * pulley.pitch_mm / (2 * pi) - belt.land_distance_mm
     if belt.land_distance_mm >= belt.back_mm:
-        refuse(
-            "body_2.land_distance_mm",
-            f"less than body_2.back_mm ({belt.back_mm:g}): the cord lies in the belt",
-            f"{belt.land_distance_mm:g}",
-        )
+        expected = f"less than body_2.back_mm ({belt.back_mm:g}): the cord lies in the belt"
+        refuse("body_2.land_distance_mm", expected, f"{belt.land_distance_mm:g}")
     if belt.tooth_height_mm >= 0.5 * land:
-        refuse(
-            "body_2.tooth_height_mm",
-            f"less than half of the pulley's radius ({0.5 * land:.4g})",
-            f"{belt.tooth_height_mm:g}",
-        )
+        expected = f"less than half of the pulley's radius ({0.5 * land:.4g})"
+        refuse("body_2.tooth_height_mm", expected, f"{belt.tooth_height_mm:g}")
     widest = WIDEST_TOOTH * 2 * pi * land / pulley.teeth
     if belt.tooth_width_mm > widest:
-        refuse(
-            "body_2.tooth_width_mm",
-            f"at most {widest:.4g}: lands between the teeth",
-            f"{belt.tooth_width_mm:g}",
-        )
+        expected = f"at most {widest:.4g}: lands between the teeth"
+        refuse("body_2.tooth_width_mm", expected, f"{belt.tooth_width_mm:g}")
 
 
 def _check_tooth(pulley: Pulley, belt: Belt) -> None:
@@ -241,11 +210,8 @@ def _check_tooth(pulley: Pulley, belt: Belt) -> None:
             refuse("body_2.flank_angle_deg", "a number with body_1.profile 'T'", "nothing")
         tip = belt.tooth_width_mm - 2 * belt.tooth_height_mm * tan(radians(belt.flank_angle_deg))
         if tip < 0.1 * belt.tooth_width_mm:
-            refuse(
-                "body_2.flank_angle_deg",
-                "so small that a tooth keeps a tenth of its width at the tip",
-                f"{belt.flank_angle_deg:g}",
-            )
+            expected = "so small that a tooth keeps a tenth of its width at the tip"
+            refuse("body_2.flank_angle_deg", expected, f"{belt.flank_angle_deg:g}")
     elif belt.tooth_height_mm < 0.4 * belt.tooth_width_mm:
         refuse(
             "body_2.tooth_height_mm",
@@ -283,15 +249,9 @@ def _check_elastic(pulley: Pulley, belt: Belt, given: Mapping[str, Any]) -> None
         angle = angle if angle is not None else belt.flank_angle_deg
         assert angle is not None
         if width - 2 * depth * tan(radians(angle)) < LEAST_BOTTOM * width:
-            refuse(
-                "body_1.groove_depth_mm",
-                "so small that a groove keeps a tenth of its width at the bottom",
-                f"{depth:g}",
-            )
+            expected = "so small that a groove keeps a tenth of its width at the bottom"
+            refuse("body_1.groove_depth_mm", expected, f"{depth:g}")
     bottom = 2 * (sqrt(land**2 - (0.5 * width) ** 2) - depth)
     if pulley.bore_diameter_mm >= bottom:
-        refuse(
-            "body_1.bore_diameter_mm",
-            f"less than the diameter below the grooves ({bottom:.4g})",
-            f"{pulley.bore_diameter_mm:g}",
-        )
+        expected = f"less than the diameter below the grooves ({bottom:.4g})"
+        refuse("body_1.bore_diameter_mm", expected, f"{pulley.bore_diameter_mm:g}")

@@ -8,17 +8,7 @@ from math import radians, tan
 from typing import Literal, NamedTuple
 
 ProfileName = Literal[
-    "T2.5",
-    "T5",
-    "T10",
-    "T20",
-    "AT5",
-    "AT10",
-    "AT20",
-    "HTD 3M",
-    "HTD 5M",
-    "HTD 8M",
-    "HTD 14M",
+    "T2.5", "T5", "T10", "T20", "AT5", "AT10", "AT20", "HTD 3M", "HTD 5M", "HTD 8M", "HTD 14M"
 ]
 
 #: Shore D hardness of the polyurethane of timing belts (92 Shore A).
@@ -118,59 +108,27 @@ _AT = "ISO 17396"
 _HTD = "ISO 13050; SDP/SI handbook D265"
 
 BELT_PROFILES = {
-    "T2.5": BeltProfile(
-        2.5,
-        _trapezoid(0.7, 1.5, land_distance_mm=0.3, back_mm=0.6),
-        _scaled(4500.0, "half of that of T5"),
-        _T,
-    ),
-    "T5": BeltProfile(
-        5.0,
-        _trapezoid(1.2, 2.65, land_distance_mm=0.5, back_mm=1.0),
-        _printed(90000.0, 10.0),
-        _T,
-    ),
-    "T10": BeltProfile(
-        10.0,
-        _trapezoid(2.5, 5.3, land_distance_mm=1.0, back_mm=2.0),
-        _scaled(17700.0, "between T5 (9000) and T20 (35200)"),
-        _T,
-    ),
+    "T2.5": BeltProfile(2.5, _trapezoid(0.7, 1.5, land_distance_mm=0.3, back_mm=0.6),
+                        _scaled(4500.0, "half of that of T5"), _T),
+    "T5": BeltProfile(5.0, _trapezoid(1.2, 2.65, land_distance_mm=0.5, back_mm=1.0),
+                      _printed(90000.0, 10.0), _T),
+    "T10": BeltProfile(10.0, _trapezoid(2.5, 5.3, land_distance_mm=1.0, back_mm=2.0),
+                       _scaled(17700.0, "between T5 (9000) and T20 (35200)"), _T),
     "T20": BeltProfile(20.0, _trapezoid(5.0, 10.15), _printed(880000.0, 25.0), "ISO 17396"),
-    "AT5": BeltProfile(
-        5.0,
-        _wide(1.2, 2.5, land_distance_mm=0.6),
-        _printed(437500.0, 25.0),
-        f"{_AT}; pulleys TTPA of Misumi",
-    ),
-    "AT10": BeltProfile(
-        10.0,
-        _wide(2.5, 5.0, land_distance_mm=0.9),
-        _scaled(29300.0, "between AT5 (17500) and AT20 (52800)"),
-        _AT,
-    ),
-    "AT20": BeltProfile(
-        20.0,
-        _wide(5.0, 10.0, back_mm=3.0),
-        _printed(1320000.0, 25.0),
-        f"{_AT}; catalogue of Elatech",
-    ),
-    "HTD 3M": BeltProfile(
-        3.0, _round(1.21, 2.4, 0.381), {**_printed(127500.0, 15.0), **_round_tooth(0.91)}, _HTD
-    ),
-    "HTD 5M": BeltProfile(
-        5.0, _round(2.08, 3.8, 0.572, tooth_width_mm=2.98), _printed(220000.0, 10.0), _HTD
-    ),
-    "HTD 8M": BeltProfile(
-        8.0,
-        _round(3.38, 6.0, 0.686),
-        {**_scaled(35200.0, "8/5 of that of HTD 5M"), **_round_tooth(2.57)},
-        "ISO 13050",
-    ),
-    "HTD 14M": BeltProfile(
-        14.0,
-        _round(6.02, 10.0, 1.397),
-        {**_scaled(61600.0, "14/5 of that of HTD 5M"), **_round_tooth(4.65)},
-        "ISO 13050",
-    ),
-}
+    "AT5": BeltProfile(5.0, _wide(1.2, 2.5, land_distance_mm=0.6), _printed(437500.0, 25.0),
+                       f"{_AT}; pulleys TTPA of Misumi"),
+    "AT10": BeltProfile(10.0, _wide(2.5, 5.0, land_distance_mm=0.9),
+                        _scaled(29300.0, "between AT5 (17500) and AT20 (52800)"), _AT),
+    "AT20": BeltProfile(20.0, _wide(5.0, 10.0, back_mm=3.0), _printed(1320000.0, 25.0),
+                        f"{_AT}; catalogue of Elatech"),
+    "HTD 3M": BeltProfile(3.0, _round(1.21, 2.4, 0.381),
+                          {**_printed(127500.0, 15.0), **_round_tooth(0.91)}, _HTD),
+    "HTD 5M": BeltProfile(5.0, _round(2.08, 3.8, 0.572, tooth_width_mm=2.98),
+                          _printed(220000.0, 10.0), _HTD),
+    "HTD 8M": BeltProfile(8.0, _round(3.38, 6.0, 0.686),
+                          {**_scaled(35200.0, "8/5 of that of HTD 5M"), **_round_tooth(2.57)},
+                          "ISO 13050"),
+    "HTD 14M": BeltProfile(14.0, _round(6.02, 10.0, 1.397),
+                           {**_scaled(61600.0, "14/5 of that of HTD 5M"), **_round_tooth(4.65)},
+                           "ISO 13050"),
+}  # fmt: skip

@@ -21,10 +21,7 @@ from flankload.scene.table import (
 ROLLER = ("arm_mm", "roller_radius_mm")
 FLAT = ("flat_offset_mm", "flat_from_mm", "flat_to_mm")
 #: One row of a cam's profile table: angle in degrees, radius in mm.
-ProfileRow = tuple[
-    Annotated[float, Meta(ge=-360, le=720)],
-    Annotated[float, Meta(ge=1e-3, le=1e5)],
-]
+ProfileRow = tuple[Annotated[float, Meta(ge=-360, le=720)], Annotated[float, Meta(ge=1e-3, le=1e5)]]
 
 
 class CamKeys(EvenBody, frozen=True, kw_only=True):
@@ -33,7 +30,7 @@ class CamKeys(EvenBody, frozen=True, kw_only=True):
     has_teeth: ClassVar[bool] = False
 
     bore_diameter_mm: Annotated[
-        Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
+        Length, about("diameter of the bore, where the body is fixed", "mm", usual=USUAL_SIZE)
     ]
     material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
@@ -54,26 +51,23 @@ class Cam(CamKeys, frozen=True, kw_only=True, tag="cam"):
     profile: Annotated[
         tuple[ProfileRow, ...] | None,
         about(
-            "",
-            "rows [angle in deg, radius in mm] around the cam, counter-clockwise, "
-            "interpolated by a smooth closed curve (periodic cubic spline). At position 0, "
-            "angle 0 points from the cam's axis to that of the follower",
+            "rows [angle in deg, radius in mm] around the cam, counter-clockwise, interpolated by "
+            "a smooth closed curve (periodic cubic spline). At position 0, angle 0 points from "
+            "the cam's axis to that of the follower"
         ),
     ] = None
     profile_file: Annotated[
         Text | None,
         about(
-            "",
-            "the same table as a .csv file with the columns angle_deg and radius_mm; "
-            "relative to the folder of the scene file",
+            "the same table as a .csv file with the columns angle_deg and radius_mm; relative to "
+            "the folder of the scene file"
         ),
     ] = None
     sense: Annotated[
         Literal["clockwise", "counter_clockwise"],
         about(
-            "",
-            "sense of rotation of the cam; clockwise: at position a, its angle a points to "
-            "the follower's axis. The follower is pressed onto the cam counter-clockwise",
+            "sense of rotation of the cam; clockwise: at position a, its angle a points to the "
+            "follower's axis. The follower is pressed onto the cam counter-clockwise"
         ),
     ] = "clockwise"
 
@@ -81,11 +75,8 @@ class Cam(CamKeys, frozen=True, kw_only=True, tag="cam"):
         """Check that the cam has exactly one profile table."""
         tables = [name for name in ("profile", "profile_file") if getattr(self, name) is not None]
         if len(tables) != 1:
-            refuse(
-                f"{key}.profile",
-                f"a table of angles and radii, here or in {key}.profile_file",
-                "both" if tables else "nothing",
-            )
+            expected = f"a table of angles and radii, here or in {key}.profile_file"
+            refuse(f"{key}.profile", expected, "both" if tables else "nothing")
 
 
 Place = Annotated[float, Meta(ge=-1e5, le=1e5)]
@@ -98,40 +89,36 @@ class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
 
     arm_mm: Annotated[
         Length | None,
-        about("mm", "distance of the roller's centre from the follower's axis", usual=USUAL_SIZE),
+        about("distance of the roller's centre from the follower's axis", "mm", usual=USUAL_SIZE),
     ] = None
     roller_radius_mm: Annotated[
         Length | None,
-        about("mm", "radius of the roller, which does not rotate on its arm", usual=USUAL_SIZE),
+        about("radius of the roller, which does not rotate on its arm", "mm", usual=USUAL_SIZE),
     ] = None
     flat_offset_mm: Annotated[
         Place | None,
         about(
-            "mm",
-            "distance of the flat's line from the follower's axis, positive towards the cam",
+            "distance of the flat's line from the follower's axis, positive towards the cam", "mm"
         ),
     ] = None
     flat_from_mm: Annotated[
         Length | None,
         about(
-            "mm",
             "beginning of the flat, along its line from the foot of the perpendicular from the "
             "axis",
+            "mm",
         ),
     ] = None
     flat_to_mm: Annotated[
-        Length | None, about("mm", "end of the flat, measured in the same way")
+        Length | None, about("end of the flat, measured in the same way", "mm")
     ] = None
     arm_width_mm: Annotated[
         Length | None,
-        about(
-            "mm",
-            "width of the arm; absent = the roller's radius, or a fifth of flat_to_mm",
-        ),
+        about("width of the arm; absent = the roller's radius, or a fifth of flat_to_mm", "mm"),
     ] = None
     hub_diameter_mm: Annotated[
         Length | None,
-        about("mm", "outer diameter of the hub; absent = as large as bore and arm require"),
+        about("outer diameter of the hub; absent = as large as bore and arm require", "mm"),
     ] = None
 
     @property
@@ -145,33 +132,14 @@ class Follower(CamKeys, frozen=True, kw_only=True, tag="follower"):
         wanted = ROLLER if self.has_roller or "arm_mm" in present else FLAT
         for name in wanted:
             if name not in present:
-                refuse(
-                    f"{key}.{name}",
-                    "a number: a follower has a roller ("
-                    + ", ".join(ROLLER)
-                    + ") or a flat ("
-                    + ", ".join(FLAT)
-                    + ")",
-                    "nothing",
-                )
+                heads = f"a roller ({', '.join(ROLLER)}) or a flat ({', '.join(FLAT)})"
+                refuse(f"{key}.{name}", f"a number: a follower has {heads}", "nothing")
         for name in present:
             if name not in wanted:
-                refuse(
-                    f"{key}.{name}",
-                    f"nothing beside {key}.{wanted[0]}: a follower has a roller or a flat",
-                    f"{getattr(self, name):g}",
-                )
-        ascending = [("bore_diameter_mm", "hub_diameter_mm")]
-        ascending += (
-            [("roller_radius_mm", "arm_mm")]
-            if wanted is ROLLER
-            else [("flat_from_mm", "flat_to_mm")]
-        )
-        for small, large in ascending:
+                expected = f"nothing beside {key}.{wanted[0]}: a follower has a roller or a flat"
+                refuse(f"{key}.{name}", expected, f"{getattr(self, name):g}")
+        sizes = ("roller_radius_mm", "arm_mm") if wanted is ROLLER else FLAT[1:]
+        for small, large in (("bore_diameter_mm", "hub_diameter_mm"), sizes):
             less, more = getattr(self, small), getattr(self, large)
             if more is not None and more <= less:
-                refuse(
-                    f"{key}.{large}",
-                    f"more than {key}.{small} ({less:g})",
-                    f"{more:g}",
-                )
+                refuse(f"{key}.{large}", f"more than {key}.{small} ({less:g})", f"{more:g}")

@@ -32,15 +32,7 @@ NAMES_OF_DRIVES: tuple[tuple[str, type[Table], str], ...] = (
 def with_catalogue(tree: Any) -> Any:
     """A scene with the keys that its names give and that it does not set.
 
-    Parameters
-    ----------
-    tree : mapping
-        As in a scene file; unchanged.
-
-    Returns
-    -------
-    mapping
-        The same object if the scene has no such name.
+    The tree is that of a scene file; without such a name, the same object is returned.
 
     Raises
     ------
@@ -58,18 +50,7 @@ def with_catalogue(tree: Any) -> Any:
 
 
 def catalogue_keys(tree: Any) -> Keys:
-    """Keys that the names of a scene give, by table.
-
-    Parameters
-    ----------
-    tree : mapping
-        As in a scene file.
-
-    Returns
-    -------
-    dict of str to dict
-        Whether or not the scene sets them.
-    """
+    """Keys that the names of a scene give, by table, whether or not the scene sets them."""
     bodies = [_table(tree, name) for name in ("body_1", "body_2")]
     found: Keys = {"body_1": {}, "body_2": {}}
     for name, body in zip(found, bodies, strict=True):
@@ -83,18 +64,7 @@ def catalogue_keys(tree: Any) -> Keys:
 
 
 def keys_of_names(tree: Tree) -> Keys:
-    """Keys of the bodies that the names of a scene give if it sets no other keys.
-
-    Parameters
-    ----------
-    tree : mapping
-        As in a scene file.
-
-    Returns
-    -------
-    dict of str to dict
-        By body.
-    """
+    """Keys of the bodies that the names of a scene give if it sets no other keys, by body."""
     names = ("kind", "profile", "chain", "material")
     return catalogue_keys(
         {
@@ -137,16 +107,7 @@ def _effect_keys(bodies: list[Tree], effects: Tree) -> dict[str, Any]:
 
 
 def estimate_notes(scene: Scene) -> tuple[str, ...]:
-    """Notes about the estimated keys of a scene, which catalogues do not print.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    tuple of str
-    """
+    """Notes about the estimated keys of a scene, which catalogues do not print."""
     estimates: dict[str, Estimate] = {}
     around = scene.body_2
     if scene.is_drive:

@@ -72,17 +72,7 @@ POSITIONS_PART = 0.3
 
 
 def choose_discretization(scene: Scene) -> Discretization:
-    """Discretization of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    Discretization
-        Values set in [accuracy]; the others by default.
-    """
+    """Discretization of a scene: values set in [accuracy]; the others by default."""
     accuracy, grid = scene.accuracy, default_grid(scene)
     return Discretization(
         flank_element_parts=DEFAULT.flank_element_parts,
@@ -97,9 +87,7 @@ def choose_discretization(scene: Scene) -> Discretization:
 
 def default_grid(scene: Scene) -> Grid:
     """Cells by default: fewer in slices."""
-    bodies = (scene.body_1, scene.body_2)
-    key = three_dimensional_key(bodies, scene.pair, scene.effects.dimension)
-    return DEFAULT.grid if key is None else IN_SLICES
+    return DEFAULT.grid if three_dimensional_key(scene) is None else IN_SLICES
 
 
 def elements_for_modes(modes: int) -> int:
@@ -108,14 +96,6 @@ def elements_for_modes(modes: int) -> int:
     Polynomials of degree n vary within 1/n² of the flank at its ends. Measured on a spline with
     rounded tips: this number leaves errors of 1 to 2.3 % of the peak pressure with 5 to 12 modes;
     with 12 modes, twice the degree leaves 11 %, and 11 elements leave 38 %.
-
-    Parameters
-    ----------
-    modes : int
-
-    Returns
-    -------
-    int
     """
     degree = modes - 1
     return max(2 * degree, degree**2 // 2)

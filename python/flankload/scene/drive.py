@@ -9,7 +9,7 @@ from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import BodyTable, EvenBody
 
 if TYPE_CHECKING:
-    from flankload.scene.scene_file import SceneFile
+    from flankload.scene.scene import SceneFile
 
 
 class DriveTable(EvenBody, frozen=True, kw_only=True):
@@ -33,32 +33,13 @@ class WrappedTable(DriveTable, frozen=True, kw_only=True):
     no_pair: ClassVar[str] = ""
 
     def check_around(self, body_1: BodyTable, given: Mapping[str, Any]) -> None:
-        """Check that the chain or belt fits the wheel around which it is wrapped.
-
-        Parameters
-        ----------
-        body_1 : Sprocket or Pulley
-        given : mapping
-            Keys of body 1 that the scene sets.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Check that it fits the wheel of body 1, of which the scene sets the given keys."""
 
 
 def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
     """Refuse keys that do not apply to a drive, and keys that apply only to a drive.
 
-    Parameters
-    ----------
-    asked : SceneFile
-    given : mapping
-        The scene as in the file.
-
-    Raises
-    ------
-    SceneError
+    `given` is the scene as in the file.
     """
     body_1, body_2, slack = asked.body_1, asked.body_2, asked.load.slack_tension_N
     if not isinstance(body_2, WrappedTable):
@@ -70,11 +51,8 @@ def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
         return
     body_2.check_around(body_1, given.get("body_1", {}))
     if slack is None:
-        refuse(
-            "load.slack_tension_N",
-            f"a number > 0: the tension of the slack strand of the {body_2.kind}",
-            "nothing",
-        )
+        expected = f"a number > 0: the tension of the slack strand of the {body_2.kind}"
+        refuse("load.slack_tension_N", expected, "nothing")
     if asked.pair is not None:
         refuse("pair", f"nothing: {body_2.no_pair}", "a table")
     for table, known in body_2.known.items():
@@ -82,8 +60,5 @@ def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
             if key == "plane" and not body_1.rigid:
                 continue  # for the elements of body 1
             if key not in known:
-                refuse(
-                    f"{table}.{key}",
-                    f"nothing: it does not apply to a {body_2.kind} and its {body_1.kind}",
-                    shown(value),
-                )
+                expected = f"nothing: it does not apply to a {body_2.kind} and its {body_1.kind}"
+                refuse(f"{table}.{key}", expected, shown(value))

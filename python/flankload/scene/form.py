@@ -36,24 +36,14 @@ NOT_YET = {
         "shaft": "shafts of these bodies",
         **dict.fromkeys(("web_", "rim_thickness_", "hub_"), "webs and hubs of these bodies"),
         "region_": "regions of other width in these bodies",
-    },
+    }
 }
 
 
 def read_table(form: type[T], table: object, key: str) -> T:
-    """Convert one table.
+    """Convert one table, a mapping from TOML or from a user's dictionary.
 
-    Parameters
-    ----------
-    form : subclass of Table
-    table : mapping
-        From TOML or from a user's dictionary.
-    key : str
-        Dotted path of the table; "" for the whole file.
-
-    Returns
-    -------
-    instance of `form`
+    `key` is the dotted path of the table; "" for the whole file.
 
     Raises
     ------
@@ -95,12 +85,7 @@ def is_required(field: FieldInfo) -> bool:
 
 
 def check_key(form: type[Table], name: str, value: object, path: str) -> None:
-    """Refuse a value that a key of a table cannot have.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Refuse a value that a key of a table cannot have."""
     _read(fields_of(form)[name].type, value, path)
 
 

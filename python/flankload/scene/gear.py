@@ -5,35 +5,10 @@ from itertools import pairwise
 from math import asin, degrees, sin
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from flankload.scene.axial import (
-    AxialKeys,
-    AxialOffset,
-    EndRelief,
-    EndReliefLength,
-    EndReliefShape,
-    Hand,
-    HelixAngle,
-    HelixSlope,
-    LeadCrowning,
-    OnShaft,
-    OwnWidth,
-    ProfileTwist,
-    ToothHelixSlopes,
-    TopographyFile,
-)
+from flankload.scene import axial, regions
 from flankload.scene.involute import Geometry, InvoluteKeys, check_pitch_errors, check_tip
 from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse
-from flankload.scene.regions import (
-    HubDiameter,
-    HubOffset,
-    HubWidth,
-    RegionKeys,
-    RimThickness,
-    WebOffset,
-    WebOuterDiameter,
-    WebWidth,
-)
 from flankload.scene.table import (
     USUAL_ROUNDING,
     USUAL_SIZE,
@@ -44,6 +19,7 @@ from flankload.scene.table import (
     Rigid,
     Shift,
     Teeth,
+    Toothed,
     YoungModulus,
     about,
 )
@@ -52,8 +28,8 @@ from flankload.scene.table import (
 LEAST_BORE = 1e-3
 
 
-class ByNormalModule(AxialKeys):
-    """Mixin of bodies whose helix angle refers to the reference circle of the normal module."""
+class ByNormalModule(Toothed, axial.AxialKeys):
+    """Mixin of toothed bodies whose helix angle belongs to the normal module."""
 
     __slots__ = ()
 
@@ -70,43 +46,40 @@ class ByNormalModule(AxialKeys):
         return degrees(asin(min(1.0, turn_per_mm * self.module_mm)))
 
 
-class Gear(RegionKeys, ByNormalModule, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"):
+class Gear(
+    regions.RegionKeys, ByNormalModule, Geometry, BodyTable, frozen=True, kw_only=True, tag="gear"
+):
     """An external spur or helical gear with a generated root fillet, fixed at its bore."""
 
-    teeth: Annotated[Teeth, about("-", "number of teeth")]
+    teeth: Annotated[Teeth, about("number of teeth", "-")]
     bore_diameter_mm: Annotated[
-        Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
+        Length, about("diameter of the bore, where the body is fixed", "mm", usual=USUAL_SIZE)
     ]
     material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
     pitch_errors_um: PitchErrors = ()
-    helix_angle_deg: HelixAngle = 0.0
-    hand: Hand = None
-    face_width_mm: OwnWidth = None
-    axial_offset_mm: AxialOffset = 0.0
-    lead_crowning_um: LeadCrowning = None
-    helix_slope_um: HelixSlope = None
-    tooth_helix_slope_um: ToothHelixSlopes = ()
-    end_relief_um: EndRelief = None
-    end_relief_length_mm: EndReliefLength = None
-    end_relief_shape: EndReliefShape = "linear"
-    profile_twist_um: ProfileTwist = None
-    topography_file: TopographyFile = None
-    shaft: OnShaft = None
-    web_width_mm: WebWidth = None
-    web_outer_diameter_mm: WebOuterDiameter = None
-    rim_thickness_mm: RimThickness = None
-    web_offset_mm: WebOffset = 0.0
-    hub_diameter_mm: HubDiameter = None
-    hub_width_mm: HubWidth = None
-    hub_offset_mm: HubOffset = 0.0
-
-    @property
-    def number_of_teeth(self) -> int:
-        """Number of teeth."""
-        return self.teeth
+    helix_angle_deg: axial.HelixAngle = 0.0
+    hand: axial.Hand = None
+    face_width_mm: axial.OwnWidth = None
+    axial_offset_mm: axial.AxialOffset = 0.0
+    lead_crowning_um: axial.LeadCrowning = None
+    helix_slope_um: axial.HelixSlope = None
+    tooth_helix_slope_um: axial.ToothHelixSlopes = ()
+    end_relief_um: axial.EndRelief = None
+    end_relief_length_mm: axial.EndReliefLength = None
+    end_relief_shape: axial.EndReliefShape = "linear"
+    profile_twist_um: axial.ProfileTwist = None
+    topography_file: axial.TopographyFile = None
+    shaft: axial.OnShaft = None
+    web_width_mm: regions.WebWidth = None
+    web_outer_diameter_mm: regions.WebOuterDiameter = None
+    rim_thickness_mm: regions.RimThickness = None
+    web_offset_mm: regions.WebOffset = 0.0
+    hub_diameter_mm: regions.HubDiameter = None
+    hub_width_mm: regions.HubWidth = None
+    hub_offset_mm: regions.HubOffset = 0.0
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
         """Check the pitch errors, the keys of the tip, along the axis, and the bore."""
@@ -120,14 +93,14 @@ class Gear(RegionKeys, ByNormalModule, Geometry, BodyTable, frozen=True, kw_only
 class WidthKeys(ByNormalModule, InvoluteKeys, frozen=True, kw_only=True):
     """Keys of an involute profile, and those along the axis that rings and splines have."""
 
-    face_width_mm: OwnWidth = None
-    axial_offset_mm: AxialOffset = 0.0
-    lead_crowning_um: LeadCrowning = None
-    helix_slope_um: HelixSlope = None
-    tooth_helix_slope_um: ToothHelixSlopes = ()
-    end_relief_um: EndRelief = None
-    end_relief_length_mm: EndReliefLength = None
-    end_relief_shape: EndReliefShape = "linear"
+    face_width_mm: axial.OwnWidth = None
+    axial_offset_mm: axial.AxialOffset = 0.0
+    lead_crowning_um: axial.LeadCrowning = None
+    helix_slope_um: axial.HelixSlope = None
+    tooth_helix_slope_um: axial.ToothHelixSlopes = ()
+    end_relief_um: axial.EndRelief = None
+    end_relief_length_mm: axial.EndReliefLength = None
+    end_relief_shape: axial.EndReliefShape = "linear"
 
 
 class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
@@ -136,31 +109,26 @@ class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
     called: ClassVar[str] = "ring"
     inward: ClassVar[bool | None] = True
 
-    teeth: Annotated[Teeth, about("-", "number of teeth")]
+    teeth: Annotated[Teeth, about("number of teeth", "-")]
     profile_shift: Annotated[
         Shift,
         about(
+            "profile shift in modules, positive outwards: the space is as wide as the tooth of an "
+            "external gear with the same profile shift",
             "-",
-            "profile shift in modules, positive outwards: the space is as wide as the "
-            "tooth of an external gear with the same profile shift",
         ),
     ] = 0.0
     root_diameter_mm: Annotated[
-        Length, about("mm", "diameter of the root circle", usual=USUAL_SIZE)
+        Length, about("diameter of the root circle", "mm", usual=USUAL_SIZE)
     ]
     outer_diameter_mm: Annotated[
-        Length, about("mm", "outer diameter of the rim, where the body is fixed", usual=USUAL_SIZE)
+        Length, about("outer diameter of the rim, where the body is fixed", "mm", usual=USUAL_SIZE)
     ]
     material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
     pitch_errors_um: PitchErrors = ()
-
-    @property
-    def number_of_teeth(self) -> int:
-        """Number of teeth."""
-        return self.teeth
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
         """Check pitch errors, the keys of the tip, along the axis, and the order of the circles."""
@@ -173,48 +141,31 @@ class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
 class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
     """An internal spur or helical gear, fixed at the outside of its rim."""
 
-    helix_angle_deg: HelixAngle = 0.0
-    hand: Hand = None
-    profile_twist_um: ProfileTwist = None
-    topography_file: TopographyFile = None
-    shaft: OnShaft = None
+    helix_angle_deg: axial.HelixAngle = 0.0
+    hand: axial.Hand = None
+    profile_twist_um: axial.ProfileTwist = None
+    topography_file: axial.TopographyFile = None
+    shaft: axial.OnShaft = None
     root_fillet_radius_mm: Annotated[
         Length | None,
         about(
+            "radius of the arc that is tangent to flank and root circle of the transverse "
+            "section; absent = the largest, which rounds the whole root",
             "mm",
-            "radius of the arc that is tangent to flank and root circle of the transverse section; "
-            "absent = the largest, which rounds the whole root",
             usual=USUAL_ROUNDING,
         ),
     ] = None
 
 
 def check_bore(body: Any, key: str) -> None:
-    """Check that the bore of a body is smaller than its tip circle and not a point.
-
-    Parameters
-    ----------
-    body : table of a gear or of a spline shaft
-    key : str
-        Its key.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Check that the bore of a gear or a spline shaft is inside its tip circle and not a point."""
     if body.bore_diameter_mm < LEAST_BORE * body.tip_diameter_mm:
-        refuse(
-            f"{key}.bore_diameter_mm",
-            f"at least {LEAST_BORE:g} of {key}.tip_diameter_mm "
-            f"({LEAST_BORE * body.tip_diameter_mm:g}), since the body is fixed there",
-            body.bore_diameter_mm,
-        )
+        expected = f"at least {LEAST_BORE:g} of {key}.tip_diameter_mm "
+        expected += f"({LEAST_BORE * body.tip_diameter_mm:g}), since the body is fixed there"
+        refuse(f"{key}.bore_diameter_mm", expected, body.bore_diameter_mm)
     if body.bore_diameter_mm >= body.tip_diameter_mm:
-        refuse(
-            f"{key}.bore_diameter_mm",
-            f"less than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
-            body.bore_diameter_mm,
-        )
+        expected = f"less than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})"
+        refuse(f"{key}.bore_diameter_mm", expected, body.bore_diameter_mm)
 
 
 def _check_ring(ring: RingKeys, key: str) -> None:
@@ -222,9 +173,6 @@ def _check_ring(ring: RingKeys, key: str) -> None:
     circles = ("tip_diameter_mm", "root_diameter_mm", "outer_diameter_mm")
     for inner, outer in pairwise(circles):
         if getattr(ring, outer) <= getattr(ring, inner):
-            refuse(
-                f"{key}.{outer}",
-                f"more than {key}.{inner} ({getattr(ring, inner):g}), since the teeth of "
-                f"a {ring.called} point inwards",
-                getattr(ring, outer),
-            )
+            expected = f"more than {key}.{inner} ({getattr(ring, inner):g}), since the teeth of "
+            expected += f"a {ring.called} point inwards"
+            refuse(f"{key}.{outer}", expected, getattr(ring, outer))

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta
 
-from flankload.scene.refusal import refuse
+from flankload.scene.refusal import refuse, refuse_absent
 from flankload.scene.table import (
     MOST_TEETH,
     USUAL_MODIFICATION,
@@ -30,113 +30,103 @@ class ThicknessKeys(Table, frozen=True, kw_only=True):
     tooth_thickness_allowance_um: Annotated[
         Deviation | None,
         about(
-            "um",
             "deviation of the tooth thickness on the reference circle from that of the profile "
             "shift, in the normal section (E_sn); negative = thinner teeth; the root is cut "
             "deeper accordingly",
+            "um",
             usual=USUAL_MODIFICATION,
         ),
     ] = None
     span_measurement_mm: Annotated[
         Length | None,
         about(
-            "mm",
             "span measurement W_k of the finished teeth, in place of the allowance; requires "
             "span_teeth",
+            "mm",
             usual=USUAL_SIZE,
         ),
     ] = None
     span_teeth: Annotated[
-        Annotated[int, Meta(ge=1, le=MOST_TEETH)] | None,
-        about("-", "number of teeth spanned, k"),
+        Annotated[int, Meta(ge=1, le=MOST_TEETH)] | None, about("number of teeth spanned, k", "-")
     ] = None
     ball_measurement_mm: Annotated[
         Length | None,
         about(
+            "dimension over two balls, or between them for internal teeth (M_dK), in place of the "
+            "allowance; requires measuring_ball_mm",
             "mm",
-            "dimension over two balls, or between them for internal teeth (M_dK), in place of "
-            "the allowance; requires measuring_ball_mm",
             usual=USUAL_SIZE,
         ),
     ] = None
     measuring_ball_mm: Annotated[
-        Length | None, about("mm", "diameter of the balls", usual=(0.1, 200.0))
+        Length | None, about("diameter of the balls", "mm", usual=(0.1, 200.0))
     ] = None
 
 
 class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
     """Keys of an involute profile in the transverse section, without those of its root."""
 
-    module_mm: Annotated[Length, about("mm", "module", usual=(0.02, 100.0))]
+    module_mm: Annotated[Length, about("module", "mm", usual=(0.02, 100.0))]
     pressure_angle_deg: Annotated[
-        Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
+        float, Meta(ge=5, le=45), about("pressure angle of the basic rack", "deg")
     ] = 20.0
-    profile_shift: Annotated[Shift, about("-", "profile shift in modules")] = 0.0
-    tip_diameter_mm: Annotated[Length, about("mm", "diameter of the tip circle", usual=USUAL_SIZE)]
+    profile_shift: Annotated[Shift, about("profile shift in modules", "-")] = 0.0
+    tip_diameter_mm: Annotated[Length, about("diameter of the tip circle", "mm", usual=USUAL_SIZE)]
     tip_relief_um: Annotated[
         Relief | None,
         about(
-            "um",
-            "tip relief at the tip circle, normal to the involute",
-            usual=USUAL_MODIFICATION,
+            "tip relief at the tip circle, normal to the involute", "um", usual=USUAL_MODIFICATION
         ),
     ] = None
     tip_relief_start_diameter_mm: Annotated[
-        Length | None,
-        about("mm", "diameter at which the tip relief begins", usual=USUAL_SIZE),
+        Length | None, about("diameter at which the tip relief begins", "mm", usual=USUAL_SIZE)
     ] = None
     tip_relief_shape: Annotated[
         Literal["linear", "parabolic", "double_linear"],
         about(
-            "",
-            "shape of the tip relief over the roll angle: 'linear', as on drawings, begins "
-            "with a kink, which acts as a sharp corner; 'parabolic' begins without a kink; "
-            "'double_linear' has two straight parts that meet at tip_relief_knee_diameter_mm",
+            "shape of the tip relief over the roll angle: 'linear', as on drawings, begins with a "
+            "kink, which acts as a sharp corner; 'parabolic' begins without a kink; "
+            "'double_linear' has two straight parts that meet at tip_relief_knee_diameter_mm"
         ),
     ] = "linear"
     tip_relief_knee_um: Annotated[
         Relief | None,
         about(
-            "um",
             "tip relief at tip_relief_knee_diameter_mm, with tip_relief_shape = 'double_linear'",
+            "um",
             usual=USUAL_MODIFICATION,
         ),
     ] = None
     tip_relief_knee_diameter_mm: Annotated[
         Length | None,
-        about("mm", "diameter at which both parts of the tip relief meet", usual=USUAL_SIZE),
+        about("diameter at which both parts of the tip relief meet", "mm", usual=USUAL_SIZE),
     ] = None
     root_relief_um: Annotated[
         Relief | None,
         about(
-            "um",
-            "root relief at the form circle, normal to the involute",
-            usual=USUAL_MODIFICATION,
+            "root relief at the form circle, normal to the involute", "um", usual=USUAL_MODIFICATION
         ),
     ] = None
     root_relief_start_diameter_mm: Annotated[
-        Length | None,
-        about("mm", "diameter at which the root relief begins", usual=USUAL_SIZE),
+        Length | None, about("diameter at which the root relief begins", "mm", usual=USUAL_SIZE)
     ] = None
     root_relief_shape: Annotated[
         Literal["linear", "parabolic"],
-        about("", "shape of the root relief over the roll angle, as tip_relief_shape"),
+        about("shape of the root relief over the roll angle, as tip_relief_shape"),
     ] = "linear"
     tip_radius_mm: Annotated[
         Length | None,
-        about("mm", "radius of the arc between flank and tip circle", usual=USUAL_ROUNDING),
+        about("radius of the arc between flank and tip circle", "mm", usual=USUAL_ROUNDING),
     ] = None
     tip_chamfer_mm: Annotated[
         Length | None,
         about(
-            "mm",
-            "radial height of the chamfer between flank and tip circle",
-            usual=USUAL_ROUNDING,
+            "radial height of the chamfer between flank and tip circle", "mm", usual=USUAL_ROUNDING
         ),
     ] = None
     profile_crowning_um: Annotated[
         Relief | None,
-        about("um", "profile crowning, normal to the involute", usual=USUAL_MODIFICATION),
+        about("profile crowning, normal to the involute", "um", usual=USUAL_MODIFICATION),
     ] = None
 
     @property
@@ -168,31 +158,33 @@ class Geometry(InvoluteKeys, frozen=True, kw_only=True):
     """Keys of the profile of an external gear, whose root is cut by a generating rack."""
 
     dedendum_factor: Annotated[
-        Annotated[float, Meta(gt=0, le=5)], about("-", "dedendum of the basic rack in modules")
+        float, Meta(gt=0, le=5), about("dedendum of the basic rack in modules", "-")
     ] = 1.25
     fillet_radius_factor: Annotated[
-        Annotated[float, Meta(ge=0, le=2)],
-        about("-", "tip radius of the generating rack in modules; determines the root fillet"),
+        float,
+        Meta(ge=0, le=2.0),
+        about("tip radius of the generating rack in modules; determines the root fillet", "-"),
     ] = 0.38
     protuberance_mm: Annotated[
         ToolLength | None,
         about(
-            "mm",
             "protuberance of the rack's tip beyond its flank, normal to the flank (pr_P0): the "
             "root is cut free by protuberance_mm - grinding_stock_mm",
+            "mm",
             usual=(5e-3, 3.0),
         ),
     ] = None
     protuberance_angle_deg: Annotated[
-        Annotated[float, Meta(ge=0, lt=45)],
-        about("deg", "pressure angle of the protuberance flank, less than that of the rack"),
+        float,
+        Meta(ge=0, lt=45),
+        about("pressure angle of the protuberance flank, less than that of the rack", "deg"),
     ] = 8.0
     grinding_stock_mm: Annotated[
         ToolLength,
         about(
-            "mm",
             "stock that the rack leaves on each flank, normal to it, and that is ground off; the "
             "keys of the thickness are those of the finished teeth",
+            "mm",
             usual=(5e-3, 3.0),
         ),
     ] = 0.0
@@ -203,29 +195,23 @@ def check_pitch_errors(
 ) -> None:
     """Check that there is one pitch error per tooth and that none exceeds its limit."""
     if errors_um and len(errors_um) != teeth:
-        refuse(
-            f"{key}.pitch_errors_um",
-            f"one entry per tooth: {teeth}, as in {key}.teeth",
-            f"{len(errors_um)} entries",
-        )
+        expected = f"one entry per tooth: {teeth}, as in {key}.teeth"
+        refuse(f"{key}.pitch_errors_um", expected, f"{len(errors_um)} entries")
     most = LARGEST_PITCH_ERROR * 1000 * base_pitch_mm
     for i, error in enumerate(errors_um):
         if base_pitch_mm and abs(error) > most:
-            refuse(
-                f"{key}.pitch_errors_um[{i}]",
-                f"at most {LARGEST_PITCH_ERROR:g} of the base pitch, {most:.0f} um",
-                error,
-            )
+            expected = f"at most {LARGEST_PITCH_ERROR:g} of the base pitch, {most:.0f} um"
+            refuse(f"{key}.pitch_errors_um[{i}]", expected, error)
 
 
 def check_tip(
     body: InvoluteKeys, given: Mapping[str, Any], key: str, *, inwards: bool = False
 ) -> None:
     """Check that a tip has a rounding or a chamfer, and a relief both depth and start."""
-    check_thickness(body, key, inwards=inwards)
+    _check_thickness(body, key, inwards=inwards)
     _check_reliefs(body, given, key)
     if isinstance(body, Geometry):
-        check_protuberance(body, given, key)
+        _check_protuberance(body, given, key)
     if body.tip_radius_mm is not None and body.tip_chamfer_mm is not None:
         refuse(
             f"{key}.tip_radius_mm",
@@ -236,24 +222,13 @@ def check_tip(
     if body.tip_relief_um is None:
         for name in ("tip_relief_start_diameter_mm", "tip_relief_shape"):
             if name in given:
-                refuse(
-                    f"{key}.tip_relief_um",
-                    f"a number >= 0, since there is a {key}.{name}",
-                    "nothing",
-                )
+                refuse_absent(key, "tip_relief_um", "a number >= 0", name)
     elif start is None:
-        refuse(
-            f"{key}.tip_relief_start_diameter_mm",
-            f"a number > 0, since there is a {key}.tip_relief_um",
-            "nothing",
-        )
+        refuse_absent(key, "tip_relief_start_diameter_mm", "a number > 0", "tip_relief_um")
     elif start <= body.tip_diameter_mm if inwards else start >= body.tip_diameter_mm:
         side = "more" if inwards else "less"
-        refuse(
-            f"{key}.tip_relief_start_diameter_mm",
-            f"{side} than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})",
-            start,
-        )
+        expected = f"{side} than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})"
+        refuse(f"{key}.tip_relief_start_diameter_mm", expected, start)
 
 
 _DOUBLE = "double_linear"
@@ -261,12 +236,12 @@ _DOUBLE = "double_linear"
 MEASURED = {"span_measurement_mm": "span_teeth", "ball_measurement_mm": "measuring_ball_mm"}
 
 
-def check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> None:
+def _check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> None:
     """Check that a protuberance exceeds the grinding stock and has a smaller pressure angle."""
     if body.protuberance_mm is None:
         for name in ("protuberance_angle_deg", "grinding_stock_mm"):
             if name in given:
-                refuse(f"{key}.protuberance_mm", f"a number, since there is a {key}.{name}", None)
+                refuse_absent(key, "protuberance_mm", "a number", name)
         return
     if body.protuberance_mm <= body.grinding_stock_mm:
         refuse(
@@ -276,38 +251,26 @@ def check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> No
             body.protuberance_mm,
         )
     if body.protuberance_angle_deg >= body.pressure_angle_deg:
-        refuse(
-            f"{key}.protuberance_angle_deg",
-            f"less than {key}.pressure_angle_deg ({body.pressure_angle_deg:g})",
-            body.protuberance_angle_deg,
-        )
+        expected = f"less than {key}.pressure_angle_deg ({body.pressure_angle_deg:g})"
+        refuse(f"{key}.protuberance_angle_deg", expected, body.protuberance_angle_deg)
 
 
-def check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
+def _check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
     """Check that there is one key of the thickness, with the one that it requires."""
-    named = [
-        name
-        for name in ("tooth_thickness_allowance_um", *MEASURED)
-        if getattr(body, name) is not None
-    ]
+    keys = ("tooth_thickness_allowance_um", *MEASURED)
+    named = [name for name in keys if getattr(body, name) is not None]
     if len(named) > 1:
-        refuse(
-            f"{key}.{named[1]}",
-            f"nothing beside {key}.{named[0]}, which gives the tooth thickness as well",
-            getattr(body, named[1]),
-        )
+        expected = f"nothing beside {key}.{named[0]}, which gives the tooth thickness as well"
+        refuse(f"{key}.{named[1]}", expected, getattr(body, named[1]))
     for name, beside in MEASURED.items():
         value, other = getattr(body, name), getattr(body, beside)
         if value is not None and other is None:
-            refuse(f"{key}.{beside}", f"a number, since there is a {key}.{name}", None)
+            refuse_absent(key, beside, "a number", name)
         if value is None and other is not None:
-            refuse(f"{key}.{name}", f"a number, since there is a {key}.{beside}", None)
+            refuse_absent(key, name, "a number", beside)
     if inwards and body.span_measurement_mm is not None:
-        refuse(
-            f"{key}.span_measurement_mm",
-            "nothing for internal teeth (ball_measurement_mm instead)",
-            body.span_measurement_mm,
-        )
+        expected = "nothing for internal teeth (ball_measurement_mm instead)"
+        refuse(f"{key}.span_measurement_mm", expected, body.span_measurement_mm)
 
 
 def _check_reliefs(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> None:
@@ -322,12 +285,6 @@ def _check_reliefs(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> No
     if body.root_relief_um is None:
         for name in ("root_relief_start_diameter_mm", "root_relief_shape"):
             if name in given:
-                refuse(
-                    f"{key}.root_relief_um", f"a number >= 0, since there is a {key}.{name}", None
-                )
+                refuse_absent(key, "root_relief_um", "a number >= 0", name)
     elif body.root_relief_start_diameter_mm is None:
-        refuse(
-            f"{key}.root_relief_start_diameter_mm",
-            f"a number > 0, since there is a {key}.root_relief_um",
-            None,
-        )
+        refuse_absent(key, "root_relief_start_diameter_mm", "a number > 0", "root_relief_um")

@@ -9,13 +9,13 @@ from flankload.base.arguments import require_number
 from flankload.scene.refusal import refuse
 
 #: Ranges of the formulas, 5.2.1; they shall not be extrapolated.
-CLASSES, TEETH = (1, 11), (5, 1000)
-DIAMETER_MM, MODULE_MM, WIDTH_MM, HELIX_DEG = (
-    (5.0, 15000.0),
-    (0.5, 70.0),
-    (4.0, 1200.0),
-    (0.0, 45.0),
-)
+LARGEST_CLASS, DIAMETER_MM = 11, (5.0, 15000.0)
+RANGES = {
+    "teeth": (5, 1000),
+    "module_mm": (0.5, 70.0),
+    "face_width_mm": (4.0, 1200.0),
+    "helix_angle_deg": (0.0, 45.0),
+}
 
 
 @dataclass(frozen=True)
@@ -84,17 +84,10 @@ def iso_1328(
     ISO 1328-1:2013, Cylindrical gears - ISO system of flank tolerance classification - Part 1,
     5.3, formulas (5) to (12).
     """
-    if isinstance(tolerance_class, bool) or (
-        tolerance_class not in range(*CLASSES) and (tolerance_class != CLASSES[1])
-    ):
+    if isinstance(tolerance_class, bool) or tolerance_class not in range(1, LARGEST_CLASS + 1):
         refuse("class", "an integer from 1 to 11 (ISO 1328-1)", tolerance_class)
-    ranges = {
-        "teeth": (teeth, TEETH),
-        "module_mm": (module_mm, MODULE_MM),
-        "face_width_mm": (face_width_mm, WIDTH_MM),
-        "helix_angle_deg": (helix_angle_deg, HELIX_DEG),
-    }
-    for key, (value, (least, most)) in ranges.items():
+    values = (teeth, module_mm, face_width_mm, helix_angle_deg)
+    for (key, (least, most)), value in zip(RANGES.items(), values, strict=True):
         require_number(key, value)
         if not least <= value <= most:
             refuse(key, f"a number from {least:g} to {most:g}, the range of ISO 1328-1", value)
@@ -102,24 +95,28 @@ def iso_1328(
     if not DIAMETER_MM[0] <= d <= DIAMETER_MM[1]:
         expected = "a reference diameter from 5 to 15000 mm, the range of ISO 1328-1"
         refuse("module_mm", expected, f"{d:.6g} mm")
-    b, factor = face_width_mm, sqrt(2.0) ** (tolerance_class - 5)  # 5.2.2
+    found = _formulas(d, module_mm, face_width_mm, sqrt(2.0) ** (tolerance_class - 5))  # 5.2.2
+    return FlankTolerances(tolerance_class, *(_rounded(value) for value in found))
+
+
+def _formulas(d: float, m: float, b: float, factor: float) -> tuple[float, ...]:
+    """Formulas (5) to (12) in their order, um; not rounded."""
     profile = (
-        factor * (0.4 * module_mm + 0.001 * d + 4.0),  # formula (7)
-        factor * (0.55 * module_mm + 5.0),  # formula (8)
+        factor * (0.4 * m + 0.001 * d + 4.0),  # formula (7)
+        factor * (0.55 * m + 5.0),  # formula (8)
     )
     helix = (
         factor * (0.05 * sqrt(d) + 0.35 * sqrt(b) + 4.0),  # formula (10)
         factor * (0.07 * sqrt(d) + 0.45 * sqrt(b) + 4.0),  # formula (11)
     )
-    found = (
-        factor * (0.001 * d + 0.4 * module_mm + 5.0),  # formula (5)
-        factor * (0.002 * d + 0.55 * sqrt(d) + 0.7 * module_mm + 12.0),  # formula (6)
+    return (
+        factor * (0.001 * d + 0.4 * m + 5.0),  # formula (5)
+        factor * (0.002 * d + 0.55 * sqrt(d) + 0.7 * m + 12.0),  # formula (6)
         *profile,
         hypot(*profile),  # formula (9), of values that are not rounded
         *helix,
         hypot(*helix),  # formula (12)
     )
-    return FlankTolerances(tolerance_class, *(_rounded(value) for value in found))
 
 
 def _rounded(value_um: float) -> float:

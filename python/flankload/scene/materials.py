@@ -40,10 +40,7 @@ MATERIALS = {
 #: Keys of a body that its material gives.
 ELASTIC_KEYS = ("young_modulus_MPa", "poisson_ratio")
 #: Keys of [effects] that the materials of both bodies give, with the key that uses each.
-EFFECT_KEYS = {
-    "thermal_expansion_per_K": "temperature_rise_K",
-    "density_kg_m3": "speed_rpm",
-}
+EFFECT_KEYS = {"thermal_expansion_per_K": "temperature_rise_K", "density_kg_m3": "speed_rpm"}
 
 MaterialName = Annotated[
     Literal[
@@ -59,9 +56,8 @@ MaterialName = Annotated[
     ]
     | None,
     about(
-        "",
         "material by name (docs/guide/catalogues.md): Young's modulus, Poisson's ratio and, where "
         "effects use them, thermal expansion and density; keys that the scene sets have "
-        "precedence",
+        "precedence"
     ),
 ]

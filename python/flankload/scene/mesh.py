@@ -6,27 +6,10 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
-from flankload.scene.axial import (
-    HELIX_TOLERANCE_OF_RADII,
-    AxialKeys,
-    AxialOffset,
-    EndRelief,
-    EndReliefLength,
-    EndReliefShape,
-    Hand,
-    HelixSlope,
-    LeadCrowning,
-    MeshHelixAngle,
-    OnShaft,
-    OwnWidth,
-    ProfileTwist,
-    ToothHelixSlopes,
-    TopographyFile,
-)
+from flankload.scene import axial, regions
 from flankload.scene.involute import Geometry, check_pitch_errors, check_tip
 from flankload.scene.materials import MaterialName
 from flankload.scene.refusal import refuse, shown
-from flankload.scene.regions import MeshRegionKeys, RegionSets, RegionWidths
 from flankload.scene.table import (
     USUAL_SIZE,
     BodyTable,
@@ -45,77 +28,78 @@ from flankload.scene.table import (
 class Profile(Geometry, frozen=True, kw_only=True):
     """The exact profile of a body from a mesh file, by the geometry keys of a gear."""
 
-    kind: Annotated[Literal["gear"], about("", "kind of the profile")] = "gear"
+    kind: Annotated[Literal["gear"], about("kind of the profile")] = "gear"
     teeth: Annotated[
         Teeth | None,
-        about("-", "number of teeth, equal to that of the mesh; absent = that of the mesh"),
+        about("number of teeth, equal to that of the mesh; absent = that of the mesh", "-"),
     ] = None
 
 
-class MeshBody(MeshRegionKeys, AxialKeys, BodyTable, frozen=True, kw_only=True, tag="mesh"):
+class MeshBody(
+    regions.MeshRegionKeys, axial.AxialKeys, BodyTable, frozen=True, kw_only=True, tag="mesh"
+):
     """A body from a mesh file: one sector with cut faces, or the whole body with many flanks."""
 
     from_file: ClassVar[bool] = True
     inward: ClassVar[bool | None] = None
 
-    file: Annotated[Text, about("", "mesh file; relative to the folder of the scene file")]
+    file: Annotated[Text, about("mesh file; relative to the folder of the scene file")]
     teeth: Annotated[
         Teeth | None,
         about(
-            "-",
             "number of equal sectors of the body; for a whole body, absent = number of flank_sets",
+            "-",
         ),
     ] = None
-    flank_set: Annotated[Text, about("", "set of edges or nodes of the working flank")] = "FLANK"
+    flank_set: Annotated[Text, about("set of edges or nodes of the working flank")] = "FLANK"
     flank_sets: Annotated[
         Annotated[tuple[Text, ...], Meta(min_length=1)] | None,
         about(
-            "",
             "for a whole body: sets of its working flanks, that of pair 0 first; replaces "
-            "flank_set and cut_sets",
+            "flank_set and cut_sets"
         ),
     ] = None
-    fixed_set: Annotated[Text, about("", "set of fixed nodes (the bore)")] = "BORE"
-    cut_sets: Annotated[tuple[Text, Text], about("", "sets of the sector's two cut faces")] = (
+    fixed_set: Annotated[Text, about("set of fixed nodes (the bore)")] = "BORE"
+    cut_sets: Annotated[tuple[Text, Text], about("sets of the sector's two cut faces")] = (
         "CUT_LEFT",
         "CUT_RIGHT",
     )
     reference_radius_mm: Annotated[
         Length | None,
         about(
+            "radius that converts rotation into transmission error; required without profile; "
+            "absent = base radius of the profile",
             "mm",
-            "radius that converts rotation into transmission error; required without "
-            "profile; absent = base radius of the profile",
             usual=USUAL_SIZE,
         ),
     ] = None
     profile: Annotated[
         Profile | None,
-        about("", "the exact profile, if known; absent = the flank curve goes through the nodes"),
+        about("the exact profile, if known; absent = the flank curve goes through the nodes"),
     ] = None
     one_material: Annotated[
-        bool, about("", "true: element groups of the file are treated as one material")
+        bool, about("true: element groups of the file are treated as one material")
     ] = False
     material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
     pitch_errors_um: PitchErrors = ()
-    helix_angle_deg: MeshHelixAngle = 0.0
-    hand: Hand = None
-    face_width_mm: OwnWidth = None
-    axial_offset_mm: AxialOffset = 0.0
-    lead_crowning_um: LeadCrowning = None
-    helix_slope_um: HelixSlope = None
-    tooth_helix_slope_um: ToothHelixSlopes = ()
-    end_relief_um: EndRelief = None
-    end_relief_length_mm: EndReliefLength = None
-    end_relief_shape: EndReliefShape = "linear"
-    profile_twist_um: ProfileTwist = None
-    topography_file: TopographyFile = None
-    shaft: OnShaft = None
-    region_sets: RegionSets = None
-    region_widths_mm: RegionWidths = None
+    helix_angle_deg: axial.MeshHelixAngle = 0.0
+    hand: axial.Hand = None
+    face_width_mm: axial.OwnWidth = None
+    axial_offset_mm: axial.AxialOffset = 0.0
+    lead_crowning_um: axial.LeadCrowning = None
+    helix_slope_um: axial.HelixSlope = None
+    tooth_helix_slope_um: axial.ToothHelixSlopes = ()
+    end_relief_um: axial.EndRelief = None
+    end_relief_length_mm: axial.EndReliefLength = None
+    end_relief_shape: axial.EndReliefShape = "linear"
+    profile_twist_um: axial.ProfileTwist = None
+    topography_file: axial.TopographyFile = None
+    shaft: axial.OnShaft = None
+    region_sets: regions.RegionSets = None
+    region_widths_mm: regions.RegionWidths = None
 
     @property
     def number_of_teeth(self) -> int:
@@ -142,7 +126,7 @@ class MeshBody(MeshRegionKeys, AxialKeys, BodyTable, frozen=True, kw_only=True, 
     @property
     def helix_tolerance_deg(self) -> float:
         """A given radius is rounded."""
-        return super().helix_tolerance_deg if self.profile else HELIX_TOLERANCE_OF_RADII
+        return super().helix_tolerance_deg if self.profile else axial.HELIX_TOLERANCE_OF_RADII
 
     def check_solid(self, key: str, why: str) -> None:
         """Refuse the mesh of a whole body."""
@@ -170,11 +154,8 @@ class MeshBody(MeshRegionKeys, AxialKeys, BodyTable, frozen=True, kw_only=True, 
         check_pitch_errors(self.pitch_errors_um, teeth, base_pitch, key)
         if profile is None:
             if self.reference_radius_mm is None:
-                refuse(
-                    f"{key}.reference_radius_mm",
-                    f"a number > 0, since there is no {key}.profile that determines it",
-                    "nothing",
-                )
+                expected = f"a number > 0, since there is no {key}.profile that determines it"
+                refuse(f"{key}.reference_radius_mm", expected, "nothing")
             return
         check_tip(profile, given["profile"], f"{key}.profile")
         if profile.teeth not in (None, teeth):
@@ -188,32 +169,25 @@ class ComplianceBody(BodyTable, frozen=True, kw_only=True, tag="compliance"):
     brings_compliance: ClassVar[bool] = True
 
     file: Annotated[
-        Text,
-        about("", "compliance file (.npz, .csv); relative to the folder of the scene file"),
+        Text, about("compliance file (.npz, .csv); relative to the folder of the scene file")
     ]
     rigid: Rigid = False
-    pitch_errors_um: Annotated[PitchErrors, about("um", "absent = those of the file")] = ()
+    pitch_errors_um: Annotated[PitchErrors, about("absent = those of the file", "um")] = ()
 
 
 def _check_sets(body: MeshBody, given: Mapping[str, Any], key: str) -> None:
     """Check that a sector has two cut faces and a whole body one set per flank."""
     if body.flank_sets is None:
         if body.teeth is None:
-            refuse(
-                f"{key}.teeth",
-                f"an integer >= 3, since there is no {key}.flank_sets to count",
-                "nothing",
-            )
+            expected = f"an integer >= 3, since there is no {key}.flank_sets to count"
+            refuse(f"{key}.teeth", expected, "nothing")
         if body.cut_sets[0] == body.cut_sets[1]:
             refuse(f"{key}.cut_sets", "two different names", shown(list(body.cut_sets)))
         return
     for name in ("cut_sets", "flank_set"):
         if name in given:
-            refuse(
-                f"{key}.{name}",
-                f"nothing beside {key}.flank_sets: those are of a whole body",
-                shown(given[name]),
-            )
+            expected = f"nothing beside {key}.flank_sets: those are of a whole body"
+            refuse(f"{key}.{name}", expected, shown(given[name]))
     for k, name in enumerate(body.flank_sets):
         if name in body.flank_sets[:k]:
             refuse(f"{key}.flank_sets[{k}]", "each set once", shown(name))

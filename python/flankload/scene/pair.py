@@ -34,57 +34,58 @@ class Pair(Table, frozen=True, kw_only=True):
     center_distance_mm: Annotated[
         Length | None,
         about(
+            "actual distance of the two axes, including a centre distance error, which does not "
+            "change the teeth; required, except for splines",
             "mm",
-            "actual distance of the two axes, including a centre distance error, which "
-            "does not change the teeth; required, except for splines",
             usual=USUAL_SIZE,
         ),
     ] = None
     center_offset_mm: Annotated[
         Annotated[float, Meta(ge=0, le=1e5)] | None,
         about(
-            "mm",
             "distance of the two axes of a spline; absent = 0 (common axis)",
+            "mm",
             # a hundredth is usual; ten probably means 10 um
             usual=(1e-5, 2.0),
         ),
     ] = None
     face_width_mm: Annotated[
-        Length, about("mm", "common width of the flanks in contact", usual=(0.05, 5000.0))
+        Length, about("common width of the flanks in contact", "mm", usual=(0.05, 5000.0))
     ]
 
     inclination_um_per_mm: Annotated[
         Misalignment,
         about(
-            "um/mm",
             "misalignment of axis 2 in the plane of both axes, f_Sigma_delta; positive: the gap "
             "grows with z",
+            "um/mm",
         ),
     ] = 0.0
     deviation_um_per_mm: Annotated[
         Misalignment,
         about(
-            "um/mm",
             "misalignment of axis 2 across the plane of both axes, f_Sigma_beta; positive: the "
             "gap grows with z",
+            "um/mm",
         ),
     ] = 0.0
 
     misalignment_mrad: Annotated[
-        Annotated[float, Meta(ge=0, le=100)],
+        float,
+        Meta(ge=0, le=100),
         about(
-            "mrad",
             "angle between the axes of a spline: the hub leans about the middle of the common "
             "face width",
+            "mrad",
             usual=(1e-3, 50.0),
         ),
     ] = 0.0
     misalignment_direction_deg: Annotated[
         Angle,
         about(
+            "direction in which the hub's axis leans towards larger z, counter-clockwise from "
+            "that of center_offset_mm",
             "deg",
-            "direction in which the hub's axis leans towards larger z, counter-clockwise from that "
-            "of center_offset_mm",
         ),
     ] = 0.0
 
@@ -99,51 +100,34 @@ class Pair(Table, frozen=True, kw_only=True):
         return self.center_distance_mm or self.center_offset_mm or 0.0
 
     def check(self, body_1: BodyTable, body_2: BodyTable) -> None:
-        """Check that splines have offset and misalignment, all other bodies a centre distance.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Check that splines have offset and misalignment, all other bodies a centre distance."""
         distance, offset = self.center_distance_mm, self.center_offset_mm
         if body_1.conforms and distance is not None:
-            refuse(
-                "pair.center_distance_mm",
-                "nothing: splines have pair.center_offset_mm (absent = 0)",
-                distance,
-            )
+            expected = "nothing: splines have pair.center_offset_mm (absent = 0)"
+            refuse("pair.center_distance_mm", expected, distance)
         if not body_1.conforms and offset is not None:
-            refuse(
-                "pair.center_offset_mm",
-                f"nothing: a {body_1.kind} and a {body_2.kind} have "
-                "pair.center_distance_mm, only splines an offset",
-                offset,
-            )
+            expected = f"nothing: a {body_1.kind} and a {body_2.kind} have "
+            expected += "pair.center_distance_mm, only splines an offset"
+            refuse("pair.center_offset_mm", expected, offset)
         if not body_1.conforms and distance is None:
             refuse("pair.center_distance_mm", "a number from 0.001 to 100000", "nothing")
         for name in MISALIGNMENTS:
             if getattr(self, name) and body_1.conforms == (name != OF_SPLINES):
                 here = OF_SPLINES if body_1.conforms else " and ".join(MISALIGNMENTS[:2])
-                refuse(
-                    f"pair.{name}",
-                    f"nothing: a {body_1.kind} and a {body_2.kind} have pair.{here}",
-                    getattr(self, name),
-                )
+                expected = f"nothing: a {body_1.kind} and a {body_2.kind} have pair.{here}"
+                refuse(f"pair.{name}", expected, getattr(self, name))
         if self.misalignment_direction_deg and not self.misalignment_mrad:
-            refuse(
-                "pair.misalignment_direction_deg",
-                f"nothing, unless pair.{OF_SPLINES} is > 0",
-                self.misalignment_direction_deg,
-            )
+            expected = f"nothing, unless pair.{OF_SPLINES} is > 0"
+            refuse("pair.misalignment_direction_deg", expected, self.misalignment_direction_deg)
 
 
 TorqueOrTorques = Annotated[
     Torque | Torques,
-    about("N m", "torque on body 1, or a list with one result per torque; 0 = motion without load"),
+    about("torque on body 1, or a list with one result per torque; 0 = motion without load", "N m"),
 ]
 SlackTension = Annotated[
     Annotated[float, Meta(gt=0, le=1e9)] | None,
-    about("N", "tension of the slack strand of a chain or a belt"),
+    about("tension of the slack strand of a chain or a belt", "N"),
 ]
 
 
@@ -164,55 +148,53 @@ class Positions(Table, frozen=True, kw_only=True):
     """Positions at which the pair is solved."""
 
     count: Annotated[
-        Annotated[int, Meta(ge=1, le=100000)],
+        int,
+        Meta(ge=1, le=100000),
         about(
-            "-",
             "equally spaced positions per tooth pitch of body 1 (per turn of a cam); with "
             "adaptive, the initial positions; concentric splines have one position",
+            "-",
         ),
     ] = 32
     angles_deg: Annotated[
         Angles | None,
-        about("deg", "angles of body 1 (with a cam: of the cam) from position 0, instead of count"),
+        about("angles of body 1 (with a cam: of the cam) from position 0, instead of count", "deg"),
     ] = None
     pitches: Annotated[
         Annotated[int, Meta(ge=1, le=10000)] | Literal["hunting"],
         about(
+            "tooth pitches of body 1 that the positions cover; 'hunting' = the whole period: with "
+            "pitch errors on both bodies the least common multiple of their tooth numbers, "
+            "without pitch errors one pitch",
             "-",
-            "tooth pitches of body 1 that the positions cover; 'hunting' = the whole "
-            "period: with pitch errors on both bodies the least common multiple of their "
-            "tooth numbers, without pitch errors one pitch",
         ),
     ] = 1
     adaptive: Annotated[
         bool,
         about(
-            "",
-            "true: positions are added where the transmission error is curved, the same "
-            "for all torques, until its harmonics 1 to 3 and its peak to peak meet the "
-            "tolerance",
+            "true: positions are added where the transmission error is curved, the same for all "
+            "torques, until its harmonics 1 to 3 and its peak to peak meet the tolerance"
         ),
     ] = False
     tolerance: Annotated[
         Annotated[float, Meta(ge=1e-5, le=0.1)] | None,
         about(
+            "with adaptive: relative uncertainty that the positions may leave in a harmonic (for "
+            "small ones, relative to a tenth of the largest) and in the peak to peak; absent = "
+            "0.3 of accuracy.tolerance",
             "-",
-            "with adaptive: relative uncertainty that the positions may leave in a "
-            "harmonic (for small ones, relative to a tenth of the largest) and in the peak "
-            "to peak; absent = 0.3 of accuracy.tolerance",
         ),
     ] = None
     max_count: Annotated[
         Annotated[int, Meta(ge=1, le=100000)] | None,
         about(
+            "with adaptive: largest number of positions per tooth pitch; if it does not suffice, "
+            "a warning gives the remaining uncertainty; absent = 8 count",
             "-",
-            "with adaptive: largest number of positions per tooth pitch; if it does not "
-            "suffice, a warning gives the remaining uncertainty; absent = 8 count",
         ),
     ] = None
     driver: Annotated[
-        Literal["body_1", "body_2"],
-        about("", "the driving body; determines the direction of sliding"),
+        Literal["body_1", "body_2"], about("the driving body; determines the direction of sliding")
     ] = "body_1"
 
     @property
@@ -221,25 +203,12 @@ class Positions(Table, frozen=True, kw_only=True):
         return self.max_count or 8 * self.count
 
     def check(self, given: Mapping[str, Any]) -> None:
-        """Refuse keys beside explicit angles, and keys of adaptive positions without `adaptive`.
-
-        Parameters
-        ----------
-        given : mapping
-            Keys that the scene sets.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Refuse keys beside explicit angles, and keys of adaptive positions without `adaptive`."""
         if self.angles_deg is not None:
             for key in ("count", "pitches", "adaptive", "tolerance", "max_count"):
                 if key in given:
-                    refuse(
-                        "positions.angles_deg",
-                        f"nothing beside positions.{key}: one of the two",
-                        self.angles_deg,
-                    )
+                    expected = f"nothing beside positions.{key}: one of the two"
+                    refuse("positions.angles_deg", expected, self.angles_deg)
         if not self.adaptive:
             for key in ("tolerance", "max_count"):
                 if key in given:
@@ -248,26 +217,15 @@ class Positions(Table, frozen=True, kw_only=True):
                     )
             return
         if self.count < LEAST_START:
-            refuse(
-                "positions.count",
-                f"at least {LEAST_START} to begin adaptive positions with",
-                self.count,
-            )
+            expected = f"at least {LEAST_START} to begin adaptive positions with"
+            refuse("positions.count", expected, self.count)
         if self.max_count is not None and self.max_count < self.count:
-            refuse(
-                "positions.max_count",
-                f"at least positions.count ({self.count})",
-                self.max_count,
-            )
+            expected = f"at least positions.count ({self.count})"
+            refuse("positions.max_count", expected, self.max_count)
 
 
 def check_partners(body_1: BodyTable, body_2: BodyTable) -> None:
-    """Refuse bodies whose kind requires a partner of another kind.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Refuse bodies whose kind requires a partner of another kind."""
     kinds = body_1.kind, body_2.kind
     for wanted in ((body_1.kind, body_1.partner), (body_2.partner, body_2.kind)):
         if None not in wanted and kinds != wanted:

@@ -20,24 +20,11 @@ OF_SLICES = ("slices", "axial_degree", "load_degree_z")
 OF_CELLS = ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths")
 #: Keys of a body that a plane section does not have.
 ALONG_AXIS = (
-    "helix_angle_deg",
-    "hand",
-    "face_width_mm",
-    "axial_offset_mm",
-    *LEAD_KEYS,
-    "end_relief_length_mm",
-    "end_relief_shape",
-    "shaft",
-    "web_width_mm",
-    "web_outer_diameter_mm",
-    "rim_thickness_mm",
-    "web_offset_mm",
-    "hub_diameter_mm",
-    "hub_width_mm",
-    "hub_offset_mm",
-    "region_sets",
-    "region_widths_mm",
-)
+    "helix_angle_deg", "hand", "face_width_mm", "axial_offset_mm", *LEAD_KEYS,
+    "end_relief_length_mm", "end_relief_shape", "shaft", "web_width_mm", "web_outer_diameter_mm",
+    "rim_thickness_mm", "web_offset_mm", "hub_diameter_mm", "hub_width_mm", "hub_offset_mm",
+    "region_sets", "region_widths_mm",
+)  # fmt: skip
 
 
 def plane_section(scene: Scene) -> Scene:
@@ -46,15 +33,6 @@ def plane_section(scene: Scene) -> Scene:
     Its width is the one that both bodies have in common; webs and hubs are as wide. The rack of a
     helical gear has its transverse keys, so that flanks are the same; only the root fillet is that
     of a round tip of the rack in the transverse section, not of an ellipse.
-
-    Parameters
-    ----------
-    scene : Scene
-        Three-dimensional.
-
-    Returns
-    -------
-    Scene
     """
     bodies, width = (scene.body_1, scene.body_2), scene.pair.face_width_mm
     ends = [axial_range(body, width, "") for body in bodies if isinstance(body, AxialKeys)]

@@ -20,15 +20,8 @@ SceneLike = Scene | AsScene | Mapping[str, Any] | str | PathLike[str]
 def scene_of(given: object) -> Scene:
     """Return a scene in one of the forms that the public functions accept.
 
-    Parameters
-    ----------
-    given : Scene, typed pair, path or mapping
-        A scene, a `GearPair` or its like, the path of a scene file, or the keys of a scene as
-        `Scene.from_dict` takes them.
-
-    Returns
-    -------
-    Scene
+    These are a scene, a `GearPair` or its like, the path of a scene file, or the keys of a scene as
+    `Scene.from_dict` takes them.
 
     Raises
     ------
@@ -72,17 +65,7 @@ def read_scene(path: str | PathLike[str]) -> Scene:
 
 
 def read_tables(path: Path, kind: str) -> dict[str, Any]:
-    """Read a TOML file.
-
-    Parameters
-    ----------
-    path : Path
-    kind : str
-        "a scene file", for the error message.
-
-    Returns
-    -------
-    dict
+    """Read a TOML file; `kind` is "a scene file" or its like, for the error message.
 
     Raises
     ------
@@ -92,32 +75,17 @@ def read_tables(path: Path, kind: str) -> dict[str, Any]:
     try:
         return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
     except OSError as error:
-        raise SceneError(
-            file=path, key="file", expected=f"{kind} to read", found=_reason(error)
-        ) from None
+        expected, found = f"{kind} to read", (error.strerror or type(error).__name__).lower()
     except UnicodeDecodeError as error:
-        raise SceneError(
-            file=path,
-            key="file",
-            expected="text in UTF-8",
-            found=_strange_byte(error),
-        ) from None
+        expected, found = "text in UTF-8", _strange_byte(error)
     except tomllib.TOMLDecodeError as error:
-        raise SceneError(
-            file=path, key="file", expected="valid TOML", found=_syntax_error(str(error))
-        ) from None
-    except (RecursionError, ValueError) as error:
-        # Exceptions of Python itself that tomllib passes on.
-        expected, found = (
-            ("numbers of a few digits", "one of thousands of digits")
-            if isinstance(error, ValueError)
-            else ("lists of a few levels", "too many levels")
-        )
-        raise SceneError(file=path, key="file", expected=expected, found=found) from None
-
-
-def _reason(error: OSError) -> str:
-    return (error.strerror or type(error).__name__).lower()
+        expected, found = "valid TOML", _syntax_error(str(error))
+    # exceptions of Python itself that tomllib passes on
+    except RecursionError:
+        expected, found = "lists of a few levels", "too many levels"
+    except ValueError:
+        expected, found = "numbers of a few digits", "one of thousands of digits"
+    raise SceneError(file=path, key="file", expected=expected, found=found)
 
 
 def _strange_byte(error: UnicodeDecodeError) -> str:

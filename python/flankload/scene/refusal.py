@@ -28,16 +28,15 @@ def shown(value: object) -> str:
     return text if len(text) <= 80 else text[:77] + "..."
 
 
-def refuse(key: str, expected: str, found: object) -> NoReturn:
-    """Refuse a key.
+def refuse_absent(key: str, name: str, wanted: str, beside: str) -> NoReturn:
+    """Refuse the table `key` without a key that another one of the table requires."""
+    refuse(f"{key}.{name}", f"{wanted}, since there is a {key}.{beside}", None)
 
-    Parameters
-    ----------
-    key : str
-        Dotted path of the key.
-    expected : str
-    found : object
-        A string is used as it is; any other value is shown as the user wrote it; None: "nothing".
+
+def refuse(key: str, expected: str, found: object) -> NoReturn:
+    """Refuse a key, of which `key` is the dotted path.
+
+    A found string is used as it is; any other value is shown as the user wrote it; None: "nothing".
 
     Raises
     ------

@@ -1,12 +1,13 @@
 """Keys of gear bodies whose web or hub has a width of its own, and their rules."""
 
 from collections.abc import Iterator
+from itertools import dropwhile
 from typing import TYPE_CHECKING, Annotated
 
 from msgspec import Meta
 
 from flankload.base.rounding import TIE
-from flankload.scene.refusal import refuse, shown
+from flankload.scene.refusal import refuse, refuse_absent, shown
 from flankload.scene.table import LARGEST_LENGTH, USUAL_SIZE, Length, Text, about
 
 if TYPE_CHECKING:
@@ -20,56 +21,55 @@ Offset = Annotated[float, Meta(ge=-LARGEST_LENGTH, le=LARGEST_LENGTH)]
 
 WebWidth = Annotated[
     Length | None,
-    about("mm", "width of the web, at most the face width; absent = no web", usual=USUAL_WIDTH),
+    about("width of the web, at most the face width; absent = no web", "mm", usual=USUAL_WIDTH),
 ]
 WebOuterDiameter = Annotated[
     Length | None,
-    about("mm", "diameter at which the web ends and the rim begins", usual=USUAL_SIZE),
+    about("diameter at which the web ends and the rim begins", "mm", usual=USUAL_SIZE),
 ]
 RimThickness = Annotated[
     Length | None,
     about(
-        "mm",
         "thickness of the rim from the root circle to the web (s_R of ISO 6336); replaces "
         "web_outer_diameter_mm",
+        "mm",
         usual=USUAL_WIDTH,
     ),
 ]
 WebOffset = Annotated[
     Offset,
     about(
-        "mm",
         "axial position of the middle of the web from the middle of the face width",
+        "mm",
         usual=USUAL_OFFSET,
     ),
 ]
-HubDiameter = Annotated[Length | None, about("mm", "outer diameter of the hub", usual=USUAL_SIZE)]
+HubDiameter = Annotated[Length | None, about("outer diameter of the hub", "mm", usual=USUAL_SIZE)]
 HubWidth = Annotated[
     Length | None,
     about(
-        "mm", "width of the hub, over which the bore is held; absent = no hub", usual=USUAL_WIDTH
+        "width of the hub, over which the bore is held; absent = no hub", "mm", usual=USUAL_WIDTH
     ),
 ]
 HubOffset = Annotated[
     Offset,
     about(
-        "mm",
         "axial position of the middle of the hub from the middle of the face width",
+        "mm",
         usual=USUAL_OFFSET,
     ),
 ]
 RegionSets = Annotated[
     Annotated[tuple[Text, ...], Meta(min_length=1)] | None,
     about(
-        "",
         "sets of elements of regions that are not as wide as the teeth: webs, hubs; groups of the "
-        "file then do not mean materials",
+        "file then do not mean materials"
     ),
 ]
 RegionWidths = Annotated[
     Annotated[tuple[Length, ...], Meta(min_length=1)] | None,
     about(
-        "mm", "width of each of region_sets, about the middle of the face width", usual=USUAL_WIDTH
+        "width of each of region_sets, about the middle of the face width", "mm", usual=USUAL_WIDTH
     ),
 ]
 
@@ -97,20 +97,12 @@ class RegionKeys:
             yield "hub", self.hub_width_mm, self.hub_offset_mm
 
     def check_regions(self, key: str) -> None:
-        """Check that web and hub have a width and a diameter each.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Check that web and hub have a width and a diameter each."""
         outer = {"web_outer_diameter_mm": self.web_outer_diameter_mm}
         outer["rim_thickness_mm"] = self.rim_thickness_mm
         if None not in outer.values():
-            refuse(
-                f"{key}.rim_thickness_mm",
-                f"nothing beside {key}.web_outer_diameter_mm",
-                self.rim_thickness_mm,
-            )
+            expected = f"nothing beside {key}.web_outer_diameter_mm"
+            refuse(f"{key}.rim_thickness_mm", expected, self.rim_thickness_mm)
         places = [name for name, value in outer.items() if value is not None]
         _check_both(key, "web", self.web_width_mm, places, self.web_offset_mm)
         places = ["hub_diameter_mm"] * (self.hub_diameter_mm is not None)
@@ -118,10 +110,7 @@ class RegionKeys:
 
     def regions_of(self, range_mm: "Extent") -> tuple[tuple[str, "Extent"], ...]:
         """Names and ends along the axis of web and hub; from outside, begins with another width."""
-        found = list(self._extents(range_mm))
-        while found and found[0][1] == range_mm:
-            del found[0]
-        return tuple(found)
+        return tuple(dropwhile(lambda found: found[1] == range_mm, self._extents(range_mm)))
 
     def _extents(self, range_mm: "Extent") -> "Iterator[tuple[str, Extent]]":
         for name, width, offset in self._regions():
@@ -133,21 +122,13 @@ class RegionKeys:
         return extents[-1], self.bore_diameter_mm
 
     def check_extents(self, range_mm: "Extent", key: str) -> None:
-        """Check that the web is within the face width, and that the hub's ends fit.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Check that the web is within the face width, and that the hub's ends fit."""
         outside, around = "face width", range_mm
         for name, own in self._extents(range_mm):
             if not _is_within(own, around) and (name == "web" or not _is_within(around, own)):
                 relation = "within" if name == "web" else "that contains or is within"
-                refuse(
-                    f"{key}.{name}_width_mm",
-                    f"a {name} {relation} the {outside} ({_shown(around)})",
-                    f"{own[1] - own[0]:g} ({_shown(own)})",
-                )
+                expected = f"a {name} {relation} the {outside} ({_shown(around)})"
+                refuse(f"{key}.{name}_width_mm", expected, f"{own[1] - own[0]:g} ({_shown(own)})")
             outside, around = name, own
 
     def region_diameter_key(self, name: str) -> str:
@@ -189,12 +170,9 @@ def _check_both(
     """Check that a region has both a width and a place, or neither."""
     if width is not None and not places:
         place = "web_outer_diameter_mm" if name == "web" else "hub_diameter_mm"
-        there, missing = f"{name}_width_mm", place
-    elif width is None and (places or offset):
-        there, missing = (*places, f"{name}_offset_mm")[0], f"{name}_width_mm"
-    else:
-        return
-    refuse(f"{key}.{missing}", f"a number > 0, since there is a {key}.{there}", "nothing")
+        refuse_absent(key, place, "a number > 0", f"{name}_width_mm")
+    if width is None and (places or offset):
+        refuse_absent(key, f"{name}_width_mm", "a number > 0", (*places, f"{name}_offset_mm")[0])
 
 
 class MeshRegionKeys:
@@ -207,27 +185,15 @@ class MeshRegionKeys:
         region_widths_mm: RegionWidths
 
     def check_regions(self, key: str) -> None:
-        """Check that each region has one width.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Check that each region has one width."""
         sets, widths = self.region_sets, self.region_widths_mm
         if widths is not None and sets is None:
-            refuse(
-                f"{key}.region_sets",
-                f"a list of names, since there is a {key}.region_widths_mm",
-                "nothing",
-            )
+            refuse_absent(key, "region_sets", "a list of names", "region_widths_mm")
         if sets is None:
             return
         if widths is None or len(widths) != len(sets):
-            refuse(
-                f"{key}.region_widths_mm",
-                f"a list of {len(sets)} numbers, one for each of {key}.region_sets",
-                widths,
-            )
+            expected = f"a list of {len(sets)} numbers, one for each of {key}.region_sets"
+            refuse(f"{key}.region_widths_mm", expected, widths)
         for k, name in enumerate(sets):
             if name in sets[:k]:
                 refuse(f"{key}.region_sets[{k}]", "each set once", shown(name))

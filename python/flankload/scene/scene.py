@@ -1,4 +1,9 @@
-"""The scene: the complete input of a run, checked once and frozen."""
+"""The tables of a whole scene file with the rules between them, and the scene made of these.
+
+The reader (`form`) and the JSON schema are both made from the tables, which define every key once
+with its type, range, unit and meaning. A scene is the complete input of a run, checked once and
+frozen.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +12,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from msgspec.structs import replace
 
@@ -15,20 +20,67 @@ from flankload.base.arguments import require_path
 from flankload.base.card import Card
 from flankload.errors import SceneError
 from flankload.scene.accuracy import Accuracy
-from flankload.scene.axial import three_dimensional_key
-from flankload.scene.belt import Belt
+from flankload.scene.axial import check_dimension, three_dimensional_key
+from flankload.scene.belt import Belt, Pulley
+from flankload.scene.cam import Cam, Follower
 from flankload.scene.catalogue import with_catalogue
+from flankload.scene.chain import Chain, Sprocket
+from flankload.scene.drive import check_drive
 from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.effects.rules import check_effects
 from flankload.scene.form import read_table
-from flankload.scene.pair import Load, Pair, Positions
-from flankload.scene.refusal import shown
-from flankload.scene.scene_file import Body1, Body2, SceneFile
+from flankload.scene.gear import Gear, Ring
+from flankload.scene.mesh import ComplianceBody, MeshBody
+from flankload.scene.pair import Load, Pair, Positions, check_partners
+from flankload.scene.refusal import refuse, shown
+from flankload.scene.spline import SplineHub, SplineShaft
+from flankload.scene.table import Table, Text, about
 from flankload.scene.tree import scene_tree, toml_of, with_changes
 
 #: N mm per N m.
 N_MM_PER_N_M = 1000.0
 #: Default of a scene without a table [pair]: chains and belts.
 NO_PAIR = Pair(face_width_mm=1.0)
+
+
+Body1 = Gear | SplineShaft | Follower | Sprocket | Pulley | MeshBody | ComplianceBody
+Body2 = Gear | Ring | SplineHub | Cam | Chain | Belt | MeshBody | ComplianceBody
+BodySpec = Body1 | Body2
+
+
+class SceneFile(Table, frozen=True, kw_only=True):
+    """A scene file."""
+
+    name: Annotated[Text | None, about("name of the scene; absent = name of the file")] = None
+    body_1: Annotated[Body1, about("the body that carries the torque; free to rotate")]
+    body_2: Annotated[Body2, about("the body that is fixed at its kinematic angle")]
+    pair: Annotated[
+        Pair | None, about("required, except for chains and belts, which do not have this table")
+    ] = None
+    load: Load
+    positions: Positions = Positions()
+    effects: EffectsAsked = EffectsAsked()
+    accuracy: Accuracy = Accuracy()
+
+    def check(self, given: Mapping[str, Any]) -> None:
+        """Check the rules between the tables; `given` is the scene as in the file.
+
+        Raises
+        ------
+        SceneError
+            At the first key that contradicts another one; names key, expected and found.
+        """
+        check_partners(self.body_1, self.body_2)
+        check_drive(self, given)
+        if self.pair is not None:
+            self.pair.check(self.body_1, self.body_2)
+        check_dimension(self, given)
+        check_effects(self, given)
+        self.positions.check(given.get("positions", {}))
+        if any(self.load.torques_Nm) and self.body_1.rigid and self.body_2.rigid:
+            expected = "false, since body_1.rigid is true: the load sharing of two rigid bodies "
+            expected += "is undetermined"
+            refuse("body_2.rigid", expected, True)
 
 
 @dataclass(frozen=True, repr=False)
@@ -284,7 +336,6 @@ def _with_slices(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:
     """Use lumped contact in slices for three-dimensional bodies, unless the scene has cells."""
     if "contact" in given.get("effects", {}):
         return asked
-    bodies = (asked.body_1, asked.body_2)
-    if three_dimensional_key(bodies, asked.pair, asked.effects.dimension) is None:
+    if three_dimensional_key(asked) is None:
         return asked
     return replace(asked, effects=replace(asked.effects, contact="lumped"))

@@ -10,7 +10,7 @@ import msgspec
 from msgspec import inspect
 
 from flankload.scene.form import expected_of, types_of
-from flankload.scene.scene_file import SceneFile
+from flankload.scene.scene import SceneFile
 from flankload.scene.table import Table
 
 

@@ -1,44 +1,29 @@
 """The table of a shaft with its bearings (`[body_1.shaft]`), and its rules."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from msgspec import Meta
 
 from flankload.scene.refusal import refuse, shown
-from flankload.scene.table import (
-    USUAL_SIZE,
-    Length,
-    PoissonRatio,
-    Table,
-    YoungModulus,
-    about,
-)
+from flankload.scene.table import USUAL_SIZE, Length, PoissonRatio, Table, YoungModulus, about
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats
 
 #: Relative size of what rounding of a file may add to a compliance.
 ROUNDED = 1e-6
 #: Places on a shaft are known to so much, mm.
 SHORTEST = 1e-3
-Entry = Annotated[float, Meta(ge=-1.0, le=1.0)]
+Entry = Annotated[float, Meta(ge=-1, le=1)]
 Row = Annotated[tuple[Entry, ...], Meta(min_length=6, max_length=6)]
 Rows = Annotated[tuple[Row, ...], Meta(min_length=6, max_length=6)]
 Lengths = Annotated[tuple[Length, ...], Meta(min_length=1)]
 Place = Annotated[float, Meta(ge=0, le=1e5)]
 Stiffness = Annotated[float, Meta(ge=0, le=1e9)]
-#: Keys of a shaft that is described by its dimensions; the first ones are required.
-REQUIRED = (
-    "diameters_mm",
-    "lengths_mm",
-    "gear_position_mm",
-    "bearing_positions_mm",
-    "radial_stiffness_N_per_um",
-)
-DIMENSIONS = (
-    *REQUIRED,
+#: Keys of a shaft that is described by its dimensions beside those of `Dimensions`.
+FURTHER_KEYS = (
     *("bore_diameter_mm", "axial_stiffness_N_per_um", "tilt_stiffness_Nm_per_mrad"),
     *("young_modulus_MPa", "poisson_ratio", "under_teeth", "torque_end"),
 )
@@ -50,72 +35,85 @@ PER_BEARING = (
 )
 
 
+class Dimensions(NamedTuple):
+    """Keys of a shaft that are required without a compliance."""
+
+    diameters_mm: tuple[float, ...]
+    lengths_mm: tuple[float, ...]
+    gear_position_mm: float
+    bearing_positions_mm: tuple[float, ...]
+    radial_stiffness_N_per_um: tuple[float, ...]
+
+
 class Shaft(Table, frozen=True, kw_only=True):
     """A round shaft on bearings, by its compliance or by its dimensions."""
 
     compliance: Annotated[
         Rows | None,
         about(
-            "mm/N, rad/N, rad/(N mm)",
             "6 rows of 6 numbers: displacements and rotations (x, y, z) of the section in the "
-            "middle of the face width under forces (N) and moments (N mm) there; x from axis 1 "
-            "to axis 2, z along the axes; zeros in row and column 6, since the rotation about "
-            "the axis is that of the drive",
+            "middle of the face width under forces (N) and moments (N mm) there; x from axis 1 to "
+            "axis 2, z along the axes; zeros in row and column 6, since the rotation about the "
+            "axis is that of the drive",
+            "mm/N, rad/N, rad/(N mm)",
         ),
     ] = None
     diameters_mm: Annotated[
         Lengths | None,
-        about("mm", "outer diameters of the steps, in the order of z", usual=USUAL_SIZE),
+        about("outer diameters of the steps, in the order of z", "mm", usual=USUAL_SIZE),
     ] = None
-    lengths_mm: Annotated[Lengths | None, about("mm", "lengths of the steps", usual=USUAL_SIZE)] = (
+    lengths_mm: Annotated[Lengths | None, about("lengths of the steps", "mm", usual=USUAL_SIZE)] = (
         None
     )
     bore_diameter_mm: Annotated[
-        Length | None,
-        about("mm", "diameter of the bore of a hollow shaft", usual=USUAL_SIZE),
+        Length | None, about("diameter of the bore of a hollow shaft", "mm", usual=USUAL_SIZE)
     ] = None
     gear_position_mm: Annotated[
         Place | None,
         about(
-            "mm",
             "distance of the middle of the face width from the end of the shaft of smaller z",
+            "mm",
             usual=USUAL_SIZE,
         ),
     ] = None
     bearing_positions_mm: Annotated[
         Annotated[tuple[Place, ...], Meta(min_length=1)] | None,
-        about("mm", "distances of the bearings from the same end", usual=USUAL_SIZE),
+        about("distances of the bearings from the same end", "mm", usual=USUAL_SIZE),
     ] = None
     radial_stiffness_N_per_um: Annotated[
         tuple[Stiffness, ...] | None,
-        about("N/um", "radial stiffness of each bearing", usual=(0.1, 1e5)),
+        about("radial stiffness of each bearing", "N/um", usual=(0.1, 1e5)),
     ] = None
     axial_stiffness_N_per_um: Annotated[
         tuple[Stiffness, ...] | None,
-        about("N/um", "axial stiffness of each bearing; 0 = free", usual=(0.1, 1e5)),
+        about("axial stiffness of each bearing; 0 = free", "N/um", usual=(0.1, 1e5)),
     ] = None
     tilt_stiffness_Nm_per_mrad: Annotated[
         tuple[Stiffness, ...] | None,
-        about("N m/mrad", "tilting stiffness of each bearing; 0 = free", usual=(1e-3, 1e5)),
+        about("tilting stiffness of each bearing; 0 = free", "N m/mrad", usual=(1e-3, 1e5)),
     ] = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     under_teeth: Annotated[
         Literal["rigid", "flexible"],
         about(
-            "",
             "flexible: the shaft bends and twists inside the bore, which follows it; rigid: the "
-            "bore moves as a whole with the section in the middle of the face width",
+            "bore moves as a whole with the section in the middle of the face width"
         ),
     ] = "rigid"
     torque_end: Annotated[
         Literal["I", "II", "even"] | None,
         about(
-            "",
             "end of the bore at which the torque enters (I: smaller z, II: larger z), whose "
-            "rotation is that of the body; even: all over the bore; required with a flexible shaft",
+            "rotation is that of the body; even: all over the bore; required with a flexible "
+            "shaft"
         ),
     ] = None
+
+    @property
+    def dimensions(self) -> Dimensions:
+        """The required keys of a shaft without a compliance."""
+        return Dimensions(*(getattr(self, name) for name in Dimensions._fields))
 
     @property
     def is_flexible(self) -> bool:
@@ -125,26 +123,15 @@ class Shaft(Table, frozen=True, kw_only=True):
     def check(self, given: Mapping[str, Any], key: str, *, helical: bool) -> None:
         """Check that the shaft is complete and that its bearings hold it.
 
-        Parameters
-        ----------
-        given : mapping
-            Keys that the scene sets.
-        key : str
-            "body_1.shaft" or "body_2.shaft".
-        helical : bool
-            Whether the body has axial forces.
-
-        Raises
-        ------
-        SceneError
+        `given`: keys that the scene sets; `helical`: whether the body has axial forces.
         """
         if self.compliance is not None:
-            for name in DIMENSIONS:
+            for name in (*Dimensions._fields, *FURTHER_KEYS):
                 if name in given:
                     refuse(f"{key}.{name}", f"nothing beside {key}.compliance", shown(given[name]))
             _check_compliance(np.array(self.compliance), key)
             return
-        for name in REQUIRED:
+        for name in Dimensions._fields:
             if getattr(self, name) is None:
                 refuse(f"{key}.{name}", f"a value, since there is no {key}.compliance", "nothing")
         self._check_sizes(key)
@@ -162,34 +149,20 @@ class Shaft(Table, frozen=True, kw_only=True):
     ) -> None:
         """Check that a flexible shaft fills the bore over its width.
 
-        Parameters
-        ----------
-        ends_mm : (float, float)
-            Axial positions of the ends of the bore.
-        diameter_mm : float
-            Of the bore.
-        middle_mm : float
-            Axial position of the middle of the face width.
-        body : str
-            "body_1" or "body_2".
-
-        Raises
-        ------
-        SceneError
+        The bore has axial positions of its ends and a diameter, the face width that of its middle;
+        `body` is "body_1" or "body_2".
         """
-        assert self.gear_position_mm is not None
-        assert self.lengths_mm is not None
-        assert self.diameters_mm is not None
+        sizes = self.dimensions
         key, bore = f"{body}.shaft", f"{body}.bore_diameter_mm ({diameter_mm:g})"
-        low, high = (end - middle_mm + self.gear_position_mm for end in ends_mm)
-        steps = np.concatenate([[0.0], np.cumsum(self.lengths_mm)])
+        low, high = (end - middle_mm + sizes.gear_position_mm for end in ends_mm)
+        steps = np.concatenate([[0.0], np.cumsum(sizes.lengths_mm)])
         if low < -SHORTEST or high > steps[-1] + SHORTEST:
             refuse(
                 f"{key}.gear_position_mm",
                 f"a position at which the shaft ({steps[-1]:g} mm long) fills all of the bore",
-                f"{self.gear_position_mm:g}: the bore is from {low:g} to {high:g} mm",
+                f"{sizes.gear_position_mm:g}: the bore is from {low:g} to {high:g} mm",
             )
-        for k, diameter in enumerate(self.diameters_mm):
+        for k, diameter in enumerate(sizes.diameters_mm):
             inside = steps[k] < high - SHORTEST and low + SHORTEST < steps[k + 1]
             if inside and diameter < (1.0 - ROUNDED) * diameter_mm:
                 expected = f"at least {bore}, which a flexible shaft fills"
@@ -199,45 +172,34 @@ class Shaft(Table, frozen=True, kw_only=True):
 
     def _check_sizes(self, key: str) -> None:
         """Check the numbers of entries and the bore."""
-        assert self.diameters_mm is not None
-        assert self.lengths_mm is not None
-        assert self.bearing_positions_mm is not None
+        smallest = min(self.dimensions.diameters_mm)
         pairs = [("lengths_mm", "diameters_mm", "step")]
         pairs += [(name, "bearing_positions_mm", "bearing") for name in PER_BEARING]
         for name, other, what in pairs:
             count, values = len(getattr(self, other)), getattr(self, name)
             if values is not None and len(values) != count:
-                refuse(
-                    f"{key}.{name}",
-                    f"one entry per {what}: {count}, as in {key}.{other}",
-                    f"{len(values)} entries",
-                )
-        if self.bore_diameter_mm is not None and self.bore_diameter_mm >= min(self.diameters_mm):
-            refuse(
-                f"{key}.bore_diameter_mm",
-                f"less than the smallest of {key}.diameters_mm ({min(self.diameters_mm):g})",
-                self.bore_diameter_mm,
-            )
+                expected = f"one entry per {what}: {count}, as in {key}.{other}"
+                refuse(f"{key}.{name}", expected, f"{len(values)} entries")
+        if self.bore_diameter_mm is not None and self.bore_diameter_mm >= smallest:
+            expected = f"less than the smallest of {key}.diameters_mm ({smallest:g})"
+            refuse(f"{key}.bore_diameter_mm", expected, self.bore_diameter_mm)
 
     def _check_places(self, key: str) -> None:
         """Check that the gear and the bearings are on the shaft."""
-        assert self.lengths_mm is not None
-        assert self.bearing_positions_mm is not None
-        end = sum(self.lengths_mm)
-        places = {"gear_position_mm": self.gear_position_mm}
-        for i, place in enumerate(self.bearing_positions_mm):
+        sizes = self.dimensions
+        end = sum(sizes.lengths_mm)
+        places = {"gear_position_mm": sizes.gear_position_mm}
+        for i, place in enumerate(sizes.bearing_positions_mm):
             places[f"bearing_positions_mm[{i}]"] = place
         for name, value in places.items():
-            assert value is not None
             if value > end:
                 expected = f"at most the length of the shaft, {end:g} (sum of {key}.lengths_mm)"
                 refuse(f"{key}.{name}", expected, value)
 
     def _check_bearings(self, key: str, *, helical: bool) -> None:
         """Check that the bearings hold the shaft against forces and moments."""
-        assert self.bearing_positions_mm is not None
-        assert self.radial_stiffness_N_per_um is not None
-        stiff = zip(self.bearing_positions_mm, self.radial_stiffness_N_per_um, strict=True)
+        sizes = self.dimensions
+        stiff = zip(sizes.bearing_positions_mm, sizes.radial_stiffness_N_per_um, strict=True)
         holding = {place for place, radial in stiff if radial > 0.0}
         least = 1 if any(self.tilt_stiffness_Nm_per_mrad or ()) else 2
         if len(holding) < least:
@@ -256,7 +218,7 @@ class Shaft(Table, frozen=True, kw_only=True):
             )
 
 
-def _check_compliance(rows: "NDArray[np.float64]", key: str) -> None:
+def _check_compliance(rows: "Floats", key: str) -> None:
     """Check that a compliance is symmetric, does not create energy and leaves the axis free."""
     for i, j in np.ndindex(6, 6):
         entry = f"{key}.compliance[{i}][{j}]"
@@ -271,8 +233,5 @@ def _check_compliance(rows: "NDArray[np.float64]", key: str) -> None:
     unit = rows / np.outer(np.where(scales > 0, scales, 1.0), np.where(scales > 0, scales, 1.0))
     least = float(np.linalg.eigvalsh(0.5 * (unit + unit.T))[0])
     if least < -ROUNDED:
-        refuse(
-            f"{key}.compliance",
-            "a matrix without negative eigenvalues: no load moves the shaft against itself",
-            f"one of {least:.3g} relative to the diagonal",
-        )
+        expected = "a matrix without negative eigenvalues: no load moves the shaft against itself"
+        refuse(f"{key}.compliance", expected, f"one of {least:.3g} relative to the diagonal")

@@ -23,16 +23,13 @@ from flankload.scene.table import (
     about,
 )
 
-SplineAngle = Annotated[
-    Annotated[float, Meta(ge=5, le=45)], about("deg", "pressure angle of the basic rack")
-]
+SplineAngle = Annotated[float, Meta(ge=5, le=45), about("pressure angle of the basic rack", "deg")]
 IndexErrors = Annotated[
     tuple[Deviation, ...],
     about(
-        "um",
         "one deviation per tooth along the base tangent, positive = excess material, early "
-        "contact; entry j is tooth j, counted in the sense of the torque from the tooth of "
-        "pair 0",
+        "contact; entry j is tooth j, counted in the sense of the torque from the tooth of pair 0",
+        "um",
         usual=USUAL_ERRORS,
     ),
 ]
@@ -42,39 +39,47 @@ PROFILE_MODIFICATIONS = ("tip_relief_um", "root_relief_um", "profile_crowning_um
 SPLINE_FILLET = 0.16
 
 
-class SplineShaft(WidthKeys, BodyTable, frozen=True, kw_only=True, tag="spline_shaft"):
+class SplineKeys:
+    """Mixin of splines."""
+
+    __slots__ = ()
+
+    def check_solid(self, key: str, why: str) -> None:
+        """Refuse profile modifications in three dimensions."""
+        for name in PROFILE_MODIFICATIONS:
+            if value := getattr(self, name):
+                expected = f"nothing, since {why} requires three dimensions: flanks of splines "
+                expected += "conform over their height there (lead modifications vary along it)"
+                refuse(f"{key}.{name}", expected, value)
+
+
+class SplineShaft(SplineKeys, WidthKeys, BodyTable, frozen=True, kw_only=True, tag="spline_shaft"):
     """An involute spline on a shaft, fixed at its bore; its root is cut by a generating rack."""
 
     partner: ClassVar[str | None] = "spline_hub"
     conforms: ClassVar[bool] = True
 
-    teeth: Annotated[Teeth, about("-", "number of teeth")]
+    teeth: Annotated[Teeth, about("number of teeth", "-")]
     pressure_angle_deg: SplineAngle = 30.0
     root_diameter_mm: Annotated[
         Length,
         about(
-            "mm",
-            "diameter of the root circle; determines the depth of the rack",
-            usual=USUAL_SIZE,
+            "diameter of the root circle; determines the depth of the rack", "mm", usual=USUAL_SIZE
         ),
     ]
     fillet_radius_factor: Annotated[
-        Annotated[float, Meta(ge=0, le=2)],
-        about("-", "tip radius of the generating rack in modules; determines the root fillet"),
+        float,
+        Meta(ge=0, le=2.0),
+        about("tip radius of the generating rack in modules; determines the root fillet", "-"),
     ] = SPLINE_FILLET
     bore_diameter_mm: Annotated[
-        Length, about("mm", "diameter of the bore, where the body is fixed", usual=USUAL_SIZE)
+        Length, about("diameter of the bore, where the body is fixed", "mm", usual=USUAL_SIZE)
     ]
     material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
     rigid: Rigid = False
     pitch_errors_um: IndexErrors = ()
-
-    @property
-    def number_of_teeth(self) -> int:
-        """Number of teeth."""
-        return self.teeth
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
         """Check the pitch errors, the keys of the tip, along the axis, and the bore."""
@@ -83,17 +88,13 @@ class SplineShaft(WidthKeys, BodyTable, frozen=True, kw_only=True, tag="spline_s
         self.check_axial(given, key)
         check_bore(self, key)
 
-    def check_solid(self, key: str, why: str) -> None:
-        """Refuse profile modifications."""
-        _refuse_modifications(self, key, why)
-
     @property
     def dedendum_factor(self) -> float:
         """Dedendum, in modules, of the rack that cuts the given root circle."""
         return 0.5 * (self.teeth - self.root_diameter_mm / self.module_mm) + self.profile_shift
 
 
-class SplineHub(RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
+class SplineHub(SplineKeys, RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
     """An involute spline in a hub, fixed at the outside of its rim."""
 
     partner: ClassVar[str | None] = "spline_shaft"
@@ -104,26 +105,10 @@ class SplineHub(RingKeys, frozen=True, kw_only=True, tag="spline_hub"):
     root_fillet_radius_mm: Annotated[
         Length | None,
         about(
-            "mm",
             f"radius of the arc that touches flank and root circle; absent = {SPLINE_FILLET} "
             "modules",
+            "mm",
             usual=USUAL_ROUNDING,
         ),
     ] = None
     pitch_errors_um: IndexErrors = ()
-
-    def check_solid(self, key: str, why: str) -> None:
-        """Refuse profile modifications."""
-        _refuse_modifications(self, key, why)
-
-
-def _refuse_modifications(body: SplineShaft | SplineHub, key: str, why: str) -> None:
-    """Refuse profile modifications in three dimensions."""
-    for name in PROFILE_MODIFICATIONS:
-        if getattr(body, name):
-            refuse(
-                f"{key}.{name}",
-                f"nothing, since {why} requires three dimensions: flanks of splines conform "
-                "over their height there (lead modifications vary along it)",
-                getattr(body, name),
-            )

@@ -1,7 +1,7 @@
 """Common parts of all tables of a scene file: number types, key metadata, keys of bodies."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from msgspec import UNSET, Meta, Struct
 
@@ -28,7 +28,7 @@ Shift = Annotated[float, Meta(ge=-5, le=5)]
 BY_NAME: Any = UNSET
 
 
-def about(unit: str, meaning: str, *, usual: tuple[float, float] | None = None) -> Meta:
+def about(meaning: str, unit: str = "", *, usual: tuple[float, float] | None = None) -> Meta:
     """Meaning and unit of a key ("-" for a pure number, "" for words), and its usual range.
 
     A value outside the usual range is allowed, but the user is asked about it (module `usual`).
@@ -59,17 +59,16 @@ Modulus = Annotated[float, Meta(ge=SMALLEST_MODULUS, le=LARGEST_MODULUS)]
 YoungModulus = Annotated[
     Modulus,
     # from PTFE to carbides
-    about("MPa", "Young's modulus", usual=(400.0, 1e6)),
+    about("Young's modulus", "MPa", usual=(400.0, 1e6)),
 ]
-PoissonRatio = Annotated[Annotated[float, Meta(ge=0, lt=0.5)], about("-", "Poisson's ratio")]
-Rigid = Annotated[bool, about("", "true: the body is rigid and has no finite elements")]
+PoissonRatio = Annotated[float, Meta(ge=0, lt=0.5), about("Poisson's ratio", "-")]
+Rigid = Annotated[bool, about("true: the body is rigid and has no finite elements")]
 PitchErrors = Annotated[
     tuple[Deviation, ...],
     about(
-        "um",
         "one deviation per tooth along the base tangent, positive = excess material, early "
-        "contact; in the order in which the teeth come into contact, from the tooth of "
-        "pair 0",
+        "contact; in the order in which the teeth come into contact, from the tooth of pair 0",
+        "um",
         usual=USUAL_ERRORS,
     ),
 ]
@@ -124,11 +123,21 @@ class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
             Keys that the scene sets.
         key : str
             "body_1" or "body_2".
-
-        Raises
-        ------
-        SceneError
         """
+
+
+class Toothed:
+    """Mixin of bodies with a key `teeth`."""
+
+    __slots__ = ()
+
+    if TYPE_CHECKING:
+        teeth: int
+
+    @property
+    def number_of_teeth(self) -> int:
+        """Number of teeth, or of grooves."""
+        return self.teeth
 
 
 class EvenBody(BodyTable, frozen=True, kw_only=True):

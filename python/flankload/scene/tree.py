@@ -25,18 +25,9 @@ PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
 
 
 def tree_of(table: Table, named: frozenset[str] = frozenset()) -> Tree:
-    """Keys of a table whose values differ from the defaults, and those that are named.
+    """Keys of a table whose values differ from the defaults, and those that are named in any case.
 
-    Parameters
-    ----------
-    table : Table
-    named : frozenset of str
-        Keys that are included in any case.
-
-    Returns
-    -------
-    dict
-        With lists in place of tuples; keys without a value are left out.
+    With lists in place of tuples; keys without a value are left out.
     """
     tag = table.__struct_config__.tag_field
     tree: Tree = {} if tag is None else {tag: table.__struct_config__.tag}
@@ -50,19 +41,10 @@ def tree_of(table: Table, named: frozenset[str] = frozenset()) -> Tree:
 
 
 def scene_tree(scene: Scene, *, implied: bool) -> Tree:
-    """Keys of a scene.
+    """Keys of a scene; tables without keys are left out.
 
-    Parameters
-    ----------
-    scene : Scene
-    implied : bool
-        Also keys of [positions] and [effects] that the scene does not name and whose values
-        differ from the defaults: those that the reader derives from others.
-
-    Returns
-    -------
-    dict
-        Tables without keys are left out.
+    `implied`: also keys of [positions] and [effects] that the scene does not name and whose values
+    differ from the defaults: those that the reader derives from others.
     """
     from flankload.scene.scene import NO_PAIR
 
@@ -73,17 +55,10 @@ def scene_tree(scene: Scene, *, implied: bool) -> Tree:
     if not (scene.is_drive and scene.pair == NO_PAIR):
         tree["pair"] = tree_of(scene.pair)
     tree["load"] = tree_of(scene.load)
-    for name, table in (
-        ("positions", scene.positions),
-        ("effects", scene.effects),
-        ("accuracy", scene.accuracy),
-    ):
-        prefix = f"{name}."
-        knobs = (key for key in scene.named_knobs if key.startswith(prefix))
-        named = frozenset(key.removeprefix(prefix) for key in knobs)
-        if name == "effects":
-            named = scene.named_effects
-        found = tree_of(table, named)
+    knobs = scene.named_knobs.union(f"effects.{key}" for key in scene.named_effects)
+    for name in ("positions", "effects", "accuracy"):
+        named = {key.partition(".")[2] for key in knobs if key.startswith(f"{name}.")}
+        found = tree_of(getattr(scene, name), frozenset(named))
         tree[name] = {key: x for key, x in found.items() if implied or key in named}
     return {name: part for name, part in tree.items() if part != {}}
 
@@ -96,12 +71,12 @@ def _beside_catalogue(tree: Tree, table: Table, keys: Mapping[str, Any]) -> Tree
 
 
 def with_changes(tree: Tree, changes: Mapping[str, Any]) -> Tree:
-    """Change single keys of a scene.
+    """Change single keys of a scene; the tree itself is unchanged.
 
     Parameters
     ----------
     tree : dict
-        As in a scene file; unchanged.
+        As in a scene file.
     changes : mapping of str to object
         By path, as "body_1.tip_relief_um" or "body_1.pitch_errors_um[3]": the new value, a whole
         table or list included; None removes the key.
@@ -127,15 +102,6 @@ def with_changes(tree: Tree, changes: Mapping[str, Any]) -> Tree:
 def number_at(scene: Scene, path: str) -> float:
     """Number to which a path leads, defaults included; an absent deviation in um is 0.
 
-    Parameters
-    ----------
-    scene : Scene
-    path : str
-
-    Returns
-    -------
-    float
-
     Raises
     ------
     SceneError
@@ -158,18 +124,7 @@ def number_at(scene: Scene, path: str) -> float:
 
 
 def toml_of(tree: Tree) -> str:
-    """Text of a scene file.
-
-    Parameters
-    ----------
-    tree : dict
-        From `scene_tree`.
-
-    Returns
-    -------
-    str
-        TOML; each number has the digits that identify it.
-    """
+    """Text of a scene file; each number has the digits that identify it."""
     return "\n".join(_lines_of(tree, "")) + "\n"
 
 

@@ -25,17 +25,7 @@ TABLES = ("body_1", "body_2", "pair", "load", "positions", "effects", "accuracy"
 
 
 def questions(scene: Scene) -> dict[str, str]:
-    """Questions to the user about unusual values of a scene.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    dict of str to str
-        The value and a question, by dotted path of the key.
-    """
+    """Questions to the user about unusual values of a scene, with the value, by path of the key."""
     return {
         path: f"{shown(value)}, {asked}"
         for name in TABLES
@@ -45,33 +35,15 @@ def questions(scene: Scene) -> dict[str, str]:
 
 
 def question_notes(scene: Scene) -> tuple[str, ...]:
-    """Questions about unusual values and notes about estimated ones, as lines of text.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    tuple of str
-    """
+    """Questions about unusual values and notes about estimated ones, as lines of text."""
     asked = (f"{path} = {text}" for path, text in questions(scene).items())
     return (*asked, *estimate_notes(scene))
 
 
 def question(value: float, usual: tuple[float, float]) -> str | None:
-    """Question about a value outside its usual range.
+    """Question about a value outside its usual range, which is one of positive numbers.
 
-    Parameters
-    ----------
-    value : float
-    usual : (float, float)
-        Usual range, of positive numbers; the sign of the value is ignored.
-
-    Returns
-    -------
-    str or None
-        None for a usual value, and for 0, which switches a feature off.
+    None for a usual value, whose sign is ignored, and for 0, which switches a feature off.
     """
     low, high = usual
     if value == 0.0 or low <= abs(value) <= high:

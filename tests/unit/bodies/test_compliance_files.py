@@ -19,7 +19,7 @@ import flankload as fl
 from flankload.bodies.body import Material
 from flankload.bodies.flank_elements import gauss_places, mass_matrix
 from flankload.bodies.imported.given import NodalCompliance
-from flankload.bodies.sketch import sketched_tooth
+from flankload.bodies.plane import sketched_tooth
 from flankload.cli import main
 from flankload.elasticity.compliance import job
 from flankload.elasticity.imported_compliance import given_compliance

@@ -10,8 +10,9 @@ from msgspec import structs
 from scipy.optimize import minimize_scalar
 
 from flankload.bodies.involute.involute_body import build_involute_body
-from flankload.bodies.profile.gear_profile import GearProfile, gear_profile
+from flankload.bodies.profile.gear_profile import gear_profile
 from flankload.bodies.profile.involute import InvoluteFlank, Modifications
+from flankload.bodies.profile.tooth_profile import ToothProfile
 from flankload.errors import SceneError
 from flankload.scene import Gear
 from tests.support.ring_bodies import gear
@@ -35,12 +36,12 @@ def sized(teeth: int, shift: float, **keys) -> Gear:
     )
 
 
-def sampled(profile: GearProfile, *labels: str, n: int = 400) -> np.ndarray:
+def sampled(profile: ToothProfile, *labels: str, n: int = 400) -> np.ndarray:
     low, high = profile.curve.range_of(*labels)
     return np.linspace(low, high, n)
 
 
-def metal_off(profile: GearProfile, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def metal_off(profile: ToothProfile, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Roll and metal taken off, from radius and polar angle alone.
 
     sqrt(r² - r_b²) = r_b t - delta, and the polar angle is th0 - t + atan((r_b t - delta)/r_b).
@@ -393,7 +394,7 @@ def test_profile_of_a_mesh_takes_its_teeth_from_outside() -> None:
     )
 
 
-def removed_at(profile: GearProfile, diameters: list[float]) -> np.ndarray:
+def removed_at(profile: ToothProfile, diameters: list[float]) -> np.ndarray:
     """Metal off, um, along the normals of the involute at these diameters."""
     points = profile.curve.point(sampled(profile, "root_relief", "flank", "relief", n=20001))
     roll, off = metal_off(profile, points)

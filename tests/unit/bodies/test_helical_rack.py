@@ -6,27 +6,26 @@ from math import atan, cos, pi, radians, tan
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from flankload.bodies.profile.basic_rack import BasicRack, HelicalRack, basic_rack
 from flankload.bodies.profile.gear_profile import gear_profile
-from flankload.scene import Scene
+from flankload.scene import Gear, Scene
 from tests.support.gear_scenes import changed
 from tests.support.tolerances import ROUND_OFF
 
-KEYS = {
-    "teeth": 25,
-    "module_mm": 3.0,
-    "pressure_angle_rad": radians(20),
-    "profile_shift": 0.1,
-    "dedendum_factor": 1.25,
-    "fillet_radius_factor": 0.3,
-    "key": "body_1",
-}
-HELIX = radians(25)
+GEAR = Gear(
+    teeth=25,
+    module_mm=3.0,
+    profile_shift=0.1,
+    fillet_radius_factor=0.3,
+    tip_diameter_mm=81.0,
+    bore_diameter_mm=30.0,
+)
 
 
 def helical_rack() -> HelicalRack:
-    rack = basic_rack(**KEYS, helix_angle_rad=HELIX)  # type: ignore[arg-type]
+    rack = basic_rack(structs.replace(GEAR, helix_angle_deg=25.0, hand="left"), 25, 0.1, "body_1")
     assert isinstance(rack, HelicalRack)
     return rack
 
@@ -36,7 +35,7 @@ def parameters(rack: BasicRack, n: int = 60) -> np.ndarray:
 
 
 def test_without_a_helix_the_ellipse_is_the_circle() -> None:
-    spur = basic_rack(**KEYS)  # type: ignore[arg-type]
+    spur = basic_rack(GEAR, 25, 0.1, "body_1")
     round_tip = HelicalRack(
         spur.reference_radius_mm,
         spur.pressure_angle_rad,

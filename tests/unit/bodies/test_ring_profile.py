@@ -9,7 +9,8 @@ import pytest
 
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.profile.gear_profile import gear_profile
-from flankload.bodies.profile.ring_profile import RingProfile, ring_profile
+from flankload.bodies.profile.ring_profile import ring_profile
+from flankload.bodies.profile.tooth_profile import ToothProfile
 from flankload.errors import SceneError
 from flankload.scene import Gear
 from tests.support.ring_bodies import ring
@@ -19,16 +20,16 @@ from tests.support.tolerances import ROUND_OFF, SOLVER
 EXACT = 1e-9
 
 
-def profile_of(**keys) -> RingProfile:
+def profile_of(**keys) -> ToothProfile:
     return ring_profile(ring(**keys), "body_2")
 
 
-def sampled(profile: RingProfile, *labels: str, n: int = 300) -> np.ndarray:
+def sampled(profile: ToothProfile, *labels: str, n: int = 300) -> np.ndarray:
     low, high = profile.curve.range_of(*labels)
     return profile.curve.point(np.linspace(low, high, n))
 
 
-def metal_off(profile: RingProfile, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def metal_off(profile: ToothProfile, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Roll and metal taken off, from radius and polar angle alone; positive widens the space."""
     base = profile.involute.base_radius_mm
     reach = np.sqrt(np.hypot(*points.T) ** 2 - base**2)

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.bodies.carrying_shaft import CarryingShaft, carrying_shaft
-from flankload.bodies.shaft import Shaft, build_shaft
+from flankload.bodies.shaft import CarryingShaft, Shaft, build_shaft, carrying_shaft
 from flankload.elasticity.prism.axial_basis import AxialBasis
 from flankload.elasticity.prism.carried_bore import beam_stiffness
 from flankload.mechanisms.flank_pair.assembly import build_bodies

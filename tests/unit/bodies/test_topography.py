@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.bodies.topography import Topography
+from flankload.bodies.flank_surface import Topography
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.gear_scenes import changed, example

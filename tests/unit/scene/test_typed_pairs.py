@@ -10,7 +10,7 @@ import pytest
 import flankload as fl
 from flankload.scene import scene_of
 from flankload.scene.form import fields_of
-from flankload.scene.scene_file import SceneFile
+from flankload.scene.scene import SceneFile
 from flankload.scene.typed_pairs import Drive, FlankPair
 from tests.support.paths import SCENES
 

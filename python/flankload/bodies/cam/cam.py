@@ -1,14 +1,22 @@
-"""Bodies of kind "cam": a disc with a closed profile, fixed at its bore."""
+"""Bodies of kind "cam": a disc fixed at its bore, with a closed profile.
+
+The profile is a smooth curve through the rows of its table.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.base.rounding import round_up
-from flankload.bodies.body import Body, Material, MeshedFlank, WholeMesh
-from flankload.bodies.cam.cam_profile import cam_profile
+from flankload.bodies.body import Body, Material, WholeMesh
+from flankload.bodies.plane import across
+from flankload.errors import SceneError
+from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
+from flankload.flank.fit import TOLERANCE
 from flankload.meshes.blocks import (
     MOST_NODES,
     MOST_PARTS,
@@ -17,15 +25,27 @@ from flankload.meshes.blocks import (
     growing_breaks,
     with_middles,
 )
+from flankload.meshes.io.named_arrays import read_columns
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
-    from flankload.bodies.cam.cam_profile import CamProfile
+    from flankload.base.arrays import Floats, Numbers
+    from flankload.flank import Place
     from flankload.scene import Cam
 
+LEAST_ROWS = 8
+#: Largest angle between rows, deg; with a larger one the curve between them is arbitrary.
+LARGEST_STEP_DEG = 30.0
+#: Tolerances within which a last row repeats the first one and so closes the turn.
+SAME_ANGLE_DEG = 1e-9
+SAME_RADIUS_MM = 1e-6
+#: Largest turn of the curve at a row beyond that of its neighbours, rad; a larger one is a kink, or
+#: a nose between two rows.
+LARGEST_KINK = 0.2
+#: Least wall between bore and profile, relative to the least radius.
+LEAST_WALL = 0.02
 #: Default number of elements around the profile: at least the first number; per wall thickness of
 #: length; per radian of the sharpest nose; at most the last number.
 LEAST_ELEMENTS, ELEMENTS_PER_WALL, ELEMENTS_PER_RADIAN, MOST_ELEMENTS = 96.0, 4.0, 1.2, 400.0
@@ -38,32 +58,30 @@ FIRST_LAYER, GROWTH = 0.3, 1.4
 LEAST_LAYERS = 3
 
 
+@dataclass(frozen=True)
+class CamProfile:
+    """Profile of a cam.
+
+    Attributes
+    ----------
+    curve : FlankCurve
+        Closed and clockwise, so that the material is on its right.
+    least_radius_mm, largest_radius_mm : float
+        Radii of the curve about the axis.
+    """
+
+    curve: FlankCurve
+    least_radius_mm: float
+    largest_radius_mm: float
+
+
 def build_cam(
     spec: Cam, key: str, *, folder: Path, flank_element_mm: float | None, fineness: float
 ) -> Body:
-    """Build a cam.
+    """Build a cam; one that is impossible is refused.
 
-    Parameters
-    ----------
-    spec : Cam
-        Keys of the cam.
-    key : str
-        Key of the body in the scene, for messages.
-    folder : Path
-        Folder to which the file of the profile table is relative.
-    flank_element_mm : float or None
-        Largest length of a finite element along the profile.
-    fineness : float
-        If that is None: number of elements along the profile relative to the default.
-
-    Returns
-    -------
-    Body
-
-    Raises
-    ------
-    SceneError
-        If the cam is impossible; names the key.
+    Parameters as of `build_body`; `fineness`: number of elements along the profile relative to the
+    default, if `flank_element_mm` is None.
     """
     profile = cam_profile(spec, key, folder=folder)
     bore_radius = 0.5 * spec.bore_diameter_mm
@@ -83,9 +101,6 @@ def build_cam(
         mesh=mesh,
         mode_range_mm=(0.0, length),
         reference_radius_mm=profile.least_radius_mm,
-        involute=None,
-        flank_angle_known=True,
-        pitch_errors_um=(),
         outline=profile.curve.point(turn)[::-1],
         bore_radius_mm=bore_radius,
         modes_part=MODES_PER_ELEMENT * elements,
@@ -104,17 +119,7 @@ def _elements(profile: CamProfile, bore_radius: float) -> float:
 def cam_mesh(profile: CamProfile, *, bore_radius_mm: float, flank_element_mm: float) -> WholeMesh:
     """Mesh a cam: rays from the bore to the profile, layers that grow inwards.
 
-    Parameters
-    ----------
-    profile : CamProfile
-    bore_radius_mm : float
-    flank_element_mm : float
-        Largest length of an element along the profile.
-
-    Returns
-    -------
-    WholeMesh
-        With one closed flank, that of tooth 0.
+    It has one closed flank, along which no element is longer than `flank_element_mm`.
     """
     length = profile.curve.length_mm
     parts = 0.5 * length / flank_element_mm
@@ -126,27 +131,113 @@ def cam_mesh(profile: CamProfile, *, bore_radius_mm: float, flank_element_mm: fl
     up = 1.0 - with_middles(depth)[::-1]
     check_count(2.0 * half * up.size, MOST_NODES, "nodes")
     blocks = BlockMesh()
-    ends: dict[str, NDArray[np.int64]] = {}
-    outside = []
-    for part in (0, 1):
-        s = with_middles(np.linspace(part, part + 1, half + 1)) * 0.5 * length
+    ends: dict[str, Numbers] = {}
+    halves = [with_middles(np.linspace(k, k + 1, half + 1)) * 0.5 * length for k in (0, 1)]
+    rows, fixed = [], []
+    for s in halves:
         top = profile.curve.point(s)
         bottom = bore_radius_mm * top / np.hypot(*top.T)[:, None]
-        grid = bottom + up[:, None, None] * (top - bottom)
-        numbers = blocks.add(grid, ends)
+        numbers = blocks.add(bottom + up[:, None, None] * (top - bottom), ends)
         ends = {"left": numbers[:, -1], "right": numbers[:, 0]}
-        outside.append((numbers, s))
-    nodes = np.concatenate(blocks.places)
-    arc_length = np.full(len(nodes), np.nan)
-    edges, fixed = [], []
-    for numbers, s in outside:
-        arc_length[numbers[-1, :-1]] = s[:-1]
-        row = numbers[-1]
-        edges.append(np.stack([row[:-2:2], row[2::2], row[1::2]], axis=1))
+        rows.append(numbers[-1])
         fixed.append(numbers[0])
-    return WholeMesh(
-        nodes=nodes,
-        cells=(("quad9", np.concatenate(blocks.cells)),),
-        fixed_nodes=np.unique(np.concatenate(fixed)),
-        flanks=(MeshedFlank(0, nodes, np.concatenate(edges), arc_length),),
-    )
+    flank = np.append(rows[0], rows[1][1:])
+    s = np.append(halves[0], halves[1][1:])
+    return WholeMesh.of_blocks(blocks, np.concatenate(fixed), flank, s)
+
+
+def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
+    """Profile of a cam from its table, here or in a file of the folder.
+
+    Raises
+    ------
+    SceneError
+        If the table does not give a closed smooth curve around the bore; names the row.
+    """
+    if spec.profile_file is not None:
+        name = f"{key}.profile_file"
+        rows = read_columns(folder / spec.profile_file, name, ("angle_deg", "radius_mm"))
+    else:
+        name = f"{key}.profile"
+        rows = np.array(spec.profile, dtype=float).reshape(-1, 2)
+    angle, radius = _one_turn(rows, name)
+    place = _closed_spline(angle, radius)
+    # clockwise: from one turn beyond the first row's angle down to that angle
+    pieces = [CurvePiece("flank", place, angle[-1], angle[0], knots=angle[-2:0:-1])]
+    _check_kinks(place, angle, name)
+    # the length is that of a whole turn; the radius is closer to the size of a flank
+    curve = fit_flank_curve(pieces, tolerance_mm=TOLERANCE * float(radius.max()))
+    radii = np.hypot(*curve.point(np.linspace(0.0, curve.length_mm, 8 * len(curve.labels) + 1)).T)
+    least, largest = float(radii.min()), float(radii.max())
+    if 0.5 * spec.bore_diameter_mm > (1 - LEAST_WALL) * least:
+        expected = f"at most {1 - LEAST_WALL:g} of twice the least radius of the profile: "
+        expected += f"{2 * (1 - LEAST_WALL) * least:.4f}"
+        refuse(f"{key}.bore_diameter_mm", expected, f"{spec.bore_diameter_mm:g}")
+    return CamProfile(curve, least, largest)
+
+
+def _one_turn(rows: Floats, key: str) -> tuple[Floats, Floats]:
+    """Angles in rad (n + 1,), ascending over exactly one turn, and radii; the last is the first."""
+
+    def refuse(expected: str, found: str) -> None:
+        raise SceneError(key=key, expected=expected, found=found)
+
+    if len(rows) < LEAST_ROWS:
+        refuse(f"at least {LEAST_ROWS} rows of angle and radius", f"{len(rows)}")
+    angle, radius = rows.T
+    steps = np.diff(angle)
+    if (steps <= 0).any():
+        k = int(np.flatnonzero(steps <= 0)[0])
+        refuse("ascending angles", f"{angle[k + 1]:g} deg behind {angle[k]:g} deg in row {k + 2}")
+    span = angle[-1] - angle[0]
+    if span > 360.0 + SAME_ANGLE_DEG:
+        refuse("angles within one turn", f"{angle[0]:g} to {angle[-1]:g} deg")
+    if span > 360.0 - SAME_ANGLE_DEG:
+        if abs(radius[-1] - radius[0]) > SAME_RADIUS_MM:
+            refuse(
+                "a periodic table, whose last row repeats the radius of the first one a turn on",
+                f"{radius[0]:g} mm at {angle[0]:g} deg and {radius[-1]:g} mm at {angle[-1]:g} deg",
+            )
+        angle, radius = angle[:-1], radius[:-1]
+    angle, radius = np.append(angle, angle[0] + 360.0), np.append(radius, radius[0])
+    k = int(np.argmax(np.diff(angle)))
+    if angle[k + 1] - angle[k] > LARGEST_STEP_DEG:
+        refuse(
+            f"rows at most {LARGEST_STEP_DEG:g} deg apart all around",
+            f"none between {angle[k]:g} and {angle[k + 1]:g} deg",
+        )
+    return np.radians(angle), radius
+
+
+def _closed_spline(angle: Floats, radius: Floats) -> Place:
+    """Points by polar angle on the periodic cubic spline of the radius."""
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(angle, radius, bc_type="periodic")
+    first, second = spline.derivative(1), spline.derivative(2)
+
+    def place(u: Floats) -> tuple[Floats, Floats, Floats]:
+        out = directions(u)
+        along = across(out)
+        r, r_1, r_2 = (f(u)[:, None] for f in (spline, first, second))
+        return r * out, r_1 * out + r * along, (r_2 - r) * out + 2 * r_1 * along
+
+    return place
+
+
+def _check_kinks(place: Place, angle: Floats, key: str) -> None:
+    """Refuse a curve that turns at one row as much as a smooth curve would over several."""
+    _, first, second = place(angle[:-1])
+    speed = np.hypot(*first.T)
+    bend = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / speed**3
+    step = np.diff(angle)
+    length = 0.5 * speed * (step + np.roll(step, 1))
+    excess = np.abs(bend - 0.5 * (np.roll(bend, 1) + np.roll(bend, -1))) * length
+    k = int(np.argmax(excess))
+    if excess[k] > LARGEST_KINK:
+        raise SceneError(
+            key=key,
+            expected="a smooth profile, without kinks or cusps, whose rows follow its curvature",
+            found=f"a turn of {np.degrees(excess[k]):.1f} deg at the row of "
+            f"{np.degrees(angle[k]):g} deg",
+        )

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.bodies.body import Body, Flat, Material, Roller
 from flankload.bodies.cam.follower_mesh import flat_mesh, roller_mesh
-from flankload.errors import SceneError
+from flankload.bodies.plane import circle, line
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.scene import Follower
 
-    Floats = NDArray[np.float64]
 
 #: Default hub radius over bore radius; least hub radius over the largest |y| of the arm.
 HUB_PART, HOLDING_PART = 1.6, 1.25
@@ -64,28 +64,7 @@ class Lever:
 def build_follower(
     spec: Follower, key: str, *, flank_element_mm: float | None, fineness: float
 ) -> Body:
-    """Build a follower.
-
-    Parameters
-    ----------
-    spec : Follower
-        Keys of the follower.
-    key : str
-        Key of the body in the scene, for messages.
-    flank_element_mm : float or None
-        Largest length of a finite element along roller or flat.
-    fineness : float
-        If that is None: number of elements along the flank relative to the default.
-
-    Returns
-    -------
-    Body
-
-    Raises
-    ------
-    SceneError
-        If the lever is impossible; names the key.
-    """
+    """Build a follower; parameters as of `build_cam`."""
     lever = lever_of(spec, key)
     head = lever.head
     if isinstance(head, Roller):
@@ -113,9 +92,6 @@ def build_follower(
         mesh=mesh,
         mode_range_mm=(0.0, length),
         reference_radius_mm=radius,
-        involute=None,
-        flank_angle_known=True,
-        pitch_errors_um=(),
         outline=outline_of(lever),
         bore_radius_mm=lever.bore_radius_mm,
         modes_part=modes_part,
@@ -126,26 +102,16 @@ def build_follower(
 def lever_of(spec: Follower, key: str) -> Lever:
     """Shape of a follower; sizes that the scene leaves open get defaults.
 
-    Raises
-    ------
-    SceneError
-        If arm, hub and head are inconsistent; names the key.
+    Arm, hub and head that are inconsistent are refused.
     """
-
-    def refuse(name: str, expected: str, found: float) -> None:
-        raise SceneError(key=f"{key}.{name}", expected=expected, found=f"{found:g}")
-
     if spec.has_roller:
         assert spec.roller_radius_mm is not None
         radius = spec.roller_radius_mm
         width = spec.arm_width_mm or radius
-        if not LEAST_ARM * radius <= width <= LARGEST_ARM * radius:
-            refuse(
-                "arm_width_mm",
-                f"{LEAST_ARM:g} to {LARGEST_ARM:g} of {key}.roller_radius_mm "
-                f"({LEAST_ARM * radius:g} to {LARGEST_ARM * radius:g})",
-                width,
-            )
+        least, largest = LEAST_ARM * radius, LARGEST_ARM * radius
+        if not least <= width <= largest:
+            expected = f"{LEAST_ARM:g} to {LARGEST_ARM:g} of {key}.roller_radius_mm "
+            refuse(f"{key}.arm_width_mm", f"{expected}({least:g} to {largest:g})", f"{width:g}")
         arm = (-0.5 * width, 0.5 * width)
     else:
         assert spec.flat_to_mm is not None
@@ -155,12 +121,8 @@ def lever_of(spec: Follower, key: str) -> Lever:
     bore, held = 0.5 * spec.bore_diameter_mm, HOLDING_PART * max(map(abs, arm))
     hub = 0.5 * (spec.hub_diameter_mm or 0.0) or max(HUB_PART * bore, held)
     if hub < held:
-        refuse(
-            "hub_diameter_mm",
-            f"at least {2 * held:g}, so that the hub holds the arm (y from {arm[0]:g} to "
-            f"{arm[1]:g} mm)",
-            2 * hub,
-        )
+        expected = f"at least {2 * held:g}, so that the hub holds the arm (y from {arm[0]:g} to "
+        refuse(f"{key}.hub_diameter_mm", f"{expected}{arm[1]:g} mm)", f"{2 * hub:g}")
     head = _roller(spec, key, hub, arm[1]) if spec.has_roller else _flat(spec, key, hub)
     return Lever(bore, hub, arm, head)
 
@@ -170,11 +132,8 @@ def _roller(spec: Follower, key: str, hub: float, half_width: float) -> Roller:
     assert arm is not None
     assert radius is not None
     if arm < hub + radius:
-        raise SceneError(
-            key=f"{key}.arm_mm",
-            expected=f"more than the radii of hub and roller together, {hub + radius:g}",
-            found=f"{arm:g}",
-        )
+        expected = f"more than the radii of hub and roller together, {hub + radius:g}"
+        refuse(f"{key}.arm_mm", expected, f"{arm:g}")
     # |P x n| = arm sin(angle) compared with the distance from O1
     end = asin(LEAST_RISE * (arm + radius) / arm)
     return Roller(arm, radius, (end, pi - asin(half_width / radius)))
@@ -187,46 +146,32 @@ def _flat(spec: Follower, key: str, hub: float) -> Flat:
     assert offset is not None
     beside = sqrt(max(0.0, hub**2 - offset**2))
     if low < beside:
-        raise SceneError(
-            key=f"{key}.flat_from_mm",
-            expected=f"at least {beside:.4f}, where the arm leaves the hub of radius {hub:g}",
-            found=f"{low:g}",
-        )
+        expected = f"at least {beside:.4f}, where the arm leaves the hub of radius {hub:g}"
+        refuse(f"{key}.flat_from_mm", expected, f"{low:g}")
     return Flat(offset, (low, high))
 
 
 def roller_curve(roller: Roller) -> FlankCurve:
     """The free half of a roller that faces the cam, from the arm outwards."""
-    arm, radius = roller.arm_mm, roller.radius_mm
     low, high = roller.angles_rad
-
-    def place(u: Floats) -> tuple[Floats, Floats, Floats]:
-        out = np.stack([np.cos(u), np.sin(u)], axis=1)
-        along = np.stack([-out[:, 1], out[:, 0]], axis=1)
-        return np.array([arm, 0.0]) + radius * out, radius * along, -radius * out
-
-    return fit_flank_curve([CurvePiece("flank", place, high, low)])
+    around = circle(np.array([roller.arm_mm, 0.0]), roller.radius_mm)
+    return fit_flank_curve([CurvePiece("flank", around, high, low)])
 
 
 def flat_curve(flat: Flat) -> FlankCurve:
     """The flat, from the axis outwards; it ends in a corner."""
-
-    def place(u: Floats) -> tuple[Floats, Floats, Floats]:
-        still = np.zeros((u.size, 2))
-        return np.stack([u, 0 * u + flat.offset_mm], axis=1), still + np.array([1.0, 0.0]), still
-
-    return fit_flank_curve([CurvePiece("flank", place, *flat.ends_mm)], corner_at_end=True)
+    along = line(np.array([0.0, flat.offset_mm]), np.array([1.0, 0.0]))
+    return fit_flank_curve([CurvePiece("flank", along, *flat.ends_mm)], corner_at_end=True)
 
 
 def outline_of(lever: Lever, points: int = 121) -> Floats:
     """Contour of a lever, counter-clockwise, with the given number of points on each arc."""
     (low, high), hub, head = lever.hub_angles_rad, lever.hub_radius_mm, lever.head
     turn = np.linspace(high, low + 2 * pi, points)
-    parts = [hub * np.stack([np.cos(turn), np.sin(turn)], axis=1)]
+    parts = [hub * directions(turn)]
     if isinstance(head, Roller):
         turn = np.linspace(-head.angles_rad[1], head.angles_rad[1], points)
-        circle = head.radius_mm * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        parts.append(circle + np.array([head.arm_mm, 0.0]))
+        parts.append(head.radius_mm * directions(turn) + np.array([head.arm_mm, 0.0]))
     else:
         end = head.ends_mm[1]
         parts.append(np.array([[end, lever.arm_mm[0]], [end, lever.arm_mm[1]]]))

@@ -11,17 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.base.rounding import round_up
-from flankload.bodies.body import MeshedFlank, WholeMesh
+from flankload.bodies.body import WholeMesh
 from flankload.meshes.blocks import BlockMesh, coons, growing_breaks, symmetric_breaks, with_middles
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.cam.follower import Lever
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Half the angle of the roller's outer end, rad, and size of its core relative to its radius.
 OUTER_ANGLE = 0.9
@@ -38,21 +36,10 @@ FIRST_LAYER, GROWTH = 0.4, 1.4
 
 
 def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) -> WholeMesh:
-    """Mesh a lever with a roller.
+    """Mesh a lever with a roller; the flank runs from the arm to the outermost point of the roller.
 
-    Parameters
-    ----------
-    lever : Lever
-        Lever with a Roller.
-    flank_element_mm : float
-        Largest length of an element along the roller.
-    finer : float
-        Factor by which elements at sharp corners of the arm are reduced.
-
-    Returns
-    -------
-    WholeMesh
-        Its flank runs from the arm to the outermost point of the roller.
+    No element along the flank is longer than `flank_element_mm`; those at sharp corners of the arm
+    are smaller by the factor `finer`.
     """
     head = lever.head
     radius, (_, upper) = head.radius_mm, head.angles_rad  # type: ignore[union-attr]
@@ -72,7 +59,7 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) ->
         start + steps * (end - start)
         for start, end, steps in zip(angles[:-1], angles[1:], (part, even) * 2, strict=True)
     ]
-    behind = centre + radius * _around(turns[0])
+    behind = centre + radius * directions(turns[0])
     length = float(behind[0, 0]) - hub[1]
     steps = _between_corners(length, width, inner, finer)
     ends = _add_bar(blocks, hub[3], behind, steps, hub[0])[:, -1]
@@ -82,7 +69,7 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) ->
     up = (1.0 - depth[::-1])[:, None, None]
     known: dict[str, Numbers] = {"top": ends}
     for k, turn in enumerate(turns):
-        outer, within = centre + radius * _around(turn), centre + core[k]
+        outer, within = centre + radius * directions(turn), centre + core[k]
         if k == 3:
             known["right"] = rings[0][:, 0]
         numbers = blocks.add(within + up * (outer - within), known)
@@ -92,26 +79,11 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) ->
     half = turns[2].size // 2 + 1
     flank = np.concatenate([rings[1][-1], rings[2][-1][1:half]])
     turn = np.concatenate([turns[1], turns[2][1:half]])
-    return _whole(blocks, fixed, flank, radius * (turn[0] - turn))
+    return WholeMesh.of_blocks(blocks, fixed, flank, radius * (turn[0] - turn))
 
 
 def flat_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) -> WholeMesh:
-    """Mesh a lever with a flat.
-
-    Parameters
-    ----------
-    lever : Lever
-        Lever with a Flat.
-    flank_element_mm : float
-        Largest length of an element along the flat.
-    finer : float
-        Factor by which elements at sharp corners of the arm are reduced.
-
-    Returns
-    -------
-    WholeMesh
-        Its flank is the flat.
-    """
+    """Mesh a lever with a flat, which is the flank; parameters as of `roller_mesh`."""
     low, high = lever.arm_mm
     start, end = lever.head.ends_mm  # type: ignore[union-attr]
     width, inner = high - low, INNER_PART * flank_element_mm
@@ -130,11 +102,7 @@ def flat_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) -> W
     steps = _from_corner(end - start, width, flank_element_mm, finer)
     right = np.stack([np.full(up.size, end), up], axis=1)
     numbers = _add_bar(blocks, left, right, steps, ends)
-    return _whole(blocks, fixed, numbers[-1], steps * (end - start))
-
-
-def _around(turn: Floats) -> Floats:
-    return np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    return WholeMesh.of_blocks(blocks, fixed, numbers[-1], steps * (end - start))
 
 
 def _layers(thickness: float, flank_element_mm: float) -> Floats:
@@ -167,12 +135,8 @@ def _add_hub(
 ) -> tuple[tuple[Numbers, float, float, Floats], Numbers]:
     """Ring in two parts; one has the arm's width, with nodes at `part` of the arm's height.
 
-    Returns
-    -------
-    hub : tuple
-        Nodes where the arm leaves, upwards; x of the lowest and the highest; their coordinates.
-    fixed : array
-        Nodes on the bore.
+    Returns the nodes where the arm leaves, upwards, x of the lowest and the highest, and their
+    coordinates; then the nodes on the bore.
     """
     (y_low, y_high), radius = lever.arm_mm, lever.hub_radius_mm
     leaving = np.arcsin((y_low + part * (y_high - y_low)) / radius)
@@ -185,10 +149,10 @@ def _add_hub(
     parts = []
     # clockwise, so that rows go outwards
     for turn in (leaving[::-1], low + 2 * pi + rest * (high - low - 2 * pi)):
-        parts.append(blocks.add(radii[:, None, None] * _around(turn), known))
+        parts.append(blocks.add(radii[:, None, None] * directions(turn), known))
         known = {"left": parts[0][:, -1], "right": parts[0][:, 0]}
-    places = radius * _around(leaving)
-    fixed = np.unique(np.concatenate([part[0] for part in parts]))
+    places = radius * directions(leaving)
+    fixed = np.concatenate([part[0] for part in parts])
     return (parts[0][-1][::-1], float(places[0, 0]), float(places[-1, 0]), places), fixed
 
 
@@ -198,14 +162,14 @@ def _add_bar(blocks: BlockMesh, left: Floats, right: Floats, x: Floats, known: N
     bottom, top = (
         a + x[:, None] * (b - a) for a, b in ((left[0], right[0]), (left[-1], right[-1]))
     )
-    return blocks.add(coons(bottom, top, left, right, np.stack([x, x]), y), {"left": known})
+    return blocks.add(coons(bottom, top, left, right, x, y), {"left": known})
 
 
 def _roller_core(turns: list[Floats], radius: float) -> list[Floats]:
     """Edges of the core about the roller's centre, clockwise from the one behind the arm."""
     edges = []
     for turn in turns:
-        start, end = CORE_PART * radius * _around(turn[[0, -1]])
+        start, end = CORE_PART * radius * directions(turn[[0, -1]])
         edges.append(start + np.linspace(0.0, 1.0, turn.size)[:, None] * (end - start))
     return edges
 
@@ -214,7 +178,7 @@ def _add_core(blocks: BlockMesh, edges: list[Floats], numbers: list[Numbers]) ->
     """Fill the core, whose edges are clockwise from the lower left."""
     left, top, right, bottom = edges
     x, y = (np.linspace(0.0, 1.0, len(edge)) for edge in (top, left))
-    grid = coons(bottom[::-1], top, left, right[::-1], np.stack([x, x]), np.stack([y, y]))
+    grid = coons(bottom[::-1], top, left, right[::-1], x, y)
     known = {
         "left": numbers[0],
         "top": numbers[1],
@@ -222,17 +186,3 @@ def _add_core(blocks: BlockMesh, edges: list[Floats], numbers: list[Numbers]) ->
         "bottom": numbers[3][::-1],
     }
     blocks.add(grid, known)
-
-
-def _whole(blocks: BlockMesh, fixed: Numbers, flank: Numbers, s: Floats) -> WholeMesh:
-    """Mesh with one flank, given by its nodes and their arc lengths."""
-    nodes = np.concatenate(blocks.places)
-    arc_length = np.full(len(nodes), np.nan)
-    arc_length[flank] = s
-    edges = np.stack([flank[:-2:2], flank[2::2], flank[1::2]], axis=1)
-    return WholeMesh(
-        nodes=nodes,
-        cells=(("quad9", np.concatenate(blocks.cells)),),
-        fixed_nodes=fixed,
-        flanks=(MeshedFlank(0, nodes, edges, arc_length),),
-    )

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.meshes.io import write_mesh
 from flankload.meshes.plane_mesh import boundary_edges, raise_to_quadratic
@@ -13,9 +14,7 @@ from flankload.meshes.plane_mesh import boundary_edges, raise_to_quadratic
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
-    Numbers = NDArray[np.int64]
+    from flankload.base.arrays import Numbers
 
 
 def write_body(path: str | Path, mesh: SectorMesh | WholeMesh, *, turn_rad: float = 0.0) -> None:
@@ -39,10 +38,8 @@ def write_body(path: str | Path, mesh: SectorMesh | WholeMesh, *, turn_rad: floa
     MeshError
         If the suffix is unknown.
     """
-    cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
-    turned = mesh.nodes @ np.array([[cosine, sine], [-sine, cosine]])
     regions = () if isinstance(mesh, WholeMesh) else mesh.regions
-    write_mesh(path, turned, mesh.cells, _named_edges(mesh), regions)
+    write_mesh(path, turned(mesh.nodes, turn_rad), mesh.cells, _named_edges(mesh), regions)
 
 
 def _named_edges(mesh: SectorMesh | WholeMesh) -> dict[str, Numbers]:

@@ -27,19 +27,6 @@ READERS = {
 def build_compliance_body(spec: ComplianceBody, key: str, *, folder: Path) -> Body:
     """Build a body from a compliance file.
 
-    Parameters
-    ----------
-    spec : ComplianceBody
-        Keys of the scene.
-    key : str
-        "body_1" or "body_2".
-    folder : Path
-        Folder to which the file's name is relative.
-
-    Returns
-    -------
-    Body
-
     Raises
     ------
     ComplianceFileError

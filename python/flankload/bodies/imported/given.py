@@ -11,9 +11,7 @@ from flankload.bodies.tip_modes import Tip
 from flankload.scene.table import LARGEST_MODULUS
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.meshes.io.named_arrays import NamedArrays
 
 
@@ -56,15 +54,15 @@ class ModalCompliance:
 
     file: Path
     plane: str
-    smooth: NDArray[np.float64]
+    smooth: Floats
     kernel: float
     asymmetry: float
     flanks: tuple[int, ...] = ()
-    tangential: NDArray[np.float64] | None = None
+    tangential: Floats | None = None
     jump: float = 0.0
     corner_angles_deg: tuple[float, float] = (180.0, 180.0)
     tip: Tip | None = None
-    turned: NDArray[np.float64] | None = None
+    turned: Floats | None = None
 
     @property
     def description(self) -> str:
@@ -78,9 +76,8 @@ class NodalCompliance:
 
     Attributes
     ----------
-    file : Path
-    plane : str
-        "strain" or "stress", as in the other program.
+    file, plane, asymmetry, corner_angles_deg
+        As in `ModalCompliance`.
     arc_length_mm : (n,) array
         Arc lengths of the nodes on the flank curve.
     quadratic : bool
@@ -93,18 +90,15 @@ class NodalCompliance:
     matrix : (k, n, n) array
         Twice the work of loads on tooth 0 on the displacements of tooth offsets[k], with the
         columns in terms of consistent normal nodal forces, mm²/N, or nodal pressures, mm⁴/N.
-    asymmetry : float
-    corner_angles_deg : (float, float)
-        Interior angles of the metal at the first and the last node; 180 without a corner.
     """
 
     file: Path
     plane: str
-    arc_length_mm: NDArray[np.float64]
+    arc_length_mm: Floats
     quadratic: bool
     of_pressures: bool
-    offsets: NDArray[np.int64]
-    matrix: NDArray[np.float64]
+    offsets: Numbers
+    matrix: Floats
     asymmetry: float
     corner_angles_deg: tuple[float, float] = (180.0, 180.0)
 
@@ -136,18 +130,7 @@ GivenCompliance = ModalCompliance | NodalCompliance
 def read_corner_angles(found: NamedArrays) -> tuple[float, float]:
     """Interior angles of the metal at both ends of the flank, degrees; 180 where they are not told.
 
-    Parameters
-    ----------
-    found : NamedArrays
-
-    Returns
-    -------
-    (float, float)
-
-    Raises
-    ------
-    ComplianceFileError
-        If an angle is out of range.
+    An angle out of range is refused.
     """
     low, high = (
         found.number(name, least=LEAST_CORNER_ANGLE, most=360.0) if name in found else 180.0
@@ -157,21 +140,7 @@ def read_corner_angles(found: NamedArrays) -> tuple[float, float]:
 
 
 def read_material(found: NamedArrays) -> Material:
-    """Material of a compliance file.
-
-    Parameters
-    ----------
-    found : NamedArrays
-
-    Returns
-    -------
-    Material
-
-    Raises
-    ------
-    ComplianceFileError
-        If a number is missing or out of range.
-    """
+    """Material of a compliance file; a number that is missing or out of range is refused."""
     modulus = found.number("young_modulus_MPa", above=0.0, most=LARGEST_MODULUS)
     ratio = found.number("poisson_ratio", least=0.0)
     if ratio >= 0.5:

@@ -15,20 +15,22 @@ import numpy as np
 
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
 from flankload.bodies.imported.mesh_curve import fit_flank
-from flankload.bodies.imported.mesh_flank import faces_clockwise, flank_edges, in_order
-from flankload.bodies.imported.mesh_regions import with_named_regions
 from flankload.bodies.imported.mesh_sector import sector_of
-from flankload.bodies.imported.mesh_source import MeshSource, check_axis, read_source
+from flankload.bodies.imported.mesh_source import (
+    MeshSource,
+    check_axis,
+    faces_clockwise,
+    flank_edges,
+    in_order,
+    read_source,
+)
 from flankload.bodies.imported.mesh_whole import whole_of
-from flankload.bodies.sketch import sketched_tooth
-from flankload.errors import SceneError
-from flankload.meshes.plane_mesh import REVERSED
+from flankload.bodies.plane import sketched_tooth
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.imported.mesh_curve import FlankFit
-    from flankload.meshes.plane_mesh import Cells
     from flankload.scene import MeshBody
 
 #: Largest relative difference of the elastic constants in the file from those of the scene.
@@ -38,18 +40,6 @@ SAME_MATERIAL = 1e-3
 def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
     """Build a body from a mesh file.
 
-    Parameters
-    ----------
-    spec : MeshBody
-    key : str
-        "body_1" or "body_2".
-    folder : Path
-        Folder to which the file's name is relative.
-
-    Returns
-    -------
-    Body
-
     Raises
     ------
     MeshError, SceneError
@@ -57,24 +47,23 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
         the profile does not fit.
     """
     source = read_source(spec, key, folder=folder)
-    nodes, cells, notes = source.body.nodes, source.body.cells, source.body.notes
-    named, bare = _named_flanks(source, spec), _is_bare(source, spec)
-    flanks, radii = list(named.values()), np.hypot(*nodes.T)
-    inwards = _is_ring(source, spec, radii, radii[flanks[0][:, 0]], bare=bare)
-    if mirrored := faces_clockwise(nodes, flanks[0], inwards=inwards):
-        nodes, cells, flanks = _mirrored(nodes, cells, flanks)
+    notes = source.body.notes
+    named, bare = _named_flanks(source), _is_bare(source)
+    flanks, radii = list(named.values()), np.hypot(*source.body.nodes.T)
+    inwards = _is_ring(source, radii, radii[flanks[0][:, 0]], bare=bare)
+    if mirrored := faces_clockwise(source.body.nodes, flanks[0], inwards=inwards):
+        source, flanks = source.mirrored(), [flank[::-1][:, [1, 0, 2]] for flank in flanks]
         notes = (*notes, "the flank faces clockwise: the mirror image of the body is used")
-    fixed = np.empty(0, dtype=np.int64) if bare else _fixed_nodes(source, spec, named)
-    fit = fit_flank(source, spec, nodes, flanks[0])
+    fixed = np.empty(0, dtype=np.int64) if bare else _fixed_nodes(source, named)
+    fit = fit_flank(source, flanks[0])
     mesh: SectorMesh | WholeMesh | None = None
     turns: tuple[float, ...] = ()
     if bare:
-        outline = sketched_tooth(nodes[in_order(fit.edges)], spec.number_of_teeth)
+        outline = sketched_tooth(source.body.nodes[in_order(fit.edges)], spec.number_of_teeth)
     elif spec.flank_sets is None:
-        sector, outline = sector_of(source, spec, nodes, cells, flanks[0], fixed, fit)
-        mesh = with_named_regions(source, spec, sector)
+        mesh, outline = sector_of(source, flanks[0], fixed, fit)
     else:
-        mesh, outline, turns, more = whole_of(source, spec, nodes, cells, flanks, fixed, fit)
+        mesh, outline, turns, more = whole_of(source, flanks, fixed, fit)
         notes = (*notes, *more)
     return Body(
         kind="mesh",
@@ -89,8 +78,10 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
         flank_angle_known=fit.involute is not None,
         pitch_errors_um=tuple(spec.pitch_errors_um),
         outline=outline,
-        bore_radius_mm=float(_rim(radii, inwards) if bare else radii[fixed].mean()),
-        notes=(*notes, *_material_notes(source, spec), *fit.notes),
+        bore_radius_mm=float(
+            (radii.max() if inwards else radii.min()) if bare else radii[fixed].mean()
+        ),
+        notes=(*notes, *_material_notes(source), *fit.notes),
         flank_turns_rad=turns,
         named_teeth=_named_teeth(mesh, spec.number_of_teeth),
         flank_nodes=fit.nodes,
@@ -98,22 +89,13 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
     )
 
 
-def _named_flanks(source: MeshSource, spec: MeshBody) -> dict[str, NDArray[np.int64]]:
+def _named_flanks(source: MeshSource) -> dict[str, Numbers]:
     """Edges of each flank by the name of its set, tooth 0 first."""
+    spec = source.spec
     names = [("flank_set", spec.flank_set)]
     if spec.flank_sets is not None:
         names = [(f"flank_sets[{k}]", name) for k, name in enumerate(spec.flank_sets)]
     return {name: flank_edges(source, where, name) for where, name in names}
-
-
-def _mirrored(
-    nodes: NDArray[np.float64], cells: Cells, flanks: list[NDArray[np.int64]]
-) -> tuple[NDArray[np.float64], Cells, list[NDArray[np.int64]]]:
-    return (
-        nodes * np.array([1.0, -1.0]),
-        tuple((kind, data[:, REVERSED[kind]]) for kind, data in cells),
-        [flank[::-1][:, [1, 0, 2]] for flank in flanks],
-    )
 
 
 def _named_teeth(mesh: SectorMesh | WholeMesh | None, teeth: int) -> tuple[int, ...]:
@@ -127,45 +109,31 @@ def _reference_radius(spec: MeshBody, key: str, fit: FlankFit) -> float:
     """The given radius, or that of the base circle of the profile."""
     if spec.reference_radius_mm is not None:
         return spec.reference_radius_mm
-    if fit.involute is not None:
-        return fit.involute.base_radius_mm
-    raise SceneError(
-        key=f"{key}.reference_radius_mm",
-        expected="a radius in mm, since without a profile there is no base circle",
-        found="nothing",
-    )
+    if fit.involute is None:
+        expected = "a radius in mm, since without a profile there is no base circle"
+        refuse(f"{key}.reference_radius_mm", expected, "nothing")
+    return fit.involute.base_radius_mm
 
 
-def _is_bare(source: MeshSource, spec: MeshBody) -> bool:
+def _is_bare(source: MeshSource) -> bool:
     """Whether a rigid body has only a flank; its file may lack the sets of rim and cuts."""
+    spec = source.spec
     others = (spec.fixed_set, *spec.cut_sets)
     missing = any(source.raw.set_name(name) is None for name in others)
     return spec.rigid and spec.flank_sets is None and missing
 
 
-def _is_ring(
-    source: MeshSource,
-    spec: MeshBody,
-    radii: NDArray[np.float64],
-    flank: NDArray[np.float64],
-    *,
-    bare: bool,
-) -> bool:
+def _is_ring(source: MeshSource, radii: Floats, flank: Floats, *, bare: bool) -> bool:
     """Whether the body is fixed outside its flank; without a fixed set, whether most is outside."""
     if bare:
         return bool(radii.max() - flank.max() > flank.min() - radii.min())
-    held = radii[source.nodes_of("fixed_set", spec.fixed_set)]
+    held = radii[source.nodes_of("fixed_set", source.spec.fixed_set)]
     return bool(held.size and held.min() > flank.max())
 
 
-def _rim(radii: NDArray[np.float64], inwards: bool) -> float:
-    return float(radii.max() if inwards else radii.min())
-
-
-def _fixed_nodes(
-    source: MeshSource, spec: MeshBody, flanks: dict[str, NDArray[np.int64]]
-) -> NDArray[np.int64]:
+def _fixed_nodes(source: MeshSource, flanks: dict[str, Numbers]) -> Numbers:
     """Fixed nodes, checked: at least two, not on the flanks, about the axis."""
+    spec = source.spec
     fixed = source.nodes_of("fixed_set", spec.fixed_set)
     if fixed.size < 2:
         source.refuse(
@@ -183,11 +151,11 @@ def _fixed_nodes(
     return fixed
 
 
-def _material_notes(source: MeshSource, spec: MeshBody) -> list[str]:
+def _material_notes(source: MeshSource) -> list[str]:
     """Note on the material in the file, if it differs from that of the scene."""
     if source.raw.elastic is None:
         return []
-    modulus, ratio = source.raw.elastic
+    (modulus, ratio), spec = source.raw.elastic, source.spec
     same = (
         abs(modulus - spec.young_modulus_MPa) <= SAME_MATERIAL * spec.young_modulus_MPa
         and abs(ratio - spec.poisson_ratio) <= SAME_MATERIAL

@@ -6,26 +6,23 @@ information on the profile: the curve then uses the corner nodes only.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.bodies.body import FlankNodes
-from flankload.bodies.imported.mesh_flank import in_order, middles_are_straight
+from flankload.bodies.imported.mesh_source import in_order, middles_are_straight
 from flankload.bodies.profile.gear_profile import gear_profile
-from flankload.errors import SceneError
 from flankload.flank import FlankCurve, curve_through_nodes, nodes_deviation
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.imported.mesh_source import MeshSource
     from flankload.bodies.profile.involute import Involute
-    from flankload.scene import MeshBody
+    from flankload.scene import Profile
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Largest distance of a flank's nodes from the given profile, and largest difference of the tip
 #: radii of mesh and profile; both in modules.
@@ -45,44 +42,31 @@ class FlankFit:
     ----------
     curve : FlankCurve
     involute : Involute or None
-    edges : (m, 3) array
-        Edges of the flank with pressure modes; with a given profile, those between its fillet and
-        its tip rounding.
-    s : (2 m + 1,) array
-        Arc lengths of their nodes in order.
     mode_range_mm : (float, float)
     misfit_mm : float
         Largest distance of the nodes from a given profile.
     nodes : FlankNodes or None
         None if the profile is given.
     notes : tuple of str
+    edges : (m, 3) array
+        Edges of the flank with pressure modes; with a given profile, those between its fillet and
+        its tip rounding.
+    s : (2 m + 1,) array
+        Arc lengths of their nodes in order.
     """
 
     curve: FlankCurve
     involute: Involute | None
-    edges: Numbers
-    s: Floats
     mode_range_mm: tuple[float, float]
     misfit_mm: float
     nodes: FlankNodes | None
     notes: tuple[str, ...]
+    edges: Numbers = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
+    s: Floats = field(default_factory=lambda: np.empty(0))
 
 
-def fit_flank(source: MeshSource, spec: MeshBody, nodes: Floats, edges: Numbers) -> FlankFit:
-    """Find the curve of the flank of tooth 0.
-
-    Parameters
-    ----------
-    source : MeshSource
-    spec : MeshBody
-    nodes : (N, 2) array
-        Mesh of the body, mirrored if necessary.
-    edges : (m, 3) array
-        Edges of the flank in order.
-
-    Returns
-    -------
-    FlankFit
+def fit_flank(source: MeshSource, edges: Numbers) -> FlankFit:
+    """Find the curve of the flank of tooth 0, whose edges (m, 3) are in order.
 
     Raises
     ------
@@ -91,16 +75,16 @@ def fit_flank(source: MeshSource, spec: MeshBody, nodes: Floats, edges: Numbers)
     SceneError
         If the given profile does not fit.
     """
+    spec, nodes = source.spec, source.body.nodes
     key = "flank_set" if spec.flank_sets is None else "flank_sets[0]"
     straight = middles_are_straight(nodes, edges)
     points = nodes[in_order(edges)]
     on_profile = points[::2] if straight else points
-    fit = (
-        _through_nodes(source, key, on_profile)
-        if spec.profile is None
-        else _on_profile(source, spec, on_profile)
-    )
-    edges, s = carrying_edges(source, key, fit.curve, fit.mode_range_mm, nodes, edges)
+    if spec.profile is None:
+        fit = _through_nodes(source, key, on_profile)
+    else:
+        fit = _on_profile(source, spec.profile, on_profile)
+    edges, s = carrying_edges(source, key, fit.curve, fit.mode_range_mm, edges)
     low, high = fit.mode_range_mm
     snap = SNAP_PART * (high - low)
     low = low if abs(s[0] - low) < snap else float(s[0])
@@ -116,54 +100,28 @@ def fit_flank(source: MeshSource, spec: MeshBody, nodes: Floats, edges: Numbers)
 
 
 def carrying_edges(
-    source: MeshSource,
-    key: str,
-    curve: FlankCurve,
-    span: tuple[float, float],
-    nodes: Floats,
-    edges: Numbers,
+    source: MeshSource, key: str, curve: FlankCurve, span: tuple[float, float], edges: Numbers
 ) -> tuple[Numbers, Floats]:
-    """Edges of a flank between two arc lengths, and the arc lengths of their nodes.
+    """Edges (k, 3) of a flank between two arc lengths, and arc lengths (2 k + 1,) of their nodes.
 
-    Parameters
-    ----------
-    source : MeshSource
-    key : str
-        Key that names the flank's set, without the body's.
-    curve : FlankCurve
-        Curve of this flank.
-    span : (float, float)
-    nodes : (N, 2) array
-    edges : (m, 3) array
-        The whole flank in order.
-
-    Returns
-    -------
-    edges : (k, 3) array
-    s : (2 k + 1,) array
+    The key names the set of this flank, to which the curve belongs; its edges are in order.
 
     Raises
     ------
     MeshError
         If the nodes turn back, or fewer than 2 edges remain.
     """
-    points = nodes[in_order(edges)]
+    points = source.body.nodes[in_order(edges)]
     s, _ = curve.arc_length_of(points)
     if not (np.diff(s) > 0).all():
         x, y = points[int(np.argmin(np.diff(s)))]
-        source.refuse(
-            key,
-            "flank nodes that follow each other along the flank",
-            f"nodes that turn back at x = {x:.4f}, y = {y:.4f} mm",
-        )
+        expected = "flank nodes that follow each other along the flank"
+        source.refuse(key, expected, f"nodes that turn back at x = {x:.4f}, y = {y:.4f} mm")
     spare = END_PART * (span[1] - span[0])
     inside = np.flatnonzero((s[:-2:2] >= span[0] - spare) & (s[2::2] <= span[1] + spare))
     if inside.size < 2:
-        source.refuse(
-            key,
-            "at least 2 edges between root fillet and tip rounding of the profile",
-            f"{inside.size}",
-        )
+        expected = "at least 2 edges between root fillet and tip rounding of the profile"
+        source.refuse(key, expected, f"{inside.size}")
     first, last = int(inside[0]), int(inside[-1])
     return edges[first : last + 1], s[2 * first : 2 * last + 3]
 
@@ -171,11 +129,8 @@ def carrying_edges(
 def _through_nodes(source: MeshSource, key: str, points: Floats) -> FlankFit:
     """A smooth curve through the nodes."""
     if len(points) < 4:
-        source.refuse(
-            key,
-            "at least 4 nodes on the profile for a curve through them",
-            f"{len(points)} nodes",
-        )
+        expected = "at least 4 nodes on the profile for a curve through them"
+        source.refuse(key, expected, f"{len(points)} nodes")
     curve = curve_through_nodes(points)
     spacing = float(np.linalg.norm(np.diff(points, axis=0), axis=1).max())
     found = FlankNodes(len(points), spacing, nodes_deviation(points))
@@ -188,8 +143,6 @@ def _through_nodes(source: MeshSource, key: str, points: Floats) -> FlankFit:
     return FlankFit(
         curve=curve,
         involute=None,
-        edges=np.empty((0, 3), dtype=np.int64),
-        s=np.empty(0),
         mode_range_mm=(0.0, curve.length_mm),
         misfit_mm=0.0,
         nodes=found,
@@ -197,18 +150,13 @@ def _through_nodes(source: MeshSource, key: str, points: Floats) -> FlankFit:
     )
 
 
-def _on_profile(source: MeshSource, spec: MeshBody, points: Floats) -> FlankFit:
+def _on_profile(source: MeshSource, given: Profile, points: Floats) -> FlankFit:
     """The exact profile, rotated to fit the flank's nodes (least squares)."""
-    given = spec.profile
-    assert given is not None
-    profile = gear_profile(given, f"{source.key}.profile", teeth=spec.number_of_teeth)
+    profile = gear_profile(given, f"{source.key}.profile", teeth=source.spec.number_of_teeth)
     tip = float(np.hypot(*source.body.nodes.T).max())
     if abs(tip - profile.involute.tip_radius_mm) > TIP_TOLERANCE * given.module_mm:
-        raise SceneError(
-            key=f"{source.key}.profile.tip_diameter_mm",
-            expected=f"the tip circle of the mesh, {2 * tip:.4f} mm",
-            found=f"{given.tip_diameter_mm:g}",
-        )
+        expected = f"the tip circle of the mesh, {2 * tip:.4f} mm"
+        refuse(f"{source.key}.profile.tip_diameter_mm", expected, f"{given.tip_diameter_mm:g}")
     radii = np.hypot(points[:, 0], points[:, 1])
     inside = np.clip(radii, profile.involute.form_radius_mm, profile.involute.tip_radius_mm)
     angles = np.arctan2(points[:, 1], points[:, 0])
@@ -216,22 +164,17 @@ def _on_profile(source: MeshSource, spec: MeshBody, points: Floats) -> FlankFit:
     apart = np.angle(np.exp(1j * (angles - start)).sum())
     turn, s, worst = fitted_turn(profile.curve, points, float(apart))
     if worst > PROFILE_TOLERANCE * given.module_mm:
-        raise SceneError(
-            key=f"{source.key}.profile",
-            expected=f"a profile on which the nodes of the flank lie to "
-            f"{PROFILE_TOLERANCE * given.module_mm:.3g} mm",
-            found=f"nodes up to {worst:.3g} mm beside it",
-        )
-    involute = replace(profile.involute, turn_rad=profile.involute.turn_rad + turn)
+        expected = "a profile on which the nodes of the flank lie to "
+        expected += f"{PROFILE_TOLERANCE * given.module_mm:.3g} mm"
+        refuse(f"{source.key}.profile", expected, f"nodes up to {worst:.3g} mm beside it")
+    profile = profile.rotated(turn)
     note = (
         f"the given profile is turned by {np.degrees(turn):.6f} deg to fit {len(s)} flank nodes, "
         f"which lie within {1000 * worst:.2g} um of it"
     )
     return FlankFit(
-        curve=profile.curve.rotated(turn),
-        involute=involute,
-        edges=np.empty((0, 3), dtype=np.int64),
-        s=np.empty(0),
+        curve=profile.curve,
+        involute=profile.involute,
         mode_range_mm=profile.mode_range_mm,
         misfit_mm=worst,
         nodes=None,
@@ -240,23 +183,9 @@ def _on_profile(source: MeshSource, spec: MeshBody, points: Floats) -> FlankFit:
 
 
 def fitted_turn(curve: FlankCurve, points: Floats, start: float) -> tuple[float, Floats, float]:
-    """Rotation about the origin that brings a curve closest to points (least squares).
+    """Rotation about the origin, rad, that brings a curve closest to points (least squares).
 
-    Parameters
-    ----------
-    curve : FlankCurve
-    points : (m, 2) array
-    start : float
-        Initial rotation, rad.
-
-    Returns
-    -------
-    turn : float
-        rad.
-    s : (m,) array
-        Arc lengths of the points.
-    worst : float
-        Largest remaining distance, mm.
+    Returns also the arc lengths (m,) of the points and their largest remaining distance, mm.
     """
     turn = start
     for _ in range(12):

@@ -1,8 +1,12 @@
-"""The mesh file of a body: its sets, and errors that name file and key."""
+"""The mesh file of a body: its sets, its flanks, and errors that name file and key.
+
+A flank is an ordered line of edges of the boundary, from root to tip with the material on its
+right.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
@@ -10,17 +14,14 @@ import numpy as np
 from flankload.errors import MeshError
 from flankload.meshes.defects import PlaneBody, sound_body
 from flankload.meshes.io import RawMesh, read_mesh
-from flankload.meshes.plane_mesh import circle_through
+from flankload.meshes.plane_mesh import REVERSED, chain, circle_through
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.scene import MeshBody
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Units in which meshes are given by mistake, in mm.
 UNITS = {"metres": 1000.0, "inches": 25.4, "centimetres": 10.0, "micrometres": 0.001}
@@ -30,6 +31,14 @@ LARGEST_RATIO, LARGEST_TIP_RATIO = 20.0, 3.0
 #: Largest distance of the bore's centre from the axis, relative to the bore's radius.
 OFF_AXIS = 1e-3
 
+#: Largest angle between neighbouring edges of a flank, degrees; a larger one is a corner.
+LARGEST_BEND_DEG = 40.0
+#: Middle nodes count as lying on their chords if their distance is less than this part of the
+#: distance expected from the corner nodes.
+STRAIGHT = 0.05
+#: A flank is straight if its curve leaves the chords by less than this part of their length.
+FLAT = 1e-5
+
 
 @dataclass(frozen=True)
 class MeshSource:
@@ -37,15 +46,19 @@ class MeshSource:
 
     Attributes
     ----------
-    raw : RawMesh
-    body : PlaneBody
+    spec : MeshBody
     key : str
         "body_1" or "body_2".
+    raw : RawMesh
+        As in the file.
+    body : PlaneBody
+        In standard form; after `mirrored`, the mirror image.
     """
 
+    spec: MeshBody
+    key: str
     raw: RawMesh
     body: PlaneBody
-    key: str
 
     def refuse(self, name: str, expected: str, found: str) -> NoReturn:
         """Raise an error for one of the body's keys."""
@@ -71,21 +84,20 @@ class MeshSource:
         whole = np.isin(edges[:, :2], members).all(axis=1)
         return np.union1d(members, edges[whole, 2])
 
+    def mirrored(self) -> MeshSource:
+        """The mirror image about the x axis; nodes keep their numbers."""
+        cells = tuple((kind, data[:, REVERSED[kind]]) for kind, data in self.body.cells)
+        body = replace(
+            self.body,
+            nodes=self.body.nodes * np.array([1.0, -1.0]),
+            cells=cells,
+            edges=self.body.edges[:, [1, 0, 2]],
+        )
+        return replace(self, body=body)
+
 
 def read_source(spec: MeshBody, key: str, *, folder: Path) -> MeshSource:
     """Read the mesh of a body and convert it to standard form.
-
-    Parameters
-    ----------
-    spec : MeshBody
-    key : str
-        "body_1" or "body_2".
-    folder : Path
-        Folder to which the file's name is relative.
-
-    Returns
-    -------
-    MeshSource
 
     Raises
     ------
@@ -95,30 +107,20 @@ def read_source(spec: MeshBody, key: str, *, folder: Path) -> MeshSource:
     raw = read_mesh(folder / spec.file, f"{key}.file")
     one_material = spec.one_material or spec.region_sets is not None
     body = sound_body(raw, f"{key}.file", one_material=one_material)
-    source = MeshSource(raw, body, key)
-    _check_size(source, spec)
+    source = MeshSource(spec, key, raw, body)
+    _check_size(source)
     return source
 
 
-def unit_of(ratio: float) -> str | None:
-    """Unit whose length in mm is closest to a ratio of expected and actual size.
-
-    Parameters
-    ----------
-    ratio : float
-        Expected size in mm over the size in the file.
-
-    Returns
-    -------
-    str or None
-        None if no unit is close.
-    """
+def _unit_of(ratio: float) -> str | None:
+    """Unit whose length in mm is closest to expected over actual size; None if none is close."""
     name, factor = min(UNITS.items(), key=lambda unit: abs(np.log(unit[1] / ratio)))
     return name if 0.2 < factor / ratio < 5.0 else None
 
 
-def _check_size(source: MeshSource, spec: MeshBody) -> None:
+def _check_size(source: MeshSource) -> None:
     """Refuse a mesh of implausible size, for example one in metres."""
+    spec = source.spec
     largest = float(np.hypot(*source.raw.nodes.T).max())
     if spec.profile is not None:
         wanted, bound, name = 0.5 * spec.profile.tip_diameter_mm, LARGEST_TIP_RATIO, "tip radius"
@@ -127,35 +129,80 @@ def _check_size(source: MeshSource, spec: MeshBody) -> None:
     ratio = wanted / largest if largest > 0 else np.inf
     if 1 / bound < ratio < bound:
         return
-    unit = unit_of(ratio) if np.isfinite(ratio) else None
+    unit = _unit_of(ratio) if np.isfinite(ratio) else None
     hint = f"; in {unit}? (1 = {UNITS[unit]:g} mm)" if unit else ""
-    source.refuse(
-        "file",
-        f"a mesh in millimetres about the origin, to the {name} of {wanted:g} mm",
-        f"nodes up to radius {largest:.4g}{hint}",
-    )
+    expected = f"a mesh in millimetres about the origin, to the {name} of {wanted:g} mm"
+    source.refuse("file", expected, f"nodes up to radius {largest:.4g}{hint}")
 
 
 def check_axis(source: MeshSource, fixed: Numbers) -> None:
-    """Refuse a body whose bore is a circle about another point than the origin.
-
-    Parameters
-    ----------
-    source : MeshSource
-    fixed : array
-        Fixed nodes.
-
-    Raises
-    ------
-    MeshError
-    """
+    """Refuse a body whose fixed nodes are a circle about another point than the origin."""
     circle = circle_through(source.raw.nodes[fixed[fixed < len(source.raw.nodes)]])
     if circle is None:
         return
     (x, y), radius = circle
     if np.hypot(x, y) > OFF_AXIS * radius:
+        expected = "a body whose axis is the origin"
+        source.refuse("file", expected, f"a bore about x = {x:.4f}, y = {y:.4f} mm")
+
+
+def flank_edges(source: MeshSource, key: str, name: str) -> Numbers:
+    """Boundary edges (m, 3) of a flank in order: the set `name`, which the key of the body names.
+
+    Raises
+    ------
+    MeshError
+        If the set is missing or is not one open line without corners.
+    """
+    members = source.nodes_of(key, name)
+    edges = source.body.edges
+    chosen = edges[np.isin(edges[:, :2], members).all(axis=1)][:, [1, 0, 2]]
+    runs = chain(chosen)
+    expected = f"set {name!r} to be one open line of at least 2 edges of the boundary"
+    if len(runs) != 1 or len(chosen) < 2:
+        separate = f"{len(runs)} separate lines" if len(chosen) >= 2 else f"{len(chosen)} edges"
+        source.refuse(key, expected, separate)
+    (run,) = runs
+    if run[0, 0] == run[-1, 1]:
+        source.refuse(key, expected, "a closed line")
+    nodes = source.body.nodes
+    steps = nodes[run[:, 1]] - nodes[run[:, 0]]
+    angles = np.degrees(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0])))
+    bends = np.abs(np.diff(angles))
+    if bends.max(initial=0.0) > LARGEST_BEND_DEG:
+        x, y = nodes[run[int(np.argmax(bends)), 1]]
         source.refuse(
-            "file",
-            "a body whose axis is the origin",
-            f"a bore about x = {x:.4f}, y = {y:.4f} mm",
+            key,
+            f"set {name!r} to be a smooth flank (its own edges or nodes alone)",
+            f"a corner of {bends.max():.0f} deg at x = {x:.4f}, y = {y:.4f} mm",
         )
+    return run
+
+
+def in_order(edges: Numbers) -> Numbers:
+    """Nodes of consecutive edges in order, including middle nodes: (2 m + 1,)."""
+    return np.append(edges[:, [0, 2]].ravel(), edges[-1, 1])
+
+
+def faces_clockwise(nodes: Floats, edges: Numbers, *, inwards: bool) -> bool:
+    """Whether a flank is that of the mirrored body.
+
+    Such a flank runs from tip to root with the material on its right. The radius decreases towards
+    the tip of internal teeth.
+    """
+    middle = nodes[edges[len(edges) // 2]]
+    return (float(middle.mean(axis=0) @ (middle[1] - middle[0])) < 0.0) != inwards
+
+
+def middles_are_straight(nodes: Floats, edges: Numbers) -> bool:
+    """Whether a flank is curved although its middle nodes lie on the chords of its edges."""
+    first, last, middle = (nodes[edges[:, k]] for k in range(3))
+    chord = last - first
+    length = np.linalg.norm(chord, axis=1)
+    away = middle - 0.5 * (first + last)
+    out = np.abs(chord[:, 0] * away[:, 1] - chord[:, 1] * away[:, 0]) / length
+    angles = np.unwrap(np.arctan2(chord[:, 1], chord[:, 0]))
+    # the distance of an arc of length h and angle t from its chord is h t/8
+    turn = np.abs(np.gradient(angles)) if len(angles) > 1 else np.zeros(1)
+    wanted = length * turn / 8
+    return bool(wanted.sum() > FLAT * length.sum() and out.sum() < STRAIGHT * wanted.sum())

@@ -10,23 +10,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import MeshedFlank, WholeMesh
 from flankload.bodies.imported.mesh_curve import carrying_edges, fitted_turn
-from flankload.bodies.imported.mesh_flank import faces_clockwise, in_order, middles_are_straight
+from flankload.bodies.imported.mesh_source import faces_clockwise, in_order, middles_are_straight
 from flankload.meshes.plane_mesh import boundary_edges, chain
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.imported.mesh_curve import FlankFit
     from flankload.bodies.imported.mesh_source import MeshSource
-    from flankload.meshes.plane_mesh import Cells
-    from flankload.scene import MeshBody
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Largest difference in shape of flanks, relative to the body's radius; five times the deviation of
 #: the curve through the nodes, or of the nodes from the profile, is added.
@@ -40,42 +36,19 @@ EQUAL_SHARE = 2e-7
 
 
 def whole_of(
-    source: MeshSource,
-    spec: MeshBody,
-    nodes: Floats,
-    cells: Cells,
-    flanks: list[Numbers],
-    fixed: Numbers,
-    fit: FlankFit,
+    source: MeshSource, flanks: list[Numbers], fixed: Numbers, fit: FlankFit
 ) -> tuple[WholeMesh, Floats, tuple[float, ...], tuple[str, ...]]:
-    """Whole mesh, the outer contour of one tooth, and the angles of the flanks.
+    """Whole mesh, outer contour (k, 2) of one tooth, angles of the flanks, rad, and notes.
 
-    Parameters
-    ----------
-    source : MeshSource
-    spec : MeshBody
-    nodes, cells
-        Mesh of the body, mirrored if necessary.
-    flanks : list of (m, 3) arrays
-        Edges of the flanks in order, tooth 0 first.
-    fixed : array
-        Fixed nodes.
-    fit : FlankFit
-        Curve of the flank of tooth 0.
-
-    Returns
-    -------
-    mesh : WholeMesh
-    outline : (k, 2) array
-    turns : tuple of float
-        Empty, or the angle of each tooth's flank from its equal share, rad.
-    notes : tuple of str
+    The angles are those from the equal share of each tooth; empty if there are none. The edges
+    (m, 3) of the flanks are in order, tooth 0 first; `fit` is the curve of this one.
 
     Raises
     ------
     MeshError
         If the flanks differ in shape or are not whole pitches apart.
     """
+    spec, nodes, cells = source.spec, source.body.nodes, source.body.cells
     teeth, names = spec.number_of_teeth, spec.flank_sets or ()
     turns = np.zeros(teeth)
     meshed: dict[int, MeshedFlank] = {}
@@ -83,8 +56,8 @@ def whole_of(
     for k, (name, flank) in enumerate(zip(names, flanks, strict=True)):
         turn, edges, s = 0.0, fit.edges, fit.s
         if k > 0:
-            turn, edges, s = _turn_of(source, nodes, flank, first, fit, k, name)
-        tooth, beside = _tooth_at(source, turn, teeth, k, names)
+            turn, edges, s = _turn_of(source, flank, first, fit, k)
+        tooth, beside = _tooth_at(source, turn, k)
         if tooth in meshed:
             source.refuse(f"flank_sets[{k}]", "one flank to a tooth", f"{name!r} on another one")
         arc_length = np.full(len(nodes), np.nan)
@@ -98,19 +71,15 @@ def whole_of(
     return mesh, outline, tuple(turns.tolist()) if turns.any() else (), notes
 
 
-def _tooth_at(
-    source: MeshSource, turn: float, teeth: int, k: int, names: Sequence[str]
-) -> tuple[int, float]:
+def _tooth_at(source: MeshSource, turn: float, k: int) -> tuple[int, float]:
     """Number of the tooth of set k at an angle from tooth 0, and its deviation, rad."""
+    teeth, names = source.spec.number_of_teeth, source.spec.flank_sets or ()
     pitch = 2 * np.pi / teeth
     tooth = round(turn / pitch) % teeth
     beside = (turn - pitch * tooth + np.pi) % (2 * np.pi) - np.pi
     if abs(beside) > LARGEST_PITCH_DEVIATION * pitch:
-        source.refuse(
-            f"flank_sets[{k}]",
-            f"flanks that are whole pitches (360/{teeth} deg) from {names[0]!r}",
-            f"{names[k]!r} at {turn / pitch:.3f} pitches",
-        )
+        expected = f"flanks that are whole pitches (360/{teeth} deg) from {names[0]!r}"
+        source.refuse(f"flank_sets[{k}]", expected, f"{names[k]!r} at {turn / pitch:.3f} pitches")
     return tooth, beside
 
 
@@ -128,18 +97,13 @@ def _notes(turns: Floats, with_flank: int) -> Iterator[str]:
 
 
 def _turn_of(
-    source: MeshSource,
-    nodes: Floats,
-    edges: Numbers,
-    first: Floats,
-    fit: FlankFit,
-    k: int,
-    name: str,
+    source: MeshSource, edges: Numbers, first: Floats, fit: FlankFit, k: int
 ) -> tuple[float, Numbers, Floats]:
     """Angle of a flank from that of tooth 0, its edges with pressure modes, and their arc lengths.
 
     `first` holds the nodes of tooth 0's flank.
     """
+    nodes, name = source.body.nodes, (source.spec.flank_sets or ())[k]
     key = f"flank_sets[{k}]"
     inwards = bool(np.hypot(*first[0]) > np.hypot(*first[-1]))
     if faces_clockwise(nodes, edges, inwards=inwards):
@@ -159,14 +123,11 @@ def _turn_of(
             f"{name!r}, up to {worst:.3g} mm beside the first one turned onto it",
         )
     span = (float(fit.s[0]), float(fit.s[-1]))
-    edges, s = carrying_edges(source, key, fit.curve.rotated(turn), span, nodes, edges)
+    edges, s = carrying_edges(source, key, fit.curve.rotated(turn), span, edges)
     beside = max(abs(s[0] - fit.s[0]), abs(s[-1] - fit.s[-1]))
     if beside > END_TOLERANCE * fit.curve.length_mm + allowed:
-        source.refuse(
-            key,
-            "flanks that end at the same places",
-            f"{name!r}, which ends {beside:.3g} mm beside the first one",
-        )
+        expected = "flanks that end at the same places"
+        source.refuse(key, expected, f"{name!r}, which ends {beside:.3g} mm beside the first one")
     return turn % (2 * np.pi), edges, s
 
 
@@ -177,6 +138,5 @@ def _outline(nodes: Floats, cells: Cells, flank: Numbers, pitch: float) -> Float
     run = next(run for run in chain(edges) if (run[:, :2] == root).any())
     path = run[:, [0, 2]].ravel()
     places = nodes[np.roll(path, -int(np.flatnonzero(path == root)[0]))]
-    turned = places[0] @ np.array([[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]])
-    end = int(np.argmin(np.linalg.norm(places - turned, axis=1)))
+    end = int(np.argmin(np.linalg.norm(places - turned(places[:1], pitch), axis=1)))
     return np.asarray(places[: end + 1] if end else places)

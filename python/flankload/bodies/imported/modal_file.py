@@ -25,8 +25,7 @@ from flankload.flank import FlankCurve
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.meshes.io.named_arrays import NamedArrays
 
 FORMAT = "flankload flank compliance"
@@ -36,36 +35,12 @@ VERSION = 3
 
 #: Names of the arrays, without those of the involute.
 NAMES = (
-    "format",
-    "version",
-    "kind",
-    "teeth",
-    "young_modulus_MPa",
-    "poisson_ratio",
-    "plane",
-    "curve_breaks",
-    "curve_coefficients",
-    "curve_labels",
-    "curve_corners",
-    "mode_range_mm",
-    *CORNER_ANGLES,
-    "tip_modes",
-    "turned",
-    "smooth",
-    "kernel",
-    "smooth_nt",
-    "kernel_nt",
-    "asymmetry",
-    "reference_radius_mm",
-    "flank_angle_known",
-    "pitch_errors_um",
-    "flanks",
-    "flank_turns_rad",
-    "named_teeth",
-    "outline",
-    "bore_radius_mm",
-    "notes",
-)
+    "format", "version", "kind", "teeth", "young_modulus_MPa", "poisson_ratio", "plane",
+    "curve_breaks", "curve_coefficients", "curve_labels", "curve_corners", "mode_range_mm",
+    *CORNER_ANGLES, "tip_modes", "turned", "smooth", "kernel", "smooth_nt", "kernel_nt",
+    "asymmetry", "reference_radius_mm", "flank_angle_known", "pitch_errors_um", "flanks",
+    "flank_turns_rad", "named_teeth", "outline", "bore_radius_mm", "notes",
+)  # fmt: skip
 #: Fields of `Involute`, by their names in the file.
 INVOLUTE = {f"involute_{field.name}": field for field in fields(Involute)}
 
@@ -78,14 +53,6 @@ LARGEST_STRETCH = 1e-3
 def read_modal(found: NamedArrays) -> Body:
     """Body of a file, checked.
 
-    Parameters
-    ----------
-    found : NamedArrays
-
-    Returns
-    -------
-    Body
-
     Raises
     ------
     ComplianceFileError
@@ -97,11 +64,8 @@ def read_modal(found: NamedArrays) -> Body:
     curve = _read_curve(found)
     low, high = found.numbers("mode_range_mm", 2)
     if not 0.0 <= low < high <= curve.length_mm:
-        found.refuse(
-            "mode_range_mm",
-            f"two ascending arc lengths from 0 to {curve.length_mm:g}",
-            f"{low:g} and {high:g}",
-        )
+        expected = f"two ascending arc lengths from 0 to {curve.length_mm:g}"
+        found.refuse("mode_range_mm", expected, f"{low:g} and {high:g}")
     flanks, named = _read_teeth(found, "flanks", teeth), _read_teeth(found, "named_teeth", teeth)
     if named and flanks != named:
         found.refuse("named_teeth", "none, or the teeth of flanks", f"{len(named)} others")
@@ -116,7 +80,6 @@ def read_modal(found: NamedArrays) -> Body:
         teeth=teeth,
         material=read_material(found),
         rigid=False,
-        mesh=None,
         mode_range_mm=(float(low), float(high)),
         reference_radius_mm=found.number("reference_radius_mm", above=0.0, most=LARGEST_LENGTH),
         involute=_read_involute(found),
@@ -131,7 +94,7 @@ def read_modal(found: NamedArrays) -> Body:
     )
 
 
-def _read_per_tooth(found: NamedArrays, name: str, teeth: int) -> NDArray[np.float64]:
+def _read_per_tooth(found: NamedArrays, name: str, teeth: int) -> Floats:
     """A number for each tooth, or none."""
     numbers = found.numbers(name, None)
     if numbers.size not in (0, teeth):
@@ -159,7 +122,7 @@ def _read_compliance(
         jump=jump,
         corner_angles_deg=read_corner_angles(found),
         tip=_read_tip(found, *ends_mm, smooth.shape[1]),
-        turned=_read_turned(found, smooth.shape),
+        turned=found.numbers("turned", *smooth.shape[:2]) if "turned" in found else None,
     )
 
 
@@ -169,26 +132,14 @@ def _read_tip(found: NamedArrays, high: float, end: float, n_modes: int) -> Tip 
         return None
     tip, power, turn = found.numbers("tip_modes", 3)
     if not high < tip <= end * (1.0 + LARGEST_STRETCH) or power not in (0, 1) or not 0 < turn < pi:
-        found.refuse(
-            "tip_modes",
-            f"an arc length from {high:g} to {end:g}, 0 or 1, and an angle up to pi",
-            f"{tip:g}, {power:g} and {turn:g}",
-        )
+        expected = f"an arc length from {high:g} to {end:g}, 0 or 1, and an angle up to pi"
+        found.refuse("tip_modes", expected, f"{tip:g}, {power:g} and {turn:g}")
     if n_modes <= LEAST_TIP_MODES:
         found.refuse("smooth", f"more than the {LEAST_TIP_MODES} modes of the tip", f"{n_modes}")
     return Tip(float(tip), int(power), float(turn))
 
 
-def _read_turned(found: NamedArrays, shape: tuple[int, ...]) -> NDArray[np.float64] | None:
-    """Response to a force along the flank at its sharp tip; files without it have none."""
-    if "turned" not in found:
-        return None
-    return found.numbers("turned", shape[0], shape[1])
-
-
-def _read_tangential(
-    found: NamedArrays, shape: tuple[int, ...]
-) -> tuple[NDArray[np.float64] | None, float]:
+def _read_tangential(found: NamedArrays, shape: tuple[int, ...]) -> tuple[Floats | None, float]:
     """Response to tangential loads and coefficient of its jump, both or neither."""
     names = ("smooth_nt", "kernel_nt")
     if not any(name in found for name in names):
@@ -204,15 +155,12 @@ def _read_teeth(found: NamedArrays, name: str, teeth: int) -> tuple[int, ...]:
     numbers = found.integers(name, None)
     ascending = (np.diff(numbers) > 0).all()
     if numbers.size and not (ascending and numbers[0] == 0 and numbers[-1] < teeth):
-        found.refuse(
-            name,
-            f"nothing, or ascending numbers from 0 to at most {teeth - 1}",
-            ", ".join(f"{number}" for number in numbers[:8]),
-        )
+        expected = f"nothing, or ascending numbers from 0 to at most {teeth - 1}"
+        found.refuse(name, expected, ", ".join(f"{number}" for number in numbers[:8]))
     return tuple(numbers.tolist())
 
 
-def _read_outline(found: NamedArrays) -> NDArray[np.float64]:
+def _read_outline(found: NamedArrays) -> Floats:
     outline = found.numbers("outline", None, 2)
     if len(outline) < 3:
         found.refuse("outline", "at least 3 places", f"{len(outline)}")
@@ -245,11 +193,8 @@ def _read_curve(found: NamedArrays) -> FlankCurve:
     speed = np.linalg.norm(curve.derivatives(breaks)[1], axis=1)
     if (np.abs(speed - 1.0) > LARGEST_STRETCH).any():
         k = int(np.abs(speed - 1.0).argmax())
-        found.refuse(
-            "curve_coefficients",
-            "a curve by its own arc length (speed 1)",
-            f"a speed of {speed[k]:.4g} at break {k}",
-        )
+        expected = "a curve by its own arc length (speed 1)"
+        found.refuse("curve_coefficients", expected, f"a speed of {speed[k]:.4g} at break {k}")
     return curve
 
 

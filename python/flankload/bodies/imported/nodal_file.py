@@ -17,36 +17,23 @@ from flankload.bodies.imported.given import (
     read_corner_angles,
     read_material,
 )
-from flankload.bodies.sketch import sketched_tooth
+from flankload.bodies.plane import sketched_tooth
 from flankload.flank import curve_through_nodes, nodes_deviation
 from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.meshes.io.named_arrays import NamedArrays
 
-    Floats = NDArray[np.float64]
 
 FORMAT = "flankload nodal compliance"
 VERSION = 1
 
 NAMES = (
-    "format",
-    "version",
-    "teeth",
-    "points",
-    "compliance",
-    "offsets",
-    "columns",
-    "elements",
-    "young_modulus_MPa",
-    "poisson_ratio",
-    "plane",
-    "reference_radius_mm",
-    "teeth_stand",
+    "format", "version", "teeth", "points", "compliance", "offsets", "columns", "elements",
+    "young_modulus_MPa", "poisson_ratio", "plane", "reference_radius_mm", "teeth_stand",
     *CORNER_ANGLES,
-)
+)  # fmt: skip
 
 #: Least number of nodes for a curve.
 LEAST_POINTS = 6
@@ -57,16 +44,7 @@ LARGEST_ASYMMETRY = 0.01
 
 
 def read_nodal(found: NamedArrays) -> Body:
-    """Body of a file, checked.
-
-    Parameters
-    ----------
-    found : NamedArrays
-
-    Returns
-    -------
-    Body
-        At the angle that its points have.
+    """Body of a file, checked, at the angle that its points have.
 
     Raises
     ------
@@ -95,12 +73,9 @@ def read_nodal(found: NamedArrays) -> Body:
         teeth=teeth,
         material=read_material(found),
         rigid=False,
-        mesh=None,
         mode_range_mm=(0.0, curve.length_mm),
         reference_radius_mm=found.number("reference_radius_mm", above=0.0, most=LARGEST_LENGTH),
-        involute=None,
         flank_angle_known=False,
-        pitch_errors_um=(),
         outline=sketched_tooth(points, teeth),
         bore_radius_mm=1.2 * float(np.hypot(*points[0])) if inwards else 0.0,
         notes=(_note_of(given, len(points), teeth), note),
@@ -152,11 +127,8 @@ def _read_points(found: NamedArrays, quadratic: bool, *, inwards: bool) -> Float
     if len(points) < LEAST_POINTS:
         found.refuse("points", f"at least {LEAST_POINTS}", f"{len(points)}")
     if quadratic and len(points) % 2 == 0:
-        found.refuse(
-            "points",
-            "an odd number: quadratic elements have a middle between two ends",
-            f"{len(points)}",
-        )
+        expected = "an odd number: quadratic elements have a middle between two ends"
+        found.refuse("points", expected, f"{len(points)}")
     steps = np.diff(points, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
     if not lengths.min() > 1e-9 * lengths.max():
@@ -181,23 +153,20 @@ def _read_points(found: NamedArrays, quadratic: bool, *, inwards: bool) -> Float
     return points
 
 
-def _read_offsets(found: NamedArrays, teeth: int) -> NDArray[np.int64]:
+def _read_offsets(found: NamedArrays, teeth: int) -> Numbers:
     """Displaced teeth, including the loaded one, each once."""
     if "offsets" not in found:
         return np.zeros(1, dtype=np.int64)
     offsets = found.integers("offsets", None)
     reduced = offsets % teeth
     if 0 not in reduced or np.unique(reduced).size != offsets.size:
-        found.refuse(
-            "offsets",
-            f"teeth counted from the loaded one, 0 among them and each of the {teeth} once",
-            ", ".join(f"{offset}" for offset in offsets[:8]),
-        )
+        expected = f"teeth counted from the loaded one, 0 among them and each of the {teeth} once"
+        found.refuse("offsets", expected, ", ".join(f"{offset}" for offset in offsets[:8]))
     return reduced
 
 
 def _symmetric(
-    found: NamedArrays, matrix: Floats, offsets: NDArray[np.int64], teeth: int
+    found: NamedArrays, matrix: Floats, offsets: Numbers, teeth: int
 ) -> tuple[Floats, float]:
     """Mean of each response and the reciprocal one (Betti), and their relative difference."""
     row = {int(offset): k for k, offset in enumerate(offsets)}
@@ -214,11 +183,8 @@ def _symmetric(
     asymmetry = float(np.linalg.norm(differences) / np.linalg.norm(matrix))
     if asymmetry > LARGEST_ASYMMETRY:
         k, i, j = np.unravel_index(int(differences.argmax()), differences.shape)
-        found.refuse(
-            "compliance",
-            f"a symmetric matrix (reciprocity), to {LARGEST_ASYMMETRY:g} of its norm",
-            f"{asymmetry:.3g}, most at [{k}, {i}, {j}]",
-        )
+        expected = f"a symmetric matrix (reciprocity), to {LARGEST_ASYMMETRY:g} of its norm"
+        found.refuse("compliance", expected, f"{asymmetry:.3g}, most at [{k}, {i}, {j}]")
     return 0.5 * (matrix + mirrored), asymmetry
 
 
@@ -233,8 +199,5 @@ def _check_work(found: NamedArrays, given: NodalCompliance, teeth: int) -> None:
     waves = np.fft.fft(whole, axis=0)
     least = np.linalg.eigvalsh(0.5 * (waves + waves.conj().transpose(0, 2, 1))).min(axis=1)
     if not least.min() > 0.0:
-        found.refuse(
-            "compliance",
-            "a positive definite matrix, since any load does positive work",
-            f"an eigenvalue of {least.min():.3g}",
-        )
+        expected = "a positive definite matrix, since any load does positive work"
+        found.refuse("compliance", expected, f"an eigenvalue of {least.min():.3g}")

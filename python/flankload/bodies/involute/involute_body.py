@@ -17,11 +17,11 @@ from flankload.bodies.involute.sector_mesh import sector_mesh
 from flankload.bodies.profile.gear_profile import gear_profile
 from flankload.bodies.profile.ring_profile import ring_profile
 from flankload.errors import SceneError
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from flankload.bodies.body import SectorMesh
-    from flankload.bodies.profile.gear_profile import GearProfile
-    from flankload.bodies.profile.ring_profile import RingProfile
+    from flankload.bodies.profile.tooth_profile import ToothProfile
     from flankload.scene import Gear, Ring, SplineHub, SplineShaft
 
 
@@ -33,26 +33,10 @@ def build_involute_body(
     flank_nodes_mm: float | None = None,
     regions: tuple[str, ...] = (),
 ) -> Body:
-    """Build a body with involute teeth.
+    """Build a body with involute teeth; the reference radius of a spline is its pitch radius.
 
-    Parameters
-    ----------
-    spec : Gear, Ring, SplineShaft or SplineHub
-        Keys of the body.
-    key : str
-        Key of the body in the scene, for messages.
-    flank_element_mm : float
-        Largest length of a finite element along the flank; not used for a rigid body.
-    flank_nodes_mm : float, optional
-        Largest distance of the flank's nodes, if nodal forces need finer elements there than
-        elsewhere.
-    regions : tuple of str, optional
-        Regions of a gear's mesh below its rim, from outside: "web", "hub".
-
-    Returns
-    -------
-    Body
-        The reference radius of a spline is its pitch radius, otherwise the base radius.
+    Otherwise that is the base radius. Parameters as of `build_body`; `regions`: those of a gear's
+    mesh below its rim, from outside: "web", "hub".
 
     Raises
     ------
@@ -63,7 +47,6 @@ def build_involute_body(
     from flankload.scene.spline import SplineHub
 
     lengths = (flank_element_mm, flank_nodes_mm)
-    profile: GearProfile | RingProfile
     if isinstance(spec, Ring | SplineHub):
         profile, rim_radius, mesh = _inward(spec, key, lengths)
     else:
@@ -81,7 +64,6 @@ def build_involute_body(
         if spec.conforms
         else involute.base_radius_mm,
         involute=involute,
-        flank_angle_known=True,
         pitch_errors_um=checked_pitch_errors(spec.pitch_errors_um, profile.teeth, key),
         outline=profile.outline(),
         bore_radius_mm=rim_radius,
@@ -93,7 +75,7 @@ def _outward(
     key: str,
     lengths: tuple[float, float | None],
     regions: tuple[str, ...],
-) -> tuple[GearProfile, float, SectorMesh | None]:
+) -> tuple[ToothProfile, float, SectorMesh | None]:
     """Profile, bore radius and mesh of a body with external teeth."""
     from flankload.scene.gear import Gear
     from flankload.scene.spline import SplineShaft
@@ -102,11 +84,8 @@ def _outward(
         _check_root(spec, key)
     profile, bore_radius = gear_profile(spec, key), 0.5 * spec.bore_diameter_mm
     if bore_radius >= profile.involute.root_radius_mm:
-        raise SceneError(
-            key=f"{key}.bore_diameter_mm",
-            expected=f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}",
-            found=f"{spec.bore_diameter_mm:g}",
-        )
+        expected = f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}"
+        refuse(f"{key}.bore_diameter_mm", expected, f"{spec.bore_diameter_mm:g}")
     if not isinstance(spec, Gear):
         mesh = None if spec.rigid else sector_mesh(profile, bore_radius, lengths, key)
         return profile, bore_radius, mesh
@@ -123,7 +102,7 @@ def _outward(
 
 def _inward(
     spec: Ring | SplineHub, key: str, lengths: tuple[float, float | None]
-) -> tuple[RingProfile, float, SectorMesh | None]:
+) -> tuple[ToothProfile, float, SectorMesh | None]:
     """Profile, outer radius and mesh of a body with internal teeth."""
     from flankload.scene.spline import SPLINE_FILLET, SplineHub
 

@@ -14,11 +14,8 @@ from flankload.meshes.blocks import BlockMesh, growing_breaks, symmetric_breaks,
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from flankload.bodies.body import SectorMesh
 
-    Floats = NDArray[np.float64]
 
 #: First row beside a circle where the width jumps, relative to the flank element, and largest ratio
 #: of neighbouring rows: on a wheel of 24 teeth with a web of 0.3 of the width, rows of 1/4 that
@@ -31,20 +28,9 @@ def with_regions(
 ) -> SectorMesh:
     """A sector that is fixed on its inner circle, continued inwards by named regions.
 
-    Parameters
-    ----------
-    mesh : SectorMesh
-        Its fixed nodes lie on a circle, from cut to cut.
-    bore_radius_mm : float
-        Where the continued sector is fixed.
-    below : sequence of (str, float)
-        Names and outer radii of the regions from outside; the first radius is that of the circle.
-    element_mm : float
-        Largest length of an element along the flank.
-
-    Returns
-    -------
-    SectorMesh
+    Its fixed nodes lie on a circle, from cut to cut; the continued sector is fixed at the bore.
+    `below`: names and outer radii of the regions from outside, the first that of the circle;
+    `element_mm`: largest length of an element along the flank.
     """
     blocks = BlockMesh([mesh.nodes], [], len(mesh.nodes))
     angle = np.arctan2(*mesh.nodes[mesh.fixed_nodes].T[::-1])
@@ -62,7 +48,7 @@ def with_regions(
         lowest = numbers[0]
         left.append(numbers[-2::-1, -1])
         right.append(numbers[-2::-1, 0])
-    nodes = np.concatenate(blocks.places)
+    nodes = blocks.nodes
     return replace(
         mesh,
         nodes=nodes,

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.involute.sector_mesh import inverted_element, tooth_mesh
 from flankload.errors import SceneError
@@ -20,10 +21,9 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from flankload.bodies.profile.ring_profile import RingProfile
+    from flankload.base.arrays import Floats
+    from flankload.bodies.profile.tooth_profile import ToothProfile
     from flankload.flank import FlankCurve
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -68,17 +68,7 @@ class InvertedCurve:
 
 @dataclass(frozen=True)
 class InvertedTooth:
-    """A ring's tooth turned inside out, in the form that `tooth_mesh` needs; lengths in mm.
-
-    Attributes
-    ----------
-    curve : InvertedCurve
-    teeth : int
-    mode_range_mm : (float, float)
-    root_half_angle_rad : float
-        Polar angle, from the centre of the tooth, at which the fillet meets the root circle.
-    root_radius_mm, tip_radius_mm : float
-    """
+    """A ring's tooth turned inside out; attributes as of `ToothProfile`."""
 
     curve: InvertedCurve
     teeth: int
@@ -102,28 +92,11 @@ def _plane(numbers: NDArray[np.complex128]) -> Floats:
 
 
 def ring_mesh(
-    profile: RingProfile, outer_radius_mm: float, lengths_mm: tuple[float, float | None], key: str
+    profile: ToothProfile, outer_radius_mm: float, lengths_mm: tuple[float, float | None], key: str
 ) -> SectorMesh:
-    """Mesh one tooth of a ring and its share of the rim.
+    """Mesh one tooth of a ring and its share of the rim; refused if no valid mesh can be made.
 
-    Parameters
-    ----------
-    profile : RingProfile
-    outer_radius_mm : float
-        Outside of the rim, larger than the root circle.
-    lengths_mm : (float, float or None)
-        As in `tooth_mesh`.
-    key : str
-        Key of the body in the scene, for messages.
-
-    Returns
-    -------
-    SectorMesh
-
-    Raises
-    ------
-    SceneError
-        If no valid mesh can be made.
+    The outside of the rim is larger than the root circle; lengths as in `tooth_mesh`.
     """
     half_pitch = pi / profile.teeth
     involute = profile.involute
@@ -138,10 +111,9 @@ def ring_mesh(
         tip_radius_mm=radius**2 / involute.tip_radius_mm,
     )
     image = tooth_mesh(tooth, radius**2 / outer_radius_mm, lengths_mm)
-    c, s = np.cos(half_pitch), np.sin(half_pitch)
     mesh = replace(
         image,
-        nodes=inverted(image.nodes, radius) @ np.array([[c, s], [-s, c]]),
+        nodes=turned(inverted(image.nodes, radius), half_pitch),
         left_nodes=image.right_nodes,
         right_nodes=image.left_nodes,
     )

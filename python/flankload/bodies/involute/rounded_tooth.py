@@ -13,15 +13,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.meshes.blocks import BlockMesh, coons
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.involute.sector_breaks import ToothCurve
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Largest thickness of the layers relative to the half-width of the tip.
 LAYERS_PART = 0.6
@@ -35,28 +33,12 @@ def rounded_tooth(
     top: tuple[Floats, Floats],
     n: int,
 ) -> tuple[Numbers, Numbers, Numbers]:
-    """Add the blocks of a tooth with rounded tips.
+    """Add the blocks of a tooth with rounded tips; returns the nodes of flank, tip and foot.
 
-    Parameters
-    ----------
-    mesh : BlockMesh
-        Mesh to which the blocks are added.
-    curve : ToothCurve
-        Curve that ends with the rounding; s_flank ends at the middle of the rounding.
-    s_flank : (r,) array
-        Arc lengths of the nodes along the flank.
-    foot : (m, 2) array, (m,) array
-        Nodes across the foot of the tooth from the working flank to its mirror image, and their
-        relative positions.
-    top : (m - 2 n, 2) array, (m - 2 n,) array
-        Nodes across the tip between the middles of the roundings, and their relative positions.
-    n : int
-        Number of nodes across the layers, without the first.
-
-    Returns
-    -------
-    flank, top, foot : (r,), (m - 2 n,), (m,) arrays
-        Node numbers.
+    The curve ends with the rounding, `s_flank` (r,) at the middle of the rounding. `foot`: nodes
+    (m, 2) across the foot of the tooth from the working flank to its mirror image, and their
+    relative positions (m,). `top`: the same across the tip between the middles of the roundings,
+    (m - 2 n). n: number of nodes across the layers, without the first.
     """
     mirror = np.array([1.0, -1.0])
     places, parts = foot
@@ -68,15 +50,15 @@ def rounded_tooth(
     layer = parts[: n + 1] / parts[n]
     inwards = flank[-1] + layer[:, None] * (peak - flank[-1])
     half_angle = atan2(peak[1], peak[0]) * (1 - 2 * top[1])
-    below = np.hypot(*peak) * np.stack([np.cos(half_angle), np.sin(half_angle)], axis=1)
+    below = np.hypot(*peak) * directions(half_angle)
     across = np.stack([(parts[n:-n] - parts[n]) / (1 - 2 * parts[n]), top[1]])
-    grid = coons(places[n:-n], below, inner, inner * mirror, across, np.stack([up, up]))
+    grid = coons(places[n:-n], below, inner, inner * mirror, across, up)
     core = mesh.add(grid, {})
-    grid = coons(places[: n + 1], inwards, flank, inner, np.stack([layer] * 2), np.stack([up] * 2))
+    grid = coons(places[: n + 1], inwards, flank, inner, layer, up)
     working = mesh.add(grid, {"right": core[:, 0]})
     other = mesh.add(grid[:, ::-1] * mirror, {"left": core[:, -1]})
-    across, down = np.stack([top[1]] * 2), np.stack([1 - layer[::-1]] * 2)
-    grid = coons(below, top[0], inwards[::-1], inwards[::-1] * mirror, across, down)
+    down = inwards[::-1]
+    grid = coons(below, top[0], down, down * mirror, top[1], 1 - layer[::-1])
     tip = mesh.add(grid, {"bottom": core[-1], "left": working[-1, ::-1], "right": other[-1]})
     bottom = np.concatenate([working[0, :-1], core[0], other[0, 1:]])
     return working[:, 0], tip[-1], bottom

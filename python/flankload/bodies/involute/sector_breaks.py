@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 from math import pi, radians
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -14,9 +14,14 @@ from flankload.flank import ACTIVE
 from flankload.meshes.blocks import even_breaks, growing_breaks, symmetric_breaks
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from flankload.base.arrays import Floats
+    from flankload.bodies.involute.ring_mesh import InvertedCurve, InvertedTooth
+    from flankload.bodies.profile.tooth_profile import ToothProfile
+    from flankload.flank import FlankCurve
 
-    Floats = NDArray[np.float64]
+    #: An external tooth on the +x axis, and its flank.
+    ToothCurve: TypeAlias = FlankCurve | InvertedCurve
+    ToothForm: TypeAlias = ToothProfile | InvertedTooth
 
 #: Angle between the fillet's tangent and the tooth's centre line at the split point.
 SPLIT_ANGLE = radians(50.0)
@@ -35,35 +40,6 @@ LARGEST_TURN = radians(25.0)
 
 #: Largest height of the rim's rows relative to their radius (or one pitch in rad, if larger).
 ROW_PART = 0.35
-
-
-class ToothCurve(Protocol):
-    """Methods of a flank curve that a mesh needs: a `FlankCurve` or its image."""
-
-    @property
-    def length_mm(self) -> float: ...
-    @property
-    def labels(self) -> tuple[str, ...]: ...
-    def point(self, s: ArrayLike) -> Floats: ...
-    def tangent(self, s: ArrayLike) -> Floats: ...
-    def range_of(self, *labels: str) -> tuple[float, float]: ...
-
-
-class ToothForm(Protocol):
-    """Attributes that a mesh needs of an external tooth on the +x axis; lengths in mm."""
-
-    @property
-    def curve(self) -> ToothCurve: ...
-    @property
-    def teeth(self) -> int: ...
-    @property
-    def mode_range_mm(self) -> tuple[float, float]: ...
-    @property
-    def root_half_angle_rad(self) -> float: ...
-    @property
-    def root_radius_mm(self) -> float: ...
-    @property
-    def tip_radius_mm(self) -> float: ...
 
 
 @dataclass(frozen=True)
@@ -91,22 +67,7 @@ class SectorBreaks:
 def sector_breaks(
     profile: ToothForm, bore_radius: float, h: float, on_flank: float | None = None
 ) -> SectorBreaks:
-    """Boundaries for flank elements no longer than h.
-
-    Parameters
-    ----------
-    profile : ToothForm
-    bore_radius : float
-        mm.
-    h : float
-        mm.
-    on_flank : float, optional
-        A different length along the flank, mm; all other elements keep theirs.
-
-    Returns
-    -------
-    SectorBreaks
-    """
+    """Boundaries for elements no longer than h, mm; along the flank `on_flank`, if it is given."""
     curve = profile.curve
     form = profile.mode_range_mm[0]
     split = _split_point(curve, form)

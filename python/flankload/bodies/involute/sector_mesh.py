@@ -9,61 +9,39 @@ rounded tips has its own blocks (`rounded_tooth`). The two halves are mirror ima
 from __future__ import annotations
 
 from math import atan2, cos, pi, sin
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.base.rounding import TIE
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.involute.rounded_tooth import rounded_tooth
 from flankload.bodies.involute.sector_breaks import sector_breaks, slants
 from flankload.errors import SceneError
-from flankload.meshes.blocks import BlockMesh, coons, even_breaks, with_middles
+from flankload.meshes.blocks import BlockMesh, coons, edges_along, even_breaks, with_middles
 from flankload.meshes.plane_mesh import jacobians
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.involute.sector_breaks import ToothCurve, ToothForm
-    from flankload.bodies.profile.gear_profile import GearProfile
+    from flankload.bodies.profile.tooth_profile import ToothProfile
 
-    Floats = NDArray[np.float64]
-    T = TypeVar("T", np.int64, np.float64)
 
 #: Largest sag of the tooth's foot relative to the height of the rim.
 SAG_PART = 0.35
 
 
 def sector_mesh(
-    profile: GearProfile,
+    profile: ToothProfile,
     bore_radius_mm: float,
     lengths_mm: tuple[float, float | None],
     key: str,
     inner_key: str = "bore_diameter_mm",
 ) -> SectorMesh:
-    """Mesh one tooth and its share of the rim.
+    """Mesh one tooth and its share of the rim; refused if no valid mesh can be made.
 
-    Parameters
-    ----------
-    profile : GearProfile
-        Profile with its tooth on the +x axis.
-    bore_radius_mm : float
-        Radius of the bore, smaller than the root circle.
-    lengths_mm : (float, float or None)
-        As in `tooth_mesh`.
-    key : str
-        Key of the body in the scene, for messages.
-    inner_key : str
-        Key of the inner circle, for messages.
-
-    Returns
-    -------
-    SectorMesh
-
-    Raises
-    ------
-    SceneError
-        If no valid mesh can be made.
+    The tooth is on the +x axis, the bore smaller than the root circle; lengths as in `tooth_mesh`.
     """
     mesh = tooth_mesh(profile, bore_radius_mm, lengths_mm)
     place, found = inverted_element(mesh)
@@ -96,18 +74,8 @@ def tooth_mesh(
 ) -> SectorMesh:
     """Mesh of an external tooth on the +x axis; its elements are not checked.
 
-    Parameters
-    ----------
-    profile : ToothForm
-    bore_radius : float
-        mm.
-    lengths_mm : (float, float or None)
-        Largest length of an element along the flank; largest distance of the flank's nodes, if
-        nodal forces need finer elements there than elsewhere.
-
-    Returns
-    -------
-    SectorMesh
+    `lengths_mm`: largest length of an element along the flank; largest distance of the flank's
+    nodes, if nodal forces need finer elements there than elsewhere.
     """
     breaks = sector_breaks(profile, bore_radius, *lengths_mm)
     curve = profile.curve
@@ -135,12 +103,11 @@ def tooth_mesh(
         )
     else:
         up = (s_flank - s_flank[0]) / (s_flank[-1] - s_flank[0])
-        parts = (np.stack([columns, top_parts]), np.stack([up, up]))
-        tooth = mesh.add(coons(foot, top, flank, flank * mirror, *parts), {})
+        across = np.stack([columns, top_parts])
+        tooth = mesh.add(coons(foot, top, flank, flank * mirror, across, up), {})
         on_flank, on_top, on_foot = tooth[:, 0], tooth[-1], tooth[0]
-    bore = _arc(bore_radius, angle * (1 - 2 * columns))
-    parts = (np.stack([columns, columns]), np.stack([1 - rows[::-1]] * 2))
-    grid = coons(bore, foot, shaft[::-1], shaft[::-1] * mirror, *parts)
+    bore = bore_radius * directions(angle * (1 - 2 * columns))
+    grid = coons(bore, foot, shaft[::-1], shaft[::-1] * mirror, columns, 1 - rows[::-1])
     middle = mesh.add(grid, {"top": on_foot})
     grid = _side_grid(profile, breaks.low, rows, shaft, bore_radius)
     right = mesh.add(grid, {"right": middle[:, 0]})
@@ -158,28 +125,22 @@ def _side_grid(
     half_pitch = pi / profile.teeth
     side_top, side_parts = _root_line(profile, low)
     angle = atan2(shaft[0, 1], shaft[0, 0])
-    bore = _arc(bore_radius, angle + (half_pitch - angle) * (1 - side_parts))
+    bore = bore_radius * directions(angle + (half_pitch - angle) * (1 - side_parts))
     ray = np.array([cos(half_pitch), sin(half_pitch)])
     cut = np.linalg.norm(side_top[0]) * (1 - rows) + bore_radius * rows
-    return coons(
-        bore,
-        side_top,
-        cut[::-1, None] * ray,
-        shaft[::-1],
-        np.stack([side_parts, side_parts]),
-        np.stack([1 - rows[::-1]] * 2),
-    )
+    sides = cut[::-1, None] * ray, shaft[::-1]
+    return coons(bore, side_top, *sides, side_parts, 1 - rows[::-1])
 
 
 def _sector(
     profile: ToothForm,
     mesh: BlockMesh,
-    outline: tuple[NDArray[np.int64], Floats],
-    fixed: NDArray[np.int64],
-    cuts: tuple[NDArray[np.int64], NDArray[np.int64]],
+    outline: tuple[Numbers, Floats],
+    fixed: Numbers,
+    cuts: tuple[Numbers, Numbers],
 ) -> SectorMesh:
     """The mesh with its edges; `outline`: nodes from the split point to the tip, arc lengths."""
-    nodes = np.concatenate(mesh.places)
+    nodes = mesh.nodes
     numbers, lengths = outline
     low, high = profile.mode_range_mm
     rounding = TIE * (high - low)
@@ -191,25 +152,16 @@ def _sector(
     s_beyond = lengths[lengths >= high - rounding]
     return SectorMesh(
         nodes=nodes,
-        cells=(("quad9", np.concatenate(mesh.cells)),),
-        flank_edges=_edges(path),
+        cells=mesh.quads,
+        flank_edges=edges_along(path),
         flank_arc_length=arc_length,
         fixed_nodes=fixed,
         left_nodes=cuts[0],
         right_nodes=cuts[1],
         teeth=profile.teeth,
-        tip_edges=_edges(beyond),
-        tip_arc_length=_edges(s_beyond),
+        tip_edges=edges_along(beyond),
+        tip_arc_length=edges_along(s_beyond),
     )
-
-
-def _edges(path: NDArray[T]) -> NDArray[T]:
-    """First, last and middle of each edge of a path through ends and middles."""
-    return np.stack([path[:-2:2], path[2::2], path[1:-1:2]], axis=1)
-
-
-def _arc(radius: float, angles: Floats) -> Floats:
-    return radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
 def _sagging_line(
@@ -252,7 +204,8 @@ def _tip_line(
     along = np.clip(
         (half[n_own:] * 2 * length - (curve.length_mm - s_tip[0])) / tip_radius, 0, None
     )
-    places = np.concatenate([curve.point(s_tip[:-1]), _arc(tip_radius, half_angle - along)])
+    land_places = tip_radius * directions(half_angle - along)
+    places = np.concatenate([curve.point(s_tip[:-1]), land_places])
     places[m] = [tip_radius, 0.0]
     return (
         np.concatenate([places, places[-2::-1] * [1.0, -1.0]]),
@@ -273,7 +226,7 @@ def _root_line(profile: ToothForm, low: Floats) -> tuple[Floats, Floats]:
     on_root = path < root
     places = np.where(
         on_root[:, None],
-        _arc(radius, pi / profile.teeth - path / radius),
+        radius * directions(pi / profile.teeth - path / radius),
         profile.curve.point(np.maximum(path - root, 0.0)),
     )
     return places, (path - path[0]) / (path[-1] - path[0])

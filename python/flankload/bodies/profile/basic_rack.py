@@ -13,17 +13,20 @@ normal -(sin beta, cos beta), touches at phi(beta) = (eta_c - xi_c cot beta)/r.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import atan, cos, pi, sin, tan
+from math import atan, cos, pi, radians, sin, tan
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import directions
+from flankload.bodies.plane import across
 from flankload.errors import SceneError
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from flankload.base.arrays import Floats
+    from flankload.scene import SplineShaft
+    from flankload.scene.involute import Geometry
 
 
 @dataclass(frozen=True)
@@ -112,12 +115,12 @@ class BasicRack:
         sine, cosine = np.sin(beta), np.cos(beta)
         phi = (eta - xi * cosine / sine) / r
         phi_1 = xi / (r * sine**2)
-        radial = np.stack([np.cos(phi), np.sin(phi)], axis=1)
-        across = np.stack([-radial[:, 1], radial[:, 0]], axis=1)
-        outward = sine[:, None] * radial + cosine[:, None] * across
-        downward = -cosine[:, None] * radial + sine[:, None] * across
+        radial = directions(phi)
+        sideways = across(radial)
+        outward = sine[:, None] * radial + cosine[:, None] * sideways
+        downward = -cosine[:, None] * radial + sine[:, None] * sideways
         place = (r + xi - rho * sine)[:, None] * radial
-        place = place + (xi * cosine / sine - rho * cosine)[:, None] * across
+        place = place + (xi * cosine / sine - rho * cosine)[:, None] * sideways
         slope = self.slope(beta)
         slope_1 = (-3 * xi**2 / (r * sine**4) + 2 * rho * xi / (r * sine**3)) * cosine
         # d downward = (1 - phi') outward
@@ -196,69 +199,45 @@ class HelicalRack(BasicRack):
             xi_2 - phi_2 * off - phi_1 * off_1 - phi_1 * first[1],
             eta_2 + phi_2 * xi + phi_1 * xi_1 + phi_1 * first[0],
         )
-        radial = np.stack([np.cos(phi), np.sin(phi)], axis=1)
-        across = np.stack([-radial[:, 1], radial[:, 0]], axis=1)
+        radial = directions(phi)
+        sideways = across(radial)
 
         def placed(parts: tuple[Floats, Floats]) -> Floats:
-            return np.asarray(parts[0][:, None] * radial + parts[1][:, None] * across)
+            return np.asarray(parts[0][:, None] * radial + parts[1][:, None] * sideways)
 
         return placed((self.reference_radius_mm + xi, off)), placed(first), placed(second)
 
 
 def basic_rack(
-    *,
-    teeth: int,
-    module_mm: float,
-    pressure_angle_rad: float,
-    profile_shift: float,
-    dedendum_factor: float,
-    fillet_radius_factor: float,
-    key: str,
-    helix_angle_rad: float = 0.0,
-    protuberance: tuple[float, float] | None = None,
+    spec: Geometry | SplineShaft, teeth: int, profile_shift: float, key: str
 ) -> BasicRack:
-    """The generating rack of a gear, checked.
-
-    Parameters
-    ----------
-    teeth, module_mm, …
-        Geometry of gear and rack in the normal section; `key` is that of the body in the scene, for
-        messages.
-    helix_angle_rad : float
-        On the reference circle.
-    protuberance : (float, float), optional
-        Depth below the finished flank, pr - q, mm, and pressure angle of the protuberance, rad.
-
-    Returns
-    -------
-    BasicRack
+    """The generating rack of a gear, checked; the generating profile shift is in modules.
 
     Raises
     ------
     SceneError
         If the rack is pointed, its rounding does not fit, or no gear remains.
     """
-    _check_tip(pressure_angle_rad, dedendum_factor, fillet_radius_factor, key)
-    slant = tan(pressure_angle_rad)
-    rounding = fillet_radius_factor * module_mm
+    pressure_angle, module_mm = radians(spec.pressure_angle_deg), spec.module_mm
+    dedendum_factor = spec.dedendum_factor
+    _check_tip(pressure_angle, dedendum_factor, spec.fillet_radius_factor, key)
+    slant = tan(pressure_angle)
+    rounding = spec.fillet_radius_factor * module_mm
     xi = -(dedendum_factor - profile_shift) * module_mm + rounding
     half_thickness = module_mm * (0.25 * pi + profile_shift * slant)
-    eta = half_thickness - xi * slant + rounding / cos(pressure_angle_rad)
-    freed, angle_free = protuberance or (0.0, None)
-    eta -= freed / cos(pressure_angle_rad)
+    eta = half_thickness - xi * slant + rounding / cos(pressure_angle)
+    freed, angle_free = _protuberance(spec)
+    eta -= freed / cos(pressure_angle)
     free = {"protuberance_angle_rad": angle_free}
-    rack = BasicRack(0.5 * teeth * module_mm, pressure_angle_rad, (xi, eta), rounding, **free)
-    c = cos(helix_angle_rad)
-    if helix_angle_rad:
+    rack = BasicRack(0.5 * teeth * module_mm, pressure_angle, (xi, eta), rounding, **free)
+    c = cos(spec.helix_rad)
+    if spec.helix_rad:
         radius, angle = 0.5 * teeth * module_mm / c, atan(slant / c)
         rack = HelicalRack(radius, angle, (xi, eta / c), rounding, helix_cosine=c, **free)
     if rack.root_radius_mm <= 0.0:
-        raise SceneError(
-            key=f"{key}.dedendum_factor",
-            expected=f"less than {0.5 * teeth / c + profile_shift:.4f}, which leaves no root "
-            "circle",
-            found=f"{dedendum_factor:g}",
-        )
+        expected = f"less than {0.5 * teeth / c + profile_shift:.4f}, which leaves no root "
+        expected += "circle"
+        refuse(f"{key}.dedendum_factor", expected, f"{dedendum_factor:g}")
     if not rack.slope(np.linspace(rack.end_angle_rad, 0.5 * pi, 200)).min() > 0.0:
         raise SceneError(
             key=f"{key}.profile_shift",
@@ -268,6 +247,15 @@ def basic_rack(
     return rack
 
 
+def _protuberance(spec: Geometry | SplineShaft) -> tuple[float, float | None]:
+    """Depth below the finished flank, mm, and pressure angle, rad, of a protuberance."""
+    amount = getattr(spec, "protuberance_mm", None)  # splines have none
+    if amount is None:
+        return 0.0, None
+    stock, angle = (getattr(spec, n) for n in ("grinding_stock_mm", "protuberance_angle_deg"))
+    return amount - stock, radians(angle)
+
+
 def _check_tip(
     pressure_angle_rad: float, dedendum_factor: float, fillet_radius_factor: float, key: str
 ) -> None:
@@ -275,16 +263,10 @@ def _check_tip(
     slant = tan(pressure_angle_rad)
     room = 0.25 * pi - dedendum_factor * slant
     if room <= 0.0:
-        raise SceneError(
-            key=f"{key}.dedendum_factor",
-            expected=f"less than {0.25 * pi / slant:.4f}, where the rack of this pressure angle "
-            "is pointed",
-            found=f"{dedendum_factor:g}",
-        )
+        expected = f"less than {0.25 * pi / slant:.4f}, where the rack of this pressure angle "
+        expected += "is pointed"
+        refuse(f"{key}.dedendum_factor", expected, f"{dedendum_factor:g}")
     largest = room * cos(pressure_angle_rad) / (1.0 - sin(pressure_angle_rad))
     if fillet_radius_factor > largest:
-        raise SceneError(
-            key=f"{key}.fillet_radius_factor",
-            expected=f"at most {largest:.6f}, the full rounding of a rack with this dedendum",
-            found=f"{fillet_radius_factor:g}",
-        )
+        expected = f"at most {largest:.6f}, the full rounding of a rack with this dedendum"
+        refuse(f"{key}.fillet_radius_factor", expected, f"{fillet_radius_factor:g}")

@@ -5,7 +5,7 @@ The tooth's centre line is the body's +x axis; the working flank is at positive 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import atan2, cos, hypot, pi, radians, sqrt, tan
 from typing import TYPE_CHECKING, NoReturn
 
@@ -13,12 +13,7 @@ import numpy as np
 
 from flankload.bodies.bisection import sign_change
 from flankload.bodies.profile.basic_rack import BasicRack, basic_rack
-from flankload.bodies.profile.gear_tip import (
-    FormPoint,
-    following_fillet,
-    modifications_of,
-    profile_curve,
-)
+from flankload.bodies.profile.gear_tip import FormPoint, modifications_of
 from flankload.bodies.profile.involute import (
     Involute,
     InvoluteFlank,
@@ -26,16 +21,16 @@ from flankload.bodies.profile.involute import (
     involute_function,
     roll_of_involute_angle,
 )
+from flankload.bodies.profile.tooth_profile import ToothProfile, profile_curve
 from flankload.bodies.profile.tooth_thickness import generating_shift
 from flankload.errors import SceneError
-from flankload.flank import ACTIVE, CurvePiece, FlankCurve, Place
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from flankload.flank import Place
+    from flankload.scene import SplineShaft
+    from flankload.scene.involute import Geometry
 
-    from flankload.bodies.profile.gear_tip import GearGeometry
-
-    Floats = NDArray[np.float64]
 
 #: Least roll parameter at which an involute begins: its curvature is infinite on the base circle.
 #: The omitted piece is r_b t²/2 long, below 1e-9 mm for r_b < 200 mm.
@@ -44,87 +39,12 @@ LEAST_ROLL = 3e-6
 FOOT_PLACES = 200
 
 
-@dataclass(frozen=True)
-class GearProfile:
-    """Profile of a gear's tooth.
+def gear_profile(
+    spec: Geometry | SplineShaft, key: str, *, teeth: int | None = None
+) -> ToothProfile:
+    """Profile of a gear from its keys, of which `key` is the dotted path in the scene.
 
-    Attributes
-    ----------
-    curve : FlankCurve
-        The working flank: fillet from the root circle, flank, tip.
-    involute : Involute
-        Radii and angles.
-    teeth : int
-    mode_range_mm : (float, float)
-        Arc lengths of the active flank, on which pressure modes are defined; without fillet and
-        tip rounding, where the normal turns and few modes could not represent the pressure.
-    root_half_angle_rad : float
-        Polar angle at which the fillet meets the root circle.
-    """
-
-    curve: FlankCurve
-    involute: Involute
-    teeth: int
-    mode_range_mm: tuple[float, float]
-    root_half_angle_rad: float
-
-    @property
-    def root_radius_mm(self) -> float:
-        """Radius of the root circle, mm."""
-        return self.involute.root_radius_mm
-
-    @property
-    def tip_radius_mm(self) -> float:
-        """Radius of the tip circle, mm."""
-        return self.involute.tip_radius_mm
-
-    def rotated(self, angle: float) -> GearProfile:
-        """Return the profile rotated counter-clockwise about the axis by an angle in rad."""
-        turn = self.involute.turn_rad + angle
-        return replace(
-            self, curve=self.curve.rotated(angle), involute=replace(self.involute, turn_rad=turn)
-        )
-
-    def outline(self) -> Floats:
-        """Outer contour (k, 2) of one sector from cut to cut, counter-clockwise, mm."""
-        s = np.concatenate(
-            [
-                start + (end - start) * np.arange(4) / 4
-                for start, end in zip(self.curve.breaks[:-1], self.curve.breaks[1:], strict=True)
-            ]
-        )
-        flank = self.curve.rotated(-self.involute.turn_rad).point(
-            np.append(s, self.curve.breaks[-1])
-        )
-        radius, tip_radius = self.involute.root_radius_mm, self.involute.tip_radius_mm
-        tip = _arc(tip_radius, 0.0, atan2(flank[-1, 1], flank[-1, 0]), 5)[:-1]
-        root = _arc(radius, self.root_half_angle_rad, pi / self.teeth, 5)[1:]
-        half = np.concatenate([tip, flank[::-1], root])
-        whole = np.concatenate([half[:0:-1] * [1.0, -1.0], half])
-        c, s_ = np.cos(self.involute.turn_rad), np.sin(self.involute.turn_rad)
-        return whole @ np.array([[c, s_], [-s_, c]])
-
-
-def _arc(radius: float, start: float, end: float, n: int) -> Floats:
-    angle = np.linspace(start, end, n)
-    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
-
-def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> GearProfile:
-    """Profile of a gear.
-
-    Parameters
-    ----------
-    spec : GearGeometry
-        Keys of a gear, or of the profile of a mesh.
-    key : str
-        Dotted path of these keys in the scene, for messages.
-    teeth : int, optional
-        Number of teeth; default: `spec.teeth`.
-
-    Returns
-    -------
-    GearProfile
+    The profile of a mesh may lack the number of teeth, which is then that of the mesh, `teeth`.
 
     Raises
     ------
@@ -134,21 +54,10 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     z = int(teeth if teeth is not None else getattr(spec, "teeth", 0) or 0)
     if z < 3:
         raise SceneError(key=f"{key}.teeth", expected="at least 3 teeth", found=f"{z}")
-    normal_angle = radians(spec.pressure_angle_deg)
-    shift = generating_shift(spec, z, key, helix_rad=spec.helix_rad)
-    rack = basic_rack(
-        teeth=z,
-        module_mm=spec.module_mm,
-        pressure_angle_rad=normal_angle,
-        profile_shift=shift,
-        dedendum_factor=spec.dedendum_factor,
-        fillet_radius_factor=spec.fillet_radius_factor,
-        key=key,
-        helix_angle_rad=spec.helix_rad,
-        protuberance=_protuberance(spec),
-    )
+    shift = generating_shift(spec, z, key)
+    rack = basic_rack(spec, z, shift, key)
     base_radius = rack.reference_radius_mm * cos(rack.pressure_angle_rad)
-    base_half_angle = (0.5 * pi + 2 * shift * tan(normal_angle)) / z
+    base_half_angle = (0.5 * pi + 2 * shift * tan(radians(spec.pressure_angle_deg))) / z
     base_half_angle += involute_function(rack.pressure_angle_rad)
     plain = InvoluteFlank(base_radius, base_half_angle, Modifications.none())
     start = _form_point(rack, plain, key)
@@ -162,25 +71,8 @@ def gear_profile(spec: GearGeometry, key: str, *, teeth: int | None = None) -> G
     )
     _check_tooth(involute, rack, start, spec, key)
     flank = replace(plain, modifications=modifications_of(spec, involute, start.roll, key))
-    curve = profile_curve(
-        lambda flank: _fillet_pieces(rack, flank, start), flank, involute, start, spec, key
-    )
-    return GearProfile(
-        curve=curve,
-        involute=involute,
-        teeth=z,
-        mode_range_mm=curve.range_of(*ACTIVE),
-        root_half_angle_rad=rack.root_half_angle_rad,
-    )
-
-
-def _protuberance(spec: GearGeometry) -> tuple[float, float] | None:
-    """Depth below the finished flank, mm, and pressure angle, rad, of a protuberance."""
-    amount = getattr(spec, "protuberance_mm", None)  # splines have none
-    if amount is None:
-        return None
-    stock, angle = (getattr(spec, n) for n in ("grinding_stock_mm", "protuberance_angle_deg"))
-    return amount - stock, radians(angle)
+    curve = profile_curve(_fillet(rack, start), flank, involute, start, spec, key)
+    return ToothProfile(curve, involute, z, rack.root_half_angle_rad)
 
 
 def _form_point(rack: BasicRack, flank: InvoluteFlank, key: str) -> FormPoint:
@@ -229,57 +121,37 @@ def _on_protuberance(rack: BasicRack, flank: InvoluteFlank, low: float, key: str
 
 
 def _refuse_protuberance(key: str, expected: str) -> NoReturn:
-    raise SceneError(
-        key=f"{key}.protuberance_mm",
-        expected=expected,
-        found="one that does not, with this angle and tip radius",
-    )
+    refuse(f"{key}.protuberance_mm", expected, "one that does not, with this angle and tip radius")
 
 
-def _fillet_pieces(rack: BasicRack, flank: InvoluteFlank, start: FormPoint) -> list[CurvePiece]:
-    """The fillet, from the root circle to the flank."""
-    end = start.beta if start.free is None else rack.end_angle_rad
-    parts: list[tuple[Place, float, float]] = [(rack.fillet, 0.5 * pi, end)]
-    if start.free is not None:
-        x, y = rack.fillet(np.array([end]))[0][0]
-        parts.append((start.free.place, start.free.roll_at(hypot(x, y)), start.beta))
-    if flank.modifications.crowning_mm or flank.modifications.root_relief_mm:
-        place, first, last = parts[-1]
-        moved = flank.point(start.roll) - place(np.array([last]))[0][0]
-        parts[-1] = (following_fillet(place, first, last, moved), first, last)
-    return [CurvePiece("fillet", *part) for part in parts]
+def _fillet(rack: BasicRack, start: FormPoint) -> list[tuple[Place, float, float]]:
+    """Parts of the fillet from the root circle to the flank, with their parameters."""
+    if start.free is None:
+        return [(rack.fillet, 0.5 * pi, start.beta)]
+    end = rack.end_angle_rad
+    x, y = rack.fillet(np.array([end]))[0][0]
+    on_free = (start.free.place, start.free.roll_at(hypot(x, y)), start.beta)
+    return [(rack.fillet, 0.5 * pi, end), on_free]
 
 
 def _check_tooth(
-    involute: Involute, rack: BasicRack, start: FormPoint, spec: GearGeometry, key: str
+    involute: Involute, rack: BasicRack, start: FormPoint, spec: Geometry | SplineShaft, key: str
 ) -> None:
     """Check that the tooth has a flank and a foot and is not pointed."""
     if involute.base_half_angle_rad <= 0.0:
-        raise SceneError(
-            key=f"{key}.profile_shift",
-            expected="a profile shift that leaves the tooth some thickness at its base circle",
-            found=f"{spec.profile_shift:g}",
-        )
+        expected = "a profile shift that leaves the tooth some thickness at its base circle"
+        refuse(f"{key}.profile_shift", expected, f"{spec.profile_shift:g}")
     end = start.beta if start.free is None else rack.end_angle_rad
     foot = rack.fillet(np.linspace(0.5 * pi, end, 200))[0]
     if foot[:, 1].min() <= 0.0:
-        raise SceneError(
-            key=f"{key}.profile_shift",
-            expected="a profile shift at which the rack does not cut the tooth off its foot",
-            found=f"{spec.profile_shift:g}",
-        )
+        expected = "a profile shift at which the rack does not cut the tooth off its foot"
+        refuse(f"{key}.profile_shift", expected, f"{spec.profile_shift:g}")
     if involute.tip_radius_mm <= involute.form_radius_mm:
-        raise SceneError(
-            key=f"{key}.tip_diameter_mm",
-            expected=f"more than the form diameter {2 * involute.form_radius_mm:.4f}, where the "
-            "involute begins",
-            found=f"{spec.tip_diameter_mm:g}",
-        )
+        expected = f"more than the form diameter {2 * involute.form_radius_mm:.4f}, where the "
+        expected += "involute begins"
+        refuse(f"{key}.tip_diameter_mm", expected, f"{spec.tip_diameter_mm:g}")
     if involute.half_angle_at(involute.tip_radius_mm) <= 0.0:
         roll = roll_of_involute_angle(involute.base_half_angle_rad)
         largest = 2 * involute.base_radius_mm * sqrt(1.0 + roll**2)
-        raise SceneError(
-            key=f"{key}.tip_diameter_mm",
-            expected=f"less than {largest:.4f}, where the teeth are pointed",
-            found=f"{spec.tip_diameter_mm:g}",
-        )
+        expected = f"less than {largest:.4f}, where the teeth are pointed"
+        refuse(f"{key}.tip_diameter_mm", expected, f"{spec.tip_diameter_mm:g}")

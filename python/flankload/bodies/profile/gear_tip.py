@@ -7,64 +7,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import atan2, cos, pi, sin, sqrt
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from flankload.bodies.bisection import sign_change
+from flankload.bodies.plane import circle, line
 from flankload.bodies.profile.involute import Involute, InvoluteFlank, Modifications
-from flankload.bodies.profile.tooth_thickness import ThicknessKeys
 from flankload.errors import SceneError
-from flankload.flank import CurvePiece, Place, fit_flank_curve, fit_tolerance_mm
+from flankload.flank import CurvePiece
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from flankload.flank import FlankCurve
-
-    Floats = NDArray[np.float64]
-
-
-class FlankGeometry(ThicknessKeys, Protocol):
-    """Keys of an involute profile without those of its root, as in the scene."""
-
-    @property
-    def tip_diameter_mm(self) -> float: ...
-    @property
-    def tip_relief_um(self) -> float | None: ...
-    @property
-    def tip_relief_start_diameter_mm(self) -> float | None: ...
-    @property
-    def tip_relief_shape(self) -> str: ...
-    @property
-    def tip_relief_knee_um(self) -> float | None: ...
-    @property
-    def tip_relief_knee_diameter_mm(self) -> float | None: ...
-    @property
-    def root_relief_um(self) -> float | None: ...
-    @property
-    def root_relief_start_diameter_mm(self) -> float | None: ...
-    @property
-    def root_relief_shape(self) -> str: ...
-    @property
-    def tip_radius_mm(self) -> float | None: ...
-    @property
-    def tip_chamfer_mm(self) -> float | None: ...
-    @property
-    def profile_crowning_um(self) -> float | None: ...
-
-
-class GearGeometry(FlankGeometry, Protocol):
-    """Keys of an external gear's profile, as in the scene."""
-
-    @property
-    def dedendum_factor(self) -> float: ...
-    @property
-    def fillet_radius_factor(self) -> float: ...
-    @property
-    def helix_rad(self) -> float: ...
+    from flankload.base.arrays import Floats
+    from flankload.scene.involute import InvoluteKeys
 
 
 class FormPoint(NamedTuple):
@@ -90,14 +46,11 @@ class FormPoint(NamedTuple):
 
 
 def modifications_of(
-    spec: FlankGeometry, involute: Involute, form_roll: float, key: str
+    spec: InvoluteKeys, involute: Involute, form_roll: float, key: str
 ) -> Modifications:
     """Modifications of a profile, checked.
 
-    Raises
-    ------
-    SceneError
-        If the relief begins outside the flank, or more material is removed than the involute has.
+    Refused: a relief that begins outside the flank, more material removed than the involute has.
     """
     tip_roll = involute.roll_at(involute.tip_radius_mm)
     outward = involute.outward
@@ -117,7 +70,7 @@ def modifications_of(
 
 
 def _with_places(
-    modifications: Modifications, spec: FlankGeometry, involute: Involute, key: str
+    modifications: Modifications, spec: InvoluteKeys, involute: Involute, key: str
 ) -> Modifications:
     """Modifications with the places at which their reliefs begin, in their order on the flank."""
     form, tip = involute.form_radius_mm, involute.tip_radius_mm
@@ -134,11 +87,8 @@ def _with_places(
         # the start of the tip relief may be that of the root relief
         same = name == "relief_start" and 0.5 * diameter == low != form
         if not (inner < 0.5 * diameter < outer or same):
-            raise SceneError(
-                key=f"{key}.{place}",
-                expected=f"between {said} and the tip diameter {2 * tip:g}",
-                found=f"{diameter:g}",
-            )
+            expected = f"between {said} and the tip diameter {2 * tip:g}"
+            refuse(f"{key}.{place}", expected, f"{diameter:g}")
         places[name] = involute.roll_at(0.5 * diameter)
         low, said = 0.5 * diameter, f"{key}.{place} ({diameter:g})"
     if "knee_roll" in places:
@@ -146,9 +96,7 @@ def _with_places(
     return replace(modifications, **places)  # type: ignore[arg-type]
 
 
-def _check_amounts(
-    modifications: Modifications, spec: FlankGeometry, base: float, key: str
-) -> None:
+def _check_amounts(modifications: Modifications, spec: InvoluteKeys, base: float, key: str) -> None:
     """Check that the involute has the material, and that the flank goes on towards the tip."""
     form_roll, tip_roll = modifications.roll_form, modifications.roll_tip
     roll = np.linspace(form_roll, tip_roll, 200)
@@ -176,14 +124,11 @@ def _check_amounts(
 
 
 def flank_and_tip(
-    flank: InvoluteFlank, involute: Involute, start: FormPoint, spec: FlankGeometry, key: str
+    flank: InvoluteFlank, involute: Involute, start: FormPoint, spec: InvoluteKeys, key: str
 ) -> list[CurvePiece]:
     """Pieces from the form point to the tip circle.
 
-    Raises
-    ------
-    SceneError
-        If tip rounding or chamfer do not fit on the tooth.
+    Tip rounding or chamfer that do not fit on the tooth are refused.
     """
     tip: list[CurvePiece] = []
     if spec.tip_radius_mm is not None:
@@ -195,11 +140,8 @@ def flank_and_tip(
     else:
         end = flank.roll_at(involute.tip_radius_mm)
         if not _inside_tooth(flank.point(end), involute):
-            raise SceneError(
-                key=f"{key}.tip_diameter_mm",
-                expected="less, so that the modified flanks leave a tip",
-                found=f"{2 * involute.tip_radius_mm:g}",
-            )
+            expected = "less, so that the modified flanks leave a tip"
+            refuse(f"{key}.tip_diameter_mm", expected, f"{2 * involute.tip_radius_mm:g}")
     kink = flank.modifications.relief_start
     relieved = bool(flank.modifications.tip_relief_mm) and involute.outward * (end - kink) > 0.0
     first_end = kink if relieved else end
@@ -245,73 +187,6 @@ def _relief_pieces(flank: InvoluteFlank, end: float, outward: int) -> list[Curve
     ]
 
 
-def profile_curve(
-    fillet: Callable[[InvoluteFlank], list[CurvePiece]],
-    flank: InvoluteFlank,
-    involute: Involute,
-    start: FormPoint,
-    spec: FlankGeometry,
-    key: str,
-) -> FlankCurve:
-    """The flank with its fillet and tip as a curve.
-
-    Parameters
-    ----------
-    fillet : callable
-        Pieces of the fillet of a flank.
-    flank, involute, start, spec, key
-        As for `flank_and_tip`.
-
-    Returns
-    -------
-    FlankCurve
-    """
-
-    def pieces(flank: InvoluteFlank) -> list[CurvePiece]:
-        return [*fillet(flank), *flank_and_tip(flank, involute, start, spec, key)]
-
-    modified = pieces(flank)
-    # the tolerance is that of the flank without modifications: flanks that differ only in relief
-    # share fillet and involute
-    plain = pieces(replace(flank, modifications=Modifications.none()))
-    return fit_flank_curve(
-        modified,
-        tolerance_mm=fit_tolerance_mm(plain),
-        corner_at_end=spec.tip_radius_mm is None,
-    )
-
-
-def following_fillet(place: Place, start: float, end: float, moved: Floats) -> Place:
-    """The fillet, adapted smoothly to a flank whose start is moved by crowning.
-
-    Parameters
-    ----------
-    place : callable
-        Fillet of the unmodified involute.
-    start, end : float
-        Parameter of the fillet on the root circle and at the flank.
-    moved : (2,) array
-        Displacement of the flank's start, mm.
-
-    Returns
-    -------
-    callable
-        Fillet with the same start and the same tangents at both ends.
-    """
-    span = end - start
-
-    def moved_place(u: Floats) -> tuple[Floats, Floats, Floats]:
-        point, first, second = place(u)
-        x = ((u - start) / span)[:, None]
-        return (
-            point + x**3 * (10 - 15 * x + 6 * x**2) * moved,
-            first + 30 * x**2 * (1 - x) ** 2 / span * moved,
-            second + 60 * x * (1 - x) * (1 - 2 * x) / span**2 * moved,
-        )
-
-    return moved_place
-
-
 def _inside_tooth(place: Floats, involute: Involute) -> bool:
     """Whether a point on the working side is before the centre line of its tooth."""
     angle = atan2(place[1], place[0]) - involute.tooth_center_rad
@@ -347,21 +222,11 @@ def _tip_rounding(
             at = touching(middle)
             fits = at == at and _inside_tooth(center(at, middle), involute)
             low, high = (middle, high) if fits else (low, middle)
-        raise SceneError(
-            key=f"{key}.tip_radius_mm",
-            expected=f"less than {low:.4f}, the largest rounding that fits on the tooth",
-            found=f"{radius:g}",
-        )
-    place, signed = center(roll, radius), outward * radius
-    normal = flank.normal(roll)
-
-    def arc(angle: Floats) -> tuple[Floats, Floats, Floats]:
-        out = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        along = np.stack([-out[:, 1], out[:, 0]], axis=1)
-        return place + signed * out, signed * along, -signed * out
-
+        expected = f"less than {low:.4f}, the largest rounding that fits on the tooth"
+        refuse(f"{key}.tip_radius_mm", expected, f"{radius:g}")
+    place, normal = center(roll, radius), flank.normal(roll)
     first, last = atan2(normal[1], normal[0]), atan2(place[1], place[0])
-    return roll, CurvePiece("tip_radius", arc, first, last)
+    return roll, CurvePiece("tip_radius", circle(place, outward * radius), first, last)
 
 
 def _tip_chamfer(
@@ -386,15 +251,8 @@ def _tip_chamfer(
     if not (on_flank and reach > 0.0 and _inside_tooth(place + length * direction, involute)):
         largest = outward * (tip_radius - involute.form_radius_mm)
         width = tip_radius * involute.tooth_half_angle_at(tip_radius)
-        raise SceneError(
-            key=f"{key}.tip_chamfer_mm",
-            expected=f"less than the flank is high ({largest:.4f}) and about half the tip is wide "
-            f"({width:.4f})",
-            found=f"{height:g}",
-        )
-
-    def line(u: Floats) -> tuple[Floats, Floats, Floats]:
-        ones = np.ones((u.size, 1))
-        return place + u[:, None] * direction, ones * direction, 0.0 * ones * direction
-
-    return end, CurvePiece("tip_chamfer", line, 0.0, length, corner_before=True)
+        expected = f"less than the flank is high ({largest:.4f}) and about half the tip is wide "
+        expected += f"({width:.4f})"
+        refuse(f"{key}.tip_chamfer_mm", expected, f"{height:g}")
+    chamfer = line(place, direction)
+    return end, CurvePiece("tip_chamfer", chamfer, 0.0, length, corner_before=True)

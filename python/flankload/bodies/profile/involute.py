@@ -18,10 +18,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from flankload.base.rotation import directions
+from flankload.bodies.plane import across
 
-    Floats = NDArray[np.float64]
+if TYPE_CHECKING:
+    from flankload.base.arrays import Floats
 
 
 def involute_function(angle: float) -> float:
@@ -170,9 +171,7 @@ class Modifications:
 
 
 def _add_relief(
-    roll: Floats,
-    relief: tuple[float, float, float, int],
-    before: tuple[Floats, Floats, Floats],
+    roll: Floats, relief: tuple[float, float, float, int], before: tuple[Floats, Floats, Floats]
 ) -> tuple[Floats, Floats, Floats]:
     """Add amount x^n with x = (roll - start)/(end - start), and its first two derivatives."""
     amount, start, end, n = relief
@@ -206,8 +205,8 @@ class InvoluteFlank:
         roll = np.atleast_1d(np.asarray(roll, dtype=float))
         off, first, second = (part[:, None] for part in self.modifications.at(roll))
         angle = self.base_half_angle_rad - roll
-        radial = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        normal = np.stack([-radial[:, 1], radial[:, 0]], axis=1)
+        radial = directions(angle)
+        normal = across(radial)
         base = self.base_radius_mm
         reach = base * roll[:, None] - off
         # d e_r/dt = -e_theta, d e_theta/dt = e_r at the angle th0 - t

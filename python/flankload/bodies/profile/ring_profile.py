@@ -6,52 +6,34 @@ with its material beyond it; it belongs to the tooth that is centred at half a p
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import atan2, cos, hypot, pi, radians, sqrt, tan
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from flankload.base.rotation import directions
 from flankload.bodies.bisection import sign_change
-from flankload.bodies.profile.gear_tip import (
-    FlankGeometry,
-    FormPoint,
-    following_fillet,
-    modifications_of,
-    profile_curve,
-)
+from flankload.bodies.plane import circle
+from flankload.bodies.profile.gear_tip import FormPoint, modifications_of
 from flankload.bodies.profile.involute import (
     Involute,
     InvoluteFlank,
     involute_function,
     roll_of_involute_angle,
 )
+from flankload.bodies.profile.tooth_profile import ToothProfile, profile_curve
 from flankload.bodies.profile.tooth_thickness import generating_shift
 from flankload.errors import SceneError
-from flankload.flank import ACTIVE, CurvePiece, FlankCurve
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats
+    from flankload.scene import Ring, SplineHub
 
-    Floats = NDArray[np.float64]
 
 #: Factor on the largest fillet radius, so that rounding errors leave the arc on its side.
 FULL = 1.0 - 1e-12
-
-
-class RingGeometry(FlankGeometry, Protocol):
-    """Keys of a ring's profile, as in the scene."""
-
-    @property
-    def teeth(self) -> int: ...
-    @property
-    def root_diameter_mm(self) -> float: ...
-    @property
-    def root_fillet_radius_mm(self) -> float | None: ...
-    @property
-    def helix_rad(self) -> float: ...
-    @property
-    def transverse_angle_rad(self) -> float: ...
 
 
 class RootArc(NamedTuple):
@@ -73,65 +55,8 @@ class RootArc(NamedTuple):
     center_angle_rad: float
 
 
-@dataclass(frozen=True)
-class RingProfile:
-    """Profile of a ring's tooth.
-
-    Attributes
-    ----------
-    curve : FlankCurve
-        The working flank: fillet from the root circle, flank, tip; its radius decreases.
-    involute : Involute
-        Radii and angles.
-    teeth : int
-    mode_range_mm : (float, float)
-        Arc lengths of the active flank, on which pressure modes are defined.
-    root_half_angle_rad : float
-        Polar angle at which the fillet meets the root circle.
-    """
-
-    curve: FlankCurve
-    involute: Involute
-    teeth: int
-    mode_range_mm: tuple[float, float]
-    root_half_angle_rad: float
-
-    def outline(self) -> Floats:
-        """Inner contour (k, 2) of one sector from space to space, counter-clockwise, mm."""
-        s = np.concatenate(
-            [
-                start + (end - start) * np.arange(4) / 4
-                for start, end in zip(self.curve.breaks[:-1], self.curve.breaks[1:], strict=True)
-            ]
-        )
-        flank = self.curve.point(np.append(s, self.curve.breaks[-1]))
-        pitch = 2 * pi / self.teeth
-        root = _arc(self.involute.root_radius_mm, 0.0, self.root_half_angle_rad)[:-1]
-        tip = _arc(self.involute.tip_radius_mm, atan2(flank[-1, 1], flank[-1, 0]), 0.5 * pitch)[1:]
-        half = np.concatenate([root, flank, tip])
-        c, s_ = np.cos(pitch), np.sin(pitch)
-        mirrored = half[-2::-1] @ np.array([[c, s_], [s_, -c]])
-        return np.concatenate([half, mirrored])
-
-
-def _arc(radius: float, start: float, end: float, n: int = 5) -> Floats:
-    angle = np.linspace(start, end, n)
-    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
-
-def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
-    """Profile of a ring.
-
-    Parameters
-    ----------
-    spec : RingGeometry
-        Keys of a ring.
-    key : str
-        Dotted path of these keys in the scene, for messages.
-
-    Returns
-    -------
-    RingProfile
+def ring_profile(spec: Ring | SplineHub, key: str) -> ToothProfile:
+    """Profile of a ring or hub from its keys, of which `key` is the dotted path in the scene.
 
     Raises
     ------
@@ -141,7 +66,7 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
     z, normal_angle = spec.teeth, radians(spec.pressure_angle_deg)
     pressure_angle = spec.transverse_angle_rad
     reference_radius = 0.5 * z * spec.module_mm / cos(spec.helix_rad)
-    shift = generating_shift(spec, z, key, helix_rad=spec.helix_rad, outward=-1)
+    shift = generating_shift(spec, z, key, outward=-1)
     base_half_angle = (0.5 * pi + 2 * shift * tan(normal_angle)) / z
     involute = Involute(
         base_radius_mm=reference_radius * cos(pressure_angle),
@@ -163,20 +88,12 @@ def ring_profile(spec: RingGeometry, key: str) -> RingProfile:
         modifications_of(spec, involute, arc.roll, key),
     )
     end = involute.base_half_angle_rad - arc.roll + 0.5 * pi
-    start = FormPoint(arc.roll, end, False)
-    curve = profile_curve(
-        lambda flank: [_fillet_piece(arc, flank, start)], flank, involute, start, spec, key
-    )
-    return RingProfile(
-        curve=curve,
-        involute=involute,
-        teeth=z,
-        mode_range_mm=curve.range_of(*ACTIVE),
-        root_half_angle_rad=arc.center_angle_rad,
-    )
+    fillet = [(circle(arc.center_mm, arc.radius_mm), arc.center_angle_rad, end)]
+    curve = profile_curve(fillet, flank, involute, FormPoint(arc.roll, end, False), spec, key)
+    return ToothProfile(curve, involute, z, arc.center_angle_rad)
 
 
-def _check_fillet(involute: Involute, arc: RootArc, spec: RingGeometry, key: str) -> None:
+def _check_fillet(involute: Involute, arc: RootArc, spec: Ring | SplineHub, key: str) -> None:
     """Check that the fillet leaves some flank."""
     if involute.form_radius_mm > involute.tip_radius_mm:
         return
@@ -190,36 +107,24 @@ def _check_fillet(involute: Involute, arc: RootArc, spec: RingGeometry, key: str
     )
 
 
-def _check_circles(involute: Involute, spec: RingGeometry, key: str) -> None:
+def _check_circles(involute: Involute, spec: Ring | SplineHub, key: str) -> None:
     """Check that the involute reaches from tip to root circle, with no pointed space or tooth."""
     base, pitch = involute.base_radius_mm, 2 * pi / spec.teeth
     if involute.tip_radius_mm <= base:
-        raise SceneError(
-            key=f"{key}.tip_diameter_mm",
-            expected=f"more than the base diameter {2 * base:.4f}, inside which there is no "
-            "involute",
-            found=f"{spec.tip_diameter_mm:g}",
-        )
+        expected = f"more than the base diameter {2 * base:.4f}, inside which there is no "
+        expected += "involute"
+        refuse(f"{key}.tip_diameter_mm", expected, f"{spec.tip_diameter_mm:g}")
     if not involute.base_half_angle_rad > 0.0:
-        raise SceneError(
-            key=f"{key}.profile_shift",
-            expected="a profile shift that leaves the space some width at the base circle",
-            found=f"{spec.profile_shift:g}",
-        )
+        expected = "a profile shift that leaves the space some width at the base circle"
+        refuse(f"{key}.profile_shift", expected, f"{spec.profile_shift:g}")
     if involute.half_angle_at(involute.root_radius_mm) <= 0.0:
         largest = _diameter_at(involute, involute.base_half_angle_rad)
-        raise SceneError(
-            key=f"{key}.root_diameter_mm",
-            expected=f"less than {largest:.4f}, where the spaces are pointed",
-            found=f"{spec.root_diameter_mm:g}",
-        )
+        expected = f"less than {largest:.4f}, where the spaces are pointed"
+        refuse(f"{key}.root_diameter_mm", expected, f"{spec.root_diameter_mm:g}")
     if involute.tooth_half_angle_at(involute.tip_radius_mm) <= 0.0:
         least = _diameter_at(involute, involute.base_half_angle_rad - 0.5 * pitch)
-        raise SceneError(
-            key=f"{key}.tip_diameter_mm",
-            expected=f"more than {least:.4f}, where the teeth are pointed",
-            found=f"{spec.tip_diameter_mm:g}",
-        )
+        expected = f"more than {least:.4f}, where the teeth are pointed"
+        refuse(f"{key}.tip_diameter_mm", expected, f"{spec.tip_diameter_mm:g}")
 
 
 def _diameter_at(involute: Involute, involute_angle: float) -> float:
@@ -233,15 +138,12 @@ def _touching_arc(involute: Involute, radius: float) -> RootArc:
     along = sqrt((involute.root_radius_mm - radius) ** 2 - base**2)
     roll = (along + radius) / base
     normal = involute.base_half_angle_rad - roll
-    center = base * _direction(normal) + along * _direction(normal + 0.5 * pi)
+    radial, tangential = directions(np.array([normal, normal + 0.5 * pi]))
+    center = base * radial + along * tangential
     return RootArc(radius, roll, center, atan2(center[1], center[0]))
 
 
-def _direction(angle: float) -> Floats:
-    return np.array([np.cos(angle), np.sin(angle)])
-
-
-def _root_arc(involute: Involute, spec: RingGeometry, key: str) -> RootArc:
+def _root_arc(involute: Involute, spec: Ring | SplineHub, key: str) -> RootArc:
     """The arc of the given radius, or the largest arc, centred in the middle of the space."""
     room = (involute.root_radius_mm - involute.base_radius_mm) * FULL
     largest = room
@@ -255,24 +157,6 @@ def _root_arc(involute: Involute, spec: RingGeometry, key: str) -> RootArc:
     if radius is None:
         return _touching_arc(involute, largest)
     if radius > largest:
-        raise SceneError(
-            key=f"{key}.root_fillet_radius_mm",
-            expected=f"at most {largest:.6f}, the largest arc that touches flank and root circle",
-            found=f"{radius:g}",
-        )
+        expected = f"at most {largest:.6f}, the largest arc that touches flank and root circle"
+        refuse(f"{key}.root_fillet_radius_mm", expected, f"{radius:g}")
     return _touching_arc(involute, radius)
-
-
-def _fillet_piece(arc: RootArc, flank: InvoluteFlank, start: FormPoint) -> CurvePiece:
-    """The fillet, from the root circle to the flank."""
-
-    def place(angle: Floats) -> tuple[Floats, Floats, Floats]:
-        out = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        along = np.stack([-out[:, 1], out[:, 0]], axis=1)
-        return arc.center_mm + arc.radius_mm * out, arc.radius_mm * along, -arc.radius_mm * out
-
-    first, last = arc.center_angle_rad, start.beta
-    if not (flank.modifications.crowning_mm or flank.modifications.root_relief_mm):
-        return CurvePiece("fillet", place, first, last)
-    moved = flank.point(start.roll) - place(np.array([last]))[0][0]
-    return CurvePiece("fillet", following_fillet(place, first, last, moved), first, last)

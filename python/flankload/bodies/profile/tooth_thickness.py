@@ -7,37 +7,17 @@ the nominal one in the thickness and in the depth of the root.
 from __future__ import annotations
 
 from math import acos, atan, cos, floor, pi, radians, sin, sqrt, tan
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from flankload.bodies.profile.involute import involute_function, roll_of_involute_angle
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from flankload.bodies.profile.involute import Involute
+    from flankload.scene.involute import InvoluteKeys
 
 #: Largest |x_E|: beyond it a measurement belongs to another gear.
 LARGEST_SHIFT = 5.0
-
-
-class ThicknessKeys(Protocol):
-    """Keys of the tooth thickness, as in the scene."""
-
-    @property
-    def module_mm(self) -> float: ...
-    @property
-    def pressure_angle_deg(self) -> float: ...
-    @property
-    def profile_shift(self) -> float: ...
-    @property
-    def tooth_thickness_allowance_um(self) -> float | None: ...
-    @property
-    def span_measurement_mm(self) -> float | None: ...
-    @property
-    def span_teeth(self) -> int | None: ...
-    @property
-    def ball_measurement_mm(self) -> float | None: ...
-    @property
-    def measuring_ball_mm(self) -> float | None: ...
 
 
 class _Gear(NamedTuple):
@@ -74,34 +54,18 @@ class _Gear(NamedTuple):
         return (own * self.teeth - 0.5 * pi) / (2 * tan(self.normal_angle))
 
 
-def generating_shift(
-    spec: ThicknessKeys, teeth: int, key: str, *, helix_rad: float = 0.0, outward: int = 1
-) -> float:
-    """Generating profile shift x_E of a gear.
+def generating_shift(spec: InvoluteKeys, teeth: int, key: str, *, outward: int = 1) -> float:
+    """Generating profile shift x_E of a gear; the nominal one without a key of the thickness.
 
-    Parameters
-    ----------
-    spec : ThicknessKeys
-        Keys of the profile.
-    teeth : int
-    key : str
-        Dotted path of these keys in the scene, for messages.
-    helix_rad : float
-        Helix angle on the reference cylinder.
-    outward : int
-        -1 for internal teeth, whose profile shift is positive outwards and widens the space.
-
-    Returns
-    -------
-    float
-        The nominal profile shift, exactly, if the scene has no key of the thickness.
+    `key` is the dotted path of the keys in the scene; `outward` is -1 for internal teeth, whose
+    profile shift is positive outwards and widens the space.
 
     Raises
     ------
     SceneError
         If no gear with these teeth and this module has the measurement.
     """
-    gear = _Gear(teeth, spec.module_mm, radians(spec.pressure_angle_deg), helix_rad, outward)
+    gear = _Gear(teeth, spec.module_mm, radians(spec.pressure_angle_deg), spec.helix_rad, outward)
     if spec.tooth_thickness_allowance_um is not None:
         allowance = spec.tooth_thickness_allowance_um / 1000.0
         # x_E = x + E_sn/(2 m_n tan alpha_n) (DIN 3960)
@@ -171,18 +135,8 @@ class Measurements(NamedTuple):
 def measurements(involute: Involute, teeth: int, helix_rad: float = 0.0) -> Measurements:
     """Span measurement and measurement over balls of a finished gear.
 
-    Parameters
-    ----------
-    involute : Involute
-        Radii and angles of the transverse section.
-    teeth : int
-    helix_rad : float
-        Helix angle on the reference cylinder.
-
-    Returns
-    -------
-    Measurements
-        Planes and balls touch near the middle of the flank.
+    The involute is that of the transverse section, the helix angle that on the reference cylinder.
+    Planes and balls touch near the middle of the flank.
     """
     base, half = involute.base_radius_mm, involute.base_half_angle_rad
     # base helix: tan(b_b) = tan(b) r_b/r

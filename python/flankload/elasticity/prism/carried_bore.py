@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Complexes, Floats
     from flankload.bodies.body import SectorMesh
-    from flankload.bodies.carrying_shaft import CarryingShaft
+    from flankload.bodies.shaft import CarryingShaft
     from flankload.elasticity.prism.axial_basis import AxialBasis, AxialFunctions
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
     from flankload.elasticity.sector_closure import CondensedSector

@@ -51,8 +51,8 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
-    from flankload.bodies.carrying_shaft import CarryingShaft
     from flankload.bodies.root_fillet import RootFillets
+    from flankload.bodies.shaft import CarryingShaft
     from flankload.elasticity.prism.flank_surface import FlankSurface
     from flankload.elasticity.sector_closure import CondensedSector
 

@@ -75,17 +75,11 @@ class Gear:
 
 
 def body_of(stock: Stock, gear: Component, name: str, flank: Component | None) -> Gear:
-    """The table of a gear without its modifications and widths.
-
-    Raises
-    ------
-    SceneError
-        If a value is missing, or has a wrong kind or unit.
-    """
+    """The table of a gear without its modifications and widths; refuses missing or wrong values."""
     body = Gear(stock.source(gear), None if flank is None else stock.source(flank), name, {})
     body.keys["kind"] = "ring" if body.is_ring else "gear"
     _teeth(stock, body)
-    _plain(stock, body, body.source)
+    _plain(body, body.source)
     _helix(stock, body)
     _profile(stock, body)
     _required(stock, body)
@@ -95,7 +89,7 @@ def body_of(stock: Stock, gear: Component, name: str, flank: Component | None) -
     return body
 
 
-def _plain(stock: Stock, body: Gear, source: Source) -> None:
+def _plain(body: Gear, source: Source) -> None:
     """Read the attributes of a component that are keys as they are."""
     for entry in TABLE:
         if entry.how == PLAIN and source.component.type in entry.types:
@@ -105,8 +99,9 @@ def _plain(stock: Stock, body: Gear, source: Source) -> None:
 
 
 def _teeth(stock: Stock, body: Gear) -> None:
-    teeth = stock.required(body.source, "number_of_teeth", "", f"{body.name}.teeth")
+    teeth = body.source.number("number_of_teeth", "")
     if teeth is None:
+        stock.missing(body.source, "number_of_teeth", f"{body.name}.teeth")
         return
     if teeth != round(teeth) or (teeth < 0 and not body.is_ring):
         body.source.refuse("number_of_teeth", "a positive integer", teeth)
@@ -115,25 +110,27 @@ def _teeth(stock: Stock, body: Gear) -> None:
 
 def _required(stock: Stock, body: Gear) -> None:
     """Refuse a gear without what every scene needs, and put in what is given otherwise."""
-    wanted = {"module_mm": "normal_module", "tip_diameter_mm": "tip_diameter"}
-    if body.is_ring:
-        wanted |= {"root_diameter_mm": "root_diameter", "outer_diameter_mm": "outer_diameter"}
-    else:
-        wanted["bore_diameter_mm"] = "inner_diameter"
-    of_flank = {"pressure_angle_deg": "normal_pressure_angle"}
-    of_flank["profile_shift"] = "addendum_modification_coefficient"
-    for key, attribute in wanted.items():
+    of_flank = body.flank or body.source
+    wanted = {
+        "module_mm": (body.source, "normal_module"),
+        "tip_diameter_mm": (body.source, "tip_diameter"),
+        "root_diameter_mm": (body.source, "root_diameter"),
+        "outer_diameter_mm": (body.source, "outer_diameter"),
+        "bore_diameter_mm": (body.source, "inner_diameter"),
+        "pressure_angle_deg": (of_flank, "normal_pressure_angle"),
+        "profile_shift": (of_flank, "addendum_modification_coefficient"),
+    }
+    for key in ("bore_diameter_mm",) if body.is_ring else ("root_diameter_mm", "outer_diameter_mm"):
+        del wanted[key]
+    for key, (source, attribute) in wanted.items():
         if key not in body.keys:
-            stock.missing(body.source, attribute, f"{body.name}.{key}")
-    for key, attribute in of_flank.items():
-        if key not in body.keys:
-            stock.missing(body.flank or body.source, attribute, f"{body.name}.{key}")
+            stock.missing(source, attribute, f"{body.name}.{key}")
     for path, value in stock.settings.items():
         table, _, key = path.partition(".")
         if table == body.name and isinstance(value, int | float):
             stock.replace(path, body.keys.get(key))
             body.keys[key] = value
-    for key in ("teeth", *wanted, *of_flank):
+    for key in ("teeth", *wanted):
         value = body.keys.get(key)
         if value is None or (key != "profile_shift" and value <= 0 and key != "bore_diameter_mm"):
             path = f"{body.name}.{key}"
@@ -162,18 +159,15 @@ def _profile(stock: Stock, body: Gear) -> None:
     flank = body.flank
     if flank is None:
         return
-    _plain(stock, body, flank)
+    _plain(body, flank)
     nominal = flank.number("addendum_modification_coefficient", "")
     finished = flank.number("addendum_modification_coefficient_after_finishing", "")
     in_mm = flank.number("addendum_modification", "mm")
     if nominal is None and in_mm is not None and body.keys.get("module_mm"):
         nominal = in_mm / body.keys["module_mm"]
     if finished is not None and nominal is not None and finished != nominal:
-        stock.leave(
-            flank.component,
-            "addendum_modification_coefficient",
-            "the coefficient after finishing is taken",
-        )
+        why = "the coefficient after finishing is taken"
+        stock.leave(flank.component, "addendum_modification_coefficient", why)
     shift = nominal if finished is None else finished
     if shift is not None:
         body.keys["profile_shift"] = shift
@@ -190,10 +184,9 @@ def _root(stock: Stock, body: Gear) -> None:
         for part in stock.model.partners(kind, role, body.component.id, wanted)
         if part.type.endswith("_tool")
     ]
-    steps = stock.model.partners(
-        "manufacturing_step", "workpiece", body.component.id, "manufacturing_step"
-    )
-    made = [stock.source(step) for step in steps]
+    step = "manufacturing_step"
+    steps = stock.model.partners(step, "workpiece", body.component.id, step)
+    made = [stock.source(part) for part in steps]
     if body.is_ring:
         for tool in tools:
             stock.leave_all(tool, "the root of a ring is given by its diameter")
@@ -205,18 +198,15 @@ def _root(stock: Stock, body: Gear) -> None:
     dedendum = None
     if racks:
         rack = stock.source(racks[0])
-        _plain(stock, body, rack)
+        _plain(body, rack)
         dedendum = rack.number("addendum_coefficient_reference_profile", "")
         _protuberance(stock, body, rack, made)
     root = body.source.number("root_diameter", "mm")
     if root is not None and body.keys.keys() >= {"teeth", "module_mm", "profile_shift"}:
         depth = 0.5 * (body.reference_mm - root) / body.keys["module_mm"]
         if dedendum is not None:
-            stock.leave(
-                racks[0],
-                "addendum_coefficient_reference_profile",
-                f"root_diameter of {body.component.label} is taken",
-            )
+            why = f"root_diameter of {body.component.label} is taken"
+            stock.leave(racks[0], "addendum_coefficient_reference_profile", why)
         # the rack cuts deeper by the share of the thickness allowance (x_E of DIN 3960)
         allowance = body.keys.get("tooth_thickness_allowance_um", 0.0) / 1000.0
         pressure = tan(radians(body.keys["pressure_angle_deg"]))
@@ -271,13 +261,10 @@ def _thickness(stock: Stock, body: Gear) -> None:
 
 
 def _material(stock: Stock, body: Gear) -> None:
-    found = [
-        part
-        for part in stock.model.partners("reference", "origin", body.component.id, "referenced")
-        if part.type == "material"
-    ]
+    parts = stock.model.partners("reference", "origin", body.component.id, "referenced")
+    found = [part for part in parts if part.type == "material"]
     if found:
-        _plain(stock, body, stock.source(found[0]))
+        _plain(body, stock.source(found[0]))
     for key in ("young_modulus_MPa", "poisson_ratio"):
         if key not in body.keys and f"{body.name}.{key}" not in stock.settings:
             stock.assume(body.component, f"default of {key}: no material with it in the file")

@@ -13,20 +13,9 @@ if TYPE_CHECKING:
 
 
 def model_of_case(model: Model, number: int | None, *, needed: bool) -> tuple[Model, list[str]]:
-    """The model with the attributes of a load case, and lines about the other cases.
+    """The model with the attributes of a load case (None: the only one), lines about the others.
 
-    Parameters
-    ----------
-    model : Model
-    number : int or None
-        Id of the load case; None: the only one.
-    needed : bool
-        Whether the load is needed: several cases are then refused without a number.
-
-    Raises
-    ------
-    SceneError
-        If there is no such load case, or several and no number.
+    An unknown load case is refused; several cases without a number, if the load is needed.
     """
     cases = list(model.load_cases)
     if number is None and len(cases) == 1:
@@ -37,11 +26,8 @@ def model_of_case(model: Model, number: int | None, *, needed: bool) -> tuple[Mo
         model = model.with_load_case(number)
         rest = [case for case in cases if case != number]
     else:
-        model.refuse(
-            "--load-case",
-            f"the id of a load_case: {', '.join(map(str, cases)) or 'none in the file'}",
-            "nothing" if number is None else number,
-        )
+        expected = f"the id of a load_case: {', '.join(map(str, cases)) or 'none in the file'}"
+        model.refuse("--load-case", expected, "nothing" if number is None else number)
     lines = [f"not taken: load_case {', '.join(map(str, rest))}: another load"] if rest else []
     return model, lines
 
@@ -49,20 +35,7 @@ def model_of_case(model: Model, number: int | None, *, needed: bool) -> tuple[Mo
 def torque_of(
     stock: Stock, stage: Stage, data: tuple[Source | None, Source | None]
 ) -> float | None:
-    """Amount of the torque on gear 1, N m; None if the file defines none.
-
-    Parameters
-    ----------
-    stock : Stock
-    stage : Stage
-    data : pair of Source or None
-        The data of both gears in this stage.
-
-    Raises
-    ------
-    SceneError
-        If a value has a wrong kind or unit.
-    """
+    """Amount of the torque on gear 1, N m; None if the file defines none."""
     teeth = [abs(stock.source(gear).number("number_of_teeth", "") or 0.0) for gear in stage.gears]
     ratios = (1.0, teeth[0] / teeth[1] if teeth[1] else 0.0)
     for source, ratio in zip(data, ratios, strict=True):
@@ -78,10 +51,8 @@ def _torque_of_shaft(stock: Stock, gear: Component) -> float | None:
     """The only torque on the shaft of a gear that is the only one, and in one stage only."""
     model = stock.model
     shafts = model.partners("assembly", "part", gear.id, "assembly")
-    stages = [
-        *model.partners("stage", "gear_1", gear.id, "stage"),
-        *model.partners("stage", "gear_2", gear.id, "stage"),
-    ]
+    roles = ("gear_1", "gear_2")
+    stages = [part for role in roles for part in model.partners("stage", role, gear.id, "stage")]
     if len(shafts) != 1 or len(stages) != 1 or _is_coupled(model, shafts[0]):
         return None
     parts = model.partners("assembly", "assembly", shafts[0].id, "part")

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NoReturn, TypeVar
+from typing import TYPE_CHECKING, NoReturn
 
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
     from pathlib import Path
 
 #: Types of components up to REXS 1.2 with their name since REXS 1.3.
@@ -86,27 +86,13 @@ class Model:
     load_cases: Mapping[int, Mapping[int, Component]] = field(default_factory=dict)
 
     def refuse(self, key: str, expected: str, found: object) -> NoReturn:
-        """Raise the error of this file.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise the error of this file."""
         raise SceneError(file=self.file, key=key, expected=expected, found=found)
 
     def partners(self, kind: str, role: str, number: int, wanted: str) -> list[Component]:
-        """Components that a relation connects with a component.
+        """Components of role `wanted` in the relations in which a component has another role.
 
-        Parameters
-        ----------
-        kind : str
-            Type of the relation.
-        role : str
-            Role of the given component.
-        number : int
-            Id of the given component.
-        wanted : str
-            Role of the components that are returned.
+        `kind` is the type of the relations, `number` the id of the given component.
         """
         return [
             self.components[other]
@@ -122,47 +108,3 @@ class Model:
             own = changed[key]
             changed[key] = replace(own, attributes={**own.attributes, **extra.attributes})
         return replace(self, components=changed)
-
-
-def checked(model: Model) -> Model:
-    """Check that relations and load cases refer to components of the model.
-
-    Raises
-    ------
-    SceneError
-    """
-    for relation in model.relations:
-        for role, number in relation.refs:
-            if number not in model.components:
-                model.refuse(
-                    f"relation {relation.id}", f"a component of the model as {role}", number
-                )
-    for case, components in model.load_cases.items():
-        for number in components:
-            if number not in model.components:
-                model.refuse(f"load_case {case}", "components of the model", number)
-    return model
-
-
-Item = TypeVar("Item", Component, Relation)
-
-
-def by_id(items: Iterable[Item], what: str, file: Path) -> dict[int, Item]:
-    """Components or relations by their id.
-
-    Raises
-    ------
-    SceneError
-        If two have the same id.
-    """
-    found: dict[int, Item] = {}
-    for item in items:
-        if item.id in found:
-            raise SceneError(
-                file=file,
-                key=f"{what} {item.id}",
-                expected="an id that is unique",
-                found="two of them",
-            )
-        found[item.id] = item
-    return found

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from flankload.exchange.rexs.source import Source, Stock
 
 SHAPES = ("circular", "exponential", "linear", "logarithmic", "parabolic")
+TAKEN_SHAPES = ("linear", "parabolic")
 #: Relations between a flank or gear and its modifications: type, role of the owner, of the part.
 OWNERS = (
     ("assembly", "assembly", "part"),
@@ -25,11 +26,15 @@ OWNERS = (
     ("reference", "origin", "referenced"),
     ("ordered_reference", "origin", "referenced"),
 )
-#: Modifications that are named in the database and that no scene key describes.
-OTHERS = (
-    "helix_deviation", "helix_slope", "profile_deviation", "profile_slope", "profile_twist",
-    "topographical_modification", "triangular_root_relief", "triangular_tip_relief",
+#: Modifications that are named in the database and that no scene key describes, with the reason.
+OTHERS = dict.fromkeys(
+    (
+        "helix_deviation", "helix_slope", "profile_deviation", "profile_slope", "profile_twist",
+        "topographical_modification", "triangular_root_relief", "triangular_tip_relief",
+    ),
+    "a scene has no such modification of REXS",
 )  # fmt: skip
+OTHERS["helix_slope"] = "the public database does not define the sign of helix_slope"
 ONE_OF_A_KIND = ("tip_relief", "root_relief", "profile_crowning", "helix_crowning")
 #: Largest relative difference of lengths that are equal.
 SAME = 1e-6
@@ -38,41 +43,26 @@ SAME = 1e-6
 def add_modifications(stock: Stock, body: Gear, width_mm: float, datum_low: bool | None) -> None:
     """Put the modifications of the flank into the table of a body.
 
-    Parameters
-    ----------
-    stock : Stock
-    body : Gear
-    width_mm : float
-        Face width of the gear.
-    datum_low : bool or None
-        Whether the datum face is the end of smaller z; None if the file does not define it.
-
-    Raises
-    ------
-    SceneError
-        If a value has a wrong kind or unit.
+    `width_mm` is the face width of the gear; `datum_low`: whether the datum face is the end of
+    smaller z, None if the file does not define it.
     """
     owners = [body.component] if body.flank is None else [body.flank.component, body.component]
-    parts: dict[str, list[Component]] = {}
-    for part in {
-        part.id: part for owner in owners for part in modifications_of(stock.model, owner)
-    }.values():
-        parts.setdefault(part.type, []).append(part)
-    takes: tuple[Callable[[Source], str | None], ...] = (
-        lambda source: _tip_relief(body, source),
-        lambda source: _root_relief(body, source),
-        lambda source: _profile_crowning(body, source),
-        lambda source: _helix_crowning(body, source, width_mm),
-    )
-    for kind, take in zip(ONE_OF_A_KIND, takes, strict=True):
-        _take(stock, parts.get(kind, []), take)
-    ends = [part for kind in ENDS for part in parts.get(kind, [])]
+    found = {part.id: part for owner in owners for part in modifications_of(stock.model, owner)}
+    takes: dict[str, Callable[[Source], str | None]] = {
+        "tip_relief": lambda source: _relief(body, source, "tip"),
+        "root_relief": lambda source: _relief(body, source, "root"),
+        "profile_crowning": lambda source: _profile_crowning(body, source),
+        "helix_crowning": lambda source: _helix_crowning(body, source, width_mm),
+    }
+    for kind, take in takes.items():
+        for number, part in enumerate(part for part in found.values() if part.type == kind):
+            why = "a flank of a scene has one of this kind" if number else take(stock.source(part))
+            if why is not None:
+                stock.leave_all(part, why)
+    ends = [part for kind in ENDS for part in found.values() if part.type == kind]
     _end_reliefs(stock, body, ends, width_mm, datum_low)
-    for kind in OTHERS:
-        for part in parts.get(kind, []):
-            why = "a scene has no such modification of REXS"
-            if kind == "helix_slope":
-                why = "the public database does not define the sign of helix_slope"
+    for kind, why in OTHERS.items():
+        for part in (part for part in found.values() if part.type == kind):
             stock.leave_all(part, why)
 
 
@@ -87,58 +77,39 @@ def modifications_of(model: Model, owner: Component) -> list[Component]:
     ]
 
 
-def _take(stock: Stock, parts: list[Component], take: Callable[[Source], str | None]) -> None:
-    """Take the first modification of a kind; report it if it does not fit, and all further ones."""
-    for number, part in enumerate(parts):
-        why = "a flank of a scene has one of this kind" if number else take(stock.source(part))
-        if why is not None:
-            stock.leave_all(part, why)
-
-
-def _tip_relief(body: Gear, source: Source) -> str | None:
-    depth = source.number("tip_relief_depth", "um")
-    start = source.number("tip_relief_datum_diameter", "mm")
+def _relief(body: Gear, source: Source, end: str) -> str | None:
+    """Relief of the end "tip" or "root" of the profile."""
+    depth = source.number(f"{end}_relief_depth", "um")
+    start = source.number(f"{end}_relief_datum_diameter", "mm")
     shape = source.text("shape_of_relief", *SHAPES) or "linear"
     if depth is None or start is None:
-        return "it has no tip_relief_depth or no tip_relief_datum_diameter"
-    if depth < 0 or shape not in ("linear", "parabolic"):
+        return f"it has no {end}_relief_depth or no {end}_relief_datum_diameter"
+    if depth < 0 or shape not in TAKEN_SHAPES:
         return f"a scene has linear and parabolic reliefs >= 0, no {shape} one of {depth:g} um"
-    at = source.number("tip_relief_evaluation_reference", "mm")
-    if at is not None:
-        roll = [body.roll_length_mm(d) for d in (start, at, body.keys["tip_diameter_mm"])]
-        if None in roll or roll[0] == roll[1]:
+    at = source.number(f"{end}_relief_evaluation_reference", "mm")
+    if at is not None and end == "root":
+        form = body.component.attributes.get("root_form_diameter")
+        if form is None or abs(at - (body.source.number("root_form_diameter", "mm") or 0.0)) > 1e-3:
+            return "its amount is not given at the root_form_diameter of the gear"
+    elif at is not None:
+        diameters = (start, at, body.keys["tip_diameter_mm"])
+        factor = _growth(*(body.roll_length_mm(diameter) for diameter in diameters))
+        if factor is None:
             return "its amount is given at a diameter where the involute has no relief"
-        low, there, tip = (length or 0.0 for length in roll)
-        factor = (tip - low) / (there - low)
-        if factor <= 0:
-            return "its amount is given at a diameter where the involute has no relief"
-        depth *= factor ** (2 if shape == "parabolic" else 1)
-    body.keys["tip_relief_um"] = float(f"{depth:.12g}")
-    body.keys["tip_relief_start_diameter_mm"] = start
+        depth = float(f"{depth * factor ** (2 if shape == 'parabolic' else 1):.12g}")
+    body.keys[f"{end}_relief_um"] = depth
+    body.keys[f"{end}_relief_start_diameter_mm"] = start
     if shape == "parabolic":
-        body.keys["tip_relief_shape"] = shape
+        body.keys[f"{end}_relief_shape"] = shape
     return None
 
 
-def _root_relief(body: Gear, source: Source) -> str | None:
-    depth = source.number("root_relief_depth", "um")
-    start = source.number("root_relief_datum_diameter", "mm")
-    shape = source.text("shape_of_relief", *SHAPES) or "linear"
-    if depth is None or start is None:
-        return "it has no root_relief_depth or no root_relief_datum_diameter"
-    if depth < 0 or shape not in ("linear", "parabolic"):
-        return f"a scene has linear and parabolic reliefs >= 0, no {shape} one of {depth:g} um"
-    at = source.number("root_relief_evaluation_reference", "mm")
-    form = body.component.attributes.get("root_form_diameter")
-    if at is not None and (
-        form is None or abs(at - (body.source.number("root_form_diameter", "mm") or 0.0)) > 1e-3
-    ):
-        return "its amount is not given at the root_form_diameter of the gear"
-    body.keys["root_relief_um"] = depth
-    body.keys["root_relief_start_diameter_mm"] = start
-    if shape == "parabolic":
-        body.keys["root_relief_shape"] = shape
-    return None
+def _growth(start: float | None, there: float | None, tip: float | None) -> float | None:
+    """Linear relief at the tip over that at another roll length; None if there is no relief."""
+    if start is None or there is None or tip is None or start == there:
+        return None
+    factor = (tip - start) / (there - start)
+    return factor if factor > 0 else None
 
 
 def _profile_crowning(body: Gear, source: Source) -> str | None:
@@ -194,7 +165,7 @@ def _end_reliefs(
         shapes.add(shape)
         if depth is None or length is None or depth < 0:
             why = why or "an end relief needs an amount >= 0 and a length"
-        elif shape not in ("linear", "parabolic") or len(shapes) > 1:
+        elif shape not in TAKEN_SHAPES or len(shapes) > 1:
             why = why or "a scene has linear or parabolic end reliefs, the same at both ends"
         elif place is not None and not any(
             abs(abs(place) - end) <= SAME * width_mm for end in (0.0, 0.5 * width_mm, width_mm)

@@ -23,25 +23,14 @@ LEAST_OFFSET = 1e-6
 def pair_of(stock: Stock, stage: Stage, bodies: Sequence[Gear]) -> dict[str, float]:
     """Table [pair]; puts widths, offset, modifications and a ring's shift into the bodies.
 
-    Parameters
-    ----------
-    stock : Stock
-    stage : Stage
-    bodies : sequence of 2 Gear
-
-    Returns
-    -------
-    dict
-
-    Raises
-    ------
-    SceneError
-        If a value is missing, or has a wrong kind or unit.
+    Values that are missing, or have a wrong kind or unit, are refused.
     """
     source = stock.source(stage.component)
     pair: dict[str, float] = {}
     key = "pair.center_distance_mm"
-    distance = stock.required(source, "center_distance", "mm", key)
+    distance = source.number("center_distance", "mm")
+    if distance is None:
+        stock.missing(source, "center_distance", key)
     if distance is None or key in stock.settings:
         stock.replace(key, distance)
         distance = _given(stock, key)

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, NoReturn
 from xml.etree import ElementTree
 
 from flankload.errors import SceneError
-from flankload.exchange.rexs.json_form import json_model
-from flankload.exchange.rexs.xml_form import Builder, xml_model
+from flankload.exchange.rexs.parts import Builder, json_model, xml_model
 
 if TYPE_CHECKING:
     from flankload.exchange.rexs.model import Model

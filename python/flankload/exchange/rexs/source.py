@@ -6,8 +6,13 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from flankload.exchange.rexs.attributes import UNITS, reason_for, reason_for_type
-from flankload.exchange.rexs.units import FACTORS, converted
+from flankload.exchange.rexs.attributes import (
+    FACTORS,
+    UNITS,
+    converted,
+    reason_for,
+    reason_for_type,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,10 +31,7 @@ class Source:
     def number(self, attribute: str, unit: str) -> float | None:
         """A number in the unit of a scene; None if the file has no such attribute.
 
-        Raises
-        ------
-        SceneError
-            If the value is no finite number, or its unit is not one of the quantity.
+        A value that is no finite number, or has a unit of another quantity, is refused.
         """
         found = self.component.attributes.get(attribute)
         if found is None:
@@ -45,12 +47,7 @@ class Source:
         return number
 
     def text(self, attribute: str, *allowed: str) -> str | None:
-        """One of the values that the database allows; None if the file has no such attribute.
-
-        Raises
-        ------
-        SceneError
-        """
+        """One of the values that the database allows; None if the file has no such attribute."""
         found = self.component.attributes.get(attribute)
         if found is None:
             return None
@@ -71,12 +68,7 @@ class Source:
         return None if x is None or y is None or z is None else (x, y, z)
 
     def refuse(self, attribute: str, expected: str, found: object) -> NoReturn:
-        """Raise the error of an attribute.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise the error of an attribute."""
         shown = "a matrix or a coded array" if found is None else f"{found!r}"[:60]
         self.model.refuse(f"{self.component.label}: {attribute}", expected, shown)
 
@@ -113,25 +105,8 @@ class Stock:
         """The component as a source, the same one each time."""
         return self.sources.setdefault(component.id, Source(self.model, component))
 
-    def required(self, source: Source, attribute: str, unit: str, key: str) -> float | None:
-        """A number without which the scene is incomplete; None if its key is given otherwise.
-
-        Raises
-        ------
-        SceneError
-        """
-        value = source.number(attribute, unit)
-        if value is None:
-            self.missing(source, attribute, key)
-        return value
-
     def missing(self, source: Source, attribute: str, key: str) -> None:
-        """Raise the error of a missing attribute, unless its key is given otherwise.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Raise the error of a missing attribute, unless its key is given otherwise."""
         if key not in self.settings:
             expected = f"a value, or --set {key}=…"
             if attribute not in UNITS:
@@ -143,10 +118,9 @@ class Stock:
         self.lines.append(f"assumed: {component.label}: {what}")
 
     def leave(self, component: Component, attribute: str, why: str) -> None:
-        """Report an attribute, or a component as a whole, that is not taken over."""
+        """Report an attribute that is not taken over."""
         self.source(component).read.add(attribute)
-        what = f"{component.label}: {attribute}" if attribute else component.label
-        self.lines.append(f"not taken: {what}: {why}")
+        self.lines.append(f"not taken: {component.label}: {attribute}: {why}")
 
     def leave_all(self, component: Component, why: str) -> None:
         """Report a component that is not taken over with any of its attributes."""

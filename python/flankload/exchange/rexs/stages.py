@@ -16,27 +16,18 @@ class Stage:
     """A stage with its two gears; a ring gear is the second one."""
 
     component: Component
-    gear_1: Component
-    gear_2: Component
-
-    @property
-    def gears(self) -> tuple[Component, Component]:
-        """Both gears."""
-        return self.gear_1, self.gear_2
+    gears: tuple[Component, Component]
 
     @property
     def is_internal(self) -> bool:
         """Whether the second gear is a ring gear."""
-        return self.gear_2.type == "ring_gear"
+        return self.gears[1].type == "ring_gear"
 
 
 def stage_of(model: Model, number: int | None) -> Stage:
     """A stage by its id, or the only stage.
 
-    Raises
-    ------
-    SceneError
-        If there is no such stage, or several and no id; if its relation does not name two gears.
+    Refused: an unknown id, several stages and no id, a relation that does not name two gears.
     """
     ids = [part.id for part in _stages(model)]
     if not ids:
@@ -44,11 +35,8 @@ def stage_of(model: Model, number: int | None) -> Stage:
     if number is None and len(ids) == 1:
         number = ids[0]
     if number not in ids:
-        model.refuse(
-            "--stage",
-            f"the id of a cylindrical_stage: {', '.join(map(str, ids))}",
-            "nothing" if number is None else number,
-        )
+        expected = f"the id of a cylindrical_stage: {', '.join(map(str, ids))}"
+        model.refuse("--stage", expected, "nothing" if number is None else number)
     return _stage(model, model.components[number])
 
 
@@ -67,7 +55,7 @@ def _stage(model: Model, component: Component) -> Stage:
         one, two = two, one
     if one.type == "ring_gear" or one.id == two.id:
         model.refuse(component.label, "a gear and another gear or a ring gear", two.label)
-    return Stage(component, one, two)
+    return Stage(component, (one, two))
 
 
 def stage_rows(model: Model) -> list[tuple[str, ...]]:

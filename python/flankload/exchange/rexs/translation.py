@@ -137,11 +137,8 @@ def _flank_of(
     if side is None:
         side = next(iter(flanks))
         if len({_content(model, flank) for flank in flanks.values()}) > 1:
-            model.refuse(
-                f"{gear.label}: loaded_tooth_flank",
-                "left or right in its stage_gear_data, or --flank, since its flanks differ",
-                "nothing",
-            )
+            expected = "left or right in its stage_gear_data, or --flank, since its flanks differ"
+            model.refuse(f"{gear.label}: loaded_tooth_flank", expected, "nothing")
     if side not in flanks:
         model.refuse(f"{gear.label}: flank", f"a {side} flank in its relation", "none")
     for other, flank in flanks.items():

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.bodies import Body
-    from flankload.bodies.carrying_shaft import CarryingShaft
+    from flankload.bodies.shaft import CarryingShaft
     from flankload.elasticity.job_log import JobCost
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.toggles import Toggle

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import ge, gt, le
 from os.path import isdir, isfile
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flankload.base.array_archive import BadArchive, Member, read_members
+from flankload.base.arrays import Flags, Floats, Numbers
 from flankload.errors import ComplianceFileError, SceneError
 
 #: Columns of a table in front of the matrix: offset of the displaced tooth, and the point.
@@ -56,7 +58,7 @@ class NamedArrays:
                     name, "an array of this format (" + ", ".join(known) + ")", "an unknown name"
                 )
 
-    def numbers(self, name: str, *shape: int | None) -> NDArray[np.float64]:
+    def numbers(self, name: str, *shape: int | None) -> Floats:
         """An array of finite numbers; None in the shape means any length up to MOST_ROWS."""
         member = self._member(name, "numbers")
         wanted = f"({', '.join('any' if n is None else str(n) for n in shape)})"
@@ -88,15 +90,13 @@ class NamedArrays:
     ) -> float:
         """A single number in a range."""
         value = float(self.numbers(name))
-        if above is not None and value <= above:
-            self.refuse(name, f"a number > {above:g}", f"{value:g}")
-        if least is not None and value < least:
-            self.refuse(name, f"a number >= {least:g}", f"{value:g}")
-        if most is not None and value > most:
-            self.refuse(name, f"a number <= {most:g}", f"{value:g}")
+        bounds = ((">", above, gt), (">=", least, ge), ("<=", most, le))
+        for sign, bound, holds in bounds:
+            if bound is not None and not holds(value, bound):
+                self.refuse(name, f"a number {sign} {bound:g}", f"{value:g}")
         return value
 
-    def integers(self, name: str, *shape: int | None) -> NDArray[np.int64]:
+    def integers(self, name: str, *shape: int | None) -> Numbers:
         """An array of whole numbers."""
         values = self.numbers(name, *shape)
         if (values != np.round(values)).any():
@@ -129,7 +129,7 @@ class NamedArrays:
             self.refuse(name, expected, found)
         return value
 
-    def flags(self, name: str, count: int) -> NDArray[np.bool_]:
+    def flags(self, name: str, count: int) -> Flags:
         """An array of `count` truth values."""
         member = self._member(name, "true or false")
         if member.shape != (count,) or member.dtype != np.bool_:
@@ -155,18 +155,10 @@ class NamedArrays:
 
 
 def read_arrays(path: str | Path, key: str) -> NamedArrays:
-    """Read a file of named arrays.
+    """Read a file of named arrays: .npz, or .csv with a table of points and a matrix.
 
-    Parameters
-    ----------
-    path : path
-        .npz, or .csv (a table of points and a matrix, with names and values in comments).
-    key : str
-        The scene's key that names the file, for messages.
-
-    Returns
-    -------
-    NamedArrays
+    Names and values of the .csv file are in its comments. `key` is the scene's key that names the
+    file, for messages.
 
     Raises
     ------
@@ -174,23 +166,20 @@ def read_arrays(path: str | Path, key: str) -> NamedArrays:
         If the file is missing, unreadable or pickled, or its rows have different lengths.
     """
     path = Path(path)
+    expected, suffix = "a .npz or .csv file", path.suffix.lower()
+    found = "" if suffix in (".npz", ".csv") else suffix or "no suffix"
     if not isfile(path):  # unlike Path.is_file, no exception for a name that is too long
         found = "a folder" if isdir(path) else "no such file"
-        raise ComplianceFileError(file=path, key=key, expected="a .npz or .csv file", found=found)
-    suffix = path.suffix.lower()
-    if suffix not in (".npz", ".csv"):
-        raise ComplianceFileError(
-            file=path, key=key, expected="a .npz or .csv file", found=suffix or "no suffix"
-        )
+    if found:
+        raise ComplianceFileError(file=path, key=key, expected=expected, found=found)
     if suffix == ".csv":
         arrays = _read_csv(path, key)
         return NamedArrays(path, {name: _held(value) for name, value in arrays.items()})
     try:
         return NamedArrays(path, read_members(path))
     except BadArchive as error:
-        raise ComplianceFileError(
-            file=path, key=error.name or key, expected=PLAIN, found=error.found
-        ) from None
+        key, found = error.name or key, error.found
+    raise ComplianceFileError(file=path, key=key, expected=PLAIN, found=found)
 
 
 def _is_text(member: Member) -> bool:
@@ -202,30 +191,54 @@ def _held(array: NDArray[Any]) -> Member:
     return Member(array.shape, array.dtype, lambda: array)
 
 
-def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[np.float64]:
-    """Read a table of numbers.
+def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> Floats:
+    """Read a table (rows, columns) of numbers from a .csv file, with or without column names.
 
-    Parameters
-    ----------
-    path : path
-        .csv: rows of numbers, with or without column names in the first row; lines that begin
-        with # are skipped.
-    key : str
-        The scene's key that names the file, for messages.
-    names : tuple of str
-        Names of the columns.
-
-    Returns
-    -------
-    (rows, columns) array
+    `key` is the scene's key that names the file; lines that begin with # are skipped.
 
     Raises
     ------
     SceneError
         If the file is missing or unreadable, or a cell is not a finite number; names the line.
     """
-    path = Path(path)
-    wanted = f"a .csv file with the columns {', '.join(names)}"
+    rows: list[list[float]] = []
+    for row in csv_rows(Path(path), key, f"a .csv file with the columns {', '.join(names)}"):
+        if not rows and tuple(row.cells) == names:
+            continue
+        try:
+            values = [float(cell) for cell in row.cells]
+        except ValueError:
+            values = []
+        if len(values) != len(names) or not np.isfinite(values).all():
+            row.refuse(f"{len(names)} numbers: {', '.join(names)}")
+        rows.append(values)
+    return np.array(rows).reshape(-1, len(names))
+
+
+class CsvRow(NamedTuple):
+    """A row of a .csv file: its file, the number of its line, its text and its cells."""
+
+    file: Path
+    number: int
+    text: str
+    cells: list[str]
+
+    def refuse(self, expected: str) -> NoReturn:
+        """Raise the error of this row."""
+        key, found = f"line {self.number}", f"'{self.text[:40]}'"
+        raise SceneError(file=self.file, key=key, expected=expected, found=found)
+
+
+def csv_rows(path: Path, key: str, wanted: str) -> list[CsvRow]:
+    """Rows of a .csv file, without empty lines and those that begin with #.
+
+    For messages: the scene's key that names the file, and a description of the wanted file.
+
+    Raises
+    ------
+    SceneError
+        If the file is missing or unreadable.
+    """
     if not isfile(path) or path.suffix.lower() != ".csv":
         found = f"no file {path.name}" if not isfile(path) else path.name
         raise SceneError(key=key, expected=wanted, found=found)
@@ -233,26 +246,11 @@ def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> NDArray[
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError):
         raise SceneError(key=key, expected=wanted, found="other bytes than UTF-8") from None
-    rows: list[list[float]] = []
-    for number, line in enumerate(lines, start=1):
-        cells = [cell.strip() for cell in line.split(",")]
-        if line.strip().startswith("#") or not line.strip():
-            continue
-        if not rows and tuple(cells) == names:
-            continue
-        try:
-            row = [float(cell) for cell in cells]
-        except ValueError:
-            row = []
-        if len(row) != len(names) or not np.isfinite(row).all():
-            raise SceneError(
-                file=path,
-                key=f"line {number}",
-                expected=f"{len(names)} numbers: {', '.join(names)}",
-                found=f"'{line.strip()[:40]}'",
-            )
-        rows.append(row)
-    return np.array(rows).reshape(-1, len(names))
+    return [
+        CsvRow(path, number, line.strip(), [cell.strip() for cell in line.split(",")])
+        for number, line in enumerate(lines, start=1)
+        if line.strip() and not line.strip().startswith("#")
+    ]
 
 
 def _read_csv(path: Path, key: str) -> dict[str, NDArray[Any]]:

@@ -33,14 +33,6 @@ def known_to_meshio(suffix: str) -> bool:
 def read_with_meshio(path: Path) -> FileMesh:
     """Read a file with meshio.
 
-    Parameters
-    ----------
-    path : Path
-
-    Returns
-    -------
-    FileMesh
-
     Raises
     ------
     BadFile

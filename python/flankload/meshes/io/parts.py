@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-Numbers = NDArray[np.int64]
+from flankload.base.arrays import Floats, Numbers
 
 #: Plane elements that can be read; linear ones are converted to quadratic ones by the body.
 PLANE_CELLS = ("triangle", "triangle6", "quad", "quad8", "quad9")
@@ -37,14 +36,11 @@ class FileMesh:
         All elements, in meshio's names and node order.
     sets : dict of str to list of arrays
         Nodes of each named set, in any order; repetitions are allowed.
-    materials : dict of str to int
-        Number of plane elements of each material, or of each group that may mean a material.
-    elastic : (float, float) or None
-        Young's modulus and Poisson's ratio, if the file has exactly one material law.
-    notes : list of str
+    materials, elastic, notes
+        As in `RawMesh`.
     """
 
-    points: NDArray[np.float64]
+    points: Floats
     blocks: list[tuple[str, Numbers]] = field(default_factory=list)
     sets: dict[str, list[Numbers]] = field(default_factory=dict)
     materials: dict[str, int] = field(default_factory=dict)
@@ -78,7 +74,7 @@ class RawMesh:
     """
 
     file: Path
-    nodes: NDArray[np.float64]
+    nodes: Floats
     cells: tuple[tuple[str, Numbers], ...]
     sets: Mapping[str, Numbers]
     materials: Mapping[str, int] = field(default_factory=dict)
@@ -96,17 +92,7 @@ class RawMesh:
 def disjoint_groups(groups: Mapping[str, Numbers], count: int) -> dict[str, int]:
     """Sizes of element groups that may mean materials: groups that share no element.
 
-    Parameters
-    ----------
-    groups : mapping of str to array
-        Elements of each group.
-    count : int
-        Number of elements.
-
-    Returns
-    -------
-    dict of str to int
-        Empty if a group contains all elements, or if groups overlap.
+    Empty if a group contains all elements, of which there are `count`, or if groups overlap.
     """
     members = {name: np.unique(elements) for name, elements in groups.items() if elements.size}
     whole = any(elements.size == count for elements in members.values())

@@ -33,16 +33,8 @@ def is_mesh_name(path: Path) -> bool:
 def read_mesh(path: str | Path, key: str = "") -> RawMesh:
     """Read a plane mesh with its named sets.
 
-    Parameters
-    ----------
-    path : path
-        gmsh .msh (2.2 or 4.1), Abaqus or CalculiX .inp, .vtu, or another format of meshio.
-    key : str
-        The scene's key that names the file, for error messages.
-
-    Returns
-    -------
-    RawMesh
+    The file is gmsh .msh (2.2 or 4.1), Abaqus or CalculiX .inp, .vtu, or another format of meshio;
+    `key` is the scene's key that names it, for messages.
 
     Raises
     ------
@@ -50,22 +42,21 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
         If the file is missing, cannot be read, or is no plane mesh of triangles and quadrilaterals.
     """
     path = Path(path)
-    if not isfile(path):  # unlike Path.is_file, no exception for a name that is too long
-        found = "a folder" if isdir(path) else "no such file"
-        raise MeshError(file=path, key=key, expected="a mesh file", found=found)
     try:
+        if not isfile(path):  # unlike Path.is_file, no exception for a name that is too long
+            raise BadFile("a mesh file", "a folder" if isdir(path) else "no such file")
         found_mesh = READERS.get(path.suffix.lower(), read_with_meshio)(path)
         _check(found_mesh)
+        return _plane_mesh(found_mesh, path)
+    except BadFile as error:
+        expected, found = error.expected, error.found
     except (ValueError, LookupError, OverflowError) as error:
         # a damaged file: inconsistent numbers
-        reason = f"numbers that do not fit together ({' '.join(str(error).split())[:80]})"
-        raise MeshError(file=path, key=key, expected="a readable mesh file", found=reason) from None
-    except BadFile as error:
-        raise MeshError(file=path, key=key, expected=error.expected, found=error.found) from None
+        reason = " ".join(str(error).split())[:80]
+        expected, found = "a readable mesh file", f"numbers that do not fit together ({reason})"
     except OSError as error:
-        reason = (error.strerror or type(error).__name__).lower()
-        raise MeshError(file=path, key=key, expected="a mesh file to read", found=reason) from None
-    return _plane_mesh(found_mesh, path)
+        expected, found = "a mesh file to read", (error.strerror or type(error).__name__).lower()
+    raise MeshError(file=path, key=key, expected=expected, found=found)
 
 
 def _check(mesh: FileMesh) -> None:

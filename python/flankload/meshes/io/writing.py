@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     import meshio
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
+    from flankload.base.arrays import Floats, Numbers
+
 
 #: Suffixes that can be written.
 WRITERS = (".msh", ".vtu", ".inp")
@@ -114,17 +114,8 @@ def vtu_of(
 ) -> bytes:
     """Content of a .vtu file with fields, binary and compressed.
 
-    Parameters
-    ----------
-    points : (N, 3) array
-    cells : ((kind, (E, k) array), ...)
-        In meshio's names and order of nodes.
-    point_data : mapping of str to (N, …) array
-    cell_data : mapping of str to an (E, …) array per entry of `cells`, optional
-
-    Returns
-    -------
-    bytes
+    Points (N, 3), cells in meshio's names and order of nodes, fields (N, …) by name, and for each
+    entry of `cells` fields (E, …) by name.
     """
     import meshio
 

@@ -7,24 +7,23 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, REGION_KEYS
+from flankload.scene.effects import switches
 from flankload.scene.effects.record import Effect, Switch, Work
-from flankload.scene.effects.switches import (
-    MODIFICATIONS,
-    has_lead,
-    has_several_torques,
-    has_shaft,
-    is_elastic,
-    is_misaligned,
-    is_misplaced,
-    is_modified,
-    is_spatial,
-)
 
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
 
 BODIES = ("compliance body 1", "compliance body 2")
 SWEEPS = ("sweep", "tangent", "estimate")
+#: Parts that several records share: effects on the elastic part of a body, on gaps, by expansion.
+OF_SECTORS: dict[str, Any] = {"stages": BODIES, "size_by": "compliance", "of_teeth": True}
+OF_GAPS: dict[str, Any] = {"stages": ("bodies",), "size_by": "gaps", "of_teeth": True}
+OF_GROWTH: dict[str, Any] = {
+    "stages": (*BODIES, *SWEEPS),
+    "work": Work(growth_loads=1),
+    "counters": ("fe_load_cases_growth",),
+    "size_by": "gaps",
+}
 #: Kinds of bodies whose coast flanks are not modelled, with the reason.
 ONE_FLANK = {
     "mesh": "of whose teeth a file names one flank",
@@ -45,30 +44,26 @@ def _effect(title: str, **record: Any) -> Any:
     return field(metadata={"title": title, **record})
 
 
+def _elastic(number: int) -> Any:
+    """The record of an elastic body."""
+    return _effect(
+        f"elastic body {number}",
+        keys=(f"body_{number}.rigid",),
+        called_for=switches.is_elastic(number),
+        needs_load=True,
+        stages=(f"compliance body {number}",),
+        work=Work(factorisations=1, normal_loads=1),
+        counters=("fe_factorisations", "unit_loads_normal"),
+        size_by="compliance",
+    )
+
+
 @dataclass(frozen=True)
 class Effects:
     """The effects that a scene requests: one truth value per effect, with its record (`Effect`)."""
 
-    elastic_body_1: bool = _effect(
-        "elastic body 1",
-        keys=("body_1.rigid",),
-        called_for=is_elastic(1),
-        needs_load=True,
-        stages=("compliance body 1",),
-        work=Work(factorisations=1, normal_loads=1),
-        counters=("fe_factorisations", "unit_loads_normal"),
-        size_by="compliance",
-    )
-    elastic_body_2: bool = _effect(
-        "elastic body 2",
-        keys=("body_2.rigid",),
-        called_for=is_elastic(2),
-        needs_load=True,
-        stages=("compliance body 2",),
-        work=Work(factorisations=1, normal_loads=1),
-        counters=("fe_factorisations", "unit_loads_normal"),
-        size_by="compliance",
-    )
+    elastic_body_1: bool = _elastic(1)
+    elastic_body_2: bool = _elastic(2)
     three_dimensions: bool = _effect(
         "three-dimensional bodies",
         keys=(
@@ -78,7 +73,7 @@ class Effects:
             *(f"body_*.{key}" for key in (*REGION_KEYS, "shaft")),
             *(f"pair.{key}" for key in MISALIGNMENTS),
         ),
-        called_for=is_spatial,
+        called_for=switches.is_spatial,
         stages=(*BODIES, *SWEEPS),
         counters=("fe_unknowns", "slices"),
         size_by="compliance",
@@ -87,25 +82,17 @@ class Effects:
     segment: bool = _effect(
         "segment of teeth with fixed cuts",
         on={"body": "segment", "segment_teeth": 5},
-        stages=BODIES,
-        size_by="compliance",
-        of_teeth=True,
         coarser=True,
+        **OF_SECTORS,
     )
     single_tooth: bool = _effect(
         "single tooth with fixed cuts",
         on={"body": "tooth", "segment_teeth": None},
-        stages=BODIES,
-        size_by="compliance",
-        of_teeth=True,
         coarser=True,
+        **OF_SECTORS,
     )
     tooth_coupling: bool = _effect(
-        "coupling between teeth",
-        on={"tooth_coupling": True},
-        stages=BODIES,
-        size_by="compliance",
-        of_teeth=True,
+        "coupling between teeth", on={"tooth_coupling": True}, **OF_SECTORS
     )
     nodal_near_field: bool = _effect(
         "near field from nodal forces",
@@ -175,40 +162,32 @@ class Effects:
     )
     flank_modifications: bool = _effect(
         "flank modifications",
-        keys=tuple(f"body_*.{key}" for key in MODIFICATIONS),
-        called_for=is_modified,
-        stages=("bodies",),
-        size_by="gaps",
-        of_teeth=True,
+        keys=tuple(f"body_*.{key}" for key in switches.MODIFICATIONS),
+        called_for=switches.is_modified,
+        **OF_GAPS,
     )
     pitch_errors: bool = _effect(
         "pitch errors",
         keys=("body_*.pitch_errors_um",),
-        called_for=is_misplaced,
-        stages=("bodies",),
-        size_by="gaps",
-        of_teeth=True,
+        called_for=switches.is_misplaced,
+        **OF_GAPS,
     )
     lead_modifications: bool = _effect(
         "lead modifications",
         keys=tuple(f"body_*.{key}" for key in LEAD_KEYS),
-        called_for=has_lead,
-        stages=("bodies",),
-        size_by="gaps",
-        of_teeth=True,
+        called_for=switches.has_lead,
+        **OF_GAPS,
     )
     misalignment: bool = _effect(
         "misalignment of the axes",
         keys=tuple(f"pair.{key}" for key in MISALIGNMENTS),
-        called_for=is_misaligned,
-        stages=("bodies",),
-        size_by="gaps",
-        of_teeth=True,
+        called_for=switches.is_misaligned,
+        **OF_GAPS,
     )
     shafts: bool = _effect(
         "shafts and bearings",
         keys=("body_*.shaft",),
-        called_for=has_shaft,
+        called_for=switches.has_shaft,
         stages=SWEEPS,
         size_by="compliance",
         of_teeth=True,
@@ -221,19 +200,13 @@ class Effects:
             "effects.support_expansion_per_K",
         ),
         on={"temperature_rise_K": 50.0},
-        stages=(*BODIES, *SWEEPS),
-        work=Work(growth_loads=1),
-        counters=("fe_load_cases_growth",),
-        size_by="gaps",
+        **OF_GROWTH,
     )
     centrifugal_growth: bool = _effect(
         "centrifugal expansion",
         keys=("effects.speed_rpm", "effects.density_kg_m3"),
         on={"speed_rpm": 3000.0},
-        stages=(*BODIES, *SWEEPS),
-        work=Work(growth_loads=1),
-        counters=("fe_load_cases_growth",),
-        size_by="gaps",
+        **OF_GROWTH,
         refused_for={
             "cam": "nothing, since body_2.kind is 'cam': its follower, body_1, swings and does not "
             "turn"
@@ -247,11 +220,7 @@ class Effects:
         counters=("unit_loads_tangential",),
         size_by="levers",
     )
-    power_loss: bool = _effect(
-        "power loss",
-        on={"friction_coefficient": 0.1},
-        stages=("result",),
-    )
+    power_loss: bool = _effect("power loss", on={"friction_coefficient": 0.1}, stages=("result",))
     root_stress: bool = _effect(
         "tooth root stress",
         on={"root_stress": True},
@@ -269,7 +238,7 @@ class Effects:
     several_torques: bool = _effect(
         "several torques",
         keys=("load.torque_Nm",),
-        called_for=has_several_torques,
+        called_for=switches.has_several_torques,
         stages=SWEEPS,
         work=Work(columns=1, solves=1),
     )
@@ -325,47 +294,17 @@ EFFECTS = _records()
 
 @lru_cache(maxsize=64)
 def effects_of(scene: Scene) -> Effects:
-    """Effects that a scene requests.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    Effects
-    """
+    """Effects that a scene requests."""
     return Effects(**{effect.name: effect.switch(scene).on for effect in EFFECTS})
 
 
 def switches_of(scene: Scene) -> dict[str, Switch]:
-    """Effects that a scene requests, each with the key that decides.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    dict of str to Switch
-        In the order of the records.
-    """
+    """Effects that a scene requests, each with the key that decides, in the order of records."""
     return {effect.name: effect.switch(scene) for effect in EFFECTS}
 
 
 def work_in(stage: str, effects: Effects) -> Work:
-    """Work that all requested effects add to a stage.
-
-    Parameters
-    ----------
-    stage : str
-    effects : Effects
-
-    Returns
-    -------
-    Work
-        Sum over the records.
-    """
+    """Work that all requested effects add to a stage, the sum over the records."""
     work = [row.work for row in EFFECTS if stage in row.stages and getattr(effects, row.name)]
     return Work(
         **{item.name: sum(getattr(row, item.name) for row in work) for item in fields(Work)}

@@ -15,7 +15,7 @@ from flankload.scene.refusal import refuse, shown
 
 if TYPE_CHECKING:
     from flankload.scene.effects.record import Effect
-    from flankload.scene.scene_file import BodySpec, SceneFile
+    from flankload.scene.scene import BodySpec, SceneFile
 
 RECORDS = {effect.name: effect for effect in EFFECTS}
 #: Largest strain for which expansion is linear; far beyond that of any machine.
@@ -23,18 +23,9 @@ LARGEST_STRAIN = 0.02
 
 
 def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    """Refuse meaningless combinations of effects and bodies.
+    """Refuse meaningless combinations of effects and bodies; names both keys.
 
-    Parameters
-    ----------
-    asked : SceneFile
-    given : mapping
-        The scene as in the file.
-
-    Raises
-    ------
-    SceneError
-        Names the key, and the other key in the expected value.
+    `given` is the scene as in the file.
     """
     wanted = [effect for effect in EFFECTS if effect.is_asked(asked.effects)]
     _check_known(asked, given.get("effects", {}))
@@ -42,9 +33,7 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
     _check_extent(asked)
     _check_teeth(asked, given.get("effects", {}))
     _check_growth(asked)
-    spatial = three_dimensional_key(
-        (asked.body_1, asked.body_2), asked.pair, asked.effects.dimension
-    )
+    spatial = three_dimensional_key(asked)
     for effect in wanted:
         if spatial is None or effect.name != "lumped_contact":  # one of slices suits all kinds
             _check_kinds(effect, asked.body_1.kind, asked.body_2.kind, found=_value(effect, asked))
@@ -57,12 +46,7 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
 
 
 def check_coast_kinds(kind_1: str, kind_2: str) -> None:
-    """Check that both flanks of every tooth of both bodies are known.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Check that both flanks of every tooth of both bodies are known."""
     _check_kinds(RECORDS["coast_flanks"], kind_1, kind_2, found="true")
 
 
@@ -108,11 +92,8 @@ def _check_friction(asked: SceneFile) -> None:
         if not 0.0 <= coefficient <= LARGEST_COEFFICIENT:
             refuse(f"{key}[{i}][1]", f"a number from 0 to {LARGEST_COEFFICIENT:g}", coefficient)
         if i and roll <= rows[i - 1][0]:
-            refuse(
-                f"{key}[{i}][0]",
-                f"more than the roll position of the row before, {rows[i - 1][0]:g}",
-                roll,
-            )
+            expected = f"more than the roll position of the row before, {rows[i - 1][0]:g}"
+            refuse(f"{key}[{i}][0]", expected, roll)
 
 
 def _check_extent(asked: SceneFile) -> None:
@@ -221,12 +202,9 @@ def _check_levels(asked: SceneFile) -> None:
         profile = body.profile if isinstance(body, MeshBody) else None
         for rounding in ("tip_radius_mm", "tip_chamfer_mm") if profile is not None else ():
             if getattr(profile, rounding) is not None:
-                refuse(
-                    "effects.near_field",
-                    f"'analytic' with {name}.profile.{rounding}: the carrying edges of a "
-                    "flank set from a file end at the tip rounding or chamfer",
-                    "'nodes'",
-                )
+                expected = f"'analytic' with {name}.profile.{rounding}: the carrying edges of a "
+                expected += "flank set from a file end at the tip rounding or chamfer"
+                refuse("effects.near_field", expected, "'nodes'")
     if accuracy.modes is not None:
         expected = "nothing with effects.near_field 'nodes': nodal forces replace modes"
         refuse("accuracy.modes", expected, accuracy.modes)
@@ -239,9 +217,6 @@ def _check_forces(asked: SceneFile) -> None:
         why = "it keeps a belt straight off its pulley"
         refuse("body_2.prestress_N", f"a number > 0 with effects.land_lift: {why}", "0")
     if asked.effects.coast_flank and asked.body_1.rigid and asked.body_2.rigid:
-        refuse(
-            "effects.coast_flank",
-            "false with body_1.rigid and body_2.rigid: flanks that press on each other "
-            "across a tooth must be elastic",
-            "true",
-        )
+        expected = "false with body_1.rigid and body_2.rigid: flanks that press on each other "
+        expected += "across a tooth must be elastic"
+        refuse("effects.coast_flank", expected, "true")

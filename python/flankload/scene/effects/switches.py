@@ -41,9 +41,8 @@ def is_elastic(number: int) -> Callable[[Scene], Switch]:
 
 def is_spatial(scene: Scene) -> Switch:
     """Whether the bodies are three-dimensional; the reason is the first such key."""
-    bodies, dimension = (scene.body_1, scene.body_2), scene.effects.dimension
-    key = three_dimensional_key(bodies, scene.pair, dimension)
-    return Switch(key is not None, key or "nothing varies along the axis", dimension is not None)
+    key, named = three_dimensional_key(scene), scene.effects.dimension is not None
+    return Switch(key is not None, key or "nothing varies along the axis", named)
 
 
 def require_plane(scene: Scene, reason: str) -> None:

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from flankload.bodies.carrying_shaft import CarryingShaft
+from flankload.bodies.shaft import CarryingShaft
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis
 from flankload.elasticity.prism.carried_bore import CarriedBore, beam_stiffness
