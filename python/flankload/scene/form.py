@@ -22,8 +22,8 @@ from flankload.scene.table import BY_NAME, Table
 T = TypeVar("T", bound=Table)
 
 LEAD = "lead modifications, which are three-dimensional"
-#: Keys that only some kinds of body have, with the feature that the others lack. A name that ends in
-#: an underscore matches all keys that begin with it.
+#: Keys that only some kinds of body have, with the feature that the others lack. A name that ends
+#: in an underscore matches all keys that begin with it.
 OF_SOME_BODIES = {
     "helix_angle_deg": "helical gears",
     "hand": "helical gears",
