@@ -53,7 +53,7 @@ def prepare(scene: Scene, parts: Parts) -> None:
     mechanism = mechanism_of(scene)
     clock = StageClock(None, mechanism.sweeps(scene), {})
     built = mechanism.build(scene, None, clock.account("bodies"), parts)
-    if mechanism.without_flanks is None:  # the other drives reuse nothing
+    if mechanism.no_flanks_reason is None:  # the other drives reuse nothing
         mechanism.compliances(scene, built, clock, {}, parts)
 
 

@@ -47,7 +47,7 @@ STATE_S = 1e-3
 class TimingBelt(WrappedMechanism):
     """A pulley and the belt around it."""
 
-    without_flanks: str | None = "'belt', which lies on its pulley as a strip"
+    no_flanks_reason: str | None = "'belt', which lies on its pulley as a strip"
 
     def assemble(self, scene: Scene) -> BeltAssembly:
         return assemble(scene)

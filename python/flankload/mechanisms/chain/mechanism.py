@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 class ChainOnSprocket(WrappedMechanism):
     """A sprocket and the chain around it."""
 
-    without_flanks: str | None = "'chain', whose sprocket has pockets and which is a truss"
+    no_flanks_reason: str | None = "'chain', whose sprocket has pockets and which is a truss"
 
     def assemble(self, scene: Scene) -> ChainAssembly:
         return assemble(scene)

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 class FlankPair:
     """Two bodies whose flanks touch."""
 
-    without_flanks: str | None = None
+    no_flanks_reason: str | None = None
 
     def build(
         self,
