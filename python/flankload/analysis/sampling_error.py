@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.analysis.error_rules import FACE_LOAD, Left, face_factors, mean_stiffness
+from flankload.analysis.error_rules import FACE_LOAD, RemainingError, face_factors, mean_stiffness
 
 if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
@@ -38,19 +38,21 @@ LEAST_OPEN = 3
 HIDDEN, HIDDEN_ROTATION = 0.5, 0.06
 
 
-def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str, Left]:
+def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str, RemainingError]:
     """`between_positions`, in three dimensions also the error of the face load factor."""
-    left = between_positions(found, window, position_rad)
+    errors = between_positions(found, window, position_rad)
     if found.slices is not None and position_rad.size > 1:
         factors = face_factors(found)
         at = int(factors.argmax())
         # beside a kink, the largest value may lie half the step to a neighbour above the sample
         beside = [factors[at - 1], factors[(at + 1) % factors.size]]
-        left[FACE_LOAD] = Left(0.0, 0.5 * float(1.0 - min(beside) / factors[at]))
-    return left
+        errors[FACE_LOAD] = RemainingError(0.0, 0.5 * float(1.0 - min(beside) / factors[at]))
+    return errors
 
 
-def between_positions(part: Sweep, window: Window, position_rad: Floats) -> dict[str, Left]:
+def between_positions(
+    part: Sweep, window: Window, position_rad: Floats
+) -> dict[str, RemainingError]:
     """Sampling errors of quantities that depend on all positions, by quantity.
 
     Parameters
@@ -71,7 +73,7 @@ def between_positions(part: Sweep, window: Window, position_rad: Floats) -> dict
     def curve(values: Floats) -> PositionCurve:
         return window.curve_of(position_rad, values, loaded)
 
-    def of_mean(values: Floats) -> Left:
+    def of_mean(values: Floats) -> RemainingError:
         through, mean = curve(values), values.mean()
         missed = mean - through.mean()
         open_kinks = through.doubt_integrals()[changes].sum() / through.length
@@ -80,14 +82,14 @@ def between_positions(part: Sweep, window: Window, position_rad: Floats) -> dict
             DOUBT_KINKS * open_kinks,
             HIDDEN_ROTATION * hidden * mean,
         )
-        return Left.relative(missed, float(np.linalg.norm(doubts)), mean)
+        return RemainingError.relative(missed, float(np.linalg.norm(doubts)), mean)
 
     through = curve(rotation)
     between = np.ptp(through.values(np.linspace(*through.ends, BETWEEN * rotation.size)))
     missed = float(np.ptp(rotation) - between)
     found = {
         "transmission_error_mean": of_mean(rotation),
-        "transmission_error_peak_to_peak": Left.relative(
+        "transmission_error_peak_to_peak": RemainingError.relative(
             missed, DOUBT_PEAK_TO_PEAK * abs(missed), np.ptp(rotation)
         ),
     }
@@ -99,11 +101,11 @@ def between_positions(part: Sweep, window: Window, position_rad: Floats) -> dict
         missed, doubt = _steps(tangent, position_rad, through, changes)
         mean = tangent.mean()
         doubt = float(np.hypot(doubt, HIDDEN * hidden * mean))
-        found["stiffness_tangent"] = Left.relative(missed, doubt, mean)
+        found["stiffness_tangent"] = RemainingError.relative(missed, doubt, mean)
     return found
 
 
-def _open_window(part: Sweep) -> dict[str, Left]:
+def _open_window(part: Sweep) -> dict[str, RemainingError]:
     """The same if curves do not close: the doubt is the contribution of the last interval."""
     rotation = part.rotation_rad
     if rotation.size < LEAST_OPEN:
@@ -116,10 +118,12 @@ def _open_window(part: Sweep) -> dict[str, Left]:
     ):
         if values is not None:
             missed = 0.5 * (values[0] - _next(values)) / values.size
-            found[name] = Left.relative(missed, abs(missed), values.mean())
+            found[name] = RemainingError.relative(missed, abs(missed), values.mean())
     missed = float(np.ptp(rotation) - np.ptp([*rotation, _next(rotation)]))
     between = 0.5 * float(np.abs(np.diff(rotation, 2)).max())
-    found["transmission_error_peak_to_peak"] = Left.relative(missed, between, np.ptp(rotation))
+    found["transmission_error_peak_to_peak"] = RemainingError.relative(
+        missed, between, np.ptp(rotation)
+    )
     return found
 
 

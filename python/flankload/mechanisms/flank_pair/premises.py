@@ -16,8 +16,8 @@ from flankload.mechanisms.premises import (
     Premise,
     Torque,
     broken_by_turn,
-    held,
     largest_turn,
+    require_premises,
 )
 
 if TYPE_CHECKING:
@@ -140,7 +140,9 @@ def blame_load(
             (found,) = run(part * torque_Nmm)
         except ContactError:
             continue
-        held(scene, tuple(broken_by_load(scene, pair, geometry, found, number, part=part)))
+        require_premises(
+            scene, tuple(broken_by_load(scene, pair, geometry, found, number, part=part))
+        )
         return
 
 
