@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.result import Result
 
-    Floats = NDArray[np.float64]
 
 #: Least distance of two ticks of the roll angle, as part of the width.
 CLOSEST = 0.05

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.result import Result
     from flankload.result.pairs import PairTable
 
-    Floats = NDArray[np.float64]
 
 #: Points of a contact pattern along a flank.
 PATTERN_POINTS = 240

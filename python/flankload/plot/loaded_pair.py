@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.result import PairTable, Result
 
-    Floats = NDArray[np.float64]
 
 #: Points of the pressure curve of a lumped contact.
 HERTZ_POINTS = 41

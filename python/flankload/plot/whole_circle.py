@@ -15,9 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.result import Result
-
-    Floats = NDArray[np.float64]
 
 
 def _where(result: Result, p: int) -> str:

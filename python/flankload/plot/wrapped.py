@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.result import Result
 
-    Floats = NDArray[np.float64]
 
 #: Size of a drawing, inches.
 DRAWING = (6.4, 6.0)

@@ -23,14 +23,11 @@ from flankload.mechanisms.premises import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from numpy.typing import NDArray
-
     from flankload.contact.sweep import Sweep
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.geometry import PairGeometry
     from flankload.scene import Scene
 
-    Floats = NDArray[np.float64]
 
 #: Parts of a torque without a solution that are tried until one of them has a solution.
 PARTS = tuple(0.25**k for k in range(1, 9))

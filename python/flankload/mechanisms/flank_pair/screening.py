@@ -48,10 +48,10 @@ from flankload.scene.effects import EFFECTS, effects_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.contact.sweep import Sweep
     from flankload.scene import Scene
 
-    Floats = NDArray[np.float64]
 
 #: Positions of the screening; of these so many with the run's own cells, and with finite forces.
 MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 12, 12, 4
