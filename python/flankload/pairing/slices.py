@@ -59,7 +59,7 @@ class Slices:
 
     @property
     def count(self) -> int:
-        """J."""
+        """Number of slices."""
         return self.edges_mm.size - 1
 
     @property
