@@ -16,7 +16,7 @@ from flankload.result.notes import OUTSIDE
 from flankload.scene.usual import questions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from flankload.base.arrays import Floats
     from flankload.result import Result
@@ -77,11 +77,12 @@ class Broken:
         return f"{OUTSIDE}: {self.key}: expected {self.premise.expected}, found {self.found}"
 
 
-def require_premises(scene: Scene, broken: Sequence[Broken]) -> tuple[Broken, ...]:
+def require_premises(scene: Scene, broken: Iterable[Broken]) -> tuple[Broken, ...]:
     """Raise a PremiseError for the first violation, unless the scene allows them; return them."""
-    if broken and not scene.effects.beyond_limits:
-        raise broken[0].error(scene)
-    return tuple(broken)
+    violations = tuple(broken)
+    if violations and not scene.effects.beyond_limits:
+        raise violations[0].error(scene)
+    return violations
 
 
 def with_violations(result: Result, broken: Sequence[Broken]) -> Result:

@@ -96,7 +96,7 @@ def run_once(
     clock = StageClock(progress, mechanism.sweeps(scene), earlier.stages)
     with clock.stage("bodies") as account:
         built = mechanism.build(scene, discretization, account, earlier.parts)
-        by_geometry = require_premises(scene, tuple(mechanism.broken_by_geometry(built)))
+        by_geometry = require_premises(scene, mechanism.broken_by_geometry(built))
         account.bytes += held_bytes(built)
     predicted = beside_plan(mechanism.work(scene, built), plan)
     if on_assembly is not None:
@@ -111,7 +111,7 @@ def run_once(
         on_states(states)
     numbers = range(len(states.found))
     by_load = [
-        require_premises(scene, tuple(mechanism.broken_by_load(scene, assembly, states, n)))
+        require_premises(scene, mechanism.broken_by_load(scene, assembly, states, n))
         for n in numbers
     ]
     estimates: Sequence[Mapping[str, object] | None] = [None] * len(numbers)

@@ -113,7 +113,7 @@ class BeltScreening(Screening):
         for states in self.base:
             torque = Torque(scene, scene.torques_Nm.index(states.torque_Nm))
             turned_rad = float((states.rotation_rad - self.unloaded_rad).max())
-            require_premises(scene, tuple(broken_by_turn(turned_rad, strip.pitch_rad, torque)))
+            require_premises(scene, broken_by_turn(turned_rad, strip.pitch_rad, torque))
 
     def _solve(self, scene: Scene) -> None:
         """Solve the pieces of belt and a sector of the pulley, with all land columns."""

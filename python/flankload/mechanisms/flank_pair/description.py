@@ -44,7 +44,7 @@ def describe(scene: Scene) -> Description:
     }
     rows["pair"] = _rows_of_pair(scene, pair)
     rows["effects"] = [(row.title, _said(switches[row.name])) for row in effects]
-    broken = require_premises(scene, tuple(broken_by_geometry(pair)))
+    broken = require_premises(scene, broken_by_geometry(pair))
     return Description(rows, (*pair.notes, *(one.note for one in broken)))
 
 

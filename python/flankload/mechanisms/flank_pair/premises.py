@@ -137,9 +137,7 @@ def blame_load(
             (found,) = run(part * torque_Nmm)
         except ContactError:
             continue
-        require_premises(
-            scene, tuple(broken_by_load(scene, pair, geometry, found, number, part=part))
-        )
+        require_premises(scene, broken_by_load(scene, pair, geometry, found, number, part=part))
         return
 
 

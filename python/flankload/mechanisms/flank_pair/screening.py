@@ -118,7 +118,7 @@ class FlankPairScreening(Screening):
         self._scene = scene
         with Account() as self._bodies:
             self._pair = build_bodies(scene)
-        require_premises(scene, tuple(broken_by_geometry(self._pair)))
+        require_premises(scene, broken_by_geometry(self._pair))
         self._bodies.bytes = held_bytes(self._pair)
         known = [row for row in EFFECTS if row.name not in OF_DRIVES]
         teeth = self._pair.pairing.motion is None
@@ -264,7 +264,7 @@ class FlankPairScreening(Screening):
         for torque, found in zip(self._torques, base, strict=True):
             number = self._scene.torques_Nm.index(torque)
             require_premises(
-                self._scene, tuple(broken_by_load(self._scene, pair, geometry, found, number))
+                self._scene, broken_by_load(self._scene, pair, geometry, found, number)
             )
 
     def _geometry(self) -> tuple[BodyPair, PairGeometry]:
