@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.base.text_table import MARK, NONE, number, text_table
+from flankload.contact.status import Status
 from flankload.cost import COUNTERS
 from flankload.result.notes import accuracy_lines, outside_words, warning_lines
 from flankload.result.parts import CoastContact
@@ -40,9 +41,11 @@ LEAST_UNLOADED = 1e-3
 OF_SEVERAL = ("transmission_error_mean", "transmission_error_peak_to_peak")
 #: Result of the contact solver's check at a position, other than "solved" (0).
 STATUS_WORDS = {
-    1: "solved; how neighbouring pairs share their force is uncertain, sums are right",
-    2: "solved; a pair has neither force nor gap",
-    3: "solved; that no other state exists is not proven",
+    Status.ILL_CONDITIONED: (
+        "solved; how neighbouring pairs share their force is uncertain, sums are right"
+    ),
+    Status.DEGENERATE: "solved; a pair has neither force nor gap",
+    Status.NOT_UNIQUE: "solved; that no other state exists is not proven",
 }
 #: Counters of the cost in the last line, with their words; the second part only if it is not 0.
 COUNTED = {"fe_factorisations": "FE factorisations", "unit_loads_normal": "unit loads"}
