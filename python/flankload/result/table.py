@@ -29,8 +29,8 @@ FORMS = (".3f", ".3f", ".2f", ".2f")
 
 #: Largest number of pairs with a column each; with more pairs a row lists the loaded ones.
 MOST_COLUMNS = 8
-#: Parts of a quantity below this limit are roundoff, and printed as zero.
-ROUNDING = 1e-9
+#: Estimated errors below this part of a quantity are roundoff, and printed as zero.
+NO_ERROR = 1e-9
 #: Sources of the estimate with a separate line: they apply to harmonics, which others do not.
 SHOWN_ALONE = {"positions": "by positions alone", "period": "by period alone"}
 #: Words that such a line omits from its names.
@@ -288,7 +288,7 @@ def _estimate_lines(result: Result, beyond: str) -> Iterator[Line]:
     yield "estimated error", text + beyond
     for source, label in SHOWN_ALONE.items():
         left = result.estimate.get("by_source", {}).get(source, {})
-        if any(error > ROUNDING for error in left.values()) or (left and source == "positions"):
+        if any(error > NO_ERROR for error in left.values()) or (left and source == "positions"):
             text = _estimate({key.removeprefix(OF_ROTATION): error for key, error in left.items()})
             yield label, text + beyond
 
@@ -386,8 +386,8 @@ def _estimate(estimate: Any) -> str:
     """Each quantity's error, and its largest source."""
     sources = estimate.get("dominant_source", {})
     return ", ".join(
-        f"{quantity.replace('_', ' ')} {100 * error if error > ROUNDING else 0:.2g} %"
-        + (f" ({sources[quantity]})" if quantity in sources and error > ROUNDING else "")
+        f"{quantity.replace('_', ' ')} {100 * error if error > NO_ERROR else 0:.2g} %"
+        + (f" ({sources[quantity]})" if quantity in sources and error > NO_ERROR else "")
         for quantity, error in estimate.items()
         if isinstance(error, int | float)
     )
