@@ -57,65 +57,53 @@ contains
         !> Distances towards smaller and greater arc length of flank 1 [mm], within the stretch
         real(wp) :: reach(2)
 
-        integer :: side
+        reach = [to_side(-1.0_wp), to_side(1.0_wp)]
 
-        do side = 1, 2
-            reach(side) = reach_to_side(flank_1, frame_1, flank_2, frame_2, zone, growth, &
-                & merge(-1.0_wp, 1.0_wp, side == 1))
-        end do
+    contains
+
+        !> The distance on one side.
+        pure function to_side(sense) result(x)
+            !> -1: towards smaller arc length of flank 1, 1: towards greater
+            real(wp), intent(in) :: sense
+            real(wp) :: x
+
+            type(search_type) :: search
+            type(pair_type) :: pair
+            integer :: step
+            real(wp) :: part
+            logical :: found
+
+            call begin_search(flank_1, zone, growth, sense, search, x)
+            pair = zone%nearest
+            do step = 1, max_steps
+                call pair_on_circle(flank_1, frame_1, flank_2, frame_2, &
+                    & zone%nearest%s_1 + sense*x, [zone%s_2_low, zone%s_2_high], pair, found)
+                if (.not. found) then
+                    search%outer = x
+                    search%part_outer = 0.0_wp
+                    x = 0.5_wp*(search%inner + search%outer)
+                    cycle
+                end if
+                part = (pair%gap_angle - zone%gap_angle &
+                    & - zone%tilt*(pair%s_1 - zone%nearest%s_1))*zone%lever/growth
+                if (part < 1.0_wp) then
+                    if (x >= search%room) return
+                    search%inner = x
+                    search%part_inner = part
+                else
+                    search%outer = x
+                    search%part_outer = part
+                end if
+                if (abs(part - 1.0_wp) <= tolerance) then
+                    x = along_slope(search, x, part, &
+                        & sense*(pair%slope - zone%tilt)*zone%lever/growth)
+                    return
+                end if
+                x = next_place(search, step, x, part)
+            end do
+        end function to_side
+
     end function zone_reach
-
-    !> Distance from the place of least gap, on one side, at which the gap has a given increase.
-    pure function reach_to_side(flank_1, frame_1, flank_2, frame_2, zone, growth, sense) result(x)
-        !> Flank of body 1 and its placement
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its placement
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
-        !> The zone
-        type(zone_type), intent(in) :: zone
-        !> Increase of the gap along the normal [mm]
-        real(wp), intent(in) :: growth
-        !> -1: towards smaller arc length of flank 1, 1: towards greater
-        real(wp), intent(in) :: sense
-        real(wp) :: x
-
-        type(search_type) :: search
-        type(pair_type) :: pair
-        integer :: step
-        real(wp) :: part
-        logical :: found
-
-        call begin_search(flank_1, zone, growth, sense, search, x)
-        pair = zone%nearest
-        do step = 1, max_steps
-            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, zone%nearest%s_1 + sense*x, &
-                & [zone%s_2_low, zone%s_2_high], pair, found)
-            if (.not. found) then
-                search%outer = x
-                search%part_outer = 0.0_wp
-                x = 0.5_wp*(search%inner + search%outer)
-                cycle
-            end if
-            part = (pair%gap_angle - zone%gap_angle &
-                & - zone%tilt*(pair%s_1 - zone%nearest%s_1))*zone%lever/growth
-            if (part < 1.0_wp) then
-                if (x >= search%room) return
-                search%inner = x
-                search%part_inner = part
-            else
-                search%outer = x
-                search%part_outer = part
-            end if
-            if (abs(part - 1.0_wp) <= tolerance) then
-                x = along_slope(search, x, part, &
-                    & sense*(pair%slope - zone%tilt)*zone%lever/growth)
-                return
-            end if
-            x = next_place(search, step, x, part)
-        end do
-    end function reach_to_side
 
     !> First distance of the search: half the width of a Hertz contact of the same curvature.
     pure subroutine begin_search(flank_1, zone, growth, sense, search, x)

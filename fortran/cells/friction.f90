@@ -13,7 +13,7 @@ module flankload_friction
     private
 
     public :: friction_type
-    public :: new_friction, coefficient_at, rub_pairs
+    public :: new_friction, coefficient_at, add_friction
     public :: friction_lever, slide_at, mean_sign, half_turn_between
 
     !> Friction coefficients of a scene.
@@ -75,8 +75,8 @@ contains
     !> contact over the pitch point. In the cell in which it does, the factor is the mean over the
     !> cell: the state remains a smooth function of the position. Bodies that turn at the same rate
     !> about different axes (a spline with an offset) slide everywhere by the same vector.
-    pure subroutine rub_pairs(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, first, &
-            & pairs)
+    pure subroutine add_friction(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, &
+            & first, pairs)
         !> Friction coefficients of the scene
         type(friction_type), intent(in) :: friction
         !> Speeds of both bodies [rad per rad of the position], shape (2)
@@ -119,7 +119,7 @@ contains
                 & + pairs%friction(i)*friction_lever(pairs%point(:, i) - frame_1%origin, &
                 & pairs%normal(:, i))
         end do
-    end subroutine rub_pairs
+    end subroutine add_friction
 
     !> Lever of the tangential force in the torque row: m = b - mu sigma sign(P x n) P x t, with P x
     !> t = -P.n.

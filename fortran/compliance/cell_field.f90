@@ -16,8 +16,8 @@ module flankload_cell_field
     use flankload_contact_pairs, only: pairs_type
     use flankload_lapack, only: set_product
     use flankload_rectangle_potential, only: add_potentials, cell_potential
-    use flankload_slice_field, only: corner_mirrors, end_mirrors, flank_of, mirror_type, modes_of, &
-        & segment_type, sliced_tangential, slices_type
+    use flankload_slice_field, only: across_lines, along_line, corner_mirrors, end_mirrors, &
+        & flank_of, mirror_type, modes_of, segment_type, sliced_tangential, slices_type
     use flankload_tangential_potential, only: rectangle_field
     implicit none
     private
@@ -26,11 +26,29 @@ module flankload_cell_field
 
     !> Cells of one zone: consecutive pairs.
     type :: run_type
-        !> First and last pair, and the zone
-        integer :: first = 0, last = 0, zone = 0
+        !> First and last pair
+        integer :: first = 0, last = 0
         !> Width of the cells [mm]; 0 if they differ
         real(wp) :: cell = 0.0_wp
+        !> Arc lengths of the first and the last cell on flank 1 [mm]
+        real(wp) :: s(2) = 0.0_wp
+        !> Their contact line
+        type(segment_type) :: line
     end type run_type
+
+    !> Modes of both bodies, and forces and moments on shafts.
+    type :: modes_type
+        !> Last pair of each flank
+        integer, allocatable :: last(:)
+        !> Values at the pairs, shape (m, n)
+        real(wp), allocatable :: values(:, :)
+        !> Displacements and motions of each flank that unit forces on the pairs cause, as modes
+        !> [mm/N], for the flank of the pair and later ones, shape (m, n, flanks)
+        real(wp), allocatable :: carried(:, :, :)
+    end type modes_type
+
+    !> Columns that are computed together: as many as fit into the cache.
+    integer, parameter :: panel = 96
 
 contains
 
@@ -53,179 +71,163 @@ contains
         real(wp), contiguous, intent(out) :: matrix(:, :)
 
         type(run_type), allocatable :: runs(:)
+        type(modes_type) :: modes
 
-        call set_smooth(body_1, body_2, slices, pairs, rigid, moved, matrix)
-        runs = runs_of(pairs)
-        call add_near_fields(runs, segments, end_mirrors(body_1, body_2), [corner_mirrors(body_1, &
-            & 1, body_1%wedge), corner_mirrors(body_2, 2, body_2%wedge)], pairs, matrix)
-        call mirror(matrix)
+        call set_modes(body_1, body_2, slices, pairs, rigid, moved, modes)
+        runs = runs_of(pairs, segments)
+        call set_symmetric(runs, modes, end_mirrors(body_1, body_2), [corner_mirrors(body_1, 1, &
+            & body_1%wedge), corner_mirrors(body_2, 2, body_2%wedge)], pairs, matrix)
         if (allocated(pairs%friction)) then
-            call add_rubbing(body_1, body_2, slices, segments, pairs, runs, matrix)
+            call add_sliding(body_1, body_2, slices, runs, modes%last, pairs, matrix)
         end if
     end subroutine cell_influences
 
-    !> Add the near field and all images between cells on the same flanks, in the lower triangle.
-    pure subroutine add_near_fields(runs, segments, ends, corners, pairs, matrix)
+    !> Displacements by modes and shafts, near fields and all images. The lower triangle is computed
+    !> and copied to the upper one while it is in the cache.
+    pure subroutine set_symmetric(runs, modes, ends, corners, pairs, matrix)
         !> Cells of all zones
         type(run_type), intent(in) :: runs(:)
-        !> Contact lines of all zones
-        type(segment_type), intent(in) :: segments(:)
+        !> Modes; there may be none
+        type(modes_type), intent(in) :: modes
         !> The loads, their images behind end faces, and those behind corners
         type(mirror_type), intent(in) :: ends(:)
         type(mirror_type), intent(in) :: corners(:)
         !> The pairs
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
-        real(wp), contiguous, intent(inout) :: matrix(:, :)
+        real(wp), contiguous, intent(out) :: matrix(:, :)
 
-        integer :: a, b
+        integer :: a, b, first, last
 
-        do b = 1, size(runs)
-            do a = b, size(runs)
-                associate (one => segments(runs(a)%zone), other => segments(runs(b)%zone))
-                    if (one%flank /= other%flank) exit
-                    if (abs(runs(a)%cell - runs(b)%cell) > 0.0_wp .or. .not. runs(a)%cell > 0.0_wp &
-                        & ) then
-                        call add_uneven(runs(a), runs(b), one, other, ends, corners, pairs, matrix)
-                    else
-                        call add_even(runs(a), runs(b), one, other, ends, pairs, matrix)
-                        call add_images(runs(a), runs(b), one, other, corners, pairs, matrix)
-                    end if
-                end associate
+        first = 1
+        do while (first <= size(runs))
+            last = first
+            do while (last < size(runs))
+                if (runs(last + 1)%line%flank /= runs(first)%line%flank .or. runs(last + 1)%last &
+                    & >= runs(first)%first + panel) exit
+                last = last + 1
             end do
+            call set_smooth(size(modes%values, 1), pairs%n, modes%last, modes%values, &
+                & modes%carried, [runs(first)%first, runs(last)%last], matrix)
+            do b = first, last
+                do a = b, size(runs)
+                    if (runs(a)%line%flank /= runs(b)%line%flank) exit
+                    if (are_even(runs(a), runs(b))) then
+                        call add_even(runs(a), runs(b), ends, matrix)
+                        call add_images(runs(a), runs(b), corners, pairs, matrix)
+                    else
+                        call add_uneven(runs(a), runs(b), ends, corners, pairs, matrix)
+                    end if
+                end do
+            end do
+            call mirror(runs(first)%first, runs(last)%last, matrix)
+            first = last + 1
         end do
-    end subroutine add_near_fields
+    end subroutine set_symmetric
 
     !> Add the recession of both bodies under the friction of all pairs; not symmetric.
     !>
     !> The force mu sigma F on body 1 points to growing arc length of flank 1, that on body 2 to
     !> growing arc length of flank 2: both recede by minus their displacement out of the material.
-    pure subroutine add_rubbing(body_1, body_2, slices, segments, pairs, runs, matrix)
+    pure subroutine add_sliding(body_1, body_2, slices, runs, last, pairs, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
         !> The slices
         type(slices_type), intent(in) :: slices
-        !> Contact lines of all zones
-        type(segment_type), intent(in) :: segments(:)
-        !> The pairs, with friction, and those of each zone
-        type(pairs_type), intent(in) :: pairs
+        !> Cells of all zones, and the last pair of each flank
         type(run_type), intent(in) :: runs(:)
+        integer, intent(in) :: last(:)
+        !> The pairs, with friction
+        type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         integer :: j, n
+        type(modes_type) :: no_modes
         type(mirror_type) :: no_ends(0)
         real(wp), allocatable :: along(:, :)
 
         n = pairs%n
-        allocate (along(n, n), source=0.0_wp)
-        call add_near_fields(runs, segments, no_ends, [corner_mirrors(body_1, 1, &
+        no_modes%last = last
+        allocate (no_modes%values(0, n), no_modes%carried(0, n, size(last)), along(n, n))
+        call set_symmetric(runs, no_modes, no_ends, [corner_mirrors(body_1, 1, &
             & body_1%wedge_along), corner_mirrors(body_2, 2, body_2%wedge_along)], pairs, along)
-        call mirror(along)
         ! in front of the force on body 1 is behind that on body 2
-        call add_cerruti((body_2%jump - body_1%jump)/acos(-1.0_wp), runs, segments, pairs, along)
+        call add_cerruti((body_2%jump - body_1%jump)/acos(-1.0_wp), runs, pairs, along)
         along = along + sliced_tangential(body_1, slices, pairs%site(:n), pairs%s_1(:n))
         along = along + sliced_tangential(body_2, slices, pairs%site(:n), pairs%s_2(:n))
         do j = 1, n
             matrix(:, j) = matrix(:, j) - pairs%friction(j)*along(:, j)   ! Eq. (C5)
         end do
-    end subroutine add_rubbing
+    end subroutine add_sliding
 
     !> Add the field of half-spaces under unit forces along flank 1, between cells on the same
     !> flanks.
-    pure subroutine add_cerruti(strength, runs, segments, pairs, matrix)
+    pure subroutine add_cerruti(strength, runs, pairs, matrix)
         !> Displacement of both bodies out of the material times distance [mm²/N]; 0 for two bodies
         !> of one material, which move alike
         real(wp), intent(in) :: strength
         !> Cells of all zones
         type(run_type), intent(in) :: runs(:)
-        !> Contact lines of all zones
-        type(segment_type), intent(in) :: segments(:)
         !> The pairs
         type(pairs_type), intent(in) :: pairs
         !> Displacements at i under forces at j [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        integer :: a, b
+        integer :: a, b, i, j, k
+        real(wp) :: away
+        real(wp), allocatable :: table(:)
 
         if (.not. abs(strength) > 0.0_wp) return
         do b = 1, size(runs)
             do a = 1, size(runs)
-                if (segments(runs(a)%zone)%flank /= segments(runs(b)%zone)%flank) cycle
-                call add_cerruti_of(strength, runs(a), runs(b), segments(runs(a)%zone), &
-                    & segments(runs(b)%zone), pairs, matrix)
+                if (runs(a)%line%flank /= runs(b)%line%flank) cycle
+                associate (one => runs(a), other => runs(b), lengths => [runs(b)%line%length, &
+                    & runs(a)%line%length])
+                    away = along_line(1, one%line, other%line, [mirror_type ::])
+                    if (are_even(one, other)) then
+                        table = strength*rectangle_field(across(one, one%s(1), other, &
+                            & other%s(2)) + [(k*one%cell, k=0, n_distances(one, other) - 1)], &
+                            & away, one%cell, lengths(1), lengths(2))
+                        call add_by_difference(one, other, table, matrix)
+                        cycle
+                    end if
+                    do j = other%first, other%last
+                        do i = one%first, one%last
+                            matrix(i, j) = matrix(i, j) + strength*rectangle_field(across(one, &
+                                & pairs%s_1(i), other, pairs%s_1(j)), away, &
+                                & pairs%cell_1(j), lengths(1), lengths(2))
+                        end do
+                    end do
+                end associate
             end do
         end do
     end subroutine add_cerruti
 
-    !> Add the field of half-spaces under unit forces along flank 1 between two slices.
-    pure subroutine add_cerruti_of(strength, one_run, other_run, one, other, pairs, matrix)
-        !> Displacement of both bodies out of the material times distance [mm²/N]
-        real(wp), intent(in) :: strength
-        !> Cells that are displaced, and loaded ones
-        type(run_type), intent(in) :: one_run
-        type(run_type), intent(in) :: other_run
-        !> Their contact lines
-        type(segment_type), intent(in) :: one
-        type(segment_type), intent(in) :: other
-        !> The pairs
-        type(pairs_type), intent(in) :: pairs
-        !> Displacements at i under forces at j [mm/N], shape (n, n)
-        real(wp), contiguous, intent(inout) :: matrix(:, :)
-
-        integer :: j, k, n, n_other
-        real(wp) :: first, away
-        real(wp) :: table(one_run%last - one_run%first + other_run%last - other_run%first + 1)
-
-        n = one_run%last - one_run%first + 1
-        n_other = other_run%last - other_run%first + 1
-        away = (one%z - other%z)/(0.5_wp*(one%cosine + other%cosine))
-        first = across(one, pairs%s_1(one_run%first), other, pairs%s_1(other_run%last))
-        do j = 1, n_other
-            associate (load => other_run%first - 1 + j)
-                if (abs(one_run%cell - other_run%cell) > 0.0_wp .or. .not. one_run%cell > 0.0_wp) &
-                    & then
-                    do k = 1, n
-                        table(n_other - j + k) = rectangle_field(across(one, &
-                            & pairs%s_1(one_run%first - 1 + k), other, pairs%s_1(load)), away, &
-                            & pairs%cell_1(load), other%length, one%length)
-                    end do
-                else if (j == 1) then
-                    ! all distances are multiples of one width from the first
-                    table = rectangle_field(first + [(k*one_run%cell, k=0, size(table) - 1)], &
-                        & away, one_run%cell, other%length, one%length)
-                end if
-                matrix(one_run%first:one_run%last, load) = matrix(one_run%first:one_run%last, &
-                    & load) + strength*table(n_other - j + 1:n_other - j + n)
-            end associate
-        end do
-    end subroutine add_cerruti_of
-
-    !> Copy the lower triangle of a matrix to the upper one, in blocks that fit into the cache.
-    pure subroutine mirror(matrix)
+    !> Copy columns of the lower triangle to rows of the upper one.
+    pure subroutine mirror(first, last, matrix)
+        !> First and last column
+        integer, intent(in) :: first
+        integer, intent(in) :: last
         !> The matrix, shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        integer, parameter :: block = 32
-        integer :: i, j, row, column, n
+        integer :: i, j
 
-        n = size(matrix, 1)
-        do column = 1, n, block
-            do row = 1, column, block
-                do j = column, min(n, column + block - 1)
-                    do i = row, min(j - 1, row + block - 1)
-                        matrix(i, j) = matrix(j, i)
-                    end do
-                end do
+        do i = first + 1, size(matrix, 1)
+            do j = first, min(i - 1, last)
+                matrix(j, i) = matrix(i, j)
             end do
         end do
     end subroutine mirror
 
     !> The pairs of each zone.
-    pure function runs_of(pairs) result(runs)
+    pure function runs_of(pairs, segments) result(runs)
         !> The pairs
         type(pairs_type), intent(in) :: pairs
+        !> Contact lines of all zones
+        type(segment_type), intent(in) :: segments(:)
         type(run_type), allocatable :: runs(:)
 
         !> Widths and steps that are equal up to rounding
@@ -240,9 +242,10 @@ contains
         first = [pack([(i, i=1, n)], begins), n + 1]
         allocate (runs(size(first) - 1))
         do k = 1, size(runs)
-            runs(k) = run_type(first(k), first(k + 1) - 1, pairs%zone(first(k)))
             associate (s => pairs%s_1(first(k):first(k + 1) - 1), &
                 & cell => pairs%cell_1(first(k):first(k + 1) - 1))
+                runs(k) = run_type(first(k), first(k + 1) - 1, 0.0_wp, [s(1), s(size(s))], &
+                    & segments(pairs%zone(first(k))))
                 if (any(abs(cell - cell(1)) > same*cell(1))) cycle
                 if (any(abs(s(2:) - s(:size(s) - 1) - cell(1)) > same*cell(1))) cycle
                 runs(k)%cell = cell(1)
@@ -250,8 +253,8 @@ contains
         end do
     end function runs_of
 
-    !> Displacements by modes of both bodies and by their shafts, in the lower triangle.
-    pure subroutine set_smooth(body_1, body_2, slices, pairs, rigid, moved, matrix)
+    !> Modes of both bodies and their shafts at the pairs.
+    pure subroutine set_modes(body_1, body_2, slices, pairs, rigid, moved, modes)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
@@ -262,43 +265,44 @@ contains
         !> Forces and moments on shafts, and the motions that these cause, shape (m, n)
         real(wp), intent(in) :: rigid(:, :)
         real(wp), intent(in) :: moved(:, :)
-        !> K [mm/N], shape (n, n)
-        real(wp), contiguous, intent(out) :: matrix(:, :)
+        !> The modes
+        type(modes_type), intent(out) :: modes
 
-        integer :: n, first, last, load_first, load_last, m_1, m
-        integer, allocatable :: flanks(:)
-        real(wp), allocatable :: values_1(:, :), values_2(:, :), values(:, :), carried(:, :)
+        integer :: n, m_1, m, f, g
+        integer, allocatable :: flanks(:), first(:)
+        real(wp), allocatable :: values_1(:, :), values_2(:, :)
 
         n = pairs%n
         flanks = flank_of(slices, pairs%site(:n))
+        allocate (modes%last(0))
+        f = 0
+        do while (f < n)
+            f = count(flanks <= flanks(f + 1))
+            modes%last = [modes%last, f]
+        end do
+        first = [1, modes%last + 1]
         values_1 = modes_of(body_1, slices, pairs%site(:n), pairs%s_1(:n), pairs%turn(1, :n))
         values_2 = modes_of(body_2, slices, pairs%site(:n), pairs%s_2(:n), pairs%turn(2, :n))
         m_1 = size(values_1, 1)
         m = m_1 + size(values_2, 1)
-        allocate (values(m + size(rigid, 1), n), carried(m + size(rigid, 1), n))
-        values(:m_1, :) = values_1
-        values(m_1 + 1:m, :) = values_2
-        values(m + 1:, :) = rigid
-        carried(m + 1:, :) = moved
-        load_first = 1
-        do while (load_first <= n)
-            load_last = count(flanks <= flanks(load_first))
-            first = load_first
-            do while (first <= n)
-                last = count(flanks <= flanks(first))
-                associate (sites => [pairs%site(load_first), pairs%site(first)])
-                    carried(:m_1, load_first:load_last) = carried_by(body_1%smooth(:, :, &
-                        & body_1%block(sites(1), sites(2))), values_1(:, load_first:load_last))
-                    carried(m_1 + 1:m, load_first:load_last) = carried_by(body_2%smooth(:, :, &
-                        & body_2%block(sites(1), sites(2))), values_2(:, load_first:load_last))
+        allocate (modes%values(m + size(rigid, 1), n))
+        allocate (modes%carried(m + size(rigid, 1), n, size(modes%last)))
+        modes%values(:m_1, :) = values_1
+        modes%values(m_1 + 1:m, :) = values_2
+        modes%values(m + 1:, :) = rigid
+        do f = 1, size(modes%last)
+            modes%carried(m + 1:, :, f) = moved
+            do g = 1, f
+                associate (one => pairs%site(first(f)), other => pairs%site(first(g)), &
+                    & from => first(g), to => modes%last(g))
+                    modes%carried(:m_1, from:to, f) = carried_by(body_1%smooth(:, :, &
+                        & body_1%block(other, one)), values_1(:, from:to))
+                    modes%carried(m_1 + 1:m, from:to, f) = carried_by(body_2%smooth(:, :, &
+                        & body_2%block(other, one)), values_2(:, from:to))
                 end associate
-                call set_block(size(values, 1), n, [first, last, load_first, load_last], values, &
-                    & carried, matrix)
-                first = last + 1
             end do
-            load_first = load_last + 1
         end do
-    end subroutine set_smooth
+    end subroutine set_modes
 
     !> Modes of displacement under unit forces.
     pure function carried_by(smooth, values) result(carried)
@@ -315,80 +319,101 @@ contains
             & size(values, 1), carried)
     end function carried_by
 
-    !> One block of V g Vᵀ; on the diagonal the lower triangle, with some of the upper one.
-    pure subroutine set_block(m, n, bounds, values, carried, matrix)
+    !> Displacements by modes and shafts, V g Vᵀ, from the diagonal of some columns on.
+    pure subroutine set_smooth(m, n, last, values, carried, columns, matrix)
         !> Modes, and pairs
         integer, intent(in) :: m
         integer, intent(in) :: n
-        !> First and last pair of the flank that is displaced, and of the loaded one
-        integer, intent(in) :: bounds(4)
-        !> Modes at the pairs, and those that their forces cause [mm/N]
+        !> As in `modes_type`, of explicit shape, so that parts are passed in place
+        integer, intent(in) :: last(:)
         real(wp), intent(in) :: values(m, n)
-        real(wp), intent(in) :: carried(m, n)
+        real(wp), intent(in) :: carried(m, n, size(last))
+        !> First and last column, of one flank
+        integer, intent(in) :: columns(2)
         !> K [mm/N]
         real(wp), intent(inout) :: matrix(n, n)
 
-        !> Columns that are multiplied at once
-        integer, parameter :: panel = 96
-        integer :: row, column, n_columns
+        integer :: f, row
 
-        do column = bounds(3), bounds(4), panel
-            n_columns = min(panel, bounds(4) - column + 1)
-            row = max(bounds(1), column)
-            call set_product(bounds(2) - row + 1, n_columns, m, values(1, row), &
-                & carried(1, column), n, matrix(row, column))
+        row = columns(1)
+        if (m == 0) matrix(row:, row:columns(2)) = 0.0_wp
+        do f = 1, size(last)
+            if (m == 0 .or. last(f) < row) cycle
+            call set_product(last(f) - row + 1, columns(2) - columns(1) + 1, m, values(1, row), &
+                & carried(1, columns(1), f), n, matrix(row, columns(1)))
+            row = last(f) + 1
         end do
-    end subroutine set_block
+    end subroutine set_smooth
+
+    !> Whether all distances between two slices are multiples of one width from the first one.
+    pure logical function are_even(one, other)
+        !> Cells of both slices
+        type(run_type), intent(in) :: one
+        type(run_type), intent(in) :: other
+
+        are_even = one%cell > 0.0_wp .and. .not. abs(one%cell - other%cell) > 0.0_wp
+    end function are_even
+
+    !> Number of different distances between the cells of two slices.
+    pure integer function n_distances(one, other)
+        !> Cells of both slices
+        type(run_type), intent(in) :: one
+        type(run_type), intent(in) :: other
+
+        n_distances = one%last - one%first + other%last - other%first + 1
+    end function n_distances
+
+    !> Add influences that depend on the difference of both cells' numbers.
+    pure subroutine add_by_difference(one, other, table, matrix)
+        !> Cells that are displaced, and loaded ones
+        type(run_type), intent(in) :: one
+        type(run_type), intent(in) :: other
+        !> Influences, from that of the last loaded cell on the first one on
+        real(wp), intent(in) :: table(:)
+        !> The matrix, shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: j, k
+
+        do j = other%first, other%last
+            k = other%last - j + 1
+            matrix(one%first:one%last, j) = matrix(one%first:one%last, j) &
+                & + table(k:k + one%last - one%first)
+        end do
+    end subroutine add_by_difference
 
     !> Add the near field and the images behind end faces between two slices with cells of one
     !> width.
-    pure subroutine add_even(one_run, other_run, one, other, ends, pairs, matrix)
+    pure subroutine add_even(one, other, ends, matrix)
         !> Cells that are displaced, and loaded ones
-        type(run_type), intent(in) :: one_run
-        type(run_type), intent(in) :: other_run
-        !> Their contact lines
-        type(segment_type), intent(in) :: one
-        type(segment_type), intent(in) :: other
+        type(run_type), intent(in) :: one
+        type(run_type), intent(in) :: other
         !> The loads and their images behind end faces
         type(mirror_type), intent(in) :: ends(:)
-        !> The pairs
-        type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        integer :: j, k, n, n_other
+        integer :: k, from
         real(wp) :: first
-        real(wp) :: table(one_run%last - one_run%first + other_run%last - other_run%first + 1)
+        real(wp) :: table(n_distances(one, other))
 
-        n = one_run%last - one_run%first + 1
-        n_other = other_run%last - other_run%first + 1
-        first = across(one, pairs%s_1(one_run%first), other, pairs%s_1(other_run%last))
+        ! of a slice and itself the lower triangle alone
+        from = merge(one%last - one%first + 1, 1, one%first == other%first)
+        first = across(one, one%s(1), other, other%s(2)) + (from - 1)*one%cell
+        if (from > 1) first = 0.0_wp
         table = 0.0_wp
         do k = 1, size(ends)
-            if (one_run%first == other_run%first) then
-                ! a slice and itself: the lower triangle alone
-                call add_potentials(ends(k)%strength, 0.0_wp, one_run%cell, along(k, one, other, &
-                    & ends), [one%length, other%length], table(n:))
-            else
-                call add_potentials(ends(k)%strength, first, one_run%cell, along(k, one, other, &
-                    & ends), [one%length, other%length], table)
-            end if
+            call add_potentials(ends(k)%strength, first, one%cell, along_line(k, one%line, &
+                & other%line, ends), [one%line%length, other%line%length], table(from:))
         end do
-        do j = 1, n_other
-            associate (column => matrix(one_run%first:one_run%last, other_run%first - 1 + j))
-                column = column + table(n_other - j + 1:n_other - j + n)
-            end associate
-        end do
+        call add_by_difference(one, other, table, matrix)
     end subroutine add_even
 
     !> Add the images behind free corners between two slices with cells of one width.
-    pure subroutine add_images(one_run, other_run, one, other, corners, pairs, matrix)
+    pure subroutine add_images(one, other, corners, pairs, matrix)
         !> Cells that are displaced, and loaded ones
-        type(run_type), intent(in) :: one_run
-        type(run_type), intent(in) :: other_run
-        !> Their contact lines
-        type(segment_type), intent(in) :: one
-        type(segment_type), intent(in) :: other
+        type(run_type), intent(in) :: one
+        type(run_type), intent(in) :: other
         !> The corners
         type(mirror_type), intent(in) :: corners(:)
         !> The pairs
@@ -396,38 +421,33 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        integer :: j, k, n, n_other
+        integer :: j, k
         real(wp) :: first, step
-        real(wp) :: table(one_run%last - one_run%first + other_run%last - other_run%first + 1)
+        real(wp) :: table(n_distances(one, other))
 
-        n = one_run%last - one_run%first + 1
-        n_other = other_run%last - other_run%first + 1
         do k = 1, size(corners)
             table = 0.0_wp
             ! on flank 2 the cells lie nearly evenly
-            first = from_corner(corners(k), pairs, one_run%first) &
-                & + from_corner(corners(k), pairs, other_run%first)
-            step = one_run%cell
-            if (size(table) > 1) step = (from_corner(corners(k), pairs, one_run%last) &
-                & + from_corner(corners(k), pairs, other_run%last) - first)/(size(table) - 1)
-            call add_potentials(corners(k)%strength, first, step, along(1, one, other, corners), &
-                & [one%length, other%length], table)
-            do j = 1, n_other
-                associate (column => matrix(one_run%first:one_run%last, other_run%first - 1 + j))
-                    column = column + table(j:j + n - 1)
+            first = from_corner(corners(k), pairs, one%first) &
+                & + from_corner(corners(k), pairs, other%first)
+            step = one%cell
+            if (size(table) > 1) step = (from_corner(corners(k), pairs, one%last) &
+                & + from_corner(corners(k), pairs, other%last) - first)/(size(table) - 1)
+            call add_potentials(corners(k)%strength, first, step, along_line(1, one%line, &
+                & other%line, corners), [one%line%length, other%line%length], table)
+            do j = other%first, other%last
+                associate (column => matrix(one%first:one%last, j), from => j - other%first)
+                    column = column + table(from + 1:from + size(column))
                 end associate
             end do
         end do
     end subroutine add_images
 
     !> Add the near field and all images between two slices with cells of any widths.
-    pure subroutine add_uneven(one_run, other_run, one, other, ends, corners, pairs, matrix)
+    pure subroutine add_uneven(one, other, ends, corners, pairs, matrix)
         !> Cells that are displaced, and loaded ones
-        type(run_type), intent(in) :: one_run
-        type(run_type), intent(in) :: other_run
-        !> Their contact lines
-        type(segment_type), intent(in) :: one
-        type(segment_type), intent(in) :: other
+        type(run_type), intent(in) :: one
+        type(run_type), intent(in) :: other
         !> The loads, their images behind end faces, and those behind corners
         type(mirror_type), intent(in) :: ends(:)
         type(mirror_type), intent(in) :: corners(:)
@@ -439,59 +459,38 @@ contains
         integer :: i, j, k
         real(wp) :: width, added
 
-        do j = other_run%first, other_run%last
-            do i = max(j, one_run%first), one_run%last
+        do j = other%first, other%last
+            do i = max(j, one%first), one%last
                 width = sqrt(pairs%cell_1(i)*pairs%cell_1(j))
                 added = 0.0_wp
                 do k = 1, size(ends)
                     added = added + ends(k)%strength*cell_potential(across(one, pairs%s_1(i), &
-                        & other, pairs%s_1(j)), along(k, one, other, ends), width, one%length, &
-                        & other%length)
+                        & other, pairs%s_1(j)), along_line(k, one%line, other%line, ends), width, &
+                        & one%line%length, other%line%length)
                 end do
                 do k = 1, size(corners)
                     added = added + corners(k)%strength*cell_potential(from_corner(corners(k), &
-                        & pairs, i) + from_corner(corners(k), pairs, j), &
-                        & along(1, one, other, corners), width, one%length, other%length)
+                        & pairs, i) + from_corner(corners(k), pairs, j), along_line(1, one%line, &
+                        & other%line, corners), width, one%line%length, other%line%length)
                 end do
                 matrix(i, j) = matrix(i, j) + added
             end do
         end do
     end subroutine add_uneven
 
-    !> Distance across the contact lines between places of two slices [mm].
+    !> Distance across the contact lines between cells of two slices [mm].
     pure function across(one, s, other, other_s) result(distance)
-        !> Contact line of a slice, and arc length of a place on its flank 1 [mm]
-        type(segment_type), intent(in) :: one
+        !> Cells of a slice, and the arc length of one on flank 1 [mm]
+        type(run_type), intent(in) :: one
         real(wp), intent(in) :: s
         !> The same of the other slice
-        type(segment_type), intent(in) :: other
+        type(run_type), intent(in) :: other
         real(wp), intent(in) :: other_s
         real(wp) :: distance
 
-        ! a contact line of an involute is straight and normal to the profiles
-        distance = 0.5_wp*dot_product(one%point - other%point, one%tangent + other%tangent) &
-            & + (s - one%s(1)) - (other_s - other%s(1))
+        distance = across_lines(one%line, other%line) + (s - one%line%s(1)) &
+            & - (other_s - other%line%s(1))
     end function across
-
-    !> Distance along the contact lines between a slice and the load of another one (k = 1), or its
-    !> image behind an end face [mm].
-    pure function along(k, one, other, ends) result(distance)
-        !> Number of the load or image
-        integer, intent(in) :: k
-        !> The slices
-        type(segment_type), intent(in) :: one
-        type(segment_type), intent(in) :: other
-        !> The load and its images
-        type(mirror_type), intent(in) :: ends(:)
-        real(wp) :: distance
-
-        if (k == 1) then
-            distance = one%z - other%z
-        else
-            distance = one%z + other%z - 2.0_wp*ends(k)%place
-        end if
-        distance = distance/(0.5_wp*(one%cosine + other%cosine))
-    end function along
 
     !> Distance of a cell from a corner of the profile of either body [mm].
     pure function from_corner(corner, pairs, i) result(distance)

@@ -309,11 +309,8 @@ contains
                     & + (away(i) + away(j))*(one(i + j - 2) + (away(i) + away(j)) &
                     & *(two(i + j - 2) + (away(i) + away(j))*three(i + j - 2))))
             end do
-            do i = j, low - 1
-                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
-                    & + strip_kernel(place(i) + place(j), sqrt(cell(i)*cell(j)), kernel)
-            end do
-            do i = high + 1, m
+            do i = j, m
+                if (i >= low .and. i <= high) cycle
                 matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
                     & + strip_kernel(place(i) + place(j), sqrt(cell(i)*cell(j)), kernel)
             end do

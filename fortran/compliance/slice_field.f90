@@ -18,9 +18,9 @@ module flankload_slice_field
     private
 
     public :: mirror_type, segment_type, shaft_type, slices_type
-    public :: add_segment_field, axial_means, corner_mirrors, end_mirrors, flank_of, &
-        & holds_slices, mean_width, middle_of, modes_of, slice_of, sliced_compliance, &
-        & sliced_tangential, tangential_field, width_of
+    public :: across_lines, add_segment_field, along_line, axial_means, corner_mirrors, &
+        & end_mirrors, flank_of, holds_slices, mean_width, middle_of, modes_of, slice_of, &
+        & sliced_compliance, sliced_tangential, tangential_field, width_of
 
     !> How flanks are cut: site (pair - 1)*n + j is slice j of flank pair `pair`.
     type :: slices_type
@@ -181,32 +181,13 @@ contains
         !> Compliance [mm/N], shape (n, n)
         real(wp) :: matrix(size(s), size(s))
 
-        integer :: i, j, first, last, other, other_last
-        integer :: flanks(size(s))
-        real(wp), allocatable :: values(:, :), carried(:, :)
+        integer :: j
 
         matrix = 0.0_wp
         if (size(body%smooth) == 0) return
-        flanks = flank_of(slices, site)
-        values = modes_of(body, slices, site, s)
-        allocate (carried, mold=values)
-        first = 1
-        do while (first <= size(s))
-            last = count(flanks <= flanks(first))
-            other = 1
-            do while (other <= first)
-                other_last = count(flanks <= flanks(other))
-                call set_block(size(values, 1), size(s), [first, last, other, other_last], &
-                    & body%smooth(:, :, body%block(site(other), site(first))), values, carried, &
-                    & matrix)
-                other = other_last + 1
-            end do
-            first = last + 1
-        end do
+        matrix = between_flanks(body, slices, site, s, body%smooth, reciprocal=.true.)
         do j = 2, size(s)
-            do i = 1, j - 1
-                matrix(i, j) = matrix(j, i)
-            end do
+            matrix(:j - 1, j) = matrix(j, :j - 1)
         end do
     end function sliced_compliance
 
@@ -223,55 +204,54 @@ contains
         !> towards growing arc length [mm/N], shape (n, n)
         real(wp) :: matrix(size(s), size(s))
 
-        integer :: first, last, other, other_last
-        integer :: flanks(size(s))
-        real(wp), allocatable :: values(:, :), carried(:, :)
-
         matrix = 0.0_wp
-        if (.not. allocated(body%tangential)) return
+        if (allocated(body%tangential)) then
+            matrix = between_flanks(body, slices, site, s, body%tangential, reciprocal=.false.)
+        end if
+    end function sliced_tangential
+
+    !> V g Vᵀ between all flanks.
+    pure function between_flanks(body, slices, site, s, smooth, reciprocal) result(matrix)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> Site of each place, those of a flank pair together, and its arc length [mm], shape (n)
+        integer, intent(in) :: site(:)
+        real(wp), intent(in) :: s(:)
+        !> g of the blocks of the body, displacement by load [mm/N], shape (m, m, n_blocks)
+        real(wp), intent(in) :: smooth(:, :, :)
+        !> Whether each block is the transpose of that with both flanks exchanged
+        logical, intent(in) :: reciprocal
+        !> Shape (n, n)
+        real(wp) :: matrix(size(s), size(s))
+
+        integer :: first, last, other, other_last
+        integer :: m, n, flanks(size(s))
+        real(wp) :: values(size(smooth, 1), size(s)), carried(size(smooth, 1), size(s))
+        real(wp) :: transposed(size(smooth, 1), size(smooth, 1)), part(size(s), size(s))
+
+        m = size(smooth, 1)
         flanks = flank_of(slices, site)
         values = modes_of(body, slices, site, s)
-        allocate (carried, mold=values)
         first = 1
         do while (first <= size(s))
             last = count(flanks <= flanks(first))
             other = 1
             do while (other <= size(s))
                 other_last = count(flanks <= flanks(other))
-                call set_block(size(values, 1), size(s), [first, last, other, other_last], &
-                    & transpose(body%tangential(:, :, body%block(site(first), site(other)))), &
-                    & values, carried, matrix)
+                n = other_last - other + 1
+                transposed = smooth(:, :, body%block(site(other), site(first)))
+                if (.not. reciprocal) transposed = transpose(smooth(:, :, &
+                    & body%block(site(first), site(other))))
+                call set_product(m, n, m, transposed, values(:, other:), m, carried)
+                call set_product(last - first + 1, n, m, values(:, first:), carried, size(s), part)
+                matrix(first:last, other:other_last) = part(:last - first + 1, :n)
                 other = other_last + 1
             end do
             first = last + 1
         end do
-    end function sliced_tangential
-
-    !> One block of V g Vᵀ.
-    pure subroutine set_block(m, n, bounds, smooth, values, carried, matrix)
-        !> Modes, and places
-        integer, intent(in) :: m
-        integer, intent(in) :: n
-        !> First and last place of the flank that is displaced, and of the loaded one
-        integer, intent(in) :: bounds(4)
-        !> Smooth part between modes, displacement of the loaded flank under loads of the other
-        !> [mm/N]
-        real(wp), intent(in) :: smooth(m, m)
-        !> Modes at the places
-        real(wp), intent(in) :: values(m, n)
-        !> Room for as many
-        real(wp), intent(inout) :: carried(m, n)
-        !> V g Vᵀ [mm/N]
-        real(wp), intent(inout) :: matrix(n, n)
-
-        integer :: n_rows, n_columns
-
-        n_rows = bounds(2) - bounds(1) + 1
-        n_columns = bounds(4) - bounds(3) + 1
-        call set_product(m, n_columns, m, smooth, values(1, bounds(3)), m, carried(1, 1))
-        call set_product(n_rows, n_columns, m, values(1, bounds(1)), carried(1, 1), n, &
-            & matrix(bounds(1), bounds(3)))
-    end subroutine set_block
+    end function between_flanks
 
     !> Modes of the profile times Legendre polynomials over the width.
     pure function modes_of(body, slices, site, s, turn) result(values)
@@ -415,7 +395,7 @@ contains
                     matrix(i, j) = behind_corners(one, other, beside, corners)
                     ! bodies of one material move alike, one in front of its force, one behind it
                     if (abs(strength) > 0.0_wp) matrix(i, j) = matrix(i, j) &
-                        & + strength*segment_field(along_line(one, other), one%length, &
+                        & + strength*segment_field(along_line(1, one, other, corners), one%length, &
                         & other%length, across_lines(one, other), beside)
                 end associate
             end do
@@ -435,28 +415,33 @@ contains
         real(wp) :: recession
 
         integer :: k
-        real(wp) :: cosine, across
+        real(wp) :: across
 
-        cosine = 0.5_wp*(one%cosine + other%cosine)
         across = sqrt(across_lines(one, other)**2 + beside**2)
-        ! Eq. (S2), averaged by Eq. (S3)
-        recession = ends(1)%strength*mean_potential(along_line(one, other), one%length, &
-            & other%length, across)
-        do k = 2, size(ends)
-            recession = recession + ends(k)%strength*mean_potential((one%z + other%z &
-                & - 2.0_wp*ends(k)%place)/cosine, one%length, other%length, across)
+        recession = 0.0_wp
+        do k = 1, size(ends)
+            ! Eq. (S2), averaged by Eq. (S3)
+            recession = recession + ends(k)%strength*mean_potential(along_line(k, one, other, &
+                & ends), one%length, other%length, across)
         end do
         recession = recession + behind_corners(one, other, beside, corners)
     end function field_between
 
-    !> Distance of two segments along their contact line [mm].
-    elemental function along_line(one, other) result(along)
+    !> Distance along their contact line between a segment and the load of another one (k = 1), or
+    !> its image behind an end face [mm].
+    pure function along_line(k, one, other, ends) result(along)
+        !> Number of the load or image
+        integer, intent(in) :: k
         !> The segments
         type(segment_type), intent(in) :: one
         type(segment_type), intent(in) :: other
+        !> The load and its images
+        type(mirror_type), intent(in) :: ends(:)
         real(wp) :: along
 
-        along = (one%z - other%z)/(0.5_wp*(one%cosine + other%cosine))
+        along = one%z - other%z
+        if (k > 1) along = one%z + other%z - 2.0_wp*ends(k)%place
+        along = along/(0.5_wp*(one%cosine + other%cosine))
     end function along_line
 
     !> Distance of one segment before another one along flank 1 [mm]: a contact line of an involute
@@ -489,8 +474,8 @@ contains
             associate (corner => corners(k))
                 across = max(0.0_wp, corner%sense*(one%s(corner%body) - corner%place)) &
                     & + max(0.0_wp, corner%sense*(other%s(corner%body) - corner%place))
-                recession = recession + corner%strength*mean_potential(along_line(one, other), &
-                    & one%length, other%length, sqrt(across**2 + beside**2))
+                recession = recession + corner%strength*mean_potential(along_line(1, one, other, &
+                    & corners), one%length, other%length, sqrt(across**2 + beside**2))
             end associate
         end do
     end function behind_corners

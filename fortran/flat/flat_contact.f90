@@ -75,7 +75,7 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
         & active, counters, certificate, info)
     use omp_lib, only: omp_get_max_threads, omp_set_num_threads
     use flankload_contact_loop, only: solve_contact_problem
-    use flankload_contact_result, only: contact_result, counters_of, certificate_of, blank
+    use flankload_contact_result, only: contact_result, blank, unpack_result
     use flankload_status, only: refused_argument
     use flankload_error, only: error_type
     implicit none
@@ -143,14 +143,7 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
         info = result%status
         if (allocated(error)) info = error%code
     end if
-    forces = result%forces
-    gaps = result%gaps
-    motion = result%motion
-    tangent = result%tangent
-    active = 0
-    active(result%active_pairs) = 1
-    counters = counters_of(result)
-    certificate = certificate_of(result)
+    call unpack_result(result, forces, gaps, motion, tangent, active, counters, certificate)
 end subroutine flankload_solve_contact
 
 !> One step of the contact problem without its matrix: solve with the columns that are known, and
@@ -162,7 +155,7 @@ subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, colum
     use omp_lib, only: omp_get_max_threads, omp_set_num_threads
     use flankload_column_demand, only: solve_known_columns
     use flankload_contact_loop, only: method_paper
-    use flankload_contact_result, only: contact_result, counters_of, certificate_of, blank
+    use flankload_contact_result, only: contact_result, blank, unpack_result
     use flankload_status, only: refused_argument
     use flankload_error, only: error_type
     implicit none
@@ -227,12 +220,5 @@ subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, colum
     n_wanted = size(next)
     wanted = 0
     wanted(:n_wanted) = next
-    forces = result%forces
-    gaps = result%gaps
-    motion = result%motion
-    tangent = result%tangent
-    active = 0
-    active(result%active_pairs) = 1
-    counters = counters_of(result)
-    certificate = certificate_of(result)
+    call unpack_result(result, forces, gaps, motion, tangent, active, counters, certificate)
 end subroutine flankload_contact_columns

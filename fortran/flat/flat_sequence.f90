@@ -6,7 +6,7 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
         & forces, gaps, motion, tangent, active, counters, certificate, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_set_num_threads
-    use flankload_contact_result, only: contact_result, counters_of, certificate_of
+    use flankload_contact_result, only: contact_result, unpack_result
     use flankload_contact_sequence, only: solve_contact_sequence
     use flankload_status, only: refused_argument
     implicit none
@@ -61,13 +61,13 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
         & all(sizes >= 1) .and. sum(sizes) == n_pairs .and. sum(sizes**2) == n_entries, &
         & .true., .true., .true., .true., .true., .true., &
         & all(structures >= 0 .and. structures <= 3), method >= 0 .and. method <= 7])
-    active = 0
     if (any(info < 0)) then
         nan = ieee_value(nan, ieee_quiet_nan)
         forces = nan
         gaps = nan
         motion = nan
         tangent = nan
+        active = 0
         counters = 0
         certificate = nan
         return
@@ -86,13 +86,9 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
         first = last + 1
         last = last + sizes(p)
         do l = 1, n_loads
-            forces(first:last, l) = results(l, p)%forces
-            gaps(first:last, l) = results(l, p)%gaps
-            motion(:, l, p) = results(l, p)%motion
-            tangent(:, :, l, p) = results(l, p)%tangent
-            active(first - 1 + results(l, p)%active_pairs, l) = 1
-            counters(:, l, p) = counters_of(results(l, p))
-            certificate(:, l, p) = certificate_of(results(l, p))
+            call unpack_result(results(l, p), forces(first:last, l), gaps(first:last, l), &
+                & motion(:, l, p), tangent(:, :, l, p), active(first:last, l), &
+                & counters(:, l, p), certificate(:, l, p))
             info(l, p) = results(l, p)%status
             if (codes(l, p) < 0) info(l, p) = codes(l, p)
         end do

@@ -44,18 +44,12 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
     double precision, intent(in) :: angles_2(n_positions)
     !> Torques on body 1 [N mm], shape (n_torques)
     double precision, intent(in) :: torques(n_torques)
-    !> O1 and O2 in the common frame [mm]
+    !> Axes and bodies as in flankload_position
     double precision, intent(in) :: axis_1(2)
     double precision, intent(in) :: axis_2(2)
-    !> Number of points of each flank of body 1, at least 2 each
     integer, intent(in) :: sizes_1(n_flanks)
-    !> x and y of its points in the common frame, one flank after the other, in order along each
-    !> [mm]
     double precision, intent(in) :: points_1(2, n_points_1)
-    !> Displacement of point i along the normal out of the material for a unit force at point j
-    !> along its normal [mm/N], for the whole width
     double precision, intent(in) :: compliance_1(n_points_1, n_points_1)
-    !> The same of body 2
     integer, intent(in) :: sizes_2(n_flanks)
     double precision, intent(in) :: points_2(2, n_points_2)
     double precision, intent(in) :: compliance_2(n_points_2, n_points_2)

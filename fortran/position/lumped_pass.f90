@@ -9,14 +9,13 @@ module flankload_lumped_pass
     use flankload_rounding, only: tie
     use flankload_polar_geometry, only: angle_between
     use flankload_contact_zones, only: zone_type
-    use flankload_status, only: invalid_scale, no_contact_state
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
     use flankload_lapack, only: potrf, solve_triangle
     use flankload_lumped_place, only: place_type
     use flankload_position_zones, only: body_type, position_type
-    use flankload_position_state, only: count_lumped, position_state
+    use flankload_position_state, only: count_lumped, position_state, take_contact
     use flankload_tangential_influence, only: add_tangential
     use flankload_turned_influence, only: add_turned
     implicit none
@@ -31,7 +30,7 @@ module flankload_lumped_pass
 contains
 
     !> What the places recede under each other's forces, and under tangential ones.
-    pure subroutine couple(body_1, body_2, position, of, coupling, rubbing)
+    pure subroutine couple(body_1, body_2, position, of, coupling, tangential)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
@@ -43,7 +42,7 @@ contains
         !> [mm/N], shape (n, n)
         real(wp), allocatable, intent(out) :: coupling(:, :)
         !> The same for a unit force along flank 1; (n, 0) without friction
-        real(wp), allocatable, intent(out) :: rubbing(:, :)
+        real(wp), allocatable, intent(out) :: tangential(:, :)
 
         !> Width of a contact, about, as a part of the flank's length: images of forces along the
         !> flank stand no nearer
@@ -60,19 +59,19 @@ contains
             call add_turned(body_2%compliance, zones%site, zones%nearest%s_2, width, &
                 & corner_turn(body_1, body_2, zones, 2), coupling)
             if (.not. allocated(body_1%friction)) then
-                allocate (rubbing(n, 0))
+                allocate (tangential(n, 0))
                 return
             end if
-            if (allocated(position%rubbing)) then
-                rubbing = position%rubbing(of, of)
+            if (allocated(position%tangential)) then
+                tangential = position%tangential(of, of)
                 return
             end if
-            allocate (rubbing(n, n), source=0.0_wp)
+            allocate (tangential(n, n), source=0.0_wp)
             ones = 1.0_wp
             call add_tangential(body_1%compliance, zones%site, zones%nearest%s_1, width, ones, &
-                & rubbing)
+                & tangential)
             call add_tangential(body_2%compliance, zones%site, zones%nearest%s_2, width, ones, &
-                & rubbing)
+                & tangential)
         end associate
     end subroutine couple
 
@@ -108,7 +107,7 @@ contains
     end function corner_turn
 
     !> One pass: what is not linear in the forces linearised at the last ones, then the loop.
-    pure subroutine solve_pass(position, of, places, coupling, rubbing, torque, secant, forces, &
+    pure subroutine solve_pass(position, of, places, coupling, tangential, torque, secant, forces, &
             & state, stands, error)
         !> The position
         type(position_type), intent(in) :: position
@@ -118,7 +117,7 @@ contains
         type(place_type), intent(in) :: places(:)
         !> What they recede by, as above
         real(wp), intent(in) :: coupling(:, :)
-        real(wp), intent(in) :: rubbing(:, :)
+        real(wp), intent(in) :: tangential(:, :)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
         !> True: lines through the origin instead of tangents
@@ -133,14 +132,14 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: k, n
-        logical :: rubs, through_origin(size(of))
+        logical :: slides, through_origin(size(of))
         real(wp) :: loads(1)
         real(wp), dimension(size(of)) :: last, line, beside, gaps
         real(wp) :: matrix(size(of), size(of)), motions(size(of), 1), load_rows(size(of), 1)
         type(contact_result) :: contact
 
         n = size(of)
-        rubs = size(rubbing, 2) > 0
+        slides = size(tangential, 2) > 0
         last = forces(of)
         through_origin = secant .or. .not. last > 0.0_wp
         matrix = coupling
@@ -149,13 +148,13 @@ contains
             loads = torque
             call linearise(place, position%gap(of), state%rotation, through_origin, matrix, gaps, &
                 & load_rows(:, 1), loads(1))
-            if (rubs) then
+            if (slides) then
                 call straighten(place%force, place%tangential, place%tangential_slope, &
                     & through_origin, line, beside)
                 do k = 1, n
-                    matrix(:, k) = matrix(:, k) + rubbing(:, k)*line(k)
+                    matrix(:, k) = matrix(:, k) + tangential(:, k)*line(k)
                 end do
-                gaps = gaps + matmul(rubbing, beside)
+                gaps = gaps + matmul(tangential, beside)
                 load_rows(:, 1) = load_rows(:, 1) + place%lever_along*line &
                     & + place%lever_along_slope*place%tangential
                 loads = loads - sum(place%lever_along*beside &
@@ -163,31 +162,13 @@ contains
             end if
         end associate
         call solve_contact_problem(matrix, gaps, motions, load_rows, loads, &
-            & merge(general_matrix, symmetric_matrix, rubs), method_single, &
+            & merge(general_matrix, symmetric_matrix, slides), method_single, &
             & pack([(k, k=1, n)], last > 0.0_wp), contact, error)
         call count_lumped(contact%pivots, state)
-        state%refactorisations = state%refactorisations + contact%refactorisations
-        if (allocated(error)) then
-            state%largest_part = contact%largest_part
-            state%none_proven = contact%none_proven
-            if (error%code == invalid_scale .and. rubs) then
-                ! friction turns every lever against the torque: nothing can be held
-                error%code = no_contact_state
-                state%largest_part = 0.0_wp
-                state%none_proven = .true.
-            end if
-            return
-        end if
-        stands = all(abs(contact%forces - last) <= settled*maxval(contact%forces))
-        forces(of) = contact%forces
-        state%status = contact%status
-        state%rotation = contact%motion(1)
-        state%tangent = contact%tangent(1, 1)
-        state%forces = contact%forces
-        state%gaps = contact%gaps
-        state%condition = contact%condition
-        state%backward_error = contact%backward_error
-        state%margin = contact%margin
+        call take_contact(contact, slides, state, error)
+        if (allocated(error)) return
+        forces(of) = state%forces
+        stands = all(abs(state%forces - last) <= settled*maxval(state%forces))
     end subroutine solve_pass
 
     !> A pass without a certificate: forces and rotation alone, if none but places that carry do so

@@ -1,5 +1,5 @@
 !> A place of contact as a whole, under a force: how far it reaches, by how much its near field lets
-!> both bodies approach, and how it rubs; with the derivatives of all that by the force.
+!> both bodies approach, and how it slides; with the derivatives of all that by the force.
 module flankload_lumped_place
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type
@@ -12,7 +12,7 @@ module flankload_lumped_place
     private
 
     public :: place_type
-    public :: reach_of, near_field_of, rub_place
+    public :: reach_of, near_field_of, slide_place
 
     !> A place under a force.
     type :: place_type
@@ -140,8 +140,8 @@ contains
     end subroutine near_field_of
 
     !> Tangential force of a place: mu sigma F, sigma the mean sign of the sliding over the contact.
-    pure subroutine rub_place(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, normal, &
-            & place)
+    pure subroutine slide_place(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, &
+            & normal, place)
         !> What the scene says of friction
         type(friction_type), intent(in) :: friction
         !> Speeds with which both bodies turn [rad per rad of the position], shape (2)
@@ -197,6 +197,6 @@ contains
                 & zone%nearest%s_2 + along_2*(s_1 - zone%nearest%s_1), normal, sliding, both)
         end subroutine slide
 
-    end subroutine rub_place
+    end subroutine slide_place
 
 end module flankload_lumped_place

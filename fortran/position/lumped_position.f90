@@ -13,7 +13,7 @@ module flankload_lumped_position
     use flankload_friction, only: friction_lever
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, lumped_contact
     use flankload_lumped_pass, only: couple, solve_pass
-    use flankload_lumped_place, only: near_field_of, place_type, reach_of, rub_place
+    use flankload_lumped_place, only: near_field_of, place_type, reach_of, slide_place
     use flankload_position_zones, only: body_type, position_type, section_at
     use flankload_position_state, only: count_lumped, other_shape, position_state, would_touch
     implicit none
@@ -51,7 +51,7 @@ contains
         integer :: pass, k, n
         integer, allocatable :: of(:)
         logical :: joins(size(position%zones)), stands
-        real(wp), allocatable :: forces(:), full(:), coupling(:, :), rubbing(:, :)
+        real(wp), allocatable :: forces(:), full(:), coupling(:, :), tangential(:, :)
         type(place_type), allocatable :: places(:)
 
         full = torque/position%zones%lever
@@ -68,13 +68,13 @@ contains
                         & 'flanks conform: their contact has no place of its own')
                     return
                 end if
-                call couple(body_1, body_2, position, of, coupling, rubbing)
+                call couple(body_1, body_2, position, of, coupling, tangential)
             end if
             call look_at_places(body_1, body_2, position, of, forces, full, places, state%pairs, &
                 & error)
             if (allocated(error)) return
-            call solve_pass(position, of, places, coupling, rubbing, torque, pass > newton_passes, &
-                & forces, state, stands, error)
+            call solve_pass(position, of, places, coupling, tangential, torque, &
+                & pass > newton_passes, forces, state, stands, error)
             if (allocated(error)) return
             if (stands) then
                 stands = .not. any(would_touch(position, forces, state%rotation) .and. .not. joins)
@@ -88,8 +88,8 @@ contains
         end if
         ! once more, for derivatives that hold all that changes with the forces
         call look_at_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
-        call solve_pass(position, of, places, coupling, rubbing, torque, .false., forces, state, &
-            & stands, error)
+        call solve_pass(position, of, places, coupling, tangential, torque, .false., forces, &
+            & state, stands, error)
         if (allocated(error)) return
         call finish(position%zones(of), places(of), state)
 
@@ -174,7 +174,7 @@ contains
                 place%lever_slope = 0.0_wp
                 place%torque_lever_slope = 0.0_wp
                 if (.not. allocated(body_1%friction)) cycle
-                call rub_place(body_1%friction, position%speeds, curve_1, &
+                call slide_place(body_1%friction, position%speeds, curve_1, &
                     & position%frames_1(site), curve_2, position%frames_2(site), zone, &
                     & pairs%normal(:, k), place)
                 place%lever_along = lever_along(position, pairs, k)

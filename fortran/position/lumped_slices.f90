@@ -19,7 +19,7 @@ module flankload_lumped_slices
     use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: count_lumped, position_state, would_touch
     use flankload_slice_coupling, only: load_slices, widen_slices
-    use flankload_slice_field, only: flank_of, slices_type
+    use flankload_slice_field, only: flank_of
     implicit none
     private
 
@@ -57,7 +57,7 @@ contains
         logical :: joins(size(position%zones)), stands, solved
         real(wp) :: change, since_look
         real(wp), dimension(size(position%zones)) :: forces, last, full
-        real(wp), allocatable :: coupling(:, :), rubbing(:, :)
+        real(wp), allocatable :: coupling(:, :), tangential(:, :)
         type(place_type) :: places(size(position%zones))
 
         call begin(body_1, body_2, torque, position, forces, joins, state, error)
@@ -67,7 +67,7 @@ contains
         do pass = 1, max_passes
             if (size(of) /= count(joins)) then
                 of = pack([(k, k=1, size(joins))], joins)
-                call couple(body_1, body_2, position, of, coupling, rubbing)
+                call couple(body_1, body_2, position, of, coupling, tangential)
                 call take_parabolas(position, of, some_force(forces, full), places)
                 call reserve_pairs(state%pairs, size(of))
                 since_look = huge(1.0_wp)
@@ -84,11 +84,11 @@ contains
             end if
             last = forces
             ! with friction K is not symmetric
-            solved = pass <= newton_passes .and. size(rubbing, 2) == 0
+            solved = pass <= newton_passes .and. size(tangential, 2) == 0
             if (solved) call step_places(position, of, places, coupling, torque, forces, &
                 & state%rotation, solved)
             if (solved) call count_lumped(0, state)
-            if (.not. solved) call solve_pass(position, of, places, coupling, rubbing, torque, &
+            if (.not. solved) call solve_pass(position, of, places, coupling, tangential, torque, &
                 & pass > newton_passes, forces, state, stands, error)
             if (allocated(error)) return
             change = maxval(abs(forces - last))/maxval(forces)
@@ -104,8 +104,8 @@ contains
         if (allocated(error)) return
         ! once more, for derivatives that hold all that changes with the forces
         call look_at_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
-        call solve_pass(position, of, places, coupling, rubbing, torque, .false., forces, state, &
-            & stands, error)
+        call solve_pass(position, of, places, coupling, tangential, torque, .false., forces, &
+            & state, stands, error)
         if (.not. allocated(error)) call finish(position%zones(of), places(of), state)
     end subroutine solve_slices
 
@@ -119,7 +119,8 @@ contains
         under = merge(force, least_part*full, force > 0.0_wp)
     end function some_force
 
-    !> Near fields, and forces that are nearly right.
+    !> Near fields, forces that are nearly right, those of contacts that are all as wide as the
+    !> widest, and the places that they need.
     pure subroutine begin(body_1, body_2, torque, position, forces, joins, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
@@ -137,40 +138,19 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        if (any(position%zones%level_high > position%zones%level_low)) then
-            call fatal_error(error, code_conforms, &
-                & 'flanks conform: their contact has no place of its own')
-            return
-        end if
-        call load_slices(body_1, body_2, torque, position)
-        call estimate_forces(body_1%slices, position, torque, forces, joins, state, error)
-        if (.not. allocated(error)) call widen_slices(body_1, body_2, forces, position)
-    end subroutine begin
-
-    !> Forces of contacts that are all as wide as the widest, and the places that they need.
-    pure subroutine estimate_forces(slices, position, torque, forces, joins, state, error)
-        !> The slices
-        type(slices_type), intent(in) :: slices
-        !> The position
-        type(position_type), intent(in) :: position
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
-        !> Forces [N], shape (zones)
-        real(wp), intent(out) :: forces(:)
-        !> Which places may touch, shape (zones)
-        logical, intent(out) :: joins(:)
-        !> Where the work is counted
-        type(position_state), intent(inout) :: state
-        !> Set if no state was found
-        type(error_type), allocatable, intent(out) :: error
-
         integer :: z, first, flanks(size(forces))
         logical :: solved
         real(wp) :: width, image, rotation, unused(2)
         real(wp) :: matrix(size(forces), size(forces)), levers(size(forces), 1)
         type(contact_result) :: contact
 
-        flanks = flank_of(slices, position%zones%site)
+        if (any(position%zones%level_high > position%zones%level_low)) then
+            call fatal_error(error, code_conforms, &
+                & 'flanks conform: their contact has no place of its own')
+            return
+        end if
+        call load_slices(body_1, body_2, torque, position)
+        flanks = flank_of(body_1%slices, position%zones%site)
         matrix = position%coupling
         do z = 1, size(forces)
             width = max(position%widest(z), least_half_width(position%flank_length))
@@ -200,7 +180,8 @@ contains
         if (allocated(error)) return
         joins = forces > 0.0_wp .or. position%gap < rotation &
             & + joining*(rotation - minval(position%gap))
-    end subroutine estimate_forces
+        call widen_slices(body_1, body_2, forces, position)
+    end subroutine begin
 
     !> Places as contacts of parabolas.
     pure subroutine take_parabolas(position, of, forces, places)

@@ -2,7 +2,7 @@
 !> coefficients of finite forces follow from the forces, and both are iterated.
 module flankload_pair_forces
     use flankload_kinds, only: wp
-    use flankload_status, only: invalid_scale, no_contact_state, code_forces_move
+    use flankload_status, only: code_forces_move
     use flankload_error, only: error_type, fatal_error
     use flankload_flank_curve, only: placed_point
     use flankload_contact_pairs, only: pairs_type
@@ -14,7 +14,7 @@ module flankload_pair_forces
         & definite_matrix, general_matrix, symmetric_matrix, solve_contact_problem
     use flankload_pair_influence, only: pair_influences
     use flankload_position_zones, only: body_type, position_type
-    use flankload_position_state, only: position_state
+    use flankload_position_state, only: position_state, take_contact
     implicit none
     private
 
@@ -38,8 +38,8 @@ contains
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
-        !> The position
-        type(position_type), intent(in) :: position
+        !> The position, whose memory is used
+        type(position_type), intent(inout), target :: position
         !> Pairs of the start
         integer, intent(in) :: warm_pairs(:)
         !> Torque on body 1 [N mm]
@@ -52,10 +52,14 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: n, structure
-        real(wp), allocatable :: matrix(:, :)
+        real(wp), pointer, contiguous :: matrix(:, :)
 
         n = state%pairs%n
-        allocate (matrix(n, n))
+        if (allocated(position%room)) then
+            if (size(position%room) < n**2) deallocate (position%room)
+        end if
+        if (.not. allocated(position%room)) allocate (position%room(n**2))
+        matrix(1:n, 1:n) => position%room
         call pair_influences(body_1, body_2, position%zones, state%pairs, matrix)
         state%columns = state%columns + n
         if (allocated(state%pairs%friction)) then
@@ -206,26 +210,7 @@ contains
             & load_rows, [torque], structure, merge(method_auto, method_single, n > many_pairs), &
             & warm_pairs, contact, error)
         state%pivots = state%pivots + contact%pivots
-        state%refactorisations = state%refactorisations + contact%refactorisations
-        if (allocated(error)) then
-            state%largest_part = contact%largest_part
-            state%none_proven = contact%none_proven
-            if (error%code == invalid_scale .and. allocated(state%pairs%friction)) then
-                ! friction makes every lever act against the torque: no load can be carried
-                error%code = no_contact_state
-                state%largest_part = 0.0_wp
-                state%none_proven = .true.
-            end if
-            return
-        end if
-        state%status = contact%status
-        state%rotation = contact%motion(1)
-        state%tangent = contact%tangent(1, 1)
-        call move_alloc(contact%forces, state%forces)
-        call move_alloc(contact%gaps, state%gaps)
-        state%condition = contact%condition
-        state%backward_error = contact%backward_error
-        state%margin = contact%margin
+        call take_contact(contact, allocated(state%pairs%friction), state, error)
     end subroutine solve_matrix
 
 end module flankload_pair_forces

@@ -47,13 +47,13 @@ contains
         call cell_influences(body_1%compliance, body_2%compliance, body_1%slices, &
             & segments_of(body_1%slices, zones), pairs, rigid, moved, matrix)
         if (.not. allocated(pairs%friction)) return
-        if (n_1 > 0) call rub_shaft(body_1, body_1, zones, pairs, rigid(:n_1, :), matrix)
-        if (n_2 > 0) call rub_shaft(body_2, body_1, zones, pairs, rigid(n_1 + 1:, :), matrix)
+        if (n_1 > 0) call slide_shaft(body_1, body_1, zones, pairs, rigid(:n_1, :), matrix)
+        if (n_2 > 0) call slide_shaft(body_2, body_1, zones, pairs, rigid(n_1 + 1:, :), matrix)
     end subroutine pair_influences
 
     !> Add the recession of a body by its shaft and bearings under the friction of all pairs: -wᵀ S
     !> w_t.
-    pure subroutine rub_shaft(body, body_1, zones, pairs, wrenches, matrix)
+    pure subroutine slide_shaft(body, body_1, zones, pairs, wrenches, matrix)
         !> The body, with a shaft
         type(body_type), intent(in) :: body
         !> Body 1, whose helix and slices are those of the pair
@@ -75,7 +75,7 @@ contains
             & *wrenches_of(body, body_1, zones, pairs, along=.true.))
         call set_product(pairs%n, pairs%n, 6, wrenches, moved, pairs%n, recession)
         matrix = matrix - recession
-    end subroutine rub_shaft
+    end subroutine slide_shaft
 
     !> Unit forces along the normals of the pairs, or along flank 1, and their moments about the
     !> section of a shaft.
@@ -94,11 +94,11 @@ contains
         real(wp) :: wrenches(6, pairs%n)
 
         integer :: i
-        logical :: rubs
+        logical :: slides
         real(wp) :: lever, n(3), r(3)
 
-        rubs = .false.
-        if (present(along)) rubs = along
+        slides = .false.
+        if (present(along)) slides = along
         do i = 1, pairs%n
             associate (zone => zones(pairs%zone(i)))
                 lever = cross(pairs%point(:, i), pairs%normal(:, i))
@@ -106,7 +106,7 @@ contains
                 n = zone%cosine*[sign(1.0_wp, lever)*pairs%normal(:, i), &
                     & -body_1%compliance%twist*abs(lever)]
                 ! n is t turned to the left
-                if (rubs) n = [sign(1.0_wp, lever)*[pairs%normal(2, i), -pairs%normal(1, i)], &
+                if (slides) n = [sign(1.0_wp, lever)*[pairs%normal(2, i), -pairs%normal(1, i)], &
                     & 0.0_wp]
                 r = [pairs%point(:, i) - body%origin, middle_of(body_1%slices, pairs%site(i)) &
                     & - body%shaft%z]

@@ -11,7 +11,7 @@ module flankload_position_cells
     use flankload_contact_reach, only: edges_within, zone_reach
     use flankload_contact_grid, only: grid_type, lay_cells, part_neighbours, wanted_grid
     use flankload_contact_pairs, only: append_pairs, pairs_type, reserve_pairs, take_out_of_mirror
-    use flankload_friction, only: rub_pairs
+    use flankload_friction, only: add_friction
     use flankload_gap_shift, only: has_shift, shift_pairs
     use flankload_lumped_hertz, only: least_half_width
     use flankload_node_cells, only: circles_through, lay_on_nodes
@@ -269,7 +269,7 @@ contains
                 call shift_pairs(body_1%compliance, body_2%compliance, first, pairs)
             end if
             if (allocated(body_1%friction)) then
-                call rub_pairs(body_1%friction, zone%side*position%speeds, curve_1, frame_1, &
+                call add_friction(body_1%friction, zone%side*position%speeds, curve_1, frame_1, &
                     & curve_2, frame_2, zone, first, pairs)
             end if
             if (zone%side < 0.0_wp) call take_out_of_mirror(first, pairs)

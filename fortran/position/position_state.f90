@@ -2,6 +2,9 @@
 module flankload_position_state
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
+    use flankload_status, only: invalid_scale, no_contact_state
+    use flankload_error, only: error_type
+    use flankload_contact_result, only: contact_result
     use flankload_contact_pairs, only: pairs_type, reserve_pairs
     use flankload_position_zones, only: position_type
     implicit none
@@ -9,7 +12,7 @@ module flankload_position_state
 
     public :: position_state
     public :: touches_only, other_shape, end_would_touch
-    public :: blank_state, unloaded_state, would_touch, count_lumped, note_ends
+    public :: blank_state, take_contact, unloaded_state, would_touch, count_lumped, note_ends
     public :: presses_across
 
     !> Instead of the body with contact on its corner: the site that touches without torque, off
@@ -56,6 +59,39 @@ contains
         allocate (state%site_force(n_sites), state%site_peak(n_sites), source=0.0_wp)
         allocate (state%site_corner(n_sites), source=0)
     end subroutine blank_state
+
+    !> What the contact loop has found: a state, or why there is none.
+    pure subroutine take_contact(contact, has_friction, state, error)
+        !> The result of the loop
+        type(contact_result), intent(inout) :: contact
+        !> Whether there is friction
+        logical, intent(in) :: has_friction
+        !> The state
+        type(position_state), intent(inout) :: state
+        !> The error of the loop
+        type(error_type), allocatable, intent(inout) :: error
+
+        state%refactorisations = state%refactorisations + contact%refactorisations
+        if (allocated(error)) then
+            state%largest_part = contact%largest_part
+            state%none_proven = contact%none_proven
+            if (error%code == invalid_scale .and. has_friction) then
+                ! friction turns every lever against the torque: nothing can be held
+                error%code = no_contact_state
+                state%largest_part = 0.0_wp
+                state%none_proven = .true.
+            end if
+            return
+        end if
+        state%status = contact%status
+        state%rotation = contact%motion(1)
+        state%tangent = contact%tangent(1, 1)
+        call move_alloc(contact%forces, state%forces)
+        call move_alloc(contact%gaps, state%gaps)
+        state%condition = contact%condition
+        state%backward_error = contact%backward_error
+        state%margin = contact%margin
+    end subroutine take_contact
 
     !> Whether working and coast flanks overlap in every angle of body 1.
     pure function presses_across(position) result(presses)

@@ -99,34 +99,37 @@ contains
         type(known_contacts), intent(in), optional :: known
 
         integer :: k, used, asked_to_stop
+        real(wp), allocatable :: room(:)
 
         call reserve(found, size(body_1%site_angles), size(angles_1), size(torques))
         used = 0
-        !$omp parallel do schedule(dynamic) private(asked_to_stop)
+        !$omp parallel do schedule(dynamic) private(asked_to_stop, room)
         do k = 1, size(angles_1)
             ! atomic: another thread of the caller writes it, so each read must access memory
             !$omp atomic read
             asked_to_stop = control(1)
-            if (asked_to_stop == 0) call take_position(k)
+            if (asked_to_stop == 0) call take_position(k, room)
         end do
         !$omp end parallel do
 
     contains
 
         !> Solve one position, unless the room is already exceeded.
-        subroutine take_position(at)
+        subroutine take_position(at, room)
             !> Number of the position
             integer, intent(in) :: at
+            !> Memory of the thread
+            real(wp), allocatable, intent(inout) :: room(:)
 
-            integer :: before, needed, room, t
+            integer :: before, needed, most, t
             type(position_state) :: states(size(torques))
             type(known_contact) :: contacts(size(torques))
 
-            room = size(pair_site)
+            most = size(pair_site)
             found%status(at, :) = code_no_room
             !$omp atomic read
             before = used
-            if (before > room) return
+            if (before > most) return
             if (present(known)) then
                 do t = 1, size(torques)
                     contacts(t) = contact_of(known, at, t)
@@ -134,21 +137,20 @@ contains
             end if
             if (size(speeds, 2) > 0) then
                 call solve_position(body_1, body_2, angles_1(at), angles_2(at), torques, settings, &
-                    & states, speeds(:, at), contacts)
+                    & states, speeds(:, at), contacts, room)
             else
                 call solve_position(body_1, body_2, angles_1(at), angles_2(at), torques, settings, &
-                    & states, known=contacts)
+                    & states, known=contacts, room=room)
             end if
             needed = 0
-            if (room > 0) needed = sum(states%pairs%n, mask=states%status >= 0)
+            if (most > 0) needed = sum(states%pairs%n, mask=states%status >= 0)
             !$omp atomic capture
             before = used
             used = used + needed
             !$omp end atomic
-            call note_work(at, states, found)
-            if (before + needed > room) return
-            call note_states(at, states, found)
-            if (room > 0) call pack_pairs(at, states, before, pair_site, pair_table, found)
+            call note_states(at, states, before + needed <= most, found)
+            if (before + needed > most) return
+            if (most > 0) call pack_pairs(at, states, before, pair_site, pair_table, found)
             !$omp atomic update
             control(2) = control(2) + 1
         end subroutine take_position
@@ -179,12 +181,14 @@ contains
         allocate (found%first_pair(n_positions, n_torques), source=0)
     end subroutine reserve
 
-    !> Store the counters of a position, with or without a state.
-    pure subroutine note_work(k, states, found)
+    !> Store the counters of a position, and its states if their pairs find room.
+    pure subroutine note_states(k, states, has_room, found)
         !> Number of the position
         integer, intent(in) :: k
         !> Its states, shape (torques)
         type(position_state), intent(in) :: states(:)
+        !> Whether the pairs find room
+        logical, intent(in) :: has_room
         !> The results
         type(sweep_type), intent(inout) :: found
 
@@ -195,23 +199,7 @@ contains
                 found%counters(:, k, t) = [state%pivots, state%columns, state%passes, &
                     & state%refactorisations, state%tangential_columns, state%lumped_solutions, &
                     & state%finite_passes]
-            end associate
-        end do
-    end subroutine note_work
-
-    !> Store the states of a position.
-    pure subroutine note_states(k, states, found)
-        !> Number of the position
-        integer, intent(in) :: k
-        !> Its states, shape (torques)
-        type(position_state), intent(in) :: states(:)
-        !> The results
-        type(sweep_type), intent(inout) :: found
-
-        integer :: t
-
-        do t = 1, size(states)
-            associate (state => states(t))
+                if (.not. has_room) cycle
                 found%status(k, t) = state%status
                 if (state%status == no_contact_state) then
                     found%certificate(:2, k, t) = [state%largest_part, &

@@ -69,7 +69,7 @@ module flankload_position_zones
         real(wp), allocatable :: smooth(:, :)
         !> With friction of slices: recession at zone i for a unit force along flank 1 at j [mm/N],
         !> shape (zones, zones)
-        real(wp), allocatable :: rubbing(:, :)
+        real(wp), allocatable :: tangential(:, :)
         !> c of both bodies: strength of the logarithm [mm/N], shape (zones)
         real(wp), allocatable :: kernel(:)
         !> Width beyond which contacts are not expected when forces are estimated [mm], shape
@@ -88,6 +88,8 @@ module flankload_position_zones
         !> Speeds with which both bodies turn [rad per rad of the position]; only friction asks for
         !> them
         real(wp) :: speeds(2) = 0.0_wp
+        !> Memory for K of cells
+        real(wp), allocatable :: room(:)
     end type position_type
 
     !> No real job needs more zones, in all or on each site where there are many sites; more than

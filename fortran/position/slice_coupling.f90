@@ -101,14 +101,14 @@ contains
             & position%zones), position%smooth)
         if (allocated(body_2%shaft)) call add_shaft(body_2%shaft, wrenches_on(body_2, body_1, &
             & position%zones), position%smooth)
-        if (allocated(body_1%friction)) call look_at_rubbing(body_1, body_2, position)
+        if (allocated(body_1%friction)) call look_at_sliding(body_1, body_2, position)
     end subroutine look_at_slices
 
     !> What the zones recede by under forces along their flanks.
     !>
     !> The force on body 1 points to growing arc length of flank 1, that on body 2 to growing arc
     !> length of flank 2: both recede by minus their displacement out of the material.
-    pure subroutine look_at_rubbing(body_1, body_2, position)
+    pure subroutine look_at_sliding(body_1, body_2, position)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
@@ -116,18 +116,20 @@ contains
         type(position_type), intent(inout) :: position
 
         associate (zones => position%zones, slices => body_1%slices)
-            position%rubbing = -tangential_field(body_1%compliance, body_2%compliance, &
+            position%tangential = -tangential_field(body_1%compliance, body_2%compliance, &
                 & segments_of(slices, zones), 0.5_wp*usual_part*position%flank_length) &
                 & - sliced_tangential(body_1%compliance, slices, zones%site, zones%nearest%s_1) &
                 & - sliced_tangential(body_2%compliance, slices, zones%site, zones%nearest%s_2)
-            if (allocated(body_1%shaft)) call rub_shaft(body_1, body_1, zones, position%rubbing)
-            if (allocated(body_2%shaft)) call rub_shaft(body_2, body_1, zones, position%rubbing)
+            if (allocated(body_1%shaft)) call slide_shaft(body_1, body_1, zones, &
+                & position%tangential)
+            if (allocated(body_2%shaft)) call slide_shaft(body_2, body_1, zones, &
+                & position%tangential)
         end associate
-    end subroutine look_at_rubbing
+    end subroutine look_at_sliding
 
     !> Add the recession of a body by its shaft and bearings under forces along the flanks:
     !> -wᵀ S w_t.
-    pure subroutine rub_shaft(body, body_1, zones, rubbing)
+    pure subroutine slide_shaft(body, body_1, zones, tangential)
         !> The body, with a shaft
         type(body_type), intent(in) :: body
         !> Body 1, whose helix and slices are those of the pair
@@ -135,11 +137,11 @@ contains
         !> The zones
         type(zone_type), intent(in) :: zones(:)
         !> Recession under unit forces along flank 1 [mm/N], shape (zones, zones)
-        real(wp), intent(inout) :: rubbing(:, :)
+        real(wp), intent(inout) :: tangential(:, :)
 
-        rubbing = rubbing - matmul(transpose(wrenches_on(body, body_1, zones)), &
+        tangential = tangential - matmul(transpose(wrenches_on(body, body_1, zones)), &
             & matmul(body%shaft%compliance, wrenches_on(body, body_1, zones, along=.true.)))
-    end subroutine rub_shaft
+    end subroutine slide_shaft
 
     !> Unit forces along the normals of the zones, or along flank 1, and their moments about the
     !> section of a shaft.
@@ -156,11 +158,11 @@ contains
         real(wp) :: wrenches(6, size(zones))
 
         integer :: k
-        logical :: rubs
+        logical :: slides
         real(wp) :: tangent(2), n(3), r(3)
 
-        rubs = .false.
-        if (present(along)) rubs = along
+        slides = .false.
+        if (present(along)) slides = along
         do k = 1, size(zones)
             associate (place => zones(k)%nearest)
                 tangent = place%tangent_1
@@ -169,7 +171,7 @@ contains
                 tangent = -sign(1.0_wp, dot_product(place%point_1, tangent))*tangent
                 n = [zones(k)%cosine*tangent(2), -zones(k)%cosine*tangent(1), &
                     & -body_1%compliance%twist*zones(k)%lever]
-                if (rubs) n = [-tangent, 0.0_wp]
+                if (slides) n = [-tangent, 0.0_wp]
                 r = [place%point_1 - body%origin, middle_of(body_1%slices, zones(k)%site) &
                     & - body%shaft%z]
             end associate

@@ -68,7 +68,7 @@ contains
         !> False if the rows are linearly dependent; the system is then unchanged
         logical, intent(out) :: accepted
 
-        integer :: j, k, b
+        integer :: j, k, b, first
         integer, allocatable :: before(:)
         real(wp), allocatable :: columns(:, :), rows(:, :), scales(:)
 
@@ -87,8 +87,12 @@ contains
         scales = problem%row_scale(system%pairs)
         allocate (columns(k + b, b), rows(b, merge(0, k, problem%symmetric)))
         do j = 1, b
-            ! Eq. (18), (32): the rows and columns of the new pairs
-            columns(:, j) = compliance(system%pairs, pairs(j))*scales*scales(k + j)
+            ! Eq. (18), (32): the rows and columns of the new pairs, of a symmetric K those of the
+            ! lower triangle
+            first = merge(j, 1, problem%symmetric)
+            columns(:k, j) = compliance(before, pairs(j))*scales(:k)*scales(k + j)
+            columns(k + first:, j) = compliance(pairs(first:), pairs(j))*scales(k + first:) &
+                & *scales(k + j)
         end do
         if (.not. problem%symmetric) then
             do j = 1, b
@@ -97,7 +101,10 @@ contains
         end if
         if (problem%spring > 0.0_wp) then
             do j = 1, b
-                columns(:, j) = columns(:, j) + regularized_column(problem, system%pairs, pairs(j))
+                first = merge(j, 1, problem%symmetric)
+                columns(:k, j) = columns(:k, j) + regularized_column(problem, before, pairs(j))
+                columns(k + first:, j) = columns(k + first:, j) &
+                    & + regularized_column(problem, pairs(first:), pairs(j))
             end do
             do j = 1, size(rows, 2)
                 rows(:, j) = rows(:, j) + regularized_column(problem, pairs, before(j))

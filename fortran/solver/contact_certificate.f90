@@ -19,6 +19,8 @@ module flankload_contact_certificate
     real(wp), parameter :: ill_conditioned = 1.0e8_wp
     !> Relative gap above which a row is clearly open
     real(wp), parameter :: near_contact = 1.0e-6_wp
+    !> The condition number of a factor is an estimate from below, hardly ever by a factor of 10.
+    real(wp), parameter :: margin_of_condition = 100.0_wp
     !> Weight ρ in W K + ρ R Rᵀ, for the proof of uniqueness among forces that balance the loads
     real(wp), parameter :: load_weight = 8.0_wp
     !> Bound of (K F)_i² relative to K_ii FᵀKF, with rounding errors
@@ -79,7 +81,8 @@ contains
         end if
         if (problem%definite) then
             result%unique = satisfies_energy_bound(problem, compliance, forces, displacement)
-            if (result%unique) result%unique = is_unique(problem, compliance, pairs)
+            if (result%unique) result%unique = is_unique(problem, compliance, pairs, &
+                & result%condition)
         else
             result%unique = is_unique(problem, compliance, possible_pairs(problem, compliance, &
                 & whole_motion))
@@ -166,12 +169,14 @@ contains
     !> The proof needs all of K, since two open pairs with strong coupling may allow a second
     !> solution. Therefore either all pairs are factored, or the caller declares that K is positive
     !> definite and only the active pairs are checked.
-    pure function is_unique(problem, compliance, pairs) result(unique)
+    pure function is_unique(problem, compliance, pairs, condition) result(unique)
         !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Pairs whose matrix is factored
         integer, intent(in) :: pairs(:)
+        !> Condition number of their K, if these are the pairs that the loop has factored
+        real(wp), intent(in), optional :: condition
         logical :: unique
 
         integer :: i
@@ -195,10 +200,27 @@ contains
         ! For the active pairs, the Cholesky factor of the loop is the proof.
         if (equal .and. problem%symmetric .and. problem%definite) return
         weights = weights(pairs)
+        if (present(condition) .and. problem%symmetric .and. size(pairs) > 0 &
+            & .and. .not. problem%spring > 0.0_wp) then
+            unique = margin_of_condition*condition*spread_of(weights)**2 < 1.0_wp
+            if (unique) return
+        end if
         unique = is_positive_definite(problem, compliance, pairs, weights, 0.0_wp)
         if (unique) return
         unique = is_positive_definite(problem, compliance, pairs, weights, load_weight)
     end function is_unique
+
+    !> Return the largest entry of X for weights W = w exp(2 X).
+    !>
+    !> √W K √W⁻¹ has the symmetric part C (K - T K T) C, C = cosh X and T = tanh X. With K = L Lᵀ
+    !> that is positive definite if |L⁻¹ T L| < 1, and |L⁻¹ T L|² <= |T|² cond K <= |X|² cond K.
+    pure function spread_of(weights) result(largest)
+        !> W, above 0
+        real(wp), intent(in) :: weights(:)
+        real(wp) :: largest
+
+        largest = 0.25_wp*log(maxval(weights)/minval(weights))
+    end function spread_of
 
     !> Return whether the symmetric part of W K + ρ R Rᵀ is positive definite, by its Cholesky
     !> factor.

@@ -6,7 +6,7 @@ module flankload_contact_result
     private
 
     public :: contact_result
-    public :: blank, counters_of, certificate_of
+    public :: blank, unpack_result
 
     !> Contact state and certificate, in the caller's units.
     type :: contact_result
@@ -70,26 +70,34 @@ contains
         result%largest_part = nan
     end subroutine blank
 
-    !> Return the counters in the order of the flat interface: pivots, complete factorizations, 1 if
-    !> the solution is unique, method, 1 if infeasibility is proven.
-    pure function counters_of(result) result(counters)
+    !> Return the state as arrays of the flat interface.
+    pure subroutine unpack_result(result, forces, gaps, motion, tangent, active, counters, &
+            & certificate)
         !> Contact state
         type(contact_result), intent(in) :: result
-        integer :: counters(5)
+        !> Forces, gaps, motions and their derivatives
+        real(wp), intent(out) :: forces(:)
+        real(wp), intent(out) :: gaps(:)
+        real(wp), intent(out) :: motion(:)
+        real(wp), intent(out) :: tangent(:, :)
+        !> 1 for the pairs that carry a force, else 0
+        integer, intent(out) :: active(:)
+        !> Pivots, refactorisations, 1 if the state is unique, the method that found it, 1 if it is
+        !> proven that there is none
+        integer, intent(out) :: counters(5)
+        !> Condition number, growth, backward error, margin, fraction of the loads that can be held
+        real(wp), intent(out) :: certificate(5)
 
+        forces = result%forces
+        gaps = result%gaps
+        motion = result%motion
+        tangent = result%tangent
+        active = 0
+        active(result%active_pairs) = 1
         counters = [result%pivots, result%refactorisations, merge(1, 0, result%unique), &
             & result%rung, merge(1, 0, result%none_proven)]
-    end function counters_of
-
-    !> Return the certificate in the order of the flat interface: condition number, growth factor,
-    !> backward error, margin, fraction of the loads that can be balanced.
-    pure function certificate_of(result) result(certificate)
-        !> Contact state
-        type(contact_result), intent(in) :: result
-        real(wp) :: certificate(5)
-
         certificate = [result%condition, result%growth, result%backward_error, result%margin, &
             & result%largest_part]
-    end function certificate_of
+    end subroutine unpack_result
 
 end module flankload_contact_result

@@ -26,12 +26,12 @@ contains
         !> Loads Q, shape (n_motions, n_loads, n_problems)
         real(wp), intent(in) :: loads(:, :, :)
         !> Compliance matrices K of all problems in order, column by column [mm/N], shape (Σ n²)
-        real(wp), intent(in) :: compliances(sum(sizes**2))
+        real(wp), intent(in), target :: compliances(sum(sizes**2))
         !> Gaps g0 of all problems in order [mm], shape (Σ n)
         real(wp), intent(in) :: normal_gaps(sum(sizes))
         !> Matrices B and R of all problems in order, column by column, shape (Σ n n_motions)
-        real(wp), intent(in) :: motions(sum(sizes)*size(loads, 1))
-        real(wp), intent(in) :: load_rows(sum(sizes)*size(loads, 1))
+        real(wp), intent(in), target :: motions(sum(sizes)*size(loads, 1))
+        real(wp), intent(in), target :: load_rows(sum(sizes)*size(loads, 1))
         !> Keys that identify the pairs from one problem to the next, shape (Σ n)
         integer, intent(in) :: keys(:)
         !> Structures of the matrices K, shape (n_problems), and method, as in solve_contact_problem
@@ -61,18 +61,21 @@ contains
             integer, intent(in) :: first
             integer, intent(in) :: last
 
-            integer :: k, n, at, least
-            integer, allocatable :: known(:), warm_pairs(:)
+            integer :: k, n, q, at, least
+            integer, allocatable :: known(:)
+            real(wp), pointer, contiguous :: compliance(:, :), levers(:, :), rows(:, :)
 
             allocate (known(0))
             do k = first, last
                 n = sizes(k)
                 at = pairs_before(k)
-                warm_pairs = pairs_with_keys(keys(at + 1:at + n), known)
-                call solve_packed(n, size(loads, 1), size(loads, 2), &
-                    & compliances(entries_before(k) + 1), normal_gaps(at + 1), &
-                    & motions(at*size(loads, 1) + 1), load_rows(at*size(loads, 1) + 1), &
-                    & loads(:, :, k), structures(k), method, warm_pairs, results(:, k), codes(:, k))
+                q = size(loads, 1)
+                compliance(1:n, 1:n) => compliances(entries_before(k) + 1:entries_before(k) + n**2)
+                levers(1:n, 1:q) => motions(at*q + 1:(at + n)*q)
+                rows(1:n, 1:q) => load_rows(at*q + 1:(at + n)*q)
+                call solve_contact_loads(compliance, normal_gaps(at + 1:at + n), levers, rows, &
+                    & loads(:, :, k), structures(k), method, &
+                    & pairs_with_keys(keys(at + 1:at + n), known), results(:, k), codes(:, k))
                 least = minloc(maxval(abs(loads(:, :, k)), dim=1), dim=1, mask=codes(:, k) == 0)
                 known = [integer ::]
                 if (least > 0) known = keys(at + results(least, k)%active_pairs)
@@ -80,31 +83,6 @@ contains
         end subroutine solve_run
 
     end subroutine solve_contact_sequence
-
-    !> Solve one problem within packed arrays. The explicit shapes pass sections without a copy.
-    pure subroutine solve_packed(n, n_motions, n_loads, compliance, normal_gaps, motions, &
-        & load_rows, loads, structure, method, warm_pairs, results, codes)
-        !> Numbers of pairs, motions and loads
-        integer, intent(in) :: n
-        integer, intent(in) :: n_motions
-        integer, intent(in) :: n_loads
-        !> Compliance matrix K [mm/N], gaps g0 [mm], B, R and Q
-        real(wp), intent(in) :: compliance(n, n)
-        real(wp), intent(in) :: normal_gaps(n)
-        real(wp), intent(in) :: motions(n, n_motions)
-        real(wp), intent(in) :: load_rows(n, n_motions)
-        real(wp), intent(in) :: loads(n_motions, n_loads)
-        !> Structure of K, method, and pairs of the warm start
-        integer, intent(in) :: structure
-        integer, intent(in) :: method
-        integer, intent(in) :: warm_pairs(:)
-        !> Contact states and codes, shape (n_loads)
-        type(contact_result), intent(inout) :: results(:)
-        integer, intent(out) :: codes(:)
-
-        call solve_contact_loads(compliance, normal_gaps, motions, load_rows, loads, structure, &
-            & method, warm_pairs, results, codes)
-    end subroutine solve_packed
 
     !> Return the pairs whose keys are in a list.
     pure function pairs_with_keys(keys, known) result(pairs)

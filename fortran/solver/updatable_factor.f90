@@ -61,7 +61,7 @@ contains
         integer :: capacity
 
         if (order <= size(factor%matrix, 1)) return
-        capacity = max(order, 2*size(factor%matrix, 1))
+        capacity = order + max(order/4, first_capacity)
         allocate (larger(capacity, capacity))
         larger(:factor%order, :factor%order) = factor%matrix(:factor%order, :factor%order)
         call move_alloc(larger, factor%matrix)

@@ -5,9 +5,9 @@ their true pressures would take many minutes), FLANKLOAD_SEED=… draws others; 
 found stays in out/bench_tolerance_SEED.json, and a run that was stopped goes on from there. Scenes
 leave their positions open. True errors are those against a solution with elements an eighth as
 long, 12 modes and 40 strips at the same positions, and for what follows from the whole curve at 256
-even ones. The ladder that a tolerance is measured with has elements
-twice as long to a quarter as long as the default, 3 to 12 modes, 5 to 20 strips, runs at the
-positions that the tolerance has chosen, and pays for no error estimate.
+even ones besides, since even ones alone miss the tip of a kink. The ladder that a tolerance is
+measured with has elements twice as long to a quarter as long as the default, 3 to 12 modes, 5 to 20
+strips, runs at the positions that the tolerance has chosen, and pays for no error estimate.
 """
 
 from __future__ import annotations
@@ -78,7 +78,8 @@ def table(found: list[dict[str, Any]]) -> list[str]:
                 f"  {quantity:34}met in {100 * met:3.0f} %, median {100 * np.median(errors):.3f} %"
             )
         worst = np.array([max(row["true"].values()) for row in rows])
-        told = np.array([row["told"] for row in rows])
+        said = np.array([row["met"] is True for row in rows])
+        unsure = np.array([row["met"] is None for row in rows])
         can = np.array([row["ladder_s"] is not None for row in rows])
         lines.append(f"  {'all of them':34}met in {100 * np.mean(worst <= tolerance):3.0f} %")
         lines.append(
@@ -86,8 +87,10 @@ def table(found: list[dict[str, Any]]) -> list[str]:
             f"{100 * np.mean(worst[can] <= tolerance):3.0f} % of {can.sum()}"
         )
         lines.append(
-            f"  {'said to be met':34}{100 * np.mean(told <= tolerance):10.0f} %, wrongly "
-            f"{100 * np.mean((told <= tolerance) & (worst > tolerance)):.0f} %; tightened "
+            f"  {'said to be met':34}{100 * np.mean(said):10.0f} %, wrongly "
+            f"{100 * np.mean(said & (worst > tolerance)):.0f} %; not certain "
+            f"{100 * np.mean(unsure):.0f} %, of these not met "
+            f"{100 * np.mean(unsure & (worst > tolerance)):.0f} %; tightened "
             f"{100 * np.mean([row['tightened'] for row in rows]):.0f} %"
         )
         ratios = [row["cpu_s"] / row["ladder_s"] for row in rows if row["ladder_s"] is not None]
@@ -107,11 +110,12 @@ def compared(tree: dict[str, Any], tolerance: float, truth: _Truth) -> dict[str,
     assert isinstance(result, fl.Result)
     assert result.accuracy is not None
     true = truth.at(result)
-    found = {**true_errors(result, true), **truth.of_curve(result)}
+    found = {**true_errors(result, true), **truth.of_curve(result, true)}
     ladder_s, step = cheapest(scene, result, tolerance, true)
     return {
         "true": {quantity: found[quantity] for quantity in BOUND if quantity in found},
         "told": result.accuracy["largest_error"],
+        "met": result.accuracy["met"],
         "keys": result.accuracy["keys"],
         "tightened": bool(result.accuracy["tightened"]),
         "cpu_s": min(_seconds(one) for one in runs),
@@ -147,8 +151,8 @@ class _Truth:
         """At the positions of a result."""
         return self._solved(_same(result), TRUE_STRIPS)
 
-    def of_curve(self, result: fl.Result) -> Errors:
-        """Errors of what follows from the whole curve."""
+    def of_curve(self, result: fl.Result, true: fl.Result) -> Errors:
+        """Errors of what follows from the whole curve; `true` is at the positions of the result."""
         if self._dense is None:
             single = result.position_rad.size == 1
             self._dense = self._solved(Positions(count=1 if single else DENSE), DENSE_STRIPS)
@@ -162,8 +166,9 @@ class _Truth:
             for name, key in keys.items()
             if one[key] is not None and two[key] is not None
         }
-        key, largest = "transmission_error_peak_to_peak", self._dense.transmission_error_um.max()
-        found[key] = float(abs(one[f"{key}_um"] - two[f"{key}_um"]) / largest)
+        curve = np.concatenate([self._dense.transmission_error_um, true.transmission_error_um])
+        key = "transmission_error_peak_to_peak"
+        found[key] = float(abs(one[f"{key}_um"] - np.ptp(curve)) / curve.max())
         return found
 
 

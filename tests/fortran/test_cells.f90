@@ -241,7 +241,8 @@ contains
         type(segment_type) :: segments(7)
         type(slices_type) :: slices
 
-        bodies = [body_of(random=.true.), body_of(random=.true.)]
+        bodies(1) = body_of(random=.true.)
+        bodies(2) = body_of(random=.true.)
         do k = 1, 2
             bodies(k)%jump = 0.3_wp*k
             bodies(k)%wedge_along = [0.0_wp, -0.2_wp*k]
@@ -249,7 +250,7 @@ contains
             call random_number(bodies(k)%tangential)
         end do
         without = matrix_of(bodies, 0.3_wp)
-        matrix = matrix_of(bodies, 0.3_wp, rubs=.true.)
+        matrix = matrix_of(bodies, 0.3_wp, slides=.true.)
         call cells_of(slices, segments, pairs)
         modes = sliced_tangential(bodies(1), slices, pairs%site, pairs%s_1) &
             & + sliced_tangential(bodies(2), slices, pairs%site, pairs%s_2)
@@ -330,13 +331,13 @@ contains
     end subroutine test_end_faces_mirror_cells
 
     !> Return K of the cells below, with a shaft of one component.
-    function matrix_of(bodies, compliance, rubs) result(matrix)
+    function matrix_of(bodies, compliance, slides) result(matrix)
         !> Bodies
         type(compliance_type), intent(in) :: bodies(2)
         !> Compliance of the shaft
         real(wp), intent(in) :: compliance
         !> True for cells with friction
-        logical, intent(in), optional :: rubs
+        logical, intent(in), optional :: slides
         real(wp), allocatable :: matrix(:, :)
 
         integer :: i
@@ -346,7 +347,7 @@ contains
         type(slices_type) :: slices
 
         call cells_of(slices, segments, pairs)
-        if (present(rubs)) pairs%friction = [(0.01_wp*i, i=1, pairs%n)]
+        if (present(slides)) pairs%friction = [(0.01_wp*i, i=1, pairs%n)]
         allocate (matrix(pairs%n, pairs%n))
         rigid = reshape([(0.1_wp*i, i=1, pairs%n)], [1, pairs%n])
         call cell_influences(bodies(1), bodies(2), slices, segments, pairs, rigid, &

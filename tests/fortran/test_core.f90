@@ -2,12 +2,12 @@
 program test_core
     use, intrinsic :: iso_fortran_env, only: real128
     use flankload, only: wp, version_number, solve_contact_problem, contact_result, error_type, &
-        & method_single, symmetric_matrix, general_matrix
+        & method_single, symmetric_matrix, general_matrix, definite_matrix
     use flankload_updatable_factor, only: updatable_factor, new_updatable_factor, shrink, &
         & factor_anew, solve_factored
     use flankload_factor_extension, only: extend
     use flankload_contact_problem, only: contact_problem, new_contact_problem
-    use flankload_contact_certificate, only: certify
+    use flankload_contact_certificate, only: certify, is_unique
     use flankload_twice_precision, only: two_part, add_product, rounded
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve, curve_point
@@ -46,6 +46,7 @@ program test_core
     call test_three_pairs
     call test_no_numbers_after_failure
     call test_certificate_of_a_wrong_state
+    call test_uniqueness_from_the_condition
     call test_what_products_lose
     call test_estimate_of_one_place
     call test_curvature_of_a_cubic
@@ -756,6 +757,26 @@ contains
         call expect(state%status == 1, 'an open pair that is pushed in')
         call expect(abs(state%backward_error - 1.0_wp) <= round_off, 'by all that it is moved')
     end subroutine test_certificate_of_a_wrong_state
+
+    !> Two pairs whose levers in the rows and in the load differ much or little: dᵀ W K d < 0 for a
+    !> d that carries no load, or none.
+    subroutine test_uniqueness_from_the_condition
+        real(wp) :: compliance(2, 2), motions(2, 1), load_rows(2, 1)
+        real(wp), parameter :: condition = 1.99_wp/0.01_wp
+        type(contact_problem) :: problem
+        type(error_type), allocatable :: error
+
+        compliance = reshape([1.0_wp, 0.99_wp, 0.99_wp, 1.0_wp], [2, 2])
+        load_rows = reshape([1.0_wp, 10.0_wp], [2, 1])
+        motions = reshape([1.0_wp, 0.1_wp], [2, 1])
+        call new_contact_problem(compliance, [0.0_wp, 0.0_wp], motions, load_rows, [1.0_wp], &
+            & definite_matrix, problem, error)
+        call expect(.not. is_unique(problem, compliance, [1, 2], condition), 'another state')
+        motions = load_rows*reshape([1.0_wp, 1.001_wp], [2, 1])
+        call new_contact_problem(compliance, [0.0_wp, 0.0_wp], motions, load_rows, [1.0_wp], &
+            & definite_matrix, problem, error)
+        call expect(is_unique(problem, compliance, [1, 2], condition), 'one state')
+    end subroutine test_uniqueness_from_the_condition
 
     !> (1 + 2^-30)² - (1 + 2^-29) = 2^-60, which a product of doubles loses.
     subroutine test_what_products_lose

@@ -487,7 +487,7 @@ contains
             ! The force on body 1 is -n F + T t, and its displacement is positive against n.
             rubbed = rubbed - matmul(transpose(w), matmul(bodies(z)%shaft%compliance, t))
         end do
-        call expect(all(abs(position%rubbing - rubbed) <= round_off*maxval(abs(rubbed))), &
+        call expect(all(abs(position%tangential - rubbed) <= round_off*maxval(abs(rubbed))), &
             & 'shafts under friction by hand')
         call expect(all(abs(position%smooth - matrix) <= round_off*maxval(abs(matrix))), &
             & 'shafts by hand')

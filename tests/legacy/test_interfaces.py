@@ -65,7 +65,7 @@ def test_a_call_that_lacks_an_argument_does_not_compile(
 def test_the_module_brings_no_internals(prefix: Path, tmp_path: Path) -> None:
     """Names that a program with USE and without ONLY may give to its own variables."""
     names = [
-        "blank, scale_rows, form_of, matrix_form, counters_of, certificate_of",
+        "blank, scale_rows, form_of, matrix_form, unpack_result",
         "refused_argument, most_nodal_pairs, fatal_error, rung, position_type",
     ]
     text = "program own\nuse flankload\nimplicit none\n"

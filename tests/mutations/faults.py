@@ -72,14 +72,12 @@ _FORTRAN = (
         "slice_field.f90",
         "core",
         ("(body_2%jump - body_1%jump)", "(body_2%jump + body_1%jump)"),
-        (
-            "transpose(body%tangential(:, :, body%block(site(first), site(other))))",
-            "body%tangential(:, :, body%block(site(first), site(other)))",
-        ),
+        ("if (.not. reciprocal) transposed", "if (.false.) transposed"),
         ("at(:n, b + 1) + at(:n, b - 1)", "at(:n, b + 1) - at(:n, b - 1)"),
         ("values((a - 1)*body%n_axial + b, i)", "values((b - 1)*size(along, 2) + a, i)"),
         ("body%block(site(other), site(first))", "body%block(site(first), site(other))"),
-        ("- 2.0_wp*ends(k)%place)/cosine", "- 2.0_wp*ends(k)%place)"),
+        ("one%z + other%z - 2.0_wp", "one%z - other%z - 2.0_wp"),
+        ("along = along/(0.5_wp*(one%cosine + other%cosine))", "along = along"),
         ("all(1)%strength = 0.5_wp*", "all(1)%strength = "),
     ),
     *_in(
@@ -92,9 +90,8 @@ _FORTRAN = (
     *_in(
         "cell_field.f90",
         "core",
-        ("column + table(j:j + n - 1)", "column + table(n_other - j + 1:n_other - j + n)"),
-        ("one%z + other%z - 2.0_wp", "one%z - other%z - 2.0_wp"),
-        ("                        matrix(i, j) = matrix(j, i)\n", "\n"),
+        ("table(from + 1:from + size(column))", "table(:size(column))"),
+        ("                matrix(j, i) = matrix(i, j)\n", "\n"),
         ("width = sqrt(pairs%cell_1(i)*pairs%cell_1(j))", "width = pairs%cell_1(i)"),
     ),
     *_in(
@@ -104,7 +101,7 @@ _FORTRAN = (
         ("2, body_2%wedge_along)", "2, body_2%wedge)"),
         ("matrix(:, j) - pairs%friction(j)*along", "matrix(:, j) + pairs%friction(j)*along"),
     ),
-    *_in("cell_field.f90", "core", ("table(n_other - j + k) =", "table(k) =")),
+    *_in("cell_field.f90", "core", ("k = other%last - j + 1\n", "k = j - other%first + 1\n")),
     *_in(
         "pair_influence.f90",
         "physics/test_friction_of_slices.py",
@@ -294,6 +291,7 @@ _FORTRAN = (
         "unit/contact/test_contact_general.py",
         ("rows = displacement + problem%normal_gaps", "rows = displacement"),
         ("wrong = merge(abs(rows(i)), max(-rows(i), 0.0_wp)", "wrong = merge(abs(rows(i)), 0.0_wp"),
+        ("margin_of_condition*condition*spread", "0.0_wp*condition*spread"),
     ),
     *_in(
         "updatable_factor.f90",

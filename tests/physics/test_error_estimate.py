@@ -11,7 +11,14 @@ import pytest
 
 import flankload as fl
 from flankload.analysis.error_rules import STRIPS, Left, peak_of_cells, what_is_left
-from flankload.analysis.estimate import OVERALL, POINTWISE, Estimate, estimate_errors
+from flankload.analysis.estimate import (
+    ON_CORNERS,
+    ON_TIPS,
+    OVERALL,
+    POINTWISE,
+    Estimate,
+    estimate_errors,
+)
 from flankload.contact.sweep import Sweep
 from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
@@ -247,6 +254,17 @@ def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
     assert "peak_pressure" not in estimate.as_dict()
     assert not any("peak_pressure" in parts for parts in estimate.by_source.values())
     assert estimate.errors["load_share"] > 0
+    assert estimate.as_dict()["uncertain"] == {"peak_pressure": ON_CORNERS}
+
+
+def test_pressure_on_a_rounding_is_uncertain() -> None:
+    """Regression: errors up to 14 times the estimate were within a tolerance by the report."""
+    bodies = {name: {**PAIR[name], "tip_radius_mm": 0.2} for name in ("body_1", "body_2")}
+    found = [
+        solve(fl.Scene.from_dict({**PAIR, **bodies, "positions": {"angles_deg": [angle]}})).estimate
+        for angle in (5.625, 0.0)
+    ]
+    assert [(one or {}).get("uncertain") for one in found] == [{"peak_pressure": ON_TIPS}, None]
 
 
 def test_secant_stiffness_is_estimated_where_body_1_stands_behind() -> None:

@@ -68,10 +68,10 @@ class Window:
     sites: Numbers
     whole_circle: bool
 
-    def curve_of(self, position_rad: Floats, values: Floats, loaded: Flags) -> PositionCurve:
-        """Values (P,) at positions (P,) over the window; loaded (P, S): sites that carry load."""
+    def curve_of(self, position_rad: Floats, values: Floats, changes: Flags) -> PositionCurve:
+        """Values (P,) at positions (P,) over the window, with kinks behind some of them (P,)."""
         period = self.pitches * self.pitch_rad if self.closed else None
-        return curve_through(position_rad, values, self.changes(loaded), period_rad=period)
+        return curve_through(position_rad, values, changes, period_rad=period)
 
     def changes(self, loaded: Flags) -> Flags:
         """Whether the loaded pairs (P, S) change between a position and the next, (P,)."""
@@ -154,7 +154,10 @@ def sweep_adaptively(
     position_rad, order = start_rad, np.arange(start_rad.size)
     while True:
         known = [_Known.of(parts, order) for parts in zip(*rounds, strict=True)]
-        curves = [window.curve_of(position_rad, part.rotation_rad, part.loaded) for part in known]
+        curves = [
+            window.curve_of(position_rad, part.rotation_rad, window.changes(part.loaded))
+            for part in known
+        ]
         errors = tuple(
             _errors(curve, part.rotation_rad, window, least_rad)
             for curve, part in zip(curves, known, strict=True)

@@ -31,7 +31,7 @@ Changes caused by the compliance hardly depend on the cells, so they are compute
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -106,6 +106,13 @@ LUMPED_IN_SLICES = {
     LINE_LOAD: 0.08,
     FACE_LOAD: 0.05,
 }
+#: Why the peak pressure of a sweep may have any error beyond its estimate: the pressure on sharp
+#: corners has no limit; on a rounding or a chamfer the error was up to 14 times the change that the
+#: estimate sees, as the modes of the tip converge slowly on what is much shorter than an element.
+ON_CORNERS = (
+    "contact on sharp corners, where the pressure has no limit (tip_radius_mm gives it one)"
+)
+ON_TIPS = "contact on a rounding or a chamfer, where the pressure converges slowly"
 #: Largest number of sweeps of an estimate.
 MOST_SWEEPS = 3
 
@@ -129,13 +136,18 @@ class Estimate:
         load: the largest error of a force, relative to the force on the working flanks.
     by_source : dict
         Error of each source alone. Sources may cancel.
+    uncertain : dict of str to str
+        Quantities whose error may be larger than estimated, with the reason.
     """
 
     errors: Errors
     by_source: dict[str, Errors]
+    uncertain: dict[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, left: dict[str, dict[str, Left]]) -> Estimate:
+    def of(
+        cls, left: dict[str, dict[str, Left]], uncertain: dict[str, str] | None = None
+    ) -> Estimate:
         """Estimate from the errors of each source, by quantity."""
         by_quantity = {
             quantity: [parts[quantity] for parts in left.values() if quantity in parts]
@@ -147,6 +159,7 @@ class Estimate:
                 source: {quantity: part.size for quantity, part in parts.items()}
                 for source, parts in left.items()
             },
+            uncertain or {},
         )
 
     @property
@@ -170,11 +183,13 @@ class Estimate:
             }
             name = "transmission_error_peak_to_peak"
             both = float(np.hypot(self.errors[name], positions.peak_to_peak))
+            doubt = self.by_source.get("positions", {}) | doubt
             all_of = Estimate({**self.errors, name: both}, {**self.by_source, "positions": doubt})
         return {
             **all_of.errors,
             "dominant_source": all_of.dominant_source,
             "by_source": {name: dict(errors) for name, errors in all_of.by_source.items()},
+            **({"uncertain": dict(self.uncertain)} if self.uncertain else {}),
         }
 
 
@@ -233,8 +248,23 @@ def estimate_errors(
         if not any_smooth_peak(part):  # all on sharp corners, where pressures have no estimate
             for parts in left.values():
                 parts.pop("peak_pressure", None)
-        estimates.append(Estimate.of(left))
+        estimates.append(Estimate.of(left, _uncertain_pressure(part, compliances)))
     return tuple(estimates)
+
+
+def _uncertain_pressure(
+    part: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
+) -> dict[str, str]:
+    """The peak pressure with the reason if no estimate bounds its error; else nothing."""
+    if (part.site_corner > 0).any():
+        return {"peak_pressure": ON_CORNERS}
+    pairs = part.pairs
+    loaded = pairs.column("force") > 0
+    on_tip = any(
+        modes.tip is not None and (pairs.column(f"s_{z + 1}")[loaded] > modes.range_mm[1]).any()
+        for z, modes in enumerate(compliance.modes for compliance in compliances)
+    )
+    return {"peak_pressure": ON_TIPS} if on_tip else {}
 
 
 def _of_lumping(

@@ -1,9 +1,11 @@
 """Sampling errors of rotation and stiffnesses, from the curve through the positions.
 
 At a position where a flank pair begins or ceases to carry load, the rotation has a kink and the
-tangent stiffness a step. The kink is the intersection of the curves from both sides. The error is
-the mean of the samples minus the mean of the curve, with its sign. The doubt is a part of that,
-plus the uncertainty of intervals in which no kink, or two kinks, were found.
+tangent stiffness a step. The secant stiffness has another kink where another pair begins to touch
+without torque. The kink is the intersection of the curves from both sides. The error is the mean in
+the summary (of even positions the mean of the samples, otherwise that of the curve with the kinks
+of the rotation only) minus the mean of the curve with all kinks, with its sign. The doubt is a part
+of that, plus the uncertainty of intervals in which no kink, or two kinks, were found.
 """
 
 from __future__ import annotations
@@ -38,9 +40,11 @@ LEAST_OPEN = 3
 HIDDEN, HIDDEN_ROTATION = 0.5, 0.06
 
 
-def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str, Left]:
+def of_positions(
+    found: Sweep, window: Window, position_rad: Floats, *, adaptive: bool = False
+) -> dict[str, Left]:
     """`between_positions`, in three dimensions also the error of the face load factor."""
-    left = between_positions(found, window, position_rad)
+    left = between_positions(found, window, position_rad, adaptive=adaptive)
     if found.slices is not None and position_rad.size > 1:
         factors = face_factors(found)
         at = int(factors.argmax())
@@ -50,7 +54,9 @@ def of_positions(found: Sweep, window: Window, position_rad: Floats) -> dict[str
     return left
 
 
-def between_positions(part: Sweep, window: Window, position_rad: Floats) -> dict[str, Left]:
+def between_positions(
+    part: Sweep, window: Window, position_rad: Floats, *, adaptive: bool = False
+) -> dict[str, Left]:
     """Sampling errors of quantities that depend on all positions, by quantity.
 
     Parameters
@@ -60,21 +66,22 @@ def between_positions(part: Sweep, window: Window, position_rad: Floats) -> dict
         Range of the positions. If curves do not close over it, they are extrapolated over the
         interval after the last position.
     position_rad : (P,) array
+    adaptive : bool
+        Whether positions were added where the rotation is in doubt: its harmonics and its peak to
+        peak have an estimate of their own then, and are missing here like the tangent stiffness.
     """
     if not window.closed:
-        return _open_window(part)
+        return {} if adaptive else _open_window(part)
     loaded = part.site_force_N != 0
     changes = window.changes(loaded)
     rotation = part.rotation_rad
     hidden = _hidden(loaded, changes) if window.sites.size > 1 else 0.0
 
-    def curve(values: Floats) -> PositionCurve:
-        return window.curve_of(position_rad, values, loaded)
-
-    def of_mean(values: Floats) -> Left:
-        through, mean = curve(values), values.mean()
+    def of_mean(values: Floats, kinks: Flags) -> Left:
+        through = window.curve_of(position_rad, values, kinks)
+        mean = window.curve_of(position_rad, values, changes).mean() if adaptive else values.mean()
         missed = mean - through.mean()
-        open_kinks = through.doubt_integrals()[changes].sum() / through.length
+        open_kinks = through.doubt_integrals()[kinks].sum() / through.length
         doubts = (
             DOUBT_MEAN * missed,
             DOUBT_KINKS * open_kinks,
@@ -82,18 +89,20 @@ def between_positions(part: Sweep, window: Window, position_rad: Floats) -> dict
         )
         return Left.relative(missed, float(np.linalg.norm(doubts)), mean)
 
-    through = curve(rotation)
-    between = np.ptp(through.values(np.linspace(*through.ends, BETWEEN * rotation.size)))
-    missed = float(np.ptp(rotation) - between)
-    found = {
-        "transmission_error_mean": of_mean(rotation),
-        "transmission_error_peak_to_peak": Left.relative(
-            missed, DOUBT_PEAK_TO_PEAK * abs(missed), np.ptp(rotation)
-        ),
-    }
+    found = {"transmission_error_mean": of_mean(rotation, changes)}
     secant = mean_stiffness(part.turned_rad)
     if secant is not None:
-        found["stiffness_secant"] = of_mean(secant)
+        touches = part.unloaded_contact
+        kinks = changes if touches is None else changes | window.changes(touches)
+        found["stiffness_secant"] = of_mean(secant, kinks)
+    if adaptive:
+        return found
+    through = window.curve_of(position_rad, rotation, changes)
+    between = np.ptp(through.values(np.linspace(*through.ends, BETWEEN * rotation.size)))
+    missed = float(np.ptp(rotation) - between)
+    found["transmission_error_peak_to_peak"] = Left.relative(
+        missed, DOUBT_PEAK_TO_PEAK * abs(missed), np.ptp(rotation)
+    )
     tangent = mean_stiffness(part.tangent_rad_per_Nmm)
     if tangent is not None:
         missed, doubt = _steps(tangent, position_rad, through, changes)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.contact.sweep import known_contacts
+from flankload.contact.sweep import END_WOULD_TOUCH, known_contacts
 from flankload.errors import ContactError
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def with_tangents(
 def with_unloaded(
     found: tuple[Sweep, ...], run: Callable[..., tuple[Sweep, ...]]
 ) -> tuple[Sweep, ...]:
-    """Add the rotation without torque, from which the deflection under torque is measured.
+    """Add the state without torque, from which the deflection under torque is measured.
 
     Deviations of pitch and profile, an offset of the axes, expansion and preload rotate body 1
     without any torque.
@@ -92,7 +92,11 @@ def with_unloaded(
             (none,) = run(torques_Nmm=[0.0])
         except ContactError:
             return found
-    return tuple(replace(part, unloaded_rad=none.rotation_rad) for part in found)
+    corner = none.site_corner
+    touches = (corner != 0) & (corner != END_WOULD_TOUCH)
+    return tuple(
+        replace(part, unloaded_rad=none.rotation_rad, unloaded_contact=touches) for part in found
+    )
 
 
 def _differenced(part: Sweep, less: Sweep, more: Sweep) -> Sweep:

@@ -144,6 +144,8 @@ class Sweep:
         If flanks are cut.
     unloaded_rad : (P,) array or None
         Rotation without torque, if computed.
+    unloaded_contact : (P, S) array of bool or None
+        Sites that touch without torque, if computed.
     """
 
     torque_Nmm: float
@@ -161,6 +163,7 @@ class Sweep:
     coast: CoastSweep | None = None
     slices: SliceStates | None = None
     unloaded_rad: NDArray[np.float64] | None = None
+    unloaded_contact: NDArray[np.bool_] | None = None
 
     @property
     def turned_rad(self) -> NDArray[np.float64]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import cos, sin
 
 import numpy as np
@@ -44,7 +45,7 @@ class FlankCurve:
         """Arc length of the whole curve, mm."""
         return float(self.breaks[-1])
 
-    @property
+    @cached_property
     def closed(self) -> bool:
         """Whether the curve ends smoothly where it begins: one turn around a body."""
         if self.corners[0] or self.corners[-1]:

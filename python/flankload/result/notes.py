@@ -64,9 +64,10 @@ def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
             f"peak to peak {percent(itself)} of itself is {percent(bound)} of the largest "
             "transmission error, to which the tolerance refers"
         )
-    if found["not_estimated"]:
-        names = ", ".join(name.replace("_", " ") for name in found["not_estimated"])
-        lines.append(f"not estimated, so not checked: {names}")
+    lines += [
+        f"not certain: {one['quantity'].replace('_', ' ')}: {one['why']}"
+        for one in found["uncertain"]
+    ]
     lines += [
         f"exceeded: {one['quantity'].replace('_', ' ')} {percent(one['error'])}, mostly from "
         f"{one['source']}{_beside(one['beside'])}: {one['why']}"
@@ -89,11 +90,15 @@ def percent(part: float) -> str:
 
 
 def _verdict(found: Mapping[str, Any]) -> str:
-    if found["met"] is None:
+    if not found["errors"]:
         return str(found["unchecked"])
-    largest = max(found["errors"], key=lambda name: found["errors"][name])
-    state = "met" if found["met"] else "not met"
-    return f"{state}, {largest.replace('_', ' ')} {percent(found['errors'][largest])} at most"
+    errors, state = dict(found["errors"]), "met" if found["met"] else "not met"
+    if found["met"] is None:
+        unknown = [one["quantity"] for one in found["uncertain"]]
+        errors = {name: error for name, error in errors.items() if name not in unknown}
+        state = f"not certain ({', '.join(unknown).replace('_', ' ')}), all else met"
+    largest = max(errors, key=lambda name: errors[name])
+    return f"{state}, {largest.replace('_', ' ')} {percent(errors[largest])} at most"
 
 
 def _number(value: float | None) -> str:

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 from msgspec import structs
 
 from flankload.scene.axial import DEGREES_ABOVE_LOAD
+from flankload.scene.discretization import DEFAULT, IN_SLICES
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.plane_section import plane_section
 
 if TYPE_CHECKING:
     from flankload.scene import Scene
 
-#: Cells on the half-width at sharp corners, over those elsewhere.
-CORNER_STRIPS = 3.0
 MOST_STRIPS = 200.0
 #: Adaptive positions may grow to so many times those they begin with.
 ADAPTIVE_GROWTH = 64
@@ -35,7 +34,7 @@ class NamedDiscretization:
     flank_element_mm : float or None
     modes : int or None
     strips_per_half_width : float or None
-        At sharp corners three times as many.
+        At sharp corners as many more as by default.
     zone_half_widths : float or None
     axial_degree, load_degree_z, slices : int or None
         In three dimensions; the second is lowered to the first less four.
@@ -79,11 +78,13 @@ class NamedDiscretization:
     def accuracy_keys(self) -> dict[str, Any]:
         """Keys of [accuracy]."""
         strips = self.strips_per_half_width
+        grid = IN_SLICES if self.level == "slices" else DEFAULT.grid
+        at_corners = grid.corner_strips_per_half_width / grid.strips_per_half_width
         keys = {
             "flank_element_mm": self.flank_element_mm,
             "modes": self.modes,
             "strips_per_half_width": strips,
-            "corner_strips_per_half_width": strips and min(MOST_STRIPS, CORNER_STRIPS * strips),
+            "corner_strips_per_half_width": strips and min(MOST_STRIPS, at_corners * strips),
             "zone_half_widths": self.zone_half_widths,
             "axial_degree": self.axial_degree,
             "load_degree_z": self.load_degree_z,

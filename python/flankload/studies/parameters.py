@@ -210,7 +210,7 @@ def _of_belt(scene: Scene) -> Parameters:
 
 def _of_flanks(scene: Scene) -> Parameters:
     fixed, accuracy = _named(scene), scene.accuracy
-    length, most = _elements(scene)
+    length, most = elements_of(scene)
     if length is None:
         fixed.setdefault(ELEMENTS, "meshes and compliances from files are fixed")
     if scene.effects.near_field == "nodes":
@@ -294,8 +294,16 @@ def _rounded(length_mm: float) -> float:
     return float(f"{length_mm:.3g}")
 
 
-def _elements(scene: Scene) -> tuple[float | None, int]:
-    """Default length of elements, mm, and the largest number of modes."""
+def elements_of(scene: Scene) -> tuple[float | None, int]:
+    """Elements of two bodies with flanks.
+
+    Returns
+    -------
+    float or None
+        Default length along the flank, mm; None if files define all elements or bodies are rigid.
+    int
+        Largest number of pressure modes.
+    """
     lengths, modes = [], [MOST_MODES]
     for z, spec in enumerate((scene.body_1, scene.body_2)):
         if spec.rigid:
@@ -305,24 +313,13 @@ def _elements(scene: Scene) -> tuple[float | None, int]:
         if from_file or not hasattr(spec, "module_mm"):
             body = bodies_of(scene, DEFAULT, (z,))[0]
         if not from_file:
-            lengths.append(default_length(spec, body))
-        modes.append(most_modes(spec, body if from_file else None))
+            lengths.append(_default_length(spec, body))
+        modes.append(_most_modes(spec, body if from_file else None))
     return min(lengths, default=None), min(modes)
 
 
-def default_length(spec: BodySpec, body: Body | None = None) -> float:
-    """Default length of elements along the flank, mm.
-
-    Parameters
-    ----------
-    spec : table of a body
-    body : Body, optional
-        The same body, built; required if the table names no module.
-
-    Returns
-    -------
-    float
-    """
+def _default_length(spec: BodySpec, body: Body | None = None) -> float:
+    """Default length of elements along the flank, mm; a body whose table has no module is built."""
     module = getattr(spec, "module_mm", None)
     if module is not None:
         part = SPLINE_PART if getattr(spec, "kind", "").startswith("spline") else 1.0
@@ -333,19 +330,8 @@ def default_length(spec: BodySpec, body: Body | None = None) -> float:
     return float((high - low) / body.mesh.flank_elements)
 
 
-def most_modes(spec: BodySpec, body: Body | None) -> int:
-    """Largest number of modes of an imported body, from its file or its elements.
-
-    Parameters
-    ----------
-    spec : table of a body
-    body : Body or None
-        The same body, built; required if it is imported from a file.
-
-    Returns
-    -------
-    int
-    """
+def _most_modes(spec: BodySpec, body: Body | None) -> int:
+    """Largest number of modes of a body; one from a file is built."""
     if body is None:
         return MOST_MODES
     if isinstance(body.given, ModalCompliance):

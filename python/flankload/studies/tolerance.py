@@ -9,6 +9,7 @@ last run's own estimate.
 from __future__ import annotations
 
 from dataclasses import replace
+from math import ceil, sqrt
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -22,7 +23,13 @@ from flankload.studies.parameters import (
     parameters_of,
     relative,
 )
-from flankload.studies.tolerance_report import BOUND, Attempt, Choice, tolerance_report
+from flankload.studies.tolerance_report import (
+    BOUND,
+    OF_LARGEST,
+    Attempt,
+    Choice,
+    tolerance_report,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, MutableMapping, Sequence
@@ -52,6 +59,8 @@ PATIENCE, MUCH_NEARER = 4.0, 0.7
 #: costs more.
 POSITIONS, DOUBT, LEAST_DOUBT, MOST_DOUBT = 16, 3.0, 3e-4, 0.03
 POSITIONS_AIM, FINEST_DOUBT = 0.4, 1e-5
+#: Largest number of adaptive positions per pitch in the first round.
+MOST_POSITIONS = 128
 
 
 class Run(Protocol):
@@ -71,17 +80,7 @@ def first_choice(scene: Scene, parameters: Parameters) -> Choice:
 
 
 def first_discretization(scene: Scene) -> NamedDiscretization:
-    """Initial discretization for a tolerance, including open parameters at their default.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    NamedDiscretization
-        Empty if the scene names no tolerance.
-    """
+    """Initial discretization for a tolerance, with all open parameters; empty without one."""
     if not scene.steers:
         return NamedDiscretization()
     parameters = parameters_of(scene)
@@ -92,16 +91,7 @@ def first_discretization(scene: Scene) -> NamedDiscretization:
 
 
 def first_scene(scene: Scene) -> Scene:
-    """Scene with the initial discretization of its tolerance; unchanged if it names no tolerance.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    Scene
-    """
+    """Scene with the initial discretization of its tolerance; unchanged if it names none."""
     if not scene.steers:
         return scene
     parameters = parameters_of(scene)
@@ -164,29 +154,17 @@ def choose_discretization(
 ) -> Choice | None:
     """Discretization that will probably meet the tolerance, from the estimate of the last run.
 
-    Parameters
-    ----------
-    parameters : Parameters
-    attempts : sequence of Attempt
-        Runs so far.
-    tolerance : float
-
-    Returns
-    -------
-    Choice or None
-        None if the tolerance is met, or if no further run is worth its cost.
+    None if the tolerance is met, or if no further run is worth its cost.
     """
     last = attempts[-1]
     missed = [quantity for quantity, error in last.errors.items() if error > tolerance]
     if not missed or len(attempts) == MOST_RUNS:
         return None
     by_source, positions = dict(last.by_source), last.choice.positions
-    left = max(by_source.get("positions", {}).values(), default=0.0)
-    if positions.adaptive is not None and left > POSITIONS_AIM * tolerance:
-        part = POSITIONS_AIM * tolerance / left
-        doubt = float(f"{max(FINEST_DOUBT, part * positions.adaptive):.2g}")
-        positions = replace(positions, adaptive=doubt)
-        by_source["positions"] = {q: part * e for q, e in by_source["positions"].items()}
+    if positions.adaptive is not None and "positions" in by_source:
+        positions, by_source["positions"] = finer_positions(
+            positions, by_source["positions"], POSITIONS_AIM * tolerance
+        )
     if len(attempts) > 1:  # elements are not solved a third time
         steps = {n: ahead for n, ahead in parameters.steps.items() if n not in OF_ELEMENTS}
         parameters = replace(parameters, steps=steps)
@@ -197,6 +175,32 @@ def choose_discretization(
     before = max(_norm(last.by_source, quantity, parameters) for quantity in missed)
     after = max(_norm(refining.left(values), quantity, parameters) for quantity in missed)
     return choice if meets or (before > tolerance and after <= MUCH_NEARER * before) else None
+
+
+def finer_positions(
+    positions: NamedDiscretization, errors: Errors, wanted: float
+) -> tuple[NamedDiscretization, Errors]:
+    """Adaptive positions whose errors are likely to be small enough, and these errors by quantity.
+
+    That of the peak to peak is proportional to the tolerance of the positions; the others belong to
+    kinks that the rotation does not have, and go with the square of the distance of the positions
+    with which the rounds begin.
+    """
+    left, count, adaptive = dict(errors), positions.count, positions.adaptive
+    assert count is not None
+    assert adaptive is not None
+    if left.get(OF_LARGEST, 0.0) > wanted:
+        part = wanted / left[OF_LARGEST]
+        left[OF_LARGEST] *= part
+        doubt = float(f"{max(FINEST_DOUBT, part * adaptive):.2g}")
+        positions = replace(positions, adaptive=doubt)
+    others = max((error for name, error in left.items() if name != OF_LARGEST), default=0.0)
+    if others > wanted:
+        more = min(MOST_POSITIONS, ceil(count * sqrt(others / wanted)))
+        part = (count / more) ** 2
+        left = {name: e if name == OF_LARGEST else part * e for name, e in left.items()}
+        positions = replace(positions, count=more)
+    return positions, left
 
 
 def _norm(table: Table, quantity: str, only_open: Parameters | None = None) -> float:

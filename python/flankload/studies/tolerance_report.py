@@ -77,7 +77,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Attempt:
-    """A run, and the estimated errors of the limited quantities."""
+    """A run, and the estimated errors of the limited quantities, the largest over the torques."""
 
     choice: Choice
     results: tuple[Result, ...]
@@ -87,42 +87,23 @@ class Attempt:
     @classmethod
     def of(cls, choice: Choice, results: tuple[Result, ...]) -> Attempt:
         """Attempt from the results of a run."""
-        return cls(choice, results, estimated_errors(results), errors_by_source(results))
+        errors: Errors = {}
+        for result in results:
+            for quantity, error in _bound(result.estimate or {}, result).items():
+                errors[quantity] = max(errors.get(quantity, 0.0), error)
+        return cls(choice, results, errors, errors_by_source(results))
 
-
-def estimated_errors(results: Sequence[Result]) -> Errors:
-    """Errors of the limited quantities, the largest over the torques.
-
-    Parameters
-    ----------
-    results : sequence of Result
-        Results of one scene.
-
-    Returns
-    -------
-    dict of str to float
-        Errors that are estimated.
-    """
-    found: Errors = {}
-    for result in results:
-        for quantity, error in _bound(result.estimate or {}, result).items():
-            found[quantity] = max(found.get(quantity, 0.0), error)
-    return found
+    @property
+    def has_corners(self) -> bool:
+        """Whether sharp corners carry load."""
+        return any(result.corner_contact.any() for result in self.results)
 
 
 def errors_by_source(results: Sequence[Result]) -> Table:
-    """Estimated errors by source: the error that each alone would cause.
+    """Largest estimated errors of all torques by source, and by quantity.
 
-    Errors from different sources may cancel: they do not add up to `estimated_errors`. Elements of
+    Errors from different sources may cancel: they do not add up to those of an attempt. Elements of
     several bodies have one parameter, so they are one source.
-
-    Parameters
-    ----------
-    results : sequence of Result
-
-    Returns
-    -------
-    dict of str to dict of str to float
     """
     found: Table = {}
     for result in results:
@@ -152,20 +133,7 @@ def _bound(errors: Any, result: Result) -> Errors:
 def tolerance_report(
     scene: Scene, parameters: Parameters, attempts: Sequence[Attempt]
 ) -> dict[str, Any]:
-    """Choices with their reasons, and missed limits, in the form of `result.accuracy`.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene as given by the user.
-    parameters : Parameters
-    attempts : sequence of Attempt
-        The runs, in order.
-
-    Returns
-    -------
-    dict
-    """
+    """Choices with their reasons, and missed limits, in the form of `result.accuracy`."""
     tolerance, first, last = scene.accuracy.tolerance, attempts[0], attempts[-1]
     errors, by_source = last.errors, last.by_source
     values: dict[str, Any] = {
@@ -173,14 +141,16 @@ def tolerance_report(
     }
     values["positions"] = int(last.results[0].position_rad.size)
     itself = [(result.estimate or {}).get(OF_LARGEST) for result in last.results]
-    without = () if parameters.has_pressures else ("peak_pressure",)
+    uncertain = _uncertain(parameters, last) if errors else []
+    missed = any(error > tolerance for error in errors.values())
     report: dict[str, Any] = {
         "tolerance": tolerance,
-        "met": max(errors.values()) <= tolerance if errors else None,
+        "met": False if missed else None if uncertain or not errors else True,
         "largest_error": max(errors.values(), default=None),
         "errors": dict(errors),
         "peak_to_peak_of_itself": max((e for e in itself if e is not None), default=None),
-        "not_estimated": [q for q in BOUND if q not in (*errors, *without)] if errors else [],
+        "not_estimated": [one["quantity"] for one in uncertain if one["quantity"] not in errors],
+        "uncertain": uncertain,
         "knobs": {
             name: {
                 "value": value,
@@ -206,10 +176,23 @@ def tolerance_report(
     return report
 
 
+def _uncertain(parameters: Parameters, run: Attempt) -> list[dict[str, str]]:
+    """Limited quantities that no estimate certifies, with the reason."""
+    unknown = dict.fromkeys(set(BOUND) - set(run.errors), "it has no estimate")
+    for result in run.results:
+        unknown |= (result.estimate or {}).get("uncertain", {})
+    if run.results[0].position_rad.size == 1:  # nothing varies
+        unknown.pop(OF_LARGEST, None)
+    if not parameters.has_pressures:
+        unknown.pop("peak_pressure", None)
+    return [{"quantity": name, "why": unknown[name]} for name in BOUND if name in unknown]
+
+
 def _tightened(first: Choice, last: Choice) -> dict[str, list[float | None]]:
     steps: dict[str, list[float | None]] = {
         name: [first.values[name], last.values[name]] for name in SOURCES if name in first.values
     }
+    steps["positions.count"] = [first.positions.count, last.positions.count]
     steps["positions.tolerance"] = [first.positions.adaptive, last.positions.adaptive]
     return {name: both for name, both in steps.items() if both[0] != both[1]}
 
@@ -254,5 +237,4 @@ def _why(
         why = "no value of the parameter is likely to meet the tolerance"
     else:
         why = "larger than predicted"
-    corners = any(result.corner_contact.any() for result in last.results)
-    return why + parameters.slow * (parameters.always_slow or corners)
+    return why + parameters.slow * (parameters.always_slow or last.has_corners)

@@ -196,18 +196,7 @@ def variables_of(tree: Mapping[str, Any], key: str = "variables") -> tuple[Varia
 
 
 def paths_of(tree: Mapping[str, Any], before: str = "") -> dict[str, Any]:
-    """Values of nested tables by dotted path; tables of distributions are values.
-
-    Parameters
-    ----------
-    tree : mapping
-    before : str
-        Beginning of all paths.
-
-    Returns
-    -------
-    dict
-    """
+    """Values of nested tables by dotted path; tables of distributions are values."""
     found: dict[str, Any] = {}
     for name, value in tree.items():
         path = f"{before}{name}"

@@ -22,9 +22,9 @@ from flankload.mechanisms.flank_pair import premises
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.result.geometry import pair_geometry
 from flankload.scene.named_discretization import NamedDiscretization
-from flankload.studies.accuracy.notes import limit_notes
 from flankload.studies.accuracy.runs import Runs
 from flankload.studies.accuracy.study import Row
+from flankload.studies.accuracy.study_text import limit_notes
 from tests.support.cam_scenes import cam_scene
 from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES

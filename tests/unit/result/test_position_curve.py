@@ -157,6 +157,34 @@ def test_step_of_a_stiffness_is_found_at_the_kink_of_the_rotation() -> None:
     assert doubt > abs(error - missed / 2.5)
 
 
+@pytest.mark.parametrize("adaptive", [False, True])
+def test_secant_stiffness_has_a_kink_where_another_pair_touches_without_torque(
+    adaptive: bool,
+) -> None:
+    """Regression: the rotation has none there, so that the mean was said to be exact."""
+    n, kink, loaded = 24, 0.035, 0.21
+    x = PERIOD * np.arange(n) / n
+    along = [np.mod((x - at) / PERIOD, 1.0) for at in (kink, loaded)]
+    secant = 1.0 + sum(part * (1.0 - part) for part in along)
+    sites = [np.stack([x >= at, x < at], axis=1) for at in (kink, loaded)]
+    part = SimpleNamespace(
+        site_force_N=sites[1].astype(float),
+        unloaded_contact=sites[0],
+        rotation_rad=3.0 + np.cos(2 * np.pi * x / PERIOD),
+        turned_rad=1.0 / secant,
+        tangent_rad_per_Nmm=np.full(n, -1.0),
+    )
+    window = Window(PERIOD, 1, closed=True, sites=np.array([-1, 0]), whole_circle=False)
+    found = between_positions(part, window, x, adaptive=adaptive)  # type: ignore[arg-type]
+    mean = secant.mean()
+    if adaptive:
+        mean = window.curve_of(x, secant, window.changes(sites[1])).mean()
+    error, doubt = found["stiffness_secant"]
+    assert error == pytest.approx(1.0 - (1.0 + 2.0 / 6.0) / mean, rel=1e-6)
+    assert doubt >= 0.5 * abs(error) > 0
+    assert ("transmission_error_peak_to_peak" in found) is not adaptive
+
+
 def test_pairs_move_up_over_a_period() -> None:
     sites = np.array([-1, 0, 1])
     loaded = np.array([[0, 1, 0], [1, 1, 0], [1, 0, 0]], dtype=bool)

@@ -16,6 +16,7 @@ import flankload as fl
 from flankload.cli import main
 from flankload.errors import SceneError
 from flankload.plot.work_precision import plot_work_precision
+from flankload.scene.discretization import choose_discretization
 from flankload.scene.named_discretization import NamedDiscretization, scene_at
 from flankload.scene.plane_section import plane_section
 from flankload.studies.accuracy import (
@@ -28,7 +29,6 @@ from flankload.studies.accuracy import (
     runs,
 )
 from flankload.studies.accuracy.ladder import limit_of
-from flankload.studies.accuracy.notes import corner_notes, failure_notes, file_notes
 from flankload.studies.accuracy.quantities import (
     common,
     errors_of,
@@ -37,9 +37,10 @@ from flankload.studies.accuracy.quantities import (
     to_tree,
 )
 from flankload.studies.accuracy.reference import Reference
-from flankload.studies.accuracy.refinements import can_be_nodal, refinements_of
+from flankload.studies.accuracy.refinements import can_be_nodal, can_lump, refinements_of
 from flankload.studies.accuracy.runs import Run, Runs, fingerprint
 from flankload.studies.accuracy.study import Row
+from flankload.studies.accuracy.study_text import corner_notes, failure_notes, file_notes
 from tests.support.made_up_result import made_up_result
 from tests.support.paths import SCENES
 from tests.support.small_job import SCENE
@@ -274,6 +275,23 @@ def test_knobs_are_those_that_a_scene_has(name: str, absent: set[str]) -> None:
     for parameter, steps in found.ladders.items():
         assert getattr(found.finest, parameter) in steps
         assert getattr(found.base, parameter) in steps
+
+
+def test_cells_in_slices_are_refined_where_there_are_any() -> None:
+    scene = spatial(effects={"dimension": 3, "contact": "pairs"})
+    found = refinements_of(scene)
+    assert "strips_per_half_width" not in refinements_of(spatial()).ladders
+    assert found.base.strips_per_half_width in found.ladders["strips_per_half_width"]
+    assert choose_discretization(scene_at(scene, found.base)) == choose_discretization(scene)
+    assert can_lump(scene)
+    assert not can_lump(spatial())
+    coarse = {"flank_element_mm": 3.0, "modes": 3, "axial_degree": 5, "load_degree_z": 1}
+    base = replace(found.base, **coarse, slices=7, count=2)
+    solved = Runs(scene)
+    steps = [solved.at(replace(base, strips_per_half_width=n)) for n in (3.0, 6.0, 24.0)]
+    values = [step.values for step in steps if step.values is not None]
+    few, more = (errors_of(one, values[2])["transmission_error"] for one in values[:2])
+    assert 0 < more < few
 
 
 def test_lines_of_a_spatial_setting_make_the_scene_of_its_run() -> None:

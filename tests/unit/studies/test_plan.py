@@ -26,7 +26,7 @@ from flankload.mechanisms.toggles import toggled
 from flankload.scene.effects import EFFECTS, effects_of
 from flankload.scene.plane_section import in_three_dimensions, plane_section
 from flankload.studies.plan import Plan, choose_effects
-from flankload.studies.plan.significance import SIGNIFICANT_PART, against_threshold, threshold_text
+from flankload.studies.plan.text import SIGNIFICANT_PART, against_threshold, threshold_text
 from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES
 from tests.support.solving import solve

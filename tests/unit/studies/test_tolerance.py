@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.analysis.estimate import ON_CORNERS
 from flankload.cli import main
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.notes import FEWER_DO
 from flankload.result.notes import accuracy_lines, percent
 from flankload.scene.discretization import elements_for_modes
+from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.parameters import (
     ANYWHERE,
     DEGREE,
@@ -29,9 +31,11 @@ from flankload.studies.parameters import (
 )
 from flankload.studies.tolerance import (
     AIM,
+    MOST_POSITIONS,
     MOST_RUNS,
     PATIENCE,
     choose_discretization,
+    finer_positions,
     first_choice,
     first_scene,
 )
@@ -197,6 +201,18 @@ def test_positions_follow_the_tolerance_where_none_are_named() -> None:
     assert_same(result, solved(written_out(tree, said(result))))
 
 
+def test_positions_are_refined_for_the_rotation_and_for_other_curves() -> None:
+    positions = NamedDiscretization(count=16, adaptive=0.003)
+    errors = {OF_LARGEST: 0.002, "stiffness_secant": 0.004}
+    finer, left = finer_positions(positions, errors, 0.001)
+    assert (finer.count, finer.adaptive) == (32, 0.0015)
+    assert left == {OF_LARGEST: 0.001, "stiffness_secant": 0.001}
+    assert finer_positions(positions, left, 0.001) == (positions, left)
+    most, left = finer_positions(positions, {"stiffness_secant": 1.0}, 1e-6)
+    assert most.count == MOST_POSITIONS
+    assert left["stiffness_secant"] == pytest.approx((16 / MOST_POSITIONS) ** 2, rel=ROUND_OFF)
+
+
 def test_several_torques_share_their_discretization() -> None:
     tree = small(tolerance=0.1, flank_element_mm=2.0)
     tree["load"]["torque_Nm"] = [0.0, 30.0, 300.0]
@@ -219,6 +235,23 @@ def test_without_torque_nothing_is_approximated() -> None:
     tree = small(tolerance=0.01, flank_element_mm=2.0)
     tree["load"]["torque_Nm"] = 0.0
     assert said(solved(tree))["unchecked"] == "without torque there is no approximation"
+
+
+def test_pressure_on_sharp_corners_is_not_certain(met: fl.Result) -> None:
+    scene = fl.Scene.from_dict(small(tolerance=0.1))
+    parameters = parameters_of(scene)
+    estimate = {**(met.estimate or {}), "uncertain": {"peak_pressure": ON_CORNERS}}
+    at_corners = replace(met, estimate=estimate)
+    for result, verdict in ((met, True), (at_corners, None)):
+        run = Attempt.of(first_choice(scene, parameters), (result,))
+        report = tolerance_report(scene, parameters, [run])
+        assert report["met"] is verdict
+        lines = accuracy_lines(report)
+        assert any(line.startswith("not certain: peak pressure: ") for line in lines) is not verdict
+        state = "met" if verdict else "not certain (peak pressure), all else met"
+        assert lines[0].startswith(f"10 %: {state}, ")
+    report = tolerance_report(fl.Scene.from_dict(small(tolerance=1e-4)), parameters, [run])
+    assert report["met"] is False
 
 
 def test_chain_has_no_parameters() -> None:

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: Positions of the screening; of these so many with the run's own cells, and with finite forces.
-MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 12, 12, 4
+MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 8, 4, 4
 #: Final number of adaptive positions relative to the first round, approximately.
 ADAPTIVE_PART = 3.0
 #: Effects that are not tried while off, unless `levels` is set: coarser contact models, which are
@@ -372,6 +372,7 @@ class FlankPairScreening(Screening):
         if count > 1:
             _, one = self._timed(self._scene, slice(1), torque, Account(), fine=True)
             call = max(0.0, one - (seconds - one) / (count - 1))
+            call = min(call, 0.5 * self._base_s)  # short states: noise is no longer than half
         wide = (self._base_s - call) / (self._at.size * len(self._torques))
         state, wide = max(TINY_S, (seconds - call) / count), max(TINY_S, wide)
         cells = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width

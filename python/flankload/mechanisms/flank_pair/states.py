@@ -218,8 +218,9 @@ def _sources(
     if pair.pitches is None:
         return sources
     window = window_of(pair)
-    if not pair.adaptive:
-        sources["positions"] = partial(of_positions, window=window, position_rad=pair.position_rad)
+    sources["positions"] = partial(
+        of_positions, window=window, position_rad=pair.position_rad, adaptive=pair.adaptive
+    )
     others = OtherTeeth(pair, compliances, face_width_mm, window)
     if window.pitches % others.pitches != 0:
         sources["period"] = partial(of_other_teeth, others=others)

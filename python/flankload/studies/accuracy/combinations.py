@@ -40,17 +40,7 @@ def search(
     measures: Sequence[str],
     run: Callable[[NamedDiscretization], Run],
 ) -> None:
-    """Run combinations near the cheapest that meets a tolerance.
-
-    Parameters
-    ----------
-    tolerance : float
-    refinements : Refinements
-    reference : Reference
-    measures : sequence of str
-        Errors to be limited.
-    run : callable
-    """
+    """Run combinations near the cheapest that meets a tolerance in some errors."""
 
     if reference.doubt(measures) > tolerance:  # no run could be certified to meet it
         return
@@ -87,18 +77,9 @@ def coarser(
 def guess(
     part: float, refinements: Refinements, reference: Reference, measures: Sequence[str]
 ) -> NamedDiscretization | None:
-    """Each parameter at its cheapest sufficient step; None if one has no sufficient step.
+    """Each parameter at its cheapest step with a sufficiently small error.
 
-    Parameters
-    ----------
-    part : float
-        Allowed error of each parameter.
-    refinements, reference, measures
-        As in `search`.
-
-    Returns
-    -------
-    NamedDiscretization or None
+    None if a parameter has no such step.
     """
     discretization = refinements.finest
     for parameter in refinements.ladders:

@@ -89,7 +89,7 @@ def limit_of(sizes: Sequence[float], values: Sequence[Floats]) -> Limit:
         return Limit(finest, None, False, doubt, last)
     before = np.asarray(values[1], dtype=float) - np.asarray(values[2], dtype=float)
     along = float(np.nansum(last * before))
-    order = fitted_order(sizes, _norm(before), _norm(last)) if along > 0 else None
+    order = _fitted_order(sizes, _norm(before), _norm(last)) if along > 0 else None
     if order is None:
         return Limit(finest, None, False, doubt, last)
     part = sizes[0] ** order / (sizes[1] ** order - sizes[0] ** order)
@@ -98,34 +98,23 @@ def limit_of(sizes: Sequence[float], values: Sequence[Floats]) -> Limit:
     return Limit(finest + part * last, order, True, part * doubt, IN_DOUBT * part * last)
 
 
-def fitted_order(sizes: Sequence[float], before: float, last: float) -> float | None:
-    """Order of convergence from two consecutive changes.
+def _fitted_order(sizes: Sequence[float], before: float, last: float) -> float | None:
+    """Order of convergence from the changes to the middle and to the finest of three sizes.
 
-    Parameters
-    ----------
-    sizes : sequence of three floats, ascending
-    before, last : float
-        Amounts of the change from the coarsest to the middle step, and from there to the finest.
-
-    Returns
-    -------
-    float or None
-        None if no order from 0.5 to 8 fits.
+    None if no order from 0.5 to 8 fits.
     """
+    from scipy.optimize import brentq
+
     fine, middle, coarse = sizes[:3]
-
-    def ratio(order: float) -> float:
-        step: float = middle**order
-        return float((coarse**order - step) / (step - fine**order))
-
     wanted = before / last if last > 0 else np.inf
-    low, high = LEAST_ORDER, LARGEST_ORDER
-    if not ratio(low) <= wanted <= ratio(high):
+
+    def beyond(order: float) -> float:  # increases with the order
+        step: float = middle**order
+        return float((coarse**order - step) / (step - fine**order)) - wanted
+
+    if not beyond(LEAST_ORDER) <= 0.0 <= beyond(LARGEST_ORDER):
         return None
-    for _ in range(60):  # the ratio increases with the order
-        order = 0.5 * (low + high)
-        low, high = (order, high) if ratio(order) < wanted else (low, order)
-    return 0.5 * (low + high)
+    return float(brentq(beyond, LEAST_ORDER, LARGEST_ORDER, xtol=1e-15, rtol=1e-15))
 
 
 def _norm(change: Floats) -> float:

@@ -74,17 +74,7 @@ Quantities = dict[str, "Floats"]
 
 
 def quantities_of(results: Result | Sequence[Result]) -> Quantities:
-    """Extract all quantities from results.
-
-    Parameters
-    ----------
-    results : Result or sequence of Result
-        Results of one scene, one per torque.
-
-    Returns
-    -------
-    dict of arrays
-    """
+    """All quantities of the results of one scene, one per torque."""
     parts = results if isinstance(results, Sequence) else results.by_torque
     sites = np.unique(np.concatenate([r.sites for r in parts]))  # each torque has its own sites
 
@@ -139,18 +129,7 @@ def common(runs: Sequence[Quantities]) -> list[Quantities]:
 
 
 def limits_of(sizes: Sequence[float], runs: Sequence[Quantities]) -> dict[str, Limit]:
-    """Limits of a sequence of refinements, the finest run first.
-
-    Parameters
-    ----------
-    sizes : sequence of float
-        Ascending.
-    runs : sequence of Quantities
-
-    Returns
-    -------
-    dict of Limit, by the names of arrays and scalars
-    """
+    """Limits of arrays and scalars, from runs at ascending step sizes: the finest first."""
     parts = common(runs[:3])
     return {
         name: limit_of(sizes, [part[name] for part in parts])
@@ -191,17 +170,7 @@ def off_by(run: Quantities, ladder: Mapping[str, Limit]) -> Quantities:
 
 
 def errors_of(run: Quantities, reference: Quantities) -> dict[str, float]:
-    """Errors of a run, the largest over the torques.
-
-    Parameters
-    ----------
-    run, reference : Quantities
-
-    Returns
-    -------
-    dict
-        By the names of `HEADS`; those without a reference are omitted.
-    """
+    """Errors of a run by the names of `HEADS`, the largest over the torques."""
     one, two = common([run, reference])
     found: dict[str, list[float]] = {}
     for t in range(reference["transmission_error"].shape[0]):

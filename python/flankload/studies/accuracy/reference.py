@@ -32,7 +32,7 @@ def ladder(refinements: Refinements, parameter: str) -> Iterator[NamedDiscretiza
     if parameter == "count":
         for tolerance in ADAPTIVE if _many(refinements) else ():
             yield replace(refinements.finest, count=ADAPTIVE_START, adaptive=tolerance)
-        yield from every_kink(refinements)
+        yield from _every_kink(refinements)
 
 
 def at_default(refinements: Refinements, parameter: str) -> Iterator[NamedDiscretization]:
@@ -52,7 +52,7 @@ def twin(
     return replace(changed, adaptive=discretization.adaptive)
 
 
-def every_kink(refinements: Refinements) -> Iterator[NamedDiscretization]:
+def _every_kink(refinements: Refinements) -> Iterator[NamedDiscretization]:
     """The finest positions and additional ones where the curve bends.
 
     Sequences of even positions converge erratically for curves with kinks; this is their limit.
@@ -106,7 +106,7 @@ class Reference:
         if len(runs) < 2:
             return None
         limits = limits_of(sizes, runs)
-        for discretization in every_kink(self._refinements) if parameter == "count" else ():
+        for discretization in _every_kink(self._refinements) if parameter == "count" else ():
             best = self._done.get(discretization)
             if best is not None and best.values is not None:
                 limits = with_numbers(limits, best.values, self._before(best.values))

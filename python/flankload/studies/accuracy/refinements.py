@@ -11,10 +11,10 @@ from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.slices import SLICES as DEFAULT_SLICES
 from flankload.scene.axial import AXIAL_DEGREE, LOAD_DEGREE
-from flankload.scene.discretization import DEFAULT
-from flankload.scene.effects import is_spatial
+from flankload.scene.discretization import DEFAULT, IN_SLICES
+from flankload.scene.effects import effects_of, is_spatial
 from flankload.scene.named_discretization import NamedDiscretization
-from flankload.studies.parameters import default_length, most_modes
+from flankload.studies.parameters import elements_of
 
 if TYPE_CHECKING:
     from flankload.scene import Scene
@@ -42,9 +42,10 @@ FINEST_MODES, FINEST_ZONE = 8, 3.0
 ELEMENTS_COST = {0.125: 52.0, 0.25: 11.0, 0.5: 3.0, 1.0: 1.0}
 #: The work is proportional to this power of the number of cells.
 STRIPS_ORDER = 1.4
-#: Steps in three dimensions: relative element lengths, degrees along the axis, slices.
+#: Steps in three dimensions: relative element lengths, degrees along the axis, slices, and cells
+#: where contact has any.
 SPATIAL_ELEMENTS, AXIAL_DEGREES, LOAD_DEGREES = (2.0, 1.0, 0.5), (4, 6, 8, 10, 12), (0, 2, 4, 6, 8)
-SLICES = (7, 14, 28, 56)
+SLICES, SPATIAL_STRIPS = (7, 14, 28, 56), (3.0, 6.0, 12.0, 24.0)
 #: Coarse bodies in three dimensions: elements of the first step, and these.
 COARSE: dict[str, Any] = {"modes": 3, "axial_degree": 6, "load_degree_z": 2, "slices": 14}
 #: Possible limits of the finest discretization, finest first: elements and positions relative to
@@ -55,8 +56,18 @@ FINEST: tuple[Fineness, ...] = tuple(
     for part, strips, positions in ((0.125, 40, 4), (0.25, 40, 4), (0.25, 20, 2), (0.5, 20, 2))
 )
 SPATIAL_FINEST: tuple[Fineness, ...] = tuple(
-    {"flank_element_mm": part, "axial_degree": p, "load_degree_z": q, "count": positions}
-    for part, p, q, positions in ((0.5, 12, 8, 4), (0.5, 10, 6, 4), (1.0, 10, 6, 2))
+    {
+        "flank_element_mm": part,
+        "axial_degree": p,
+        "load_degree_z": q,
+        "strips_per_half_width": strips,
+        "count": positions,
+    }
+    for part, p, q, strips, positions in (
+        (0.5, 12, 8, 24, 4),
+        (0.5, 10, 6, 24, 4),
+        (1.0, 10, 6, 12, 2),
+    )
 )
 #: Part of the budget for the steps of parameters; number of runs at the finest cells and positions
 #: among them, and number of solutions with the finest elements, in the plane and with their degrees
@@ -107,88 +118,59 @@ class Refinements:
 def refinements_of(scene: Scene) -> Refinements:
     """All parameters of a scene with all steps.
 
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    Refinements
-        Its finest discretization is the first of `FINEST`.
+    The finest discretization is the first of `FINEST`, or of `SPATIAL_FINEST`.
     """
-    if scene.is_drive:
-        return _of_drives(scene)
-    pair = build_bodies(scene)
-    bodies = [(scene.body_1, pair.body_1), (scene.body_2, pair.body_2)]
-    elastic = [(spec, body) for spec, body in bodies if not body.rigid]
+    steps, most, base = (_of_drive if scene.is_drive else _of_flanks)(scene)
+    length = base.flank_element_mm
+    lengths, further = steps.pop("flank_element_mm"), steps
     ladders: dict[str, tuple[float, ...]] = {}
-    meshed = [default_length(spec, body) for spec, body in elastic if not spec.from_file]
-    if meshed:
-        ladders["flank_element_mm"] = tuple(_rounded(min(meshed) * part) for part in ELEMENTS)
-    most = min((most_modes(spec, body) for spec, body in elastic), default=0)
+    if length is not None:
+        ladders["flank_element_mm"] = tuple(_rounded(length * part) for part in lengths)
+        base = replace(base, flank_element_mm=_rounded(length))
     if modes := tuple(mode for mode in MODES if mode <= most):
         ladders["modes"] = modes
-    if scene.positions.angles_deg is None and pair.position_rad.size > 1:
-        ladders["count"] = _counts(scene)
+        base = replace(base, modes=max(mode for mode in modes if mode <= DEFAULT.modes))
+    ladders |= further
+    if base.count is not None:
+        counts = {round(base.count * part) for part in COUNTS if base.count * part >= 1}
+        ladders["count"] = tuple(sorted(counts))
+    found = Refinements(ladders, base, base, can_adapt=not scene.is_drive)
+    return finest_within(found, (SPATIAL_FINEST if found.spatial else FINEST)[0])
+
+
+#: Steps by parameter, element lengths relative to the default; the largest number of modes; the
+#: default, with the exact length of elements.
+_Of = tuple[dict[str, tuple[float, ...]], int, NamedDiscretization]
+
+
+def _of_flanks(scene: Scene) -> _Of:
+    """Cells of plane bodies; degrees along the axis, slices and perhaps cells of others."""
+    length, most = elements_of(scene)
+    named: dict[str, Any] = {"flank_element_mm": length}
+    if scene.positions.angles_deg is None and build_bodies(scene).position_rad.size > 1:
+        named["count"] = scene.positions.count
+    most *= not (scene.body_1.rigid and scene.body_2.rigid)
+    steps: dict[str, tuple[float, ...]]
+    if not is_spatial(scene).on:
+        steps = {"strips_per_half_width": STRIPS, "zone_half_widths": ZONES}
+        cells = {key: getattr(DEFAULT.grid, key) for key in steps}
+        return {"flank_element_mm": ELEMENTS, **steps}, most, NamedDiscretization(**named, **cells)
+    steps = {"axial_degree": AXIAL_DEGREES, "load_degree_z": LOAD_DEGREES, "slices": SLICES}
+    named |= zip(steps, (AXIAL_DEGREE, LOAD_DEGREE, DEFAULT_SLICES), strict=True)
+    if not effects_of(scene).lumped_contact:
+        steps["strips_per_half_width"] = SPATIAL_STRIPS
+        named["strips_per_half_width"] = IN_SLICES.strips_per_half_width
+    steps["flank_element_mm"] = SPATIAL_ELEMENTS
+    return steps, most, NamedDiscretization("slices", **named)
+
+
+def _of_drive(scene: Scene) -> _Of:
+    """Positions of chains and belts, and the elements of belts."""
     base = NamedDiscretization(
-        flank_element_mm=ladders["flank_element_mm"][1] if meshed else None,
-        modes=max((m for m in modes if m <= DEFAULT.modes), default=None),
-        count=scene.positions.count if "count" in ladders else None,
+        flank_element_mm=mechanism_of(scene).default_element_mm(scene),
+        count=scene.positions.count if scene.positions.angles_deg is None else None,
     )
-    of_kind = _spatial if pair.slices is not None else _plane
-    return of_kind(ladders, base)
-
-
-def _plane(ladders: dict[str, tuple[float, ...]], base: NamedDiscretization) -> Refinements:
-    """Parameters of plane bodies: cells."""
-    further = {"strips_per_half_width": STRIPS, "zone_half_widths": ZONES}
-    base = replace(base, strips_per_half_width=10.0, zone_half_widths=2.5)
-    return finest_within(Refinements(_before_count(ladders, further), base, base), FINEST[0])
-
-
-def _spatial(ladders: dict[str, tuple[float, ...]], base: NamedDiscretization) -> Refinements:
-    """Parameters of three-dimensional bodies: degrees along the axis, slices."""
-    if base.flank_element_mm is not None:
-        lengths = tuple(_rounded(base.flank_element_mm * part) for part in SPATIAL_ELEMENTS)
-        ladders["flank_element_mm"] = lengths
-    further = {"axial_degree": AXIAL_DEGREES, "load_degree_z": LOAD_DEGREES, "slices": SLICES}
-    base = replace(
-        base,
-        level="slices",
-        axial_degree=AXIAL_DEGREE,
-        load_degree_z=LOAD_DEGREE,
-        slices=DEFAULT_SLICES,
-    )
-    found = Refinements(_before_count(ladders, further), base, base)
-    return finest_within(found, SPATIAL_FINEST[0])
-
-
-def _before_count(
-    ladders: dict[str, tuple[float, ...]], further: Mapping[str, tuple[float, ...]]
-) -> dict[str, tuple[float, ...]]:
-    """Further steps, before those of the positions."""
-    positions = {"count": ladders["count"]} if "count" in ladders else {}
-    return {**ladders, **further} | positions
-
-
-def _of_drives(scene: Scene) -> Refinements:
-    """Parameters of chains and belts: positions, and the elements of belts."""
-    ladders: dict[str, tuple[float, ...]] = {}
-    length = mechanism_of(scene).default_element_mm(scene)
-    if length is not None:
-        ladders["flank_element_mm"] = tuple(_rounded(length * part) for part in BELT_ELEMENTS)
-    if scene.positions.angles_deg is None:
-        ladders["count"] = _counts(scene)
-    base = NamedDiscretization(
-        flank_element_mm=None if length is None else ladders["flank_element_mm"][1],
-        count=scene.positions.count if "count" in ladders else None,
-    )
-    return finest_within(Refinements(ladders, base, base, can_adapt=False), FINEST[0])
-
-
-def _counts(scene: Scene) -> tuple[int, ...]:
-    count = scene.positions.count
-    return tuple(sorted({round(count * part) for part in COUNTS if count * part >= 1}))
+    return {"flank_element_mm": BELT_ELEMENTS}, 0, base
 
 
 def finest_within(refinements: Refinements, fineness: Fineness) -> Refinements:
@@ -212,34 +194,23 @@ def finest_within(refinements: Refinements, fineness: Fineness) -> Refinements:
 
 
 def affordable(refinements: Refinements, stages: dict[str, float], budget_s: float) -> Refinements:
-    """The finest parameters whose steps the budget can probably pay.
-
-    Parameters
-    ----------
-    refinements : Refinements
-    stages : dict
-        CPU seconds by stage of a run at their base.
-    budget_s : float
-
-    Returns
-    -------
-    Refinements
-    """
+    """The finest parameters whose steps a budget pays, by the CPU seconds of the base run."""
     elements = sum(s for name, s in stages.items() if name.startswith("compliance"))
     sweeps = stages.get("sweep", 0.0) + stages.get("tangent", 0.0)
-    if refinements.base.flank_element_mm is None and not refinements.spatial:
-        elements = 0.0
-    for fineness in SPATIAL_FINEST if refinements.spatial else FINEST:
-        each = sweeps * fineness["count"] ** (refinements.base.count is not None)
-        solutions = elements
-        if refinements.base.flank_element_mm is not None:
+    base, spatial = refinements.base, refinements.spatial
+    for fineness in SPATIAL_FINEST if spatial else FINEST:
+        each = sweeps * fineness["count"] ** (base.count is not None)
+        if base.strips_per_half_width is not None:
+            cells = fineness["strips_per_half_width"] / base.strips_per_half_width
+            each *= cells**STRIPS_ORDER
+        solutions = elements * (LADDER_DEGREES if spatial else LADDER_ELEMENTS)
+        if base.flank_element_mm is not None:
             solutions *= ELEMENTS_COST[fineness["flank_element_mm"]]
-        if refinements.spatial:
-            solutions *= LADDER_DEGREES * (fineness["axial_degree"] / AXIAL_DEGREE) ** 2
+        elif not spatial:
+            solutions = 0.0
+        if spatial:
+            solutions *= (fineness["axial_degree"] / AXIAL_DEGREE) ** 2
             each *= (SLICES[-1] / DEFAULT_SLICES) ** 2
-        else:
-            solutions *= LADDER_ELEMENTS
-            each *= (fineness["strips_per_half_width"] / 10.0) ** STRIPS_ORDER
         if solutions + LADDER_SWEEPS * each <= LADDERS_PART * budget_s:
             break
     return finest_within(refinements, fineness)
@@ -250,8 +221,9 @@ def _rounded(length: float) -> float:
 
 
 def can_lump(scene: Scene) -> bool:
-    """Whether lumped contact is another model: not for conforming flanks, chains and slices."""
-    return not (scene.body_1.conforms or scene.is_drive or is_spatial(scene).on)
+    """Whether lumped contact is another model: not for conforming flanks and chains."""
+    lumped = is_spatial(scene).on and effects_of(scene).lumped_contact
+    return not (scene.body_1.conforms or scene.is_drive or lumped)
 
 
 def can_be_nodal(scene: Scene) -> bool:

@@ -13,7 +13,6 @@ from flankload.errors import SceneError
 from flankload.scene import scene_of
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.accuracy.combinations import search
-from flankload.studies.accuracy.notes import corner_notes, failure_notes, file_notes, limit_notes
 from flankload.studies.accuracy.quantities import MEASURES
 from flankload.studies.accuracy.reference import Reference, at_default, ladder
 from flankload.studies.accuracy.refinements import (
@@ -25,6 +24,12 @@ from flankload.studies.accuracy.refinements import (
 )
 from flankload.studies.accuracy.runs import Run, Runs
 from flankload.studies.accuracy.study import Row, Study
+from flankload.studies.accuracy.study_text import (
+    corner_notes,
+    failure_notes,
+    file_notes,
+    limit_notes,
+)
 from flankload.studies.plan import choose_effects
 
 if TYPE_CHECKING:

@@ -191,24 +191,14 @@ def _measured(
 
 
 def _to_tree(run: Run) -> dict[str, Any]:
-    return {
-        "setting": run.discretization.as_dict(),
-        "cpu_s": run.cpu_s,
-        "memory_bytes": run.memory_bytes,
-        "failure": run.failure,
-        "stages": run.stages,
-        "outside": list(run.outside),
-        "values": None if run.values is None else to_tree(run.values),
-    }
+    values = None if run.values is None else to_tree(run.values)
+    tree = {**vars(run), "setting": run.discretization.as_dict(), "values": values}
+    del tree["discretization"]
+    return tree
 
 
 def _from_tree(tree: dict[str, Any]) -> Run:
-    return Run(
-        discretization=NamedDiscretization.from_dict(tree["setting"]),
-        cpu_s=float(tree["cpu_s"]),
-        memory_bytes=int(tree["memory_bytes"]),
-        values=None if tree["values"] is None else from_tree(tree["values"]),
-        failure=tree["failure"],
-        stages=tree["stages"],
-        outside=tuple(tree.get("outside", ())),
-    )
+    values, setting = tree["values"], NamedDiscretization.from_dict(tree["setting"])
+    known = {key: tree[key] for key in ("cpu_s", "memory_bytes", "failure", "stages")}
+    outside = tuple(tree.get("outside", ()))
+    return Run(setting, values=values and from_tree(values), outside=outside, **known)

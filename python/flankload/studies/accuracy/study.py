@@ -6,12 +6,13 @@ import csv
 import io
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from flankload.base.card import Card
 from flankload.base.files import write_atomically
+from flankload.scene.named_discretization import NamedDiscretization
 from flankload.studies.accuracy.quantities import HEADS, MEANINGS
 from flankload.studies.accuracy.reference import twin
 from flankload.studies.accuracy.study_text import NAMED, text_of
@@ -19,7 +20,6 @@ from flankload.studies.accuracy.study_text import NAMED, text_of
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from flankload.scene.named_discretization import NamedDiscretization
     from flankload.studies.accuracy.ladder import Limit
     from flankload.studies.accuracy.refinements import Refinements
     from flankload.studies.accuracy.runs import Run
@@ -174,29 +174,20 @@ class Study(Card):
         """Return a line per run as CSV; write it to `path`."""
         stream = io.StringIO()
         writer = csv.writer(stream, lineterminator="\n")
-        keys = ("level", *_SETTING)
-        errors = tuple(name for name in HEADS if any(name in row.errors for row in self.rows))
-        writer.writerow(
-            [
-                "group",
-                *keys,
-                "cpu_s",
-                "memory_bytes",
-                *(f"error_{name}" for name in errors),
-                *(f"error_of_knob_{name}" for name in errors),
-                "failure",
-            ]
-        )
+        keys = [key.name for key in fields(NamedDiscretization)]
+        errors = [name for name in HEADS if any(name in row.errors for row in self.rows)]
+        heads = [f"{kind}_{name}" for kind in ("error", "error_of_knob") for name in errors]
+        writer.writerow(["group", *keys, "cpu_s", "memory_bytes", *heads, "failure"])
         for row in self.rows:
-            keys_of_row = row.run.discretization.as_dict()
+            used = row.run.discretization.as_dict()
+            found = (of.get(name) for of in (row.errors, row.alone) for name in errors)
             writer.writerow(
                 [
                     row.group,
-                    *(keys_of_row.get(key, "") for key in keys),
+                    *(used.get(key, "") for key in keys),
                     f"{row.run.cpu_s:.6g}",
                     row.run.memory_bytes,
-                    *(_cell(row.errors.get(name)) for name in errors),
-                    *(_cell(row.alone.get(name)) for name in errors),
+                    *("" if error is None else f"{error:.4g}" for error in found),
                     row.run.failure or "",
                 ]
             )
@@ -247,20 +238,3 @@ class Study(Card):
         if path is not None:
             write_atomically(path, text)
         return text
-
-
-_SETTING = (
-    "flank_element_mm",
-    "modes",
-    "strips_per_half_width",
-    "zone_half_widths",
-    "count",
-    "adaptive",
-    "axial_degree",
-    "load_degree_z",
-    "slices",
-)
-
-
-def _cell(error: float | None) -> str:
-    return "" if error is None else f"{error:.4g}"

@@ -1,16 +1,21 @@
-"""The table of a study as text."""
+"""The table of a study as text, and its notes: errors that stay, runs without a solution."""
 
 from __future__ import annotations
 
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from flankload.studies.accuracy.quantities import HEADS, MEANINGS
+import numpy as np
+
+from flankload.base.text_table import text_table
+from flankload.result.notes import outside_words
+from flankload.studies.accuracy.quantities import CORNER, HEADS, MEANINGS
 from flankload.studies.accuracy.refinements import KINKS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from flankload.scene import Scene
     from flankload.studies.accuracy.study import Row, Study
 
 #: Names of parameters in text.
@@ -37,9 +42,20 @@ GROUPS = {
 }
 #: Tolerances for which the cheapest discretization is given.
 NAMED = (1e-2, 1e-3, 1e-4)
-WIDTH = 40
+#: Units of the parameters in the label of a run.
+UNITS = {
+    "flank_element_mm": "mm",
+    "modes": "m",
+    "strips_per_half_width": "s",
+    "zone_half_widths": "z",
+    "axial_degree": "deg",
+    "slices": "sl",
+    "count": "p",
+}
 #: Description of the reference, and of its uncertainty.
 LIMIT = "uncertainty of the limit"
+#: Data that kinds of bodies import.
+FROM_FILES = {"mesh": "elements", "compliance": "influence numbers"}
 #: Replaces seconds if the uncertainty of the limit exceeds the tolerance.
 IN_DOUBT = "?"
 #: Column heading of the seconds of a step with the other parameters at their default.
@@ -88,17 +104,19 @@ def _lines(study: Study) -> Iterator[str]:
 
 def _ladder(study: Study, parameter: str, words: str, names: Sequence[str]) -> Iterator[str]:
     """Errors against the limit of this parameter, the others at their finest; coarse first."""
-    yield _head(f"{words} (others finest)", names, DEFAULT_SECONDS)
     steps = study.steps[parameter]
     adaptive = [row for row in steps if row.run.discretization.adaptive is not None]
+    rows = [_heading(f"{words} (others finest)", names, DEFAULT_SECONDS)]
     for row in (*(row for row in reversed(steps) if row not in adaptive), *adaptive):
         used = row.run.discretization
         label = f"{getattr(used, parameter):g}{' (finest)' * (row.group == 'finest')}"
         if used.adaptive is not None:
             label = f"adaptive from {used.count}, to {used.adaptive:g}"
         seconds = study.seconds_at_default(row, parameter)
-        beside = "-" if seconds is None else f"{seconds:.3f}"
-        yield _row(label, row, row.alone, names, beside)
+        rows.append(
+            _cells(label, row, row.alone, names, "-" if seconds is None else f"{seconds:.3f}")
+        )
+    yield from text_table(rows, left=1)
     yield from _orders(study, parameter)
     yield ""
 
@@ -136,63 +154,47 @@ def _others(study: Study, names: Sequence[str]) -> Iterator[str]:
             words = "combinations on the Pareto front"
         if not rows:
             continue
-        yield _head(words, names)
-        for row in rows:
-            yield _row(_label(row), row, row.errors, names)
+        cells = [
+            _heading(words, names),
+            *(_cells(_label(row), row, row.errors, names) for row in rows),
+        ]
         if group == "finest":
-            cells = "".join(f"{_percent(study.doubts.get(name)):>10s}" for name in names)
-            yield f"  {LIMIT:{WIDTH - 2}s}{'':15s}{cells}"
+            doubts = (_percent(study.doubts.get(name)) for name in names)
+            cells.append([f"  {LIMIT}", "", "", *doubts])
+        yield from text_table(cells, left=1)
         yield ""
 
 
 def _label(row: Row) -> str:
-    discretization = row.run.discretization
-    if discretization.as_it_stands:
+    """Parameters of a run in short."""
+    used = row.run.discretization
+    if used.as_it_stands:
         return "all parameters as in the scene"
-    parts = []
-    if discretization.level == "nodes" and discretization.flank_element_mm is None:
-        parts.append("nodes by the contact's width")
-    if discretization.flank_element_mm is not None:
-        parts.append(f"{discretization.flank_element_mm:g} mm")
-    if discretization.modes is not None:
-        parts.append(f"{discretization.modes} m")
-    if discretization.strips_per_half_width is not None:
-        parts.append(f"{discretization.strips_per_half_width:g} s")
-    if discretization.zone_half_widths is not None:
-        parts.append(f"{discretization.zone_half_widths:g} z")
-    if discretization.axial_degree is not None:
-        parts.append(f"{discretization.axial_degree}/{discretization.load_degree_z} deg")
-    if discretization.slices is not None:
-        parts.append(f"{discretization.slices} sl")
-    if discretization.count is not None:
-        even = discretization.adaptive is None
-        parts.append(
-            f"{discretization.count} p"
-            if even
-            else f"{discretization.count} p to {discretization.adaptive:g}"
-        )
+    if used.level == "nodes" and used.flank_element_mm is None:
+        parts = ["nodes by the contact's width"]
+    else:
+        parts = []
+    for name, unit in UNITS.items():
+        if (value := getattr(used, name)) is not None:
+            degrees = f"/{used.load_degree_z}" * (name == "axial_degree")
+            parts.append(f"{value:g}{degrees} {unit}")
+    if used.adaptive is not None:
+        parts[-1] += f" to {used.adaptive:g}"
     return ", ".join(parts)
 
 
-def _head(words: str, names: Sequence[str], further: str | None = None) -> str:
-    columns = "".join(f"{HEADS[name]:>10s}" for name in names)
-    beside = "" if further is None else f"{further:>10s}"
-    return f"{words:{WIDTH}s}{'CPU s':>8s}{beside}{'MB':>7s}{columns}"
+def _heading(words: str, names: Sequence[str], *further: str) -> list[str]:
+    return [words, "CPU s", *further, "MB", *(HEADS[name] for name in names)]
 
 
-def _row(
-    label: str,
-    row: Row,
-    errors: Mapping[str, float],
-    names: Sequence[str],
-    further: str | None = None,
-) -> str:
+def _cells(
+    label: str, row: Row, errors: Mapping[str, float], names: Sequence[str], *further: str
+) -> list[str]:
+    """Line of a run in a table."""
     if row.run.failure is not None:
-        return f"  {label:{WIDTH - 2}s}no answer"
-    cells = "".join(f"{_percent(errors.get(name)):>10s}" for name in names)
-    beside = "" if further is None else f"{further:>10s}"
-    memory = row.run.memory_bytes / 1e6
-    return f"  {label:{WIDTH - 2}s}{row.run.cpu_s:8.3f}{beside}{memory:7.1f}{cells}"
+        return [f"  {label}", "no answer"]
+    cost = (f"{row.run.cpu_s:.3f}", *further, f"{row.run.memory_bytes / 1e6:.1f}")
+    return [f"  {label}", *cost, *(_percent(errors.get(name)) for name in names)]
 
 
 def _percent(error: float | None) -> str:
@@ -203,13 +205,14 @@ def _percent(error: float | None) -> str:
 
 def _cheapest(study: Study, names: Sequence[str]) -> Iterator[str]:
     yield "CPU seconds of the cheapest discretization"
-    columns = "".join(f"{HEADS[name]:>10s}" for name in names)
-    yield f"  {'to':8s}{columns}{'all':>12s}"
+    rows = [["  to", *(HEADS[name] for name in names), "all"]]
     for tolerance in NAMED:
-        texts = [_seconds(study, tolerance, name) for name in names]
-        texts.append(_seconds(study, tolerance))
-        inner = "".join(f"{text:>10s}" for text in texts[:-1])
-        yield f"  {100 * tolerance:g} %".ljust(10) + f"{inner}{texts[-1]:>12s}"
+        seconds = [
+            *(_seconds(study, tolerance, name) for name in names),
+            _seconds(study, tolerance),
+        ]
+        rows.append([f"  {100 * tolerance:g} %", *seconds])
+    yield from text_table(rows, left=1)
     for tolerance in NAMED:
         row = study.cheapest(tolerance)
         if row is None:
@@ -241,3 +244,50 @@ def _why_none(study: Study, tolerance: float) -> str:
     doubt = study.doubts[worst]
     size = f"{_percent(doubt)} % ({HEADS[worst]})" if isfinite(doubt) else "unknown"
     return f"not reached ({IN_DOUBT}): the uncertainty of the limit is {size}"
+
+
+def limit_notes(rows: Sequence[Row]) -> tuple[str, ...]:
+    """Note on errors that are not included: violated premises of the model."""
+    names = sorted({name for row in rows for name in row.run.outside})
+    return (f"errors {outside_words(names).removeprefix('; ')}",) if names else ()
+
+
+def corner_notes(rows: Sequence[Row]) -> tuple[str, ...]:
+    """Note on an error that no discretization reduces: the pressure on sharp corners."""
+    pressures = [
+        (
+            row.run.discretization.strips_per_half_width,
+            float(np.max(row.run.values[CORNER], initial=0.0)),
+        )
+        for row in rows
+        if row.run.values is not None
+    ]
+    carrying = sorted((n, pressure) for n, pressure in pressures if n and pressure > 0)
+    if not carrying:
+        return ()
+    (few, low), (many, high) = carrying[0], carrying[-1]
+    note = (
+        f"a sharp corner carries load: its pressure, {low:.0f} MPa with {few:g} strips "
+        f"and {high:.0f} MPa with {many:g}, has no limit; no discretization changes that, "
+        "but a tip radius (tip_radius_mm) or a parabolic relief does"
+    )
+    return (note,)
+
+
+def file_notes(scene: Scene) -> tuple[str, ...]:
+    """Note on data in files, which a study cannot vary."""
+    return tuple(
+        f"{key}: its {what} come from a file, whose own error is not part of this"
+        for key, body in (("body_1", scene.body_1), ("body_2", scene.body_2))
+        if (what := FROM_FILES.get(body.kind)) is not None
+    )
+
+
+def failure_notes(rows: Sequence[Row]) -> tuple[str, ...]:
+    """Runs without a solution, with the reason."""
+    return tuple(
+        f"{row.group.replace('_', ' ')} ({used}): {row.run.failure}"
+        for row in rows
+        if row.run.failure is not None
+        for used in (", ".join(f"{k} {x}" for k, x in row.run.discretization.as_dict().items()),)
+    )

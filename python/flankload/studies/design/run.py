@@ -84,18 +84,7 @@ class Outcome:
 
 
 def run_task(task: Task, stopped: Event | None = None) -> Outcome:
-    """Solve a design; an error of any kind is an outcome.
-
-    Parameters
-    ----------
-    task : Task
-    stopped : Event, optional
-        Ends the run soon after it is set.
-
-    Returns
-    -------
-    Outcome
-    """
+    """Solve a design; an error of any kind is an outcome. The event ends the run soon after."""
 
     def watch(*_: object) -> None:
         if stopped is not None and stopped.is_set():
@@ -138,7 +127,7 @@ def _parts_of(study: bytes) -> Parts:
 
 
 def row_of(result: Result, names: tuple[str, ...], *, whole: bool = True) -> dict[str, Any]:
-    """Plain numbers of a result.
+    """Plain numbers of a result: an entry of `Outcome.results`.
 
     Parameters
     ----------
@@ -147,11 +136,6 @@ def row_of(result: Result, names: tuple[str, ...], *, whole: bool = True) -> dic
         Curves that are wanted in addition to the summary.
     whole : bool
         False: only the key figures of the summary, if they and the curves are all that is wanted.
-
-    Returns
-    -------
-    dict
-        An entry of `Outcome.results`.
     """
     curves = curves_of(result)
     known = result.key_figures.keys() | curves.keys()

@@ -126,16 +126,29 @@ def run_study(
     SceneError, FlankloadError, KeyboardInterrupt
         As `study`.
     """
+    designs, names = checked(scene, designs, quantities)
+    with closing(Store(None if store is None else Path(store))) as opened:
+        rows = run_designs(scene, designs, names, opened, executor, progress)
+    values = _values_in(scene, designs)
+    return DesignStudy(scene.name, designs, names, rows, values, scene.has_torque_list)
+
+
+def checked(
+    scene: Scene, designs: Designs, quantities: Sequence[str]
+) -> tuple[Designs, tuple[str, ...]]:
+    """Designs with the distributions of a scene, and names of quantities, once each.
+
+    Raises
+    ------
+    SceneError
+        If the study contradicts itself or its first design is no scene.
+    """
     designs.check()
     designs = designs.in_scene(scene)
     check_first(scene, designs)
     if isinstance(quantities, str) or not isinstance(quantities, Iterable) or not quantities:
         refuse("quantities", "a non-empty list of names", shown(quantities))
-    names = tuple(dict.fromkeys(quantities))
-    with closing(Store(None if store is None else Path(store))) as opened:
-        rows = run_designs(scene, designs, names, opened, executor, progress)
-    values = _values_in(scene, designs)
-    return DesignStudy(scene.name, designs, names, rows, values, scene.has_torque_list)
+    return designs, tuple(dict.fromkeys(quantities))
 
 
 def check_first(scene: Scene, designs: Designs) -> None:

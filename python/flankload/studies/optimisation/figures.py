@@ -54,19 +54,7 @@ class Figure:
 
 
 def figure_of(name: str, result: Result, key: str) -> Figure:
-    """Find a key figure by its name.
-
-    Parameters
-    ----------
-    name : str
-    result : Result
-        Of the scene.
-    key : str
-        Where the name is given, for the error.
-
-    Returns
-    -------
-    Figure
+    """Find a key figure of a result by its name, which `key` gives.
 
     Raises
     ------

@@ -128,22 +128,11 @@ class Point:
 
 
 def best_step(point: Point, goals: Goals, low: Floats, high: Floats) -> Floats:
-    """Step with the least merit of the model within bounds.
+    """Step (n,) with the least merit of the model within bounds (n,), as parts of the ranges.
 
     The epigraph form is a linear program: number t_j is at least each number of maximum j, z is at
     least each objective, and e_c is the excess of limit c (R. Fletcher, Practical Methods of
     Optimization, 2nd ed., chapter 14).
-
-    Parameters
-    ----------
-    point : Point
-    goals : Goals
-    low, high : (n,) arrays
-        Bounds of the step, as parts of the ranges.
-
-    Returns
-    -------
-    (n,) array
 
     Raises
     ------

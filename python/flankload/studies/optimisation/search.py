@@ -58,23 +58,11 @@ class Descent:
 def descend(
     solve: Callable[[Floats], Point | None], first: Point, goals: Goals, options: Options
 ) -> Descent:
-    """Minimise the merit from a point on.
+    """Minimise the merit from a point on; `solve` gives None where a scene cannot be solved.
 
     Steps minimise the first-order model of all maxima within a trust radius; the radius follows
     from the ratio of actual and predicted decrease (A. R. Conn, N. I. M. Gould, P. L. Toint,
     Trust-Region Methods, 2000, section 11.2: minimisation of composite functions).
-
-    Parameters
-    ----------
-    solve : callable
-        Point at given variables; None if the scene cannot be solved there.
-    first : Point
-    goals : Goals
-    options : Options
-
-    Returns
-    -------
-    Descent
     """
     best, radius, left = first, FIRST_RADIUS, options.most_evaluations - 1
     while True:
@@ -107,15 +95,6 @@ def gradient_norm(point: Point, goals: Goals) -> float:
 
     Computed as the decrease of the model within a small radius, divided by the radius, which is
     the same by duality; in the unit of the objective.
-
-    Parameters
-    ----------
-    point : Point
-    goals : Goals
-
-    Returns
-    -------
-    float
     """
     step = best_step(point, goals, *point.within(MEASURED))
     return goals.scale * (goals.merit(point) - goals.merit(point, step)) / MEASURED
@@ -126,18 +105,7 @@ def rounded(evaluator: Evaluator, point: Point, goals: Goals) -> Point | None:
 
     The neighbours have the next multiples below and above in all combinations. The linear model
     adjusts the variables without a step and puts the neighbours in order; the first ones are
-    solved.
-
-    Parameters
-    ----------
-    evaluator : Evaluator
-    point : Point
-    goals : Goals
-
-    Returns
-    -------
-    Point or None
-        Without a violated limit if there is one; None if no neighbour can be solved.
+    solved. None if no neighbour can be solved.
     """
     values = evaluator.values_of(point.x)
     free = np.array([variable.step is None for variable in evaluator.variables])

@@ -24,7 +24,7 @@ from flankload.mechanisms.toggles import (
 from flankload.scene.effects import EFFECTS, Effect, switches_of
 from flankload.studies.plan.planned import Chosen
 from flankload.studies.plan.planning import sizes
-from flankload.studies.plan.significance import against_threshold, is_significant, threshold_text
+from flankload.studies.plan.text import against_threshold, is_significant, threshold_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

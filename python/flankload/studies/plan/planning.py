@@ -13,8 +13,7 @@ from flankload.mechanisms import mechanism_of
 from flankload.scene import scene_of
 from flankload.scene.effects import EFFECTS, switches_of
 from flankload.studies.plan.planned import ADAPTIVE_WITHIN, IMPOSSIBLE, WITHIN, Plan, PlannedEffect
-from flankload.studies.plan.significance import is_significant
-from flankload.studies.plan.text import remark_on
+from flankload.studies.plan.text import is_significant, remark_on
 from flankload.studies.tolerance import first_discretization, first_scene
 
 if TYPE_CHECKING:
@@ -93,17 +92,7 @@ def plan(scene: SceneLike, *, levels: bool = False, dimension: bool = False) -> 
 
 
 def sizes(screening: Screening, scene: Scene) -> dict[str, Measured]:
-    """The size of each effect of a scene, or the reason for a missing size.
-
-    Parameters
-    ----------
-    screening : Screening
-    scene : Scene
-
-    Returns
-    -------
-    dict of str to Measured
-    """
+    """The size of each effect of a scene, or the reason for a missing size."""
     switches, found = switches_of(scene), {}
     for name in screening.rows:
         toggle = screening.toggles.get(name)

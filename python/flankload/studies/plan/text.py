@@ -1,10 +1,10 @@
-"""A plan as text."""
+"""A plan as text, and changes that are significant: more than a quarter of the tolerance."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from flankload.studies.plan.significance import threshold_text
+from flankload.base.text_table import text_table
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -14,8 +14,10 @@ if TYPE_CHECKING:
 MEGABYTE = 1e6
 #: Smaller changes of the load share and of the face load factor are not mentioned.
 LEAST_SHARE, LEAST_FACTOR = 1e-4, 0.005
-#: Width of the column of face load factors.
-FACE = 9
+#: Part of the tolerance beyond which a change is significant.
+SIGNIFICANT_PART = 0.25
+#: Digits of a size; more digits if rounding would move it across the threshold.
+FEWEST_DIGITS, MOST_DIGITS = 2, 17
 #: The most informative counters, with their names in text.
 SHOWN = {
     "fe_factorisations": "factorisations",
@@ -29,6 +31,26 @@ SHOWN = {
     "influence_columns": "influence columns",
     "pivots": "pivots",
 }
+
+
+def is_significant(size: float, tolerance: float) -> bool:
+    """Whether a change is more than a quarter of the tolerance."""
+    return size > SIGNIFICANT_PART * tolerance
+
+
+def threshold_text(tolerance: float) -> str:
+    """A quarter of the tolerance in %, with all its digits."""
+    return f"{100 * SIGNIFICANT_PART * tolerance:.10g} %"
+
+
+def against_threshold(size: float, tolerance: float) -> str:
+    """A change and a quarter of the tolerance, with enough digits to compare them."""
+    sign = ">" if is_significant(size, tolerance) else "<="
+    for digits in range(FEWEST_DIGITS, MOST_DIGITS):
+        shown = f"{100 * size:.{digits}g}"
+        if is_significant(float(shown) / 100, tolerance) == is_significant(size, tolerance):
+            break
+    return f"{shown} % {sign} {threshold_text(tolerance)}"
 
 
 def plan_text(plan: Plan) -> str:
@@ -72,56 +94,50 @@ def _picked(tolerance: float, picked: Mapping[str, Any]) -> list[str]:
 
 
 def _effects(plan: Plan) -> list[str]:
-    width = max(len(effect.title) for effect in plan.effects) + 2
     sizes = [effect.size for effect in plan.effects if effect.size is not None]
     faces = any(size.face_load_factor is not None for size in sizes)
-    head = (
-        f"{'effect':<{width}}{'on':<5}{'s':>8}{'MB':>8}{'rotation':>11}{'at most':>9}"
-        f"{'share':>11}{'K_Hbeta' if faces else '':>{FACE * faces}}  because of"
-    )
-    return [head, *(_row(effect, width, FACE * faces) for effect in plan.effects)]
+    head = ["effect", "on", "s", "MB", "rotation", "at most", "share", "K_Hbeta" * faces]
+    lines = text_table([head, *map(_cells, plan.effects)], left=2)
+    width = max(map(len, lines))
+    reasons = ["because of", *map(_reason, plan.effects)]
+    return [f"{line:<{width}}  {why}" for line, why in zip(lines, reasons, strict=True)]
 
 
-def _row(effect: PlannedEffect, width: int, face: int) -> str:
-    size = effect.size
-    numbers = ("", "", "", "")
-    if size is not None:
-        largest = _percent(size.rotation_largest)
-        mean = "" if size.rotation_mean is None else f"{100 * size.rotation_mean:+.2f} %"
-        factor = "" if size.face_load_factor is None else f"{size.face_load_factor:+.3f}"
-        numbers = (
-            mean,
-            largest or f"{size.rotation_um:.3g} um",
-            _points(size.load_share),
-            factor,
-        )
-    because = effect.because
-    if effect.assumed is not None:
-        because += f" (with {effect.assumed.rpartition(' = ')[2]})"
-    if not effect.possible and not effect.on:
-        return f"{effect.title:<{width}}{'no':<5}{'':{47 + face}}  not with this scene"
-    if effect.unknown is not None and effect.possible:
-        because += " (size unknown)"
-    cost = f"{'':16}"
-    if effect.extra_s is not None and effect.extra_bytes is not None:
-        cost = f"{effect.extra_s:8.3f}{effect.extra_bytes / MEGABYTE:8.2f}"
-    line = (
-        f"{effect.title:<{width}}{'yes' if effect.on else 'no':<5}{cost}"
-        f"{numbers[0]:>11}{numbers[1]:>9}{numbers[2]:>11}{numbers[3]:>{face}}  {because}"
-    )
-    return line.rstrip()
+def _cells(effect: PlannedEffect) -> list[str]:
+    """Name, cost and size of an effect; empty cells for what is unknown."""
+    size, cells = effect.size, [effect.title, "yes" if effect.on else "no"]
+    if effect.extra_s is None or effect.extra_bytes is None or not _is_possible(effect):
+        cells += ["", ""]
+    else:
+        cells += [f"{effect.extra_s:.3f}", f"{effect.extra_bytes / MEGABYTE:.2f}"]
+    if size is None or not _is_possible(effect):
+        return cells
+    return [
+        *cells,
+        "" if size.rotation_mean is None else f"{100 * size.rotation_mean:+.2f} %",
+        _percent(size.rotation_largest) or f"{size.rotation_um:.3g} um",
+        _points(size.load_share),
+        "" if size.face_load_factor is None else f"{size.face_load_factor:+.3f}",
+    ]
+
+
+def _is_possible(effect: PlannedEffect) -> bool:
+    return effect.possible or effect.on
+
+
+def _reason(effect: PlannedEffect) -> str:
+    if not _is_possible(effect):
+        return "not with this scene"
+    assumed = "" if effect.assumed is None else f" (with {effect.assumed.rpartition(' = ')[2]})"
+    return effect.because + assumed + " (size unknown)" * (effect.unknown is not None)
 
 
 def _stages(plan: Plan) -> list[str]:
     stages = plan.predicted["stages"]
-    lines = [f"{'stage':<20}{'s':>8}{'MB':>8}"]
-    memory = {
-        name: (stage["bytes"] + stage["workspace_bytes"]) / MEGABYTE
-        for name, stage in stages.items()
-    }
-    for name, stage in stages.items():
-        lines.append(f"{name:<20}{stage['cpu_s']:8.3f}{memory[name]:8.2f}")
-    lines.append(f"{'all':<20}{plan.seconds:8.3f}{sum(memory.values()):8.2f}")
+    costs = {name: (s["cpu_s"], s["bytes"] + s["workspace_bytes"]) for name, s in stages.items()}
+    costs["all"] = (plan.seconds, sum(memory for _, memory in costs.values()))
+    rows = [(name, f"{s:.3f}", f"{size / MEGABYTE:.2f}") for name, (s, size) in costs.items()]
+    lines = text_table([("stage", "s", "MB"), *rows], left=1)
     counters = plan.predicted["counters"]
     words = [f"{counters[name]} {text}" for name, text in SHOWN.items() if counters.get(name)]
     known = f"uncertainty of the seconds: a factor of {plan.within:g}"
@@ -129,18 +145,7 @@ def _stages(plan: Plan) -> list[str]:
 
 
 def remark_on(row: PlannedEffect, *, coarser: bool) -> str | None:
-    """A sentence on a significant effect that is omitted, or that is an error of the run.
-
-    Parameters
-    ----------
-    row : PlannedEffect
-    coarser : bool
-        Whether the effect reduces the accuracy of the computation.
-
-    Returns
-    -------
-    str or None
-    """
+    """A sentence on a significant effect that is omitted, or that is an error of the run."""
     size = row.size
     if size is None or not row.matters or row.on != coarser:
         return None

@@ -105,27 +105,31 @@ def first_order(
     sites = {int(site) for result in results for site in result.sites}
     loads = [_loads(one, sites) for one in variables]
     found = sensitivity(base, [path for paths, _ in loads for path in paths], parts)
-    values = [_values(result, names) for result in found.results]
 
     def together(result: Result) -> Floats:
         return np.concatenate([np.ravel(value) for value in _values(result, names)])
+
+    ends = np.cumsum([int(np.prod(shape)) for shape in shapes])
+
+    def split(values: Floats) -> dict[str, Floats]:
+        """Arrays (torques, points of all quantities) by quantity."""
+        parts = zip(names, shapes, np.split(values, ends[:-1], axis=1), strict=True)
+        found = {name: part.reshape(len(values), *shape) for name, shape, part in parts}
+        return found if base.has_torque_list else {name: part[0] for name, part in found.items()}
 
     slopes, sides = found.derivative(together), found.to_each_side(together)
     jumps = np.nan_to_num(0.5 * (sides[1] - sides[0]))  # NaN: the end of a range
     scatter, kinks, first = {}, {}, 0
     for variable, (paths, factor) in zip(variables, loads, strict=True):
         own = slice(first, first := first + len(paths))
-        scatter[variable.name] = _variance(factor, slopes[own])
-        kinks[variable.name] = np.sqrt(_variance(factor, jumps[own]))
-    split = _Split(names, shapes, has_torques=base.has_torque_list)
-    mean = split(np.stack([np.concatenate([np.ravel(v) for v in of_one]) for of_one in values]))
-    parts_of = {name: split(of_one) for name, of_one in scatter.items()}
-    bends = {name: split(of_one) for name, of_one in kinks.items()}
+        scatter[variable.name] = split(_variance(factor, slopes[own]))
+        kinks[variable.name] = split(np.sqrt(_variance(factor, jumps[own])))
+    mean = split(np.stack([together(result) for result in found.results]))
     return {
         name: _first_order(
             mean[name],
-            {variable: of_one[name] for variable, of_one in parts_of.items()},
-            {variable: of_one[name] for variable, of_one in bends.items()},
+            {variable: of_one[name] for variable, of_one in scatter.items()},
+            {variable: of_one[name] for variable, of_one in kinks.items()},
         )
         for name in names
     }, len(found.paths)
@@ -138,26 +142,6 @@ def _first_order(mean: Floats, scatter: dict[str, Floats], kinks: dict[str, Floa
         shares = {name: np.nan_to_num(of_one / variance) for name, of_one in scatter.items()}
     order = sorted(shares, key=lambda name: -float(np.nansum(scatter[name])))
     return FirstOrder(mean, np.sqrt(variance), {name: shares[name] for name in order}, kinks)
-
-
-@dataclass(frozen=True)
-class _Split:
-    """Parts of arrays (torques, points of all quantities) by quantity."""
-
-    names: Sequence[str]
-    shapes: list[tuple[int, ...]]
-    has_torques: bool
-
-    def __call__(self, values: Floats) -> dict[str, Floats]:
-        """Arrays (torques, points) by name; (points) without a list of torques."""
-        ends = np.cumsum([int(np.prod(shape)) for shape in self.shapes])
-        found = {}
-        for name, shape, part in zip(
-            self.names, self.shapes, np.split(values, ends[:-1], axis=1), strict=True
-        ):
-            part = part.reshape(len(values), *shape)
-            found[name] = part if self.has_torques else part[0]
-        return found
 
 
 def _mean(variable: Variable) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -18,7 +17,7 @@ from flankload.scene.refusal import refuse, shown
 from flankload.studies.design import run_study
 from flankload.studies.design.designs import OF_DRAWS, Designs
 from flankload.studies.design.run import SOLVED
-from flankload.studies.design.solve_study import check_first
+from flankload.studies.design.solve_study import checked
 from flankload.studies.prepared import Prepared
 from flankload.studies.robustness.first_order import FirstOrder, first_order
 from flankload.studies.robustness.samples import Samples
@@ -203,13 +202,8 @@ def robust(
     scene = scene.scene if isinstance(scene, Prepared) else scene_of(scene)
     if design not in OF_DRAWS:
         refuse("design", " or ".join(f"'{kind}'" for kind in OF_DRAWS), shown(design))
-    if isinstance(quantities, str) or not isinstance(quantities, Iterable) or not quantities:
-        refuse("quantities", "a non-empty list of names", shown(quantities))
     designs = Designs(variables_of(variables), design, n or 1, seed)
-    designs.check()
-    designs = designs.in_scene(scene)
-    check_first(scene, designs)
-    names = tuple(dict.fromkeys(quantities))
+    designs, names = checked(scene, designs, quantities)
     begin = perf_counter()
     linear, solutions = first_order(scene, designs.variables, names, parts)
     middle = perf_counter()
