@@ -58,8 +58,8 @@ if TYPE_CHECKING:
     from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
 
-    #: Friction, influence numbers and expansion of a body that brings its compliance along.
-    _OfBrought = tuple[bool, str, Growth | None]
+    #: With friction or not, influence numbers, expansion.
+    _FileVariant = tuple[bool, str, Growth | None]
 
 #: Modes and cells of the screening; its mesh is that of the run.
 COARSE = Discretization(flank_element_parts=1.0, modes=3, grid=Grid(1.0, 3.0))
@@ -106,7 +106,7 @@ class PairModels:
         self._scene, self._pair, self._toggles = scene, pair, toggles
         self._assemblies = {scene: pair}
         self._jobs: tuple[dict[Variant, BodyCompliance], ...] = ({}, {})
-        self._brought: tuple[dict[_OfBrought, BodyCompliance], ...] = ({}, {})
+        self._of_files: tuple[dict[_FileVariant, BodyCompliance], ...] = ({}, {})
         self._meshes: dict[int, Body] = {}
         self._sections: dict[int, BodyCompliance] = {}
         self.screened = screened(scene)
@@ -274,23 +274,23 @@ class PairModels:
         body, growth = pair.bodies[z], pair.growth[z]
         if not self._needs_elements(scene, z):
             return no_compliance(body, growth)
-        found = self._jobs[z].get(self._variant(scene, z)) or self._brought_along(scene, body, z)
+        found = self._jobs[z].get(self._variant(scene, z)) or self._from_file(scene, body, z)
         if growth is not None and not growth.needs_elements:
             found = replace(found, expansion=Expansion(growth.strain))
         if not scene.effects.coast_flank:
             found = replace(found, coast=None)
         return found if scene.effects.tooth_coupling else found.without_coupling()
 
-    def _brought_along(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
+    def _from_file(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
         """Compliance that a body has from its file."""
         growth = self.assembly(scene).growth[z]
         key = scene.has_friction, scene.effects.influence, growth
-        if key not in self._brought[z]:
+        if key not in self._of_files[z]:
             plain = with_keys(scene, tooth_coupling=True)
-            self._brought[z][key] = compliance_of(
+            self._of_files[z][key] = compliance_of(
                 body, plain, self._pair.discretization, growth=growth
             )
-        return self._brought[z][key]
+        return self._of_files[z][key]
 
 
 def screened(scene: Scene) -> Scene:
