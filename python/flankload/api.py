@@ -66,7 +66,7 @@ def solve(
 
 
 def prepare(scene: SceneLike) -> Prepared:
-    """Solve what most changes of a scene leave as it is: its bodies and their compliances.
+    """Solve bodies and compliances, which most changes of a scene do not affect.
 
     Parameters
     ----------

@@ -681,7 +681,7 @@ _PYTHON = (
         ("squared[k] / (squared[inner] - squared[k])", "squared[k] / squared[inner]"),
     ),
     *_in(
-        "result/course.py",
+        "result/loaded_positions.py",
         "unit/result/test_result_contacts.py unit/mechanisms/test_coast_flank.py",
         ("(coast.gap_rad + self.rotation_rad)", "coast.gap_rad"),
     ),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.analysis.error_rules import STRIPS, Left, peak_of_cells, what_is_left
+from flankload.analysis.error_rules import STRIPS, RemainingError, peak_of_cells, remaining_errors
 from flankload.analysis.estimate import (
     ON_CORNERS,
     ON_TIPS,
@@ -189,7 +189,9 @@ def test_forces_on_coast_flanks_have_an_estimate() -> None:
 
 
 def test_errors_add_up_with_their_signs_and_doubts_by_their_squares() -> None:
-    one, two = (Left(np.array(e), np.array(d)) for e, d in (([3.0, 1.0], [3.0, 0.0]), (-3.0, 4.0)))
+    one, two = (
+        RemainingError(np.array(e), np.array(d)) for e, d in (([3.0, 1.0], [3.0, 0.0]), (-3.0, 4.0))
+    )
     estimate = Estimate.of({"one": {"load_share": one}, "two": {"load_share": two}})
     assert estimate.errors == {"load_share": 6.0}  # |3 - 3| + 5 and |1 - 3| + 4
     assert estimate.by_source == {"one": {"load_share": 6.0}, "two": {"load_share": 7.0}}
@@ -214,7 +216,7 @@ def test_half_as_many_cells_tell_an_error_of_second_order_exactly() -> None:
         )
 
     found, coarse = with_cells(1.0), with_cells(0.5)
-    left = what_is_left(STRIPS, found, found, coarse)
+    left = remaining_errors(STRIPS, found, found, coarse)
     largest = np.abs(found.rotation_rad).max()
     np.testing.assert_allclose(
         left["transmission_error"].error,

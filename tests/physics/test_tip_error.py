@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.analysis.error_rules import Left, peak_of_modes
+from flankload.analysis.error_rules import RemainingError, peak_of_modes
 from flankload.analysis.estimate import Estimate
 from tests.support.gear_scenes import example
 from tests.support.solving import solve
@@ -134,7 +134,10 @@ def test_size_changes_no_part_of_it() -> None:
 
 
 def test_dominant_source_may_be_tips() -> None:
-    left = {"tip": {"load_share": Left(0.01, 0.004)}, "modes": {"load_share": Left(-0.002, 0.0)}}
+    left = {
+        "tip": {"load_share": RemainingError(0.01, 0.004)},
+        "modes": {"load_share": RemainingError(-0.002, 0.0)},
+    }
     found = Estimate.of(left)
     assert found.dominant_source["load_share"] == "tip"
     assert found.errors["load_share"] == pytest.approx(0.012, rel=ROUND_OFF, abs=0)

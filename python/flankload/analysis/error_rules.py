@@ -94,7 +94,7 @@ EXTREMES = 0.35
 LARGEST_SMOOTH_CHANGE = 0.01
 
 
-class Left(NamedTuple):
+class RemainingError(NamedTuple):
     """Remaining error of one source in a quantity, or in a quantity at many places.
 
     Attributes
@@ -113,13 +113,13 @@ class Left(NamedTuple):
         return float(np.max(np.abs(self.error) + self.doubt, initial=0.0))
 
     @classmethod
-    def of(cls, parts: list[Left]) -> Left:
+    def of(cls, parts: list[RemainingError]) -> RemainingError:
         """Sum over several sources: errors with their signs, doubts as squares."""
         doubt = np.sqrt(sum(np.square(part.doubt) for part in parts))
         return cls(sum(part.error for part in parts), doubt)
 
     @classmethod
-    def relative(cls, error: float, doubt: float, whole: float | np.floating) -> Left:
+    def relative(cls, error: float, doubt: float, whole: float | np.floating) -> RemainingError:
         """Error and doubt of a number relative to its magnitude; none if that is 0."""
         size = abs(float(whole))
         return cls(error / size, doubt / size) if size > 0 else cls(0.0, 0.0)
@@ -130,7 +130,9 @@ def mean_stiffness(softness: Floats) -> Floats | None:
     return 1.0 / softness if (softness > 0).all() else None
 
 
-def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[str, Left]:
+def remaining_errors(
+    rule: Rule, found: Sweep, base: Sweep, other: Sweep
+) -> dict[str, RemainingError]:
     """Remaining errors of one source in the quantities of a sweep.
 
     Parameters
@@ -143,7 +145,7 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
     """
     unloaded = found.rotation_rad - found.turned_rad
     rotation, change = found.rotation_rad, other.rotation_rad - base.rotation_rad
-    left = {
+    errors = {
         "transmission_error": _at_each(rule, change, np.abs(rotation).max()),
         "load_share": _at_each(_of_shares(rule), _shares(other) - _shares(base), 1.0),
         "peak_pressure": _at_each(
@@ -160,16 +162,18 @@ def what_is_left(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[st
         one, two, three = stiffness
         if one is not None and two is not None and three is not None:
             change = np.where(np.abs(three - two) <= LARGEST_KINK * one, three - two, 0.0)
-            left[name] = _of_mean(rule, change, one)
+            errors[name] = _of_mean(rule, change, one)
     if found.coast is not None:
         change = _coast_shares(other) - _coast_shares(base)
-        left[COAST] = _at_each(_of_shares(rule), change, 1.0)
+        errors[COAST] = _at_each(_of_shares(rule), change, 1.0)
     if found.slices is not None:
-        left |= _of_line_loads(rule, found, base, other)
-    return left
+        errors |= _of_line_loads(rule, found, base, other)
+    return errors
 
 
-def _of_line_loads(rule: Rule, found: Sweep, base: Sweep, other: Sweep) -> dict[str, Left]:
+def _of_line_loads(
+    rule: Rule, found: Sweep, base: Sweep, other: Sweep
+) -> dict[str, RemainingError]:
     """Errors of the line loads and of the face load factor."""
     largest = float(np.max(_line_loads(found, found)))
     change = _line_loads(other, other) - _line_loads(base, other)
@@ -219,28 +223,28 @@ def _of_shares(rule: Rule) -> Rule:
     return rule if rule.doubt_share is None else replace(rule, doubt=rule.doubt_share)
 
 
-def _at_each(rule: Rule, change: Floats, whole: float | np.floating) -> Left:
+def _at_each(rule: Rule, change: Floats, whole: float | np.floating) -> RemainingError:
     """Error of a quantity at each position."""
     relative = change / whole if whole > 0 else np.zeros_like(change)
-    return Left(rule.part * relative, rule.doubt * np.abs(relative))
+    return RemainingError(rule.part * relative, rule.doubt * np.abs(relative))
 
 
-def _of_mean(rule: Rule, change: Floats, values: Floats) -> Left:
+def _of_mean(rule: Rule, change: Floats, values: Floats) -> RemainingError:
     """Error of a mean over the positions."""
     whole = abs(float(values.mean()))
     if whole == 0:
-        return Left(0.0, 0.0)
+        return RemainingError(0.0, 0.0)
     mean, scatter = float(change.mean()) / whole, float(np.abs(change).mean()) / whole
     doubt = float(np.hypot(rule.doubt_overall * mean, rule.doubt_scatter * scatter))
-    return Left(rule.part * mean, doubt)
+    return RemainingError(rule.part * mean, doubt)
 
 
-def _of_peak_to_peak(rule: Rule, change: Floats, rotation: Floats) -> Left:
+def _of_peak_to_peak(rule: Rule, change: Floats, rotation: Floats) -> RemainingError:
     whole = float(np.ptp(rotation))
     error = whole - float(np.ptp(rotation - rule.part * change))
     apart = np.abs(change - change.mean())
     of_extremes = apart[rotation.argmax()] + apart[rotation.argmin()]
-    return Left.relative(error, EXTREMES * rule.doubt * float(of_extremes), whole)
+    return RemainingError.relative(error, EXTREMES * rule.doubt * float(of_extremes), whole)
 
 
 def _shares(part: Sweep) -> Floats:
@@ -279,8 +283,8 @@ def _peak_change(found: Sweep, base: Sweep, other: Sweep) -> Floats:
     return np.where(_smooth(found, base, other), change, 0.0)
 
 
-def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> Left:
-    """Error of the modes in the peaks off sharp corners; sweeps as in `what_is_left`."""
+def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> RemainingError:
+    """Error of the modes in the peaks off sharp corners; sweeps as in `remaining_errors`."""
     changes = np.abs(_shares(other) - _shares(base))
     change = float(changes.max(initial=0.0))
     largest = _largest_peak(found)
@@ -292,13 +296,15 @@ def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> Left:
     # begun to carry load, the true peak may be a multiple
     share = np.maximum(_shares(found), np.finfo(float).tiny)
     begun = np.sqrt(1.0 + (MODES.part + MODES.doubt) * changes / share) - 1.0
-    return Left(np.zeros_like(part), np.maximum(SHARE_TO_PEAK * change, begun) * part)
+    return RemainingError(np.zeros_like(part), np.maximum(SHARE_TO_PEAK * change, begun) * part)
 
 
-def peak_of_cells(found: Sweep, coarse: Sweep) -> Left:
+def peak_of_cells(found: Sweep, coarse: Sweep) -> RemainingError:
     """Error of the cells in the peaks off sharp corners; `coarse` has half as many cells."""
     change, largest = _peak_change(found, found, coarse), _largest_peak(found)
-    left = _at_each(STRIPS, change, largest)
+    remaining = _at_each(STRIPS, change, largest)
     rough = np.abs(change) > LARGEST_SMOOTH_CHANGE * found.site_peak_N_per_mm
     whole = np.abs(change) / largest if largest > 0 else np.zeros_like(change)
-    return Left(np.where(rough, 0.0, left.error), np.where(rough, whole, left.doubt))
+    return RemainingError(
+        np.where(rough, 0.0, remaining.error), np.where(rough, whole, remaining.doubt)
+    )

@@ -48,11 +48,11 @@ from flankload.analysis.error_rules import (
     NODES,
     SLICES,
     STRIPS,
-    Left,
+    RemainingError,
     any_smooth_peak,
     peak_of_cells,
     peak_of_modes,
-    what_is_left,
+    remaining_errors,
 )
 from flankload.analysis.period_error import HARMONICS_KEY
 from flankload.contact.sweep import END_WOULD_TOUCH
@@ -146,18 +146,22 @@ class Estimate:
 
     @classmethod
     def of(
-        cls, left: dict[str, dict[str, Left]], uncertain: dict[str, str] | None = None
+        cls, errors: dict[str, dict[str, RemainingError]], uncertain: dict[str, str] | None = None
     ) -> Estimate:
         """Estimate from the errors of each source, by quantity."""
         by_quantity = {
-            quantity: [parts[quantity] for parts in left.values() if quantity in parts]
+            quantity: [parts[quantity] for parts in errors.values() if quantity in parts]
             for quantity in (*POINTWISE, *OVERALL, COAST, LINE_LOAD, FACE_LOAD)
         }
         return cls(
-            {quantity: Left.of(parts).size for quantity, parts in by_quantity.items() if parts},
+            {
+                quantity: RemainingError.of(parts).size
+                for quantity, parts in by_quantity.items()
+                if parts
+            },
             {
                 source: {quantity: part.size for quantity, part in parts.items()}
-                for source, parts in left.items()
+                for source, parts in errors.items()
             },
             uncertain or {},
         )
@@ -201,7 +205,7 @@ def estimate_errors(
     *,
     lumped: bool = False,
     variants: Mapping[str, Mapping[str, object]] = MappingProxyType({}),
-    sources: Mapping[str, Callable[[Sweep], dict[str, Left]]] = MappingProxyType({}),
+    sources: Mapping[str, Callable[[Sweep], dict[str, RemainingError]]] = MappingProxyType({}),
 ) -> tuple[Estimate, ...]:
     """Estimate the errors of a sweep.
 
@@ -240,15 +244,15 @@ def estimate_errors(
         )
     estimates = []
     for t, part in enumerate(found):
-        left = _of_lumping(part, compliances) if lumped else _of_cells(part, coarse[t])
-        left |= _of_compliances(
+        errors = _of_lumping(part, compliances) if lumped else _of_cells(part, coarse[t])
+        errors |= _of_compliances(
             part, coarse[t], {source: other[t] for source, other in others.items()}, compliances
         )
-        left |= {source: errors for source, of in sources.items() if (errors := of(part))}
+        errors |= {source: own for source, of in sources.items() if (own := of(part))}
         if not any_smooth_peak(part):  # all on sharp corners, where pressures have no estimate
-            for parts in left.values():
+            for parts in errors.values():
                 parts.pop("peak_pressure", None)
-        estimates.append(Estimate.of(left, _uncertain_pressure(part, compliances)))
+        estimates.append(Estimate.of(errors, _uncertain_pressure(part, compliances)))
     return tuple(estimates)
 
 
@@ -269,19 +273,19 @@ def _uncertain_pressure(
 
 def _of_lumping(
     part: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> dict[str, dict[str, Left]]:
+) -> dict[str, dict[str, RemainingError]]:
     errors = lumped_error(part, compliances)
-    return {"lumped": {quantity: Left(0.0, error) for quantity, error in errors.items()}}
+    return {"lumped": {quantity: RemainingError(0.0, error) for quantity, error in errors.items()}}
 
 
-def _of_cells(part: Sweep, coarse: Sweep) -> dict[str, dict[str, Left]]:
-    left = what_is_left(STRIPS, part, part, coarse)
-    left["peak_pressure"] = peak_of_cells(part, coarse)
+def _of_cells(part: Sweep, coarse: Sweep) -> dict[str, dict[str, RemainingError]]:
+    errors = remaining_errors(STRIPS, part, part, coarse)
+    errors["peak_pressure"] = peak_of_cells(part, coarse)
     # a relative error of the rotation that is the same at all torques is also that of its
     # derivative
-    if "stiffness_secant" in left:
-        left["stiffness_tangent"] = left["stiffness_secant"]
-    return {"strips": left}
+    if "stiffness_secant" in errors:
+        errors["stiffness_tangent"] = errors["stiffness_secant"]
+    return {"strips": errors}
 
 
 def _of_compliances(
@@ -289,7 +293,7 @@ def _of_compliances(
     coarse: Sweep,
     others: Mapping[str, Sweep],
     compliances: tuple[BodyCompliance, BodyCompliance],
-) -> dict[str, dict[str, Left]]:
+) -> dict[str, dict[str, RemainingError]]:
     """Errors of modes and elements, from sweeps on coarse cells with other compliances."""
     nodal = any(compliance.modes.nodes is not None for compliance in compliances)
     imaged = all(any(compliance.near.wedge) or compliance.is_rigid for compliance in compliances)
@@ -300,12 +304,13 @@ def _of_compliances(
         "axial": AXIAL,
         "slices": SLICES,
     }
-    left = {
-        source: what_is_left(rules[source], part, coarse, other) for source, other in others.items()
+    errors = {
+        source: remaining_errors(rules[source], part, coarse, other)
+        for source, other in others.items()
     }
     if not nodal:
-        left["modes"]["peak_pressure"] = peak_of_modes(part, coarse, others["modes"])
-    return left
+        errors["modes"]["peak_pressure"] = peak_of_modes(part, coarse, others["modes"])
+    return errors
 
 
 def lumped_error(

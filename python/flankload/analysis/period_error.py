@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.analysis.adaptive_positions import HARMONICS, LEAST_HARMONIC
-from flankload.analysis.error_rules import Left
+from flankload.analysis.error_rules import RemainingError
 from flankload.elasticity.near_field import mode_values, projected_near_field
 from flankload.elasticity.nodal_loads import hat_values, hat_widths
 
@@ -164,7 +164,7 @@ def _loads(
     return tooth, loads
 
 
-def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, Left]:
+def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, RemainingError]:
     """Errors of positions that do not contain all teeth, in quantities of the whole period.
 
     The sweep has its pairs and a torque.
@@ -180,8 +180,8 @@ def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, Left]:
     now, whole = float(alone @ rotation), float((weight * (rotation + changes)).sum())
     span, all_spans = float(np.ptp(rotation)), float(np.ptp((rotation + changes)[known]))
     errors = {
-        "transmission_error_mean": _left(now, whole, spread),
-        "transmission_error_peak_to_peak": _left(span, all_spans, most),
+        "transmission_error_mean": _relative_error(now, whole, spread),
+        "transmission_error_peak_to_peak": _relative_error(span, all_spans, most),
     }
     for name, softness in (
         ("stiffness_secant", found.turned_rad),
@@ -191,16 +191,16 @@ def of_other_teeth(found: Sweep, others: OtherTeeth) -> dict[str, Left]:
         if (softness > 0).all() and (other > 0).all():
             now = float(alone @ (1.0 / softness))
             part = spread / float(alone @ softness)
-            errors[name] = _left(now, float((weight / other).sum()), part * now)
+            errors[name] = _relative_error(now, float((weight / other).sum()), part * now)
     if others.window.closed:
         mean = np.sum(weight * changes, axis=0) / weight.sum(axis=0)
         errors[HARMONICS_KEY] = _of_harmonics(others, rotation, rotation + mean, spread)
     return errors
 
 
-def _left(now: float, whole: float, spread: float) -> Left:
+def _relative_error(now: float, whole: float, spread: float) -> RemainingError:
     """Relative error of a number that has another value over the whole period."""
-    return Left.relative(now - whole, float(np.hypot(DOUBT * (now - whole), spread)), now)
+    return RemainingError.relative(now - whole, float(np.hypot(DOUBT * (now - whole), spread)), now)
 
 
 def _weights(position_rad: Floats, window: Window) -> Floats:
@@ -217,7 +217,7 @@ def _weights(position_rad: Floats, window: Window) -> Floats:
     return np.asarray(both / both.sum())
 
 
-def _of_harmonics(others: OtherTeeth, now: Floats, whole: Floats, spread: float) -> Left:
+def _of_harmonics(others: OtherTeeth, now: Floats, whole: Floats, spread: float) -> RemainingError:
     """Largest error of the harmonics of a pitch; those of all pitches are those of their mean."""
     weight = _weights(others.pair.position_rad, others.window)
     turn = 2 * np.pi * others.pair.position_rad / others.window.pitch_rad
@@ -225,7 +225,7 @@ def _of_harmonics(others: OtherTeeth, now: Floats, whole: Floats, spread: float)
     one, all_of = np.abs(waves @ now), np.abs(waves @ whole)
     scale = np.maximum(one, LEAST_HARMONIC * one.max())
     parts = [
-        _left(float(s), float(s + b - a), spread)
+        _relative_error(float(s), float(s + b - a), spread)
         for s, a, b in zip(scale, one, all_of, strict=True)
     ]
     return max(parts, key=lambda part: part.size)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.analysis.error_rules import FACE_LOAD, Left, face_factors, mean_stiffness
+from flankload.analysis.error_rules import FACE_LOAD, RemainingError, face_factors, mean_stiffness
 
 if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
@@ -42,21 +42,21 @@ HIDDEN, HIDDEN_ROTATION = 0.5, 0.06
 
 def of_positions(
     found: Sweep, window: Window, position_rad: Floats, *, adaptive: bool = False
-) -> dict[str, Left]:
+) -> dict[str, RemainingError]:
     """`between_positions`, in three dimensions also the error of the face load factor."""
-    left = between_positions(found, window, position_rad, adaptive=adaptive)
+    errors = between_positions(found, window, position_rad, adaptive=adaptive)
     if found.slices is not None and position_rad.size > 1:
         factors = face_factors(found)
         at = int(factors.argmax())
         # beside a kink, the largest value may lie half the step to a neighbour above the sample
         beside = [factors[at - 1], factors[(at + 1) % factors.size]]
-        left[FACE_LOAD] = Left(0.0, 0.5 * float(1.0 - min(beside) / factors[at]))
-    return left
+        errors[FACE_LOAD] = RemainingError(0.0, 0.5 * float(1.0 - min(beside) / factors[at]))
+    return errors
 
 
 def between_positions(
     part: Sweep, window: Window, position_rad: Floats, *, adaptive: bool = False
-) -> dict[str, Left]:
+) -> dict[str, RemainingError]:
     """Sampling errors of quantities that depend on all positions, by quantity.
 
     Parameters
@@ -77,7 +77,7 @@ def between_positions(
     rotation = part.rotation_rad
     hidden = _hidden(loaded, changes) if window.sites.size > 1 else 0.0
 
-    def of_mean(values: Floats, kinks: Flags) -> Left:
+    def of_mean(values: Floats, kinks: Flags) -> RemainingError:
         through = window.curve_of(position_rad, values, kinks)
         mean = window.curve_of(position_rad, values, changes).mean() if adaptive else values.mean()
         missed = mean - through.mean()
@@ -87,7 +87,7 @@ def between_positions(
             DOUBT_KINKS * open_kinks,
             HIDDEN_ROTATION * hidden * mean,
         )
-        return Left.relative(missed, float(np.linalg.norm(doubts)), mean)
+        return RemainingError.relative(missed, float(np.linalg.norm(doubts)), mean)
 
     found = {"transmission_error_mean": of_mean(rotation, changes)}
     secant = mean_stiffness(part.turned_rad)
@@ -100,7 +100,7 @@ def between_positions(
     through = window.curve_of(position_rad, rotation, changes)
     between = np.ptp(through.values(np.linspace(*through.ends, BETWEEN * rotation.size)))
     missed = float(np.ptp(rotation) - between)
-    found["transmission_error_peak_to_peak"] = Left.relative(
+    found["transmission_error_peak_to_peak"] = RemainingError.relative(
         missed, DOUBT_PEAK_TO_PEAK * abs(missed), np.ptp(rotation)
     )
     tangent = mean_stiffness(part.tangent_rad_per_Nmm)
@@ -108,11 +108,11 @@ def between_positions(
         missed, doubt = _steps(tangent, position_rad, through, changes)
         mean = tangent.mean()
         doubt = float(np.hypot(doubt, HIDDEN * hidden * mean))
-        found["stiffness_tangent"] = Left.relative(missed, doubt, mean)
+        found["stiffness_tangent"] = RemainingError.relative(missed, doubt, mean)
     return found
 
 
-def _open_window(part: Sweep) -> dict[str, Left]:
+def _open_window(part: Sweep) -> dict[str, RemainingError]:
     """The same if curves do not close: the doubt is the contribution of the last interval."""
     rotation = part.rotation_rad
     if rotation.size < LEAST_OPEN:
@@ -125,10 +125,12 @@ def _open_window(part: Sweep) -> dict[str, Left]:
     ):
         if values is not None:
             missed = 0.5 * (values[0] - _next(values)) / values.size
-            found[name] = Left.relative(missed, abs(missed), values.mean())
+            found[name] = RemainingError.relative(missed, abs(missed), values.mean())
     missed = float(np.ptp(rotation) - np.ptp([*rotation, _next(rotation)]))
     between = 0.5 * float(np.abs(np.diff(rotation, 2)).max())
-    found["transmission_error_peak_to_peak"] = Left.relative(missed, between, np.ptp(rotation))
+    found["transmission_error_peak_to_peak"] = RemainingError.relative(
+        missed, between, np.ptp(rotation)
+    )
     return found
 
 

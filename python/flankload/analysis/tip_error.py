@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.analysis.error_rules import Left, mean_stiffness
+from flankload.analysis.error_rules import RemainingError, mean_stiffness
 from flankload.elasticity.near_field import mode_values
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def tip_error(
     pair: BodyPair,
     compliances: tuple[BodyCompliance, BodyCompliance],
     face_width_mm: float,
-) -> dict[str, Left]:
+) -> dict[str, RemainingError]:
     """Errors by inclined forces in the quantities of a sweep, which has its pairs.
 
     Returns
@@ -63,7 +63,7 @@ def tip_error(
     if not turned.any():
         return {}
     changes = _changes(found, turned, between)
-    return {name: Left(np.zeros_like(one), np.abs(one)) for name, one in changes.items()}
+    return {name: RemainingError(np.zeros_like(one), np.abs(one)) for name, one in changes.items()}
 
 
 def _changes(found: Sweep, lost: Floats, between: Floats) -> dict[str, Floats]:
@@ -73,7 +73,7 @@ def _changes(found: Sweep, lost: Floats, between: Floats) -> dict[str, Floats]:
     tiny = np.finfo(float).tiny
     grown = np.clip(apart / np.maximum(force, tiny), -1.0, 1.0)
     peak = np.where(found.site_corner <= 0, found.site_peak_N_per_mm, 0.0)
-    left = {
+    changes = {
         "transmission_error": error / np.abs(rotation).max(),
         "load_share": apart / np.maximum(force.sum(axis=1, keepdims=True), tiny),
         # the peak of a line contact goes with the root of its force
@@ -85,12 +85,12 @@ def _changes(found: Sweep, lost: Floats, between: Floats) -> dict[str, Floats]:
         "transmission_error_peak_to_peak": (np.ptp(rotation), np.ptp(true)),
     }.items():
         if with_error:
-            left[name] = np.asarray((with_error - without) / abs(with_error))
+            changes[name] = np.asarray((with_error - without) / abs(with_error))
     stiff = mean_stiffness(rotation)
     if stiff is not None:
         part = (stiff * error / rotation).mean() / stiff.mean()
-        left["stiffness_secant"] = left["stiffness_tangent"] = np.asarray(part)
-    return left
+        changes["stiffness_secant"] = changes["stiffness_tangent"] = np.asarray(part)
+    return changes
 
 
 def _answer(found: Sweep, lost: Floats, between: Floats) -> tuple[Floats, Floats]:

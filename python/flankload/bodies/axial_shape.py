@@ -10,6 +10,7 @@ import numpy as np
 
 from flankload.base.rounding import TIE
 from flankload.bodies.shaft import Shaft, build_shaft, carrying_shaft
+from flankload.scene.table import RELIEF_EXPONENTS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,15 +33,15 @@ class LeadModifications:
         Linear: this amount at the end of larger z; negative: its magnitude at the other end.
     end_relief_mm, end_relief_length_mm : (float, float)
         Amounts at the ends of smaller and larger z, and the lengths over which they vanish.
-    end_relief_power : int
-        1: linear; 2: parabolic.
+    end_relief_exponent : int
+        Exponent of the distance from where they vanish (`RELIEF_EXPONENTS`).
     """
 
     crowning_mm: float = 0.0
     slope_mm: float = 0.0
     end_relief_mm: tuple[float, float] = (0.0, 0.0)
     end_relief_length_mm: tuple[float, float] = (1.0, 1.0)
-    end_relief_power: int = 1
+    end_relief_exponent: int = 1
 
     def at(self, zeta: Floats, width_mm: float) -> Floats:
         """Metal removed (n,) at places zeta (n,) along the face width, mm, >= 0.
@@ -53,7 +54,7 @@ class LeadModifications:
             self.end_relief_mm, self.end_relief_length_mm, (zeta, 1.0 - zeta), strict=True
         ):
             rest = np.maximum(0.0, 1.0 - from_end * width_mm / length)
-            removed += amount * rest**self.end_relief_power
+            removed += amount * rest**self.end_relief_exponent
         return removed
 
 
@@ -157,7 +158,7 @@ def axial_shape(
         slope_mm=(keys.helix_slope_um or 0.0) / 1000.0,
         end_relief_mm=(one / 1000.0, two / 1000.0),
         end_relief_length_mm=(lengths[0], lengths[1]),
-        end_relief_power=2 if keys.end_relief_shape == "parabolic" else 1,
+        end_relief_exponent=RELIEF_EXPONENTS[keys.end_relief_shape],
     )
     return AxialShape(
         range_mm,

@@ -30,13 +30,12 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.contact.sweep import FlankContact
     from flankload.cost import Account
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
     from flankload.pairing.spline_fit import CommonHeight
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

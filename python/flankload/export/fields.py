@@ -74,9 +74,9 @@ def write_vtu(
     require("results", results, "a Result or a sequence of them", fits=fits)
     several = tuple(results) if isinstance(results, Sequence) else results.by_torque
     chosen = checked_positions(several, positions)
-    other = mechanism_of(scene).without_flanks
-    if other is not None:
-        return (f"no fields: the scene has {other}",)
+    reason = mechanism_of(scene).no_flanks_reason
+    if reason is not None:
+        return (f"no fields: the scene has {reason}",)
     from flankload.mechanisms.flank_pair.loaded_bodies import field_bodies
 
     bodies = field_bodies(_as_solved(scene))

@@ -9,7 +9,7 @@ from math import cos, sin
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Floats = NDArray[np.float64]
+from flankload.base.arrays import Floats
 
 #: Relative distance (of the length) and angle (rad) within which the ends of a curve coincide, so
 #: that the curve counts as closed.

@@ -8,11 +8,9 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flankload.base.arrays import Floats
 from flankload.flank.curve import FlankCurve
-
-Floats = NDArray[np.float64]
 
 #: u (m,) -> point, first and second derivative by u, each (m, 2).
 Place = Callable[[Floats], tuple[Floats, Floats, Floats]]

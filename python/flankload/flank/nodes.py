@@ -5,12 +5,11 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from flankload.base.arrays import Floats
 from flankload.flank.curve import FlankCurve
 from flankload.flank.fit import CurvePiece, Place, fit_flank_curve
-
-Floats = NDArray[np.float64]
 
 
 def curve_through_nodes(

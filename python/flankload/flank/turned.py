@@ -13,7 +13,8 @@ from flankload.flank.fit import hermite_quintics
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from flankload.base.arrays import Floats
+
     #: Angles at places and their first two derivatives.
     Turn = Callable[[Floats], tuple[Floats, Floats, Floats]]
 

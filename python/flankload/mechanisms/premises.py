@@ -16,7 +16,7 @@ from flankload.result.notes import OUTSIDE
 from flankload.scene.usual import questions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from flankload.base.arrays import Floats
     from flankload.result import Result
@@ -77,15 +77,16 @@ class Broken:
         return f"{OUTSIDE}: {self.key}: expected {self.premise.expected}, found {self.found}"
 
 
-def held(scene: Scene, broken: Sequence[Broken]) -> tuple[Broken, ...]:
-    """Raise a PremiseError for the first violated premise, unless the scene allows it."""
-    if broken and not scene.effects.beyond_limits:
-        raise broken[0].error(scene)
-    return tuple(broken)
+def require_premises(scene: Scene, broken: Iterable[Broken]) -> tuple[Broken, ...]:
+    """Raise a PremiseError for the first violation, unless the scene allows them; return them."""
+    violations = tuple(broken)
+    if violations and not scene.effects.beyond_limits:
+        raise violations[0].error(scene)
+    return violations
 
 
-def marked(result: Result, broken: Sequence[Broken]) -> Result:
-    """Mark a result with the premises that it violates: first warnings, and in its estimate."""
+def with_violations(result: Result, broken: Sequence[Broken]) -> Result:
+    """Return a result with the premises that it violates: first warnings, and in its estimate."""
     if not broken:
         return result
     names, estimate = tuple(one.premise.name for one in broken), result.estimate

@@ -78,13 +78,14 @@ class Mechanism(Protocol):
 
     Attributes
     ----------
-    without_flanks : str or None
-        Reason why the bodies are not `Body` objects with flanks and elements; None if they are.
+    no_flanks_reason : str or None
+        None if both bodies are `Body` objects with flanks and elements; otherwise the kind of body
+        2 and the reason why they have none, as error lines show them after "found".
     """
 
     @property
-    def without_flanks(self) -> str | None:
-        """Reason why the bodies have no flanks."""
+    def no_flanks_reason(self) -> str | None:
+        """Kind of body 2 and the reason why the bodies have no flanks; None if they have."""
 
     def build(
         self,

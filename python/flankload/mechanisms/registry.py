@@ -25,11 +25,11 @@ def mechanism_of(scene: Scene) -> Mechanism:
 
 def require_flanks(scene: Scene) -> None:
     """Raise a SceneError for drives whose bodies have no flanks with finite elements."""
-    why = mechanism_of(scene).without_flanks
-    if why is not None:
+    reason = mechanism_of(scene).no_flanks_reason
+    if reason is not None:
         raise SceneError(
             file=scene.file,
             key="body_2.kind",
             expected="bodies with flanks and elements for that",
-            found=why,
+            found=reason,
         )

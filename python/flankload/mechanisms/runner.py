@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from flankload.cost import beside_plan, held_bytes, totals
-from flankload.mechanisms.premises import held, marked
+from flankload.mechanisms.premises import require_premises, with_violations
 from flankload.mechanisms.registry import mechanism_of
 from flankload.mechanisms.stage_clock import Kept, Progress, StageClock
 
@@ -53,7 +53,7 @@ def prepare(scene: Scene, parts: Parts) -> None:
     mechanism = mechanism_of(scene)
     clock = StageClock(None, mechanism.sweeps(scene), {})
     built = mechanism.build(scene, None, clock.account("bodies"), parts)
-    if mechanism.without_flanks is None:  # the other drives reuse nothing
+    if mechanism.no_flanks_reason is None:  # the other drives reuse nothing
         mechanism.compliances(scene, built, clock, {}, parts)
 
 
@@ -96,7 +96,7 @@ def run_once(
     clock = StageClock(progress, mechanism.sweeps(scene), earlier.stages)
     with clock.stage("bodies") as account:
         built = mechanism.build(scene, discretization, account, earlier.parts)
-        by_geometry = held(scene, tuple(mechanism.broken_by_geometry(built)))
+        by_geometry = require_premises(scene, mechanism.broken_by_geometry(built))
         account.bytes += held_bytes(built)
     predicted = beside_plan(mechanism.work(scene, built), plan)
     if on_assembly is not None:
@@ -111,7 +111,8 @@ def run_once(
         on_states(states)
     numbers = range(len(states.found))
     by_load = [
-        held(scene, tuple(mechanism.broken_by_load(scene, assembly, states, n))) for n in numbers
+        require_premises(scene, mechanism.broken_by_load(scene, assembly, states, n))
+        for n in numbers
     ]
     estimates: Sequence[Mapping[str, object] | None] = [None] * len(numbers)
     if scene.accuracy.estimate:
@@ -145,4 +146,4 @@ def _finished(
         },
     }
     result = replace(result, warnings=(*notes, *result.warnings), cost=cost)
-    return marked(result, broken)
+    return with_violations(result, broken)

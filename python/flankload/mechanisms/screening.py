@@ -29,7 +29,7 @@ class Screening(ABC):
         The scene with each of them the other way; without those that nothing switches, and those
         that are not tried.
     base : list of States
-        Of the scene as it stands.
+        States of the scene without changes.
     unloaded_rad : (P,) array
         Its rotation without torque.
     """
@@ -49,7 +49,7 @@ class Screening(ABC):
         """CPU seconds, bytes and counters of the run of a scene with other effects, by stages."""
 
     def size(self, name: str, *, on: bool) -> Size | None:
-        """What a row changes that the scene has, or has not; None where it changes no state."""
+        """Return the size of an effect, which the scene has if `on`; None if no state changes."""
         scene = self.toggles[name].scene
         row = next(row for row in EFFECTS if row.name == name)
         if scene is None or row.size_by == "nothing":
@@ -57,7 +57,7 @@ class Screening(ABC):
         return self.between(self.states(scene), on=on)
 
     def change(self, scene: Scene) -> Size:
-        """What another scene changes against this one."""
+        """Return the size of the change from this scene to another one."""
         return self.between(self.states(scene), on=False)
 
     def between(
@@ -68,7 +68,10 @@ class Screening(ABC):
         mine: list[States] | None = None,
         which: slice = slice(None),
     ) -> Size:
-        """Of an effect that is on, or off, from the states with it the other way."""
+        """Return the size of an effect from the states of the scene with the effect switched.
+
+        The scene has the effect if `on`. `mine` replaces the states of the scene itself.
+        """
         base = [part.at(which) for part in self.base[-len(other) :]]
         mine = mine or base
         return size_of(

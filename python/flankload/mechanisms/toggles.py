@@ -70,7 +70,7 @@ class Toggle:
 
 
 def toggles(scene: Scene, names: Iterable[str]) -> dict[str, Toggle]:
-    """Scenes with each of some rows of the table of effects switched, unless no key does that."""
+    """Return a scene for each effect, with that effect switched; none for effects without a key."""
     switches, found = switches_of(scene), {}
     for name in names:
         try:
@@ -83,7 +83,7 @@ def toggles(scene: Scene, names: Iterable[str]) -> dict[str, Toggle]:
 
 
 def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
-    """A scene with one row of the table of effects switched, which it has or has not.
+    """Return the scene with one effect switched off if it is `on`, otherwise switched on.
 
     None if the switched scene is undefined.
 

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body, Flat
     from flankload.flank import FlankCurve
 
-    Floats = NDArray[np.float64]
 
 #: Samples in each interval of the profile, between which zeros are searched.
 SAMPLES = 4

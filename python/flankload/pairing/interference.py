@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.profile.involute import Involute
     from flankload.flank import FlankCurve
 
-    Floats = NDArray[np.float64]
 
 #: Points in each interval of a flank's curve.
 PLACES = 6

@@ -16,11 +16,11 @@ from numpy.polynomial.legendre import leggauss
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.body import Body
     from flankload.pairing.spline_fit import CommonHeight
 
-    Floats = NDArray[np.float64]
 
 #: Slices over the common face width by default.
 SLICES = 28
@@ -59,7 +59,7 @@ class Slices:
 
     @property
     def count(self) -> int:
-        """J."""
+        """Number of slices."""
         return self.edges_mm.size - 1
 
     @property

@@ -20,13 +20,11 @@ from flankload.errors import SceneError
 from flankload.pairing.interference import along
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.profile.involute import Involute
     from flankload.pairing.slices import Slices
 
-    Floats = NDArray[np.float64]
 
 #: Modules, angles and widths that differ by less are equal up to rounding errors.
 ROUNDING = 1e-9

@@ -21,12 +21,11 @@ from flankload.plot.style import GREY, STEEL, turned
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.bodies.axial_shape import AxialShape
     from flankload.result import Result
 
-    Floats = NDArray[np.float64]
 
 LOAD_MAP = "YlOrRd"
 #: Facets of a tooth along its contour at most, and along z.

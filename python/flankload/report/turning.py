@@ -13,11 +13,9 @@ from flankload.plot.style import all_around, turned
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.result import PairTable, Result
 
-    Floats = NDArray[np.float64]
 
 #: Most positions in a page; more are thinned evenly.
 MOST_POSITIONS = 128

@@ -1,4 +1,4 @@
-"""Parts of a result that only some scenes have: slices, shafts, coast flanks, friction, drives."""
+"""Results that only some scenes have: slices, shafts, coast flanks, friction, drives."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import numpy as np
 from flankload.base.arrays import Flags, Floats, Numbers
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly, frozen
-from flankload.result.course import Course
 from flankload.result.drives import BeltDrive, ChainDrive
 from flankload.result.friction import FrictionResult
+from flankload.result.loaded_positions import LoadedPositions
 from flankload.result.pairs import PairTable
 from flankload.result.root_stress import RootReading, RootStress, root_stress
 from flankload.result.slices import SliceLoads
@@ -81,8 +81,8 @@ class ShaftLoads(KeepsReadOnly, Card):
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Parts(Course):
-    """A course with the parts that only some scenes have; fields as in `Result`."""
+class EffectResults(LoadedPositions):
+    """Loaded positions with the results that only some scenes have; fields as in `Result`."""
 
     friction: FrictionResult | None = None
     root_readings: tuple[RootReading | None, RootReading | None] = (None, None)

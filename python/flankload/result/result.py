@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.result.forms import ResultForms
 from flankload.result.harmonics import over_positions
-from flankload.result.parts import Parts
+from flankload.result.parts import EffectResults
 from flankload.result.summary import key_figures, summary
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ FIGURES = {
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Result(Parts, ResultForms):
+class Result(EffectResults, ResultForms):
     """Load distribution at P positions on S sites (flank pairs), for one torque.
 
     A scene with a list of torques has a `TorqueSeries`, a result whose arrays have an axis of

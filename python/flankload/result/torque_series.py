@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from flankload.base.read_only import frozen
-from flankload.result.course import Motion
+from flankload.result.loaded_positions import PairPositions
 from flankload.result.notes import warning_lines
 from flankload.result.quantities import UNLOADED
 from flankload.result.result import Result
@@ -39,7 +39,7 @@ def _attributes(kind: type) -> Iterator[str]:
 
 
 #: Attributes that all torques have in common.
-SHARED = frozenset({*_attributes(Motion), "words_for_sites", "slice_z_mm", "accuracy"})
+SHARED = frozenset({*_attributes(PairPositions), "words_for_sites", "slice_z_mm", "accuracy"})
 
 
 class TorqueSeries(Result):

@@ -14,6 +14,7 @@ from flankload.scene.table import (
     Deviation,
     Length,
     Relief,
+    ReliefShape,
     Text,
     about,
 )
@@ -141,9 +142,7 @@ EndRelief = Annotated[
 EndReliefLength = Annotated[
     BothLengths | None, about("length of the end relief at both ends", "mm", usual=(0.01, 500.0))
 ]
-EndReliefShape = Annotated[
-    Literal["linear", "parabolic"], about("shape of the end relief along the axis")
-]
+EndReliefShape = Annotated[ReliefShape, about("shape of the end relief along the axis")]
 
 
 OnShaft = Annotated[

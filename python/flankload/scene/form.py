@@ -22,21 +22,19 @@ from flankload.scene.table import BY_NAME, Table
 T = TypeVar("T", bound=Table)
 
 LEAD = "lead modifications, which are three-dimensional"
-#: Keys that later versions may have, with the feature that this version does not simulate, by
-#: table. A name that ends in an underscore matches all keys that begin with it.
-NOT_YET = {
-    "body": {
-        "helix_angle_deg": "helical gears",
-        "hand": "helical gears",
-        "axial_offset_mm": "axially displaced bodies",
-        "face_width_mm": "bodies of different face widths",
-        **dict.fromkeys(("lead_", "helix_slope_", "tooth_helix_slope_", "end_relief_"), LEAD),
-        "profile_twist_": "profile twist, which varies with height and width of the flank",
-        "topography_": "measured topographies",
-        "shaft": "shafts of these bodies",
-        **dict.fromkeys(("web_", "rim_thickness_", "hub_"), "webs and hubs of these bodies"),
-        "region_": "regions of other width in these bodies",
-    }
+#: Keys that only some kinds of body have, with the feature that the others lack. A name that ends
+#: in an underscore matches all keys that begin with it.
+OF_SOME_BODIES = {
+    "helix_angle_deg": "helical gears",
+    "hand": "helical gears",
+    "axial_offset_mm": "axially displaced bodies",
+    "face_width_mm": "bodies of different face widths",
+    **dict.fromkeys(("lead_", "helix_slope_", "tooth_helix_slope_", "end_relief_"), LEAD),
+    "profile_twist_": "profile twist, which varies with height and width of the flank",
+    "topography_": "measured topographies",
+    "shaft": "shafts of these bodies",
+    **dict.fromkeys(("web_", "rim_thickness_", "hub_"), "webs and hubs of these bodies"),
+    "region_": "regions of other width in these bodies",
 }
 
 
@@ -105,11 +103,11 @@ def types_of(form: type[Table]) -> dict[str, inspect.Type]:
 
 def _refuse_unknown(name: str, value: object, known: list[str], key: str) -> NoReturn:
     path = f"{key}.{name}" if key else name
-    for later, what in NOT_YET.get("body" if key.startswith("body_") else key, {}).items():
-        if any(other.startswith(later) for other in known):
+    for begin, feature in OF_SOME_BODIES.items() if key.startswith("body_") else ():
+        if any(other.startswith(begin) for other in known):
             continue  # this kind of body has it
-        if name == later or (later.endswith("_") and name.startswith(later)):
-            expected = f"no such key, since this version does not simulate {what}"
+        if name == begin or (begin.endswith("_") and name.startswith(begin)):
+            expected = f"no such key, since this version does not simulate {feature}"
             refuse(path, expected, shown(value))
     near = get_close_matches(name, known, n=1, cutoff=0.6)
     expected = f"did you mean {near[0]}?" if near else ", ".join(known)

@@ -15,6 +15,7 @@ from flankload.scene.table import (
     Deviation,
     Length,
     Relief,
+    ReliefShape,
     Shift,
     Table,
     about,
@@ -82,7 +83,7 @@ class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
         Length | None, about("diameter at which the tip relief begins", "mm", usual=USUAL_SIZE)
     ] = None
     tip_relief_shape: Annotated[
-        Literal["linear", "parabolic", "double_linear"],
+        Literal[ReliefShape, "double_linear"],
         about(
             "shape of the tip relief over the roll angle: 'linear', as on drawings, begins with a "
             "kink, which acts as a sharp corner; 'parabolic' begins without a kink; "
@@ -111,7 +112,7 @@ class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
         Length | None, about("diameter at which the root relief begins", "mm", usual=USUAL_SIZE)
     ] = None
     root_relief_shape: Annotated[
-        Literal["linear", "parabolic"],
+        ReliefShape,
         about("shape of the root relief over the roll angle, as tip_relief_shape"),
     ] = "linear"
     tip_radius_mm: Annotated[

@@ -1,7 +1,7 @@
 """Common parts of all tables of a scene file: number types, key metadata, keys of bodies."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from msgspec import UNSET, Meta, Struct
 
@@ -11,6 +11,11 @@ Length = Annotated[float, Meta(ge=SMALLEST_LENGTH, le=LARGEST_LENGTH)]
 #: um. A metre of relief, crowning or pitch error exceeds any real flank.
 LARGEST_DEVIATION = 1e6
 Relief = Annotated[float, Meta(ge=0, le=LARGEST_DEVIATION)]
+#: Shapes that tip, root and end reliefs have.
+ReliefShape = Literal["linear", "parabolic"]
+#: Exponent n of each shape; both parts of a double-linear relief are linear. A relief removes
+#: amount x^n, with x from 0 at its start to 1 at its end. With n = 1 it begins with a kink.
+RELIEF_EXPONENTS = {"linear": 1, "parabolic": 2, "double_linear": 1}
 Deviation = Annotated[float, Meta(ge=-LARGEST_DEVIATION, le=LARGEST_DEVIATION)]
 #: N m and N: more than any machine transmits.
 Torque = Annotated[float, Meta(ge=0, le=1e12)]

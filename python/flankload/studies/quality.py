@@ -17,11 +17,9 @@ from flankload.scene.refusal import refuse
 from flankload.scene.tree import number_at
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.scene import Scene
 
-    Floats = NDArray[np.float64]
 
 #: A tolerance is this many standard deviations: it holds for 99.7 % of the values.
 DEVIATIONS = 3.0

@@ -29,12 +29,10 @@ from flankload.scene.schema import scene_paths
 from flankload.scene.tree import number_at
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.mechanisms.protocol import States
     from flankload.scene import Scene
 
-    Floats = NDArray[np.float64]
     #: Name of a key figure, name of an array of a result, or a function of a result.
     Quantity = str | Callable[[Result], Any]
 

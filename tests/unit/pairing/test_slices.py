@@ -35,7 +35,7 @@ PAIR = {
         ),
         (
             LeadModifications(
-                end_relief_mm=(0.02, 0.0), end_relief_length_mm=(20.0, 4.0), end_relief_power=2
+                end_relief_mm=(0.02, 0.0), end_relief_length_mm=(20.0, 4.0), end_relief_exponent=2
             ),
             [0.02, 0.005, 0.0],
         ),

@@ -1,9 +1,11 @@
 """Rules between the keys of reliefs and of the protuberance, each with its line."""
 
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import pytest
 
+from flankload.scene import Gear
+from flankload.scene.table import RELIEF_EXPONENTS
 from tests.support.gear_scenes import one_line
 
 DOUBLE = {
@@ -64,3 +66,10 @@ def test_contradicting_keys_get_one_line(
     changes: dict[str, Any], key: str, expected: str, found: str
 ) -> None:
     one_line(changes, key, expected, found)
+
+
+@pytest.mark.parametrize("key", ["tip_relief_shape", "root_relief_shape", "end_relief_shape"])
+def test_every_shape_of_a_relief_has_its_exponent(key: str) -> None:
+    """A shape without an entry was silently linear."""
+    shapes = get_args(get_args(get_type_hints(Gear, include_extras=True)[key])[0])
+    assert set(shapes) <= set(RELIEF_EXPONENTS)

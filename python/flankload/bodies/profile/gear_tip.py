@@ -17,6 +17,7 @@ from flankload.bodies.profile.involute import Involute, InvoluteFlank, Modificat
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece
 from flankload.scene.refusal import refuse
+from flankload.scene.table import RELIEF_EXPONENTS
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -57,12 +58,12 @@ def modifications_of(
     modifications = Modifications(
         tip_relief_mm=outward * (spec.tip_relief_um or 0.0) / 1000.0,
         relief_start=tip_roll,
-        relief_power=2 if spec.tip_relief_shape == "parabolic" else 1,
+        relief_exponent=RELIEF_EXPONENTS[spec.tip_relief_shape],
         crowning_mm=outward * (spec.profile_crowning_um or 0.0) / 1000.0,
         roll_form=form_roll,
         roll_tip=tip_roll,
         root_relief_mm=outward * (spec.root_relief_um or 0.0) / 1000.0,
-        root_power=2 if spec.root_relief_shape == "parabolic" else 1,
+        root_exponent=RELIEF_EXPONENTS[spec.root_relief_shape],
     )
     modifications = _with_places(modifications, spec, involute, key)
     _check_amounts(modifications, spec, involute.base_radius_mm, key)
@@ -163,7 +164,7 @@ def _flank_pieces(
     if not modifications.root_relief_mm:
         return [CurvePiece("flank", below.place, start.roll, end, start.undercut)]
     plain = replace(flank, modifications=replace(below.modifications, root_relief_mm=0.0))
-    kink, kinked = modifications.root_start, modifications.root_power == 1
+    kink, kinked = modifications.root_start, modifications.root_exponent == 1
     goes_on = outward * (end - kink) > 0.0
     upper = kink if goes_on else end
     pieces = [CurvePiece("root_relief", below.place, start.roll, upper, start.undercut)]
@@ -178,7 +179,7 @@ def _relief_pieces(flank: InvoluteFlank, end: float, outward: int) -> list[Curve
     start, knee = modifications.relief_start, modifications.knee_roll
     flank = replace(flank, modifications=replace(modifications, root_relief_mm=0.0))
     first = replace(flank, modifications=flank.modifications.before_knee)
-    kinked = modifications.relief_power == 1
+    kinked = modifications.relief_exponent == 1
     if knee is None or outward * (end - knee) <= 0.0:
         return [CurvePiece("relief", first.place, start, end, kinked)]
     return [

@@ -102,8 +102,8 @@ class Modifications:
         Amount at the tip circle; negative for a ring, whose material is on the other side.
     relief_start : float
         Roll parameter at which the relief begins.
-    relief_power : int
-        1: linear in the roll parameter; 2: parabolic.
+    relief_exponent : int
+        Exponent of the roll parameter from there on (`RELIEF_EXPONENTS`).
     crowning_mm : float
         Parabola over the roll parameter: 0 in the middle of the flank, this amount at both ends;
         negative for a ring.
@@ -111,13 +111,13 @@ class Modifications:
         Roll parameters at the ends of the flank: form circle and tip circle.
     knee_mm, knee_roll : float
         Amount and roll parameter at which both parts of a double-linear tip relief meet.
-    root_relief_mm, root_start, root_power : float, float, int
+    root_relief_mm, root_start, root_exponent : float, float, int
         The same as of the tip relief, with the amount at the form circle.
     """
 
     tip_relief_mm: float
     relief_start: float
-    relief_power: int
+    relief_exponent: int
     crowning_mm: float
     roll_form: float
     roll_tip: float
@@ -125,7 +125,7 @@ class Modifications:
     knee_roll: float | None = None
     root_relief_mm: float = 0.0
     root_start: float = 0.0
-    root_power: int = 1
+    root_exponent: int = 1
 
     @classmethod
     def none(cls) -> Modifications:
@@ -154,7 +154,7 @@ class Modifications:
 
     @property
     def _reliefs(self) -> list[tuple[float, float, float, int]]:
-        """Amount, start, roll at which it is reached, and power of each relief.
+        """Amount, start, roll at which it is reached, and exponent of each relief.
 
         A double-linear relief is the sum of one line from its start and one from its knee.
         """
@@ -163,10 +163,10 @@ class Modifications:
             amount = self.before_knee.tip_relief_mm
             if self.knee_roll is not None:
                 parts.append((self.tip_relief_mm - amount, self.knee_roll, self.roll_tip, 1))
-            parts.append((amount, self.relief_start, self.roll_tip, self.relief_power))
+            parts.append((amount, self.relief_start, self.roll_tip, self.relief_exponent))
         if self.root_relief_mm:
             ends = (self.root_start, self.roll_form)
-            parts.append((self.root_relief_mm, *ends, self.root_power))
+            parts.append((self.root_relief_mm, *ends, self.root_exponent))
         return parts
 
 

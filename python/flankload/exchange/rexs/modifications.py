@@ -6,9 +6,10 @@ is reported and left out as a whole.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 from flankload.exchange.rexs.attributes import ENDS
+from flankload.scene.table import RELIEF_EXPONENTS, ReliefShape
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from flankload.exchange.rexs.source import Source, Stock
 
 SHAPES = ("circular", "exponential", "linear", "logarithmic", "parabolic")
-TAKEN_SHAPES = ("linear", "parabolic")
+TAKEN_SHAPES = get_args(ReliefShape)
 #: Relations between a flank or gear and its modifications: type, role of the owner, of the part.
 OWNERS = (
     ("assembly", "assembly", "part"),
@@ -96,10 +97,10 @@ def _relief(body: Gear, source: Source, end: str) -> str | None:
         factor = _growth(*(body.roll_length_mm(diameter) for diameter in diameters))
         if factor is None:
             return "its amount is given at a diameter where the involute has no relief"
-        depth = float(f"{depth * factor ** (2 if shape == 'parabolic' else 1):.12g}")
+        depth = float(f"{depth * factor ** RELIEF_EXPONENTS[shape]:.12g}")
     body.keys[f"{end}_relief_um"] = depth
     body.keys[f"{end}_relief_start_diameter_mm"] = start
-    if shape == "parabolic":
+    if shape != "linear":
         body.keys[f"{end}_relief_shape"] = shape
     return None
 
@@ -181,5 +182,6 @@ def _end_reliefs(
         body.keys["end_relief_um"] = amounts
         # a face without relief needs a length as well
         body.keys["end_relief_length_mm"] = [length or max(lengths) for length in lengths]
-        if shapes == {"parabolic"}:
-            body.keys["end_relief_shape"] = "parabolic"
+        (shape,) = shapes
+        if shape != "linear":
+            body.keys["end_relief_shape"] = shape

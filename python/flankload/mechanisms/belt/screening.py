@@ -28,7 +28,7 @@ from flankload.mechanisms.belt.drive_result import sites_of
 from flankload.mechanisms.belt.pulley_compliance import rest_on
 from flankload.mechanisms.belt.row import BeltRow
 from flankload.mechanisms.element_rates import load_packages
-from flankload.mechanisms.premises import Torque, broken_by_turn, held
+from flankload.mechanisms.premises import Torque, broken_by_turn, require_premises
 from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles, with_keys, without_keys
 
@@ -113,7 +113,7 @@ class BeltScreening(Screening):
         for states in self.base:
             torque = Torque(scene, scene.torques_Nm.index(states.torque_Nm))
             turned_rad = float((states.rotation_rad - self.unloaded_rad).max())
-            held(scene, tuple(broken_by_turn(turned_rad, strip.pitch_rad, torque)))
+            require_premises(scene, broken_by_turn(turned_rad, strip.pitch_rad, torque))
 
     def _solve(self, scene: Scene) -> None:
         """Solve the pieces of belt and a sector of the pulley, with all land columns."""

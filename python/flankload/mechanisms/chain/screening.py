@@ -15,7 +15,7 @@ from flankload.mechanisms.chain.drive import (
     predicted_work,
     solve_position,
 )
-from flankload.mechanisms.premises import Torque, broken_by_turn, held
+from flankload.mechanisms.premises import Torque, broken_by_turn, require_premises
 from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles
 from flankload.mechanisms.wrapped import Sites, slack_of
@@ -52,7 +52,7 @@ class ChainScreening(Screening):
         if not self._large:
             turned = max(state.compliance_rad_per_Nmm for state in mine) * 1000.0 * self._torque_Nm
             torque = Torque(scene, scene.torques_Nm.index(self._torque_Nm))
-            held(scene, tuple(broken_by_turn(turned, sprocket.pitch_rad, torque)))
+            require_premises(scene, broken_by_turn(turned, sprocket.pitch_rad, torque))
         slack = slack_of(scene)
 
         def solved(p: int, torque_Nm: float, *, large: bool) -> WrapState:

@@ -12,7 +12,7 @@ from flankload.bodies.profile.tooth_thickness import measurements
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.premises import broken_by_geometry
 from flankload.mechanisms.flank_pair.stages import compliance_of
-from flankload.mechanisms.premises import held
+from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.protocol import Description, MeshFile
 from flankload.meshes.report import quality_rows
 from flankload.pairing.gear_pair import describe_mesh
@@ -44,7 +44,7 @@ def describe(scene: Scene) -> Description:
     }
     rows["pair"] = _rows_of_pair(scene, pair)
     rows["effects"] = [(row.title, _said(switches[row.name])) for row in effects]
-    broken = held(scene, tuple(broken_by_geometry(pair)))
+    broken = require_premises(scene, broken_by_geometry(pair))
     return Description(rows, (*pair.notes, *(one.note for one in broken)))
 
 

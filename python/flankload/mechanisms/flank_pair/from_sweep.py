@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.contact.pair_table import PackedPairs
     from flankload.contact.sweep import CoastSweep, SliceStates, Sweep
@@ -35,8 +36,6 @@ if TYPE_CHECKING:
     from flankload.pairing.slices import Slices
     from flankload.result.geometry import PairGeometry
     from flankload.scene import Scene
-
-    Floats = NDArray[np.float64]
 
 
 def result_of(

@@ -16,16 +16,13 @@ from flankload.mechanisms.flank_pair.stages import prism_of
 from flankload.pairing.pairing import coast_sites
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies import Body
     from flankload.elasticity.loaded_body import LoadedBody
     from flankload.elasticity.prism.loaded_prism import LoadedPrism, SolidPart
     from flankload.result import PairTable, Result
     from flankload.scene import Scene
 
-    Floats = NDArray[np.float64]
-    Numbers = NDArray[np.int64]
 
 #: Points of a contact cell at which its force acts on the elements (Gauss).
 POINTS = 4

@@ -31,10 +31,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from flankload.cost import Account
+    from flankload.mechanisms.data_sheet import DataSheet
+    from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Mechanism, States
+    from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile, States
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
@@ -45,14 +47,7 @@ if TYPE_CHECKING:
 class FlankPair:
     """Two bodies whose flanks touch."""
 
-    without_flanks: str | None = None
-    work = staticmethod(predicted_work)
-    broken_by_geometry = staticmethod(premises.broken_by_geometry)
-    estimates = staticmethod(error_estimates)
-    describe = staticmethod(description.describe)
-    data_sheet = staticmethod(sheet.data_sheet)
-    meshes = staticmethod(description.mesh_files)
-    duration = staticmethod(duration_of)
+    no_flanks_reason: str | None = None
 
     def build(
         self,
@@ -63,6 +58,14 @@ class FlankPair:
     ) -> BodyPair:
         """Assemble both bodies."""
         return with_standing_gap(scene, build_bodies(scene, discretization, parts=parts), account)
+
+    def broken_by_geometry(self, assembly: BodyPair) -> Iterator[Broken]:
+        """Premises that the geometry violates without load."""
+        return premises.broken_by_geometry(assembly)
+
+    def work(self, scene: Scene, assembly: BodyPair) -> Counted:
+        """Counters of a run by stage, as far as they are known before it."""
+        return predicted_work(scene, assembly)
 
     def sweeps(self, scene: Scene) -> int:
         """Number of sweeps: states, tangents, and those of the estimate."""
@@ -102,6 +105,17 @@ class FlankPair:
             scene, assembly, states.geometry, states.found[number], number
         )
 
+    def estimates(
+        self,
+        scene: Scene,
+        assembly: BodyPair,
+        compliances: Compliances,
+        states: FlankStates,
+        clock: StageClock,
+    ) -> Sequence[Mapping[str, object] | None]:
+        """Error estimates, one per torque; None without torque."""
+        return error_estimates(scene, assembly, compliances, states, clock)
+
     def results(
         self,
         scene: Scene,
@@ -128,6 +142,22 @@ class FlankPair:
             cost = {**result.cost, "position_rounds": states.rounds}
             results.append(with_iso_factor(replace(result, cost=cost), scene, assembly))
         return tuple(results)
+
+    def describe(self, scene: Scene) -> Description:
+        """Describe bodies, pairing and effects."""
+        return description.describe(scene)
+
+    def data_sheet(self, scene: Scene) -> DataSheet:
+        """Drawing data of both bodies."""
+        return sheet.data_sheet(scene)
+
+    def meshes(self, scene: Scene) -> Iterator[MeshFile]:
+        """Meshes of both bodies at position zero."""
+        return description.mesh_files(scene)
+
+    def duration(self, scene: Scene, assembly: BodyPair) -> Duration:
+        """Predict the duration of a run from counted work."""
+        return duration_of(scene, assembly)
 
     def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
         """Solve a scene on a coarse discretization, as it is and with each effect switched."""

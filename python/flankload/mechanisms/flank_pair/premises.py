@@ -16,21 +16,18 @@ from flankload.mechanisms.premises import (
     Premise,
     Torque,
     broken_by_turn,
-    held,
     largest_turn,
+    require_premises,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-
-    from numpy.typing import NDArray
 
     from flankload.contact.sweep import Sweep
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.geometry import PairGeometry
     from flankload.scene import Scene
 
-    Floats = NDArray[np.float64]
 
 #: Parts of a torque without a solution that are tried until one of them has a solution.
 PARTS = tuple(0.25**k for k in range(1, 9))
@@ -140,7 +137,7 @@ def blame_load(
             (found,) = run(part * torque_Nmm)
         except ContactError:
             continue
-        held(scene, tuple(broken_by_load(scene, pair, geometry, found, number, part=part)))
+        require_premises(scene, broken_by_load(scene, pair, geometry, found, number, part=part))
         return
 
 

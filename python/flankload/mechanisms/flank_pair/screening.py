@@ -35,7 +35,7 @@ from flankload.mechanisms.flank_pair.prediction import (
 )
 from flankload.mechanisms.flank_pair.premises import blame_load, broken_by_geometry, broken_by_load
 from flankload.mechanisms.flank_pair.stages import contact_of, grown_pair, swept
-from flankload.mechanisms.premises import held
+from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles, with_keys
 from flankload.pairing.body_pair import BodyPair
@@ -48,10 +48,10 @@ from flankload.scene.effects import EFFECTS, effects_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.contact.sweep import Sweep
     from flankload.scene import Scene
 
-    Floats = NDArray[np.float64]
 
 #: Positions of the screening; of these so many with the run's own cells, and with finite forces.
 MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 8, 4, 4
@@ -118,7 +118,7 @@ class FlankPairScreening(Screening):
         self._scene = scene
         with Account() as self._bodies:
             self._pair = build_bodies(scene)
-        held(scene, tuple(broken_by_geometry(self._pair)))
+        require_premises(scene, broken_by_geometry(self._pair))
         self._bodies.bytes = held_bytes(self._pair)
         known = [row for row in EFFECTS if row.name not in OF_DRIVES]
         teeth = self._pair.pairing.motion is None
@@ -157,7 +157,7 @@ class FlankPairScreening(Screening):
 
     # --- sizes ------------------------------------------------------------------------------------
     def size(self, name: str, *, on: bool) -> Size | None:
-        """What a row changes; four levels are looked at in ways of their own."""
+        """Return the size of an effect; four effects have rules of their own."""
         scene = self.toggles[name].scene
         if scene is None:
             return None
@@ -263,7 +263,9 @@ class FlankPairScreening(Screening):
         pair, geometry = self._geometry()
         for torque, found in zip(self._torques, base, strict=True):
             number = self._scene.torques_Nm.index(torque)
-            held(self._scene, tuple(broken_by_load(self._scene, pair, geometry, found, number)))
+            require_premises(
+                self._scene, broken_by_load(self._scene, pair, geometry, found, number)
+            )
 
     def _geometry(self) -> tuple[BodyPair, PairGeometry]:
         pair = replace(self._models.assembly(self._models.screened), position_rad=self._at)
@@ -364,7 +366,7 @@ class FlankPairScreening(Screening):
         return stages
 
     def _state_rate(self) -> StateRate:
-        """What a state takes on the run's own cells, and on cells twice as wide."""
+        """Measure the seconds of a state on the run's own cells, and on cells twice as wide."""
         few, torque, account = _every(self._at, FINE_POSITIONS), self._torques[-1:], Account()
         found, seconds = self._timed(self._scene, few, torque, account, fine=True)
         self._fine, count = self._states(self._scene, found), found[0].status.size

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.analysis.adaptive_positions import PositionErrors
-    from flankload.analysis.error_rules import Left
+    from flankload.analysis.error_rules import RemainingError
     from flankload.contact.sweep import FlankContact, Sweep
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.stage_clock import StageClock
@@ -208,9 +208,9 @@ def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, dict[str, o
 
 def _sources(
     pair: BodyPair, compliances: Compliances, face_width_mm: float
-) -> dict[str, Callable[[Sweep], dict[str, Left]]]:
+) -> dict[str, Callable[[Sweep], dict[str, RemainingError]]]:
     """Sources of errors that follow from a sweep itself: tips, positions, other teeth."""
-    sources: dict[str, Callable[[Sweep], dict[str, Left]]] = {}
+    sources: dict[str, Callable[[Sweep], dict[str, RemainingError]]] = {}
     if pair.slices is None:
         sources["tip"] = partial(
             tip_error, pair=pair, compliances=compliances, face_width_mm=face_width_mm

@@ -15,9 +15,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats
 
-    Floats = NDArray[np.float64]
 
 #: Orders outside this range are not asymptotic: kinks and rounded numbers of elements cause them.
 LEAST_ORDER, LARGEST_ORDER = 0.5, 8.0

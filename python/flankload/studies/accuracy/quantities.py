@@ -11,11 +11,9 @@ import numpy as np
 from flankload.studies.accuracy.ladder import Limit, limit_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.result import Result
 
-    Floats = NDArray[np.float64]
 
 #: Quantities that can be requested, and their errors.
 MEASURES = {

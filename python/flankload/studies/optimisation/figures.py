@@ -20,11 +20,9 @@ from flankload.result.harmonics import over_positions
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.result import Result
 
-    Floats = NDArray[np.float64]
 
 #: Directions onto which the phasor of a harmonic is projected; the largest projection is at most
 #: 1 - cos(pi / 64) = 0.12 % below the amplitude.

@@ -10,9 +10,7 @@ import numpy as np
 from flankload.errors import FlankloadError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from flankload.base.arrays import Floats
 
 
 @dataclass(frozen=True)

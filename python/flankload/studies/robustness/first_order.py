@@ -21,14 +21,12 @@ from flankload.studies.sensitivity import sensitivity
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from flankload.base.arrays import Floats
     from flankload.mechanisms import Parts
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.variables import Variable
 
-    Floats = NDArray[np.float64]
 
 #: Deviation of one tooth in um where the mean has equal teeth. Samples have none, so that key
 #: figures are defined over another period: the mean shall have the same.

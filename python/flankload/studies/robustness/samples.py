@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from flankload.base.arrays import Floats
 
-    Floats = NDArray[np.float64]
 
 #: Probability with which an interval contains the percentile.
 CONFIDENCE = 0.95

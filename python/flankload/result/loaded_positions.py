@@ -39,7 +39,7 @@ OPTIONAL_ARRAYS = ("follower_angle_rad", "unloaded_rotation_rad")
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Motion(KeepsReadOnly):
+class PairPositions(KeepsReadOnly):
     """Positions and dimensions of a pair, which no torque changes; fields as in `Result`."""
 
     name: str
@@ -93,7 +93,7 @@ class Motion(KeepsReadOnly):
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Course(Motion):
+class LoadedPositions(PairPositions):
     """Rotation and loads at P positions on S sites under one torque; fields as in `Result`.
 
     Quantities that follow from these are computed on first use.
