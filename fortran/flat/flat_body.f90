@@ -136,7 +136,7 @@ end subroutine flankload_pack_body
 !> is as before. info = -i: argument i is not valid.
 subroutine flankload_pack_part(part, n_values, values, n_record, record, info)
     use flankload_body_record, only: are_valid, counts_in, counts_type, fits, is_record, &
-        & last_optional, place_in, reals_in, write_part
+        & last_optional, place_in, write_part
     implicit none
     !> Which part
     integer, intent(in) :: part
