@@ -44,7 +44,7 @@ module flankload_contact_grid
         logical :: open_low = .false., open_high = .false.
     end type grid_type
 
-    !> Largest ratio of the widths of neighbouring cells away from an edge
+    !> Largest ratio of the widths of adjacent cells away from an edge
     real(wp), parameter :: growth_ratio = 2.0_wp
     !> Widths over a range of constant gap, where the pressure peaks at the ends. In the middle:
     !> this fraction of half the range divided by the number of strips; at a sharp end: this
@@ -100,7 +100,7 @@ contains
     pure subroutine end_within_stretch(zone, grid)
         !> Zone
         type(zone_type), intent(in) :: zone
-        !> Its grid
+        !> Grid of the zone
         type(grid_type), intent(inout) :: grid
 
         real(wp) :: same
@@ -174,8 +174,8 @@ contains
         real(wp), intent(in) :: strips
         type(grid_type) :: grid
 
-        !> Default extent of the grid in half-widths: it ends at the possible end of the contact.
-        !> Each extension of the grid after a force at its end adds this fraction of the half-length
+        !> Default extent of the grid in half-widths, at which it ends at the possible end of the
+        !> contact; fraction of the half-length that each extension adds after a force at its end
         real(wp), parameter :: first_width = 2.5_wp, longer = 0.3_wp
         real(wp) :: half, beyond(2), penetration(2), finest(2)
 

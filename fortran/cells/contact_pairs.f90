@@ -37,8 +37,8 @@ module flankload_contact_pairs
         real(wp), allocatable :: turn(:, :)
         !> The same rotation if the contact extends over the tip of that flank, else 0
         real(wp), allocatable :: corner_turn(:, :)
-        !> Points of flank 1 [mm] and directions of the force on body 2 (out of body 1), shape (2,
-        !> n)
+        !> Points of flank 1 [mm] and directions of the force on body 2 (out of body 1),
+        !> shape (2, n)
         real(wp), allocatable :: point(:, :), normal(:, :)
     end type pairs_type
 

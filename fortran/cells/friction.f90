@@ -22,8 +22,8 @@ module flankload_friction
     type :: friction_type
         !> Arc lengths on flank 1, ascending [mm], shape (n)
         real(wp), allocatable :: places(:)
-        !> Friction coefficients at these points, linear between them and constant beyond, shape (n,
-        !> sites)
+        !> Friction coefficients at these points, linear between them and constant beyond,
+        !> shape (n, sites)
         real(wp), allocatable :: values(:, :)
     end type friction_type
 

@@ -63,8 +63,8 @@ contains
         type(segment_type), intent(in) :: segments(:)
         !> Contact pairs, those of a zone adjacent, zones ascending
         type(pairs_type), intent(in) :: pairs
-        !> Unit forces as forces and moments on shafts, and the motions that they cause, shape (m,
-        !> n); m = 0 without shafts
+        !> Unit forces as forces and moments on shafts, and the motions that they cause,
+        !> shape (m, n); m = 0 without shafts
         real(wp), intent(in) :: rigid(:, :)
         real(wp), intent(in) :: moved(:, :)
         !> K [mm/N], shape (n, n)
@@ -156,7 +156,7 @@ contains
         call set_symmetric(runs, no_modes, no_ends, [corner_mirrors(body_1, 1, &
             & body_1%wedge_along), corner_mirrors(body_2, 2, body_2%wedge_along)], pairs, along)
         ! A point in front of the force on body 1 is behind that on body 2.
-        call add_cerruti((body_2%jump - body_1%jump)/acos(-1.0_wp), runs, pairs, along)
+        call add_cerruti((body_2%jump - body_1%jump)/acos(-1.0_wp), runs, pairs, along)   ! Eq. (C5)
         along = along + sliced_tangential(body_1, slices, pairs%site(:n), pairs%s_1(:n))
         along = along + sliced_tangential(body_2, slices, pairs%site(:n), pairs%s_2(:n))
         do j = 1, n
@@ -407,6 +407,7 @@ contains
         if (from > 1) first = 0.0_wp
         table = 0.0_wp
         do k = 1, size(ends)
+            ! Eq. (S2), averaged by Eqs. (C3), (C4)
             call add_potentials(ends(k)%strength, first, one%cell, along_line(k, one%line, &
                 & other%line, ends), [one%line%length, other%line%length], table(from:))
         end do
@@ -437,6 +438,7 @@ contains
             step = one%cell
             if (size(table) > 1) step = (from_corner(corners(k), pairs, one%last) &
                 & + from_corner(corners(k), pairs, other%last) - first)/(size(table) - 1)
+            ! Eq. (S2): images at R_w, averaged by Eqs. (C3), (C4)
             call add_potentials(corners(k)%strength, first, step, along_line(1, one%line, &
                 & other%line, corners), [one%line%length, other%line%length], table)
             do j = other%first, other%last

@@ -24,8 +24,8 @@ module flankload_compliance_field
     !> vary along the width, and the kernel is in mm²/N.
     type :: compliance_type
         !> Arc lengths of the flank's nodes [mm], ascending, shape (n); not allocated with modes.
-        !> With nodes, `smooth` and `tangential` are tables of total displacements, shape (n, n,
-        !> n_blocks), and the kernel only determines the expected width of contacts
+        !> With nodes, `smooth` and `tangential` are tables of total displacements,
+        !> shape (n, n, n_blocks), and the kernel only determines the expected width of contacts
         real(wp), allocatable :: nodes(:)
         !> Ends of the range of the pressure modes [mm]
         real(wp) :: s_low = 0.0_wp, s_high = 1.0_wp
@@ -51,8 +51,8 @@ module flankload_compliance_field
         !> Displacement as modes under a unit force along the flank at its sharp end s_high, towards
         !> increasing arc length [mm/N], shape (n_modes, n_blocks); allocated if forces turn there
         real(wp), allocatable :: turned(:, :)
-        !> Smooth part for modes of load along the flank [mm/N], shape (n_modes, n_tangential,
-        !> n_blocks); not allocated without friction
+        !> Smooth part for modes of load along the flank [mm/N],
+        !> shape (n_modes, n_tangential, n_blocks); not allocated without friction
         real(wp), allocatable :: tangential(:, :, :)
         !> Near field of tangential loads: displacement of a half-plane, -jump in front of the load
         !> and jump behind it [mm/N]
@@ -61,11 +61,11 @@ module flankload_compliance_field
         !> `kernel`, shape (n_tangential, n_tangential, n_blocks); allocated for finite forces with
         !> friction
         real(wp), allocatable :: along(:, :, :)
-        !> Block of the smooth part for displacement at site i and load at site j, shape (sites,
-        !> sites)
+        !> Block of the smooth part for displacement at site i and load at site j,
+        !> shape (sites, sites)
         integer, allocatable :: block(:, :)
-        !> Displacement of the flanks out of the material by known loads, as modes [mm], shape
-        !> (n_modes, sites); not allocated without such loads
+        !> Displacement of the flanks out of the material by known loads, as modes [mm],
+        !> shape (n_modes, sites); not allocated without such loads
         real(wp), allocatable :: shift(:, :)
         !> Number of Legendre polynomials over the width by which each mode along the profile is
         !> multiplied: mode a of the profile and polynomial b make mode (a - 1)*n_axial + b

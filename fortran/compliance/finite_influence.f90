@@ -19,8 +19,8 @@ contains
 
     !> Return the differences of the angles per force from those of a small force.
     pure function departures(points, site, displacement, force, n_steps) result(excess)
-        !> Points of the flanks relative to O1 [mm], those of a site adjacent and in order, shape
-        !> (2, n)
+        !> Points of the flanks relative to O1 [mm], those of a site adjacent and in order,
+        !> shape (2, n)
         real(wp), intent(in) :: points(:, :)
         !> Site of each point, shape (n)
         integer, intent(in) :: site(:)

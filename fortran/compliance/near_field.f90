@@ -89,7 +89,7 @@ contains
             return
         end if
         displacement = strip_kernel(s_i - s_j, width, body%kernel)
-        do end = 1, 2
+        do end = 1, 2   ! Eq. (W1)
             if (body%wedge(end) > 0.0_wp) displacement = displacement &
                 & + strip_kernel(from_end(body, end, s_i, 0.5_wp*width) &
                 & + from_end(body, end, s_j, 0.5_wp*width), width, body%kernel*body%wedge(end))
@@ -129,7 +129,7 @@ contains
         integer, intent(in) :: flank
         type(image_type) :: image
 
-        image%kernel = body%kernel*body%wedge
+        image%kernel = body%kernel*body%wedge   ! Eq. (W1)
         image%distance = [s - body%s_low, body%s_high - s]
         if (flank == 2) image%sense = -image%sense
     end function new_image
@@ -169,6 +169,7 @@ contains
                     by_reach = by_reach + images(k)%kernel(end)*images(k)%length*mean_slope*slope
                     cycle
                 end if
+                ! Eq. (W1) with d = d'
                 displacement = displacement - images(k)%kernel(end)*log(2.0_wp*distance)
                 by_reach = by_reach - images(k)%kernel(end)*slope/distance
             end do
@@ -221,8 +222,8 @@ contains
     !> Add the mirror images of cells behind an end of their flank; the distance of an image is the
     !> sum of both distances from that end.
     pure subroutine add_images(place, cell, kernel, first, matrix)
-        !> Distances of the cells from the end, all of one sign, and widths of the cells [mm], shape
-        !> (m)
+        !> Distances of the cells from the end, all of one sign, and widths of the cells [mm],
+        !> shape (m)
         real(wp), contiguous, intent(in) :: place(:)
         real(wp), contiguous, intent(in) :: cell(:)
         !> Strength of the images' logarithm [mm/N]

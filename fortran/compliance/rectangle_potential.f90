@@ -2,9 +2,9 @@
 !> cells in slices (`docs/theory/cells_in_three_dimensions.md`).
 !>
 !> The displacement of a rectangle under the load of another is the mean along its length and the
-!> value in the middle of its width. The matrix is therefore symmetric for rectangles of any
-!> lengths, long rectangles are the strips of plane problems, and half-ellipses of pressure are as
-!> accurate as there.
+!> value in the middle of its width. The matrix is therefore symmetric for rectangles of equal width
+!> and any lengths; long rectangles are the strips of plane problems, and half-ellipses of pressure
+!> are as accurate as there.
 module flankload_rectangle_potential
     use flankload_kinds, only: wp
     implicit none

@@ -4,9 +4,9 @@
 !> The displacement is the near field plus V g Vᵀ (`docs/theory/slices.md`), with V the mean of the
 !> modes over a slice. The near field of a body is that of its half-space, of the mirror image of
 !> the load behind each free end face, and of that behind each free corner of the profile. A load is
-!> spread evenly over the length of the contact line in its slice, and to the side of that line as
-!> far as the contact is wide on average: with less, neighbours that are thinner than the contact is
-!> wide would have larger displacements than the loaded slice.
+!> spread evenly over the length of the contact line in its slice, and to the side of that line by
+!> the root mean square distance of the Hertz pressure from it: otherwise K would not be definite if
+!> slices are thinner than the contact is wide.
 module flankload_slice_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values
@@ -24,8 +24,8 @@ module flankload_slice_field
 
     !> Slices of the flanks: site (pair - 1)*n + j is slice j of flank pair `pair`.
     type :: slices_type
-        !> Axial positions of the ends of the slices [mm], ascending, within both bodies, shape (n +
-        !> 1)
+        !> Axial positions of the ends of the slices [mm], ascending, within both bodies,
+        !> shape (n + 1)
         real(wp), allocatable :: edges(:)
     end type slices_type
 
@@ -223,8 +223,8 @@ contains
         !> Site of each point, those of a flank pair adjacent, and its arc length [mm], shape (n)
         integer, intent(in) :: site(:)
         real(wp), intent(in) :: s(:)
-        !> Compliance g between modes in blocks of the body, displacement by load [mm/N], shape (m,
-        !> m, n_blocks)
+        !> Compliance g between modes in blocks of the body, displacement by load [mm/N],
+        !> shape (m, m, n_blocks)
         real(wp), intent(in) :: smooth(:, :, :)
         !> True if each block is the transpose of the block with both flanks exchanged
         logical, intent(in) :: reciprocal
@@ -282,6 +282,7 @@ contains
         do i = 1, size(s)
             do a = 1, size(along, 2)
                 do b = 1, body%n_axial
+                    ! Eq. (S1)
                     values((a - 1)*body%n_axial + b, i) = along(i, a) &
                         & *over(b, slice_of(slices, site(i)))
                 end do
@@ -355,8 +356,8 @@ contains
         type(compliance_type), intent(in) :: body
         !> Number of the body: 1 or 2
         integer, intent(in) :: flank
-        !> Strengths at both ends of its modes, of loads along the normal or along the flank, shape
-        !> (2)
+        !> Strengths at both ends of its modes, of loads along the normal or along the flank,
+        !> shape (2)
         real(wp), intent(in) :: psi(2)
         type(mirror_type), allocatable :: mirrors(:)
 
@@ -400,7 +401,7 @@ contains
             do i = 1, size(segments)
                 if (segments(i)%flank /= segments(j)%flank) cycle
                 associate (one => segments(i), other => segments(j))
-                    matrix(i, j) = behind_corners(one, other, beside, corners)
+                    matrix(i, j) = behind_corners(one, other, beside, corners)   ! Eq. (S4)
                     ! Bodies of one material have equal displacements, one in front of its force,
                     ! one behind it.
                     if (abs(strength) > 0.0_wp) matrix(i, j) = matrix(i, j) &
@@ -481,6 +482,7 @@ contains
 
         displacement = 0.0_wp
         do k = 1, size(corners)
+            ! Eq. (S2): images at R_w, averaged by Eq. (S3)
             associate (corner => corners(k))
                 across = max(0.0_wp, corner%sense*(one%s(corner%body) - corner%place)) &
                     & + max(0.0_wp, corner%sense*(other%s(corner%body) - corner%place))

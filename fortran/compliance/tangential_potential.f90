@@ -77,6 +77,7 @@ contains
 
         value = 0.0_wp
         if (.not. max(abs(x), abs(y)) > 0.0_wp) return
+        ! Eq. (C6)
         value = 0.5_wp*(y - x)*(y + x)*log(hypot(x, y)) + abs(x)*y*atan2(y, abs(x))
     end function corner_value
 

@@ -46,8 +46,8 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     integer, intent(out) :: active(n_pairs, n_loads)
     integer, intent(out) :: counters(5, n_loads, n_problems)
     double precision, intent(out) :: certificate(5, n_loads, n_problems)
-    !> Status 0 … 3; -1 … -7: no state, for the reason given by the status; shape (n_loads,
-    !> n_problems); all -100 - i: argument i is invalid
+    !> Status 0 … 3; -1 … -7: no state, for the reason given by the status;
+    !> shape (n_loads, n_problems); all -100 - i: argument i is invalid
     integer, intent(out) :: info(n_loads, n_problems)
 
     integer, parameter :: many_a_processor = 16
