@@ -53,7 +53,9 @@ def python_side() -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("static", LINKING)
 def test_fixed_form_fortran(static, python_side, workshop, environment) -> None:
     name = "legacy_fortran" + ("_static" if static else "")
-    folder = built(EXAMPLES / "legacy_fortran", workshop / name, environment, static=static)
+    folder = built(
+        EXAMPLES / "legacy_fortran", workshop / name, environment, static=static, program="loads"
+    )
     lines = run(folder / "loads", DATA, environment).splitlines()
     state, flank = python_side["state"], python_side["flank"]
     assert lines[1].split()[:3] == ["STATUS", str(state.status), "solved"]
@@ -78,10 +80,9 @@ def test_fixed_form_fortran(static, python_side, workshop, environment) -> None:
         expect_printed(found[1], number)
 
 
-@pytest.mark.parametrize("static", LINKING)
-def test_modern_fortran(static, python_side, workshop, environment) -> None:
-    name = "modern_fortran" + ("_static" if static else "")
-    folder = built(EXAMPLES / "modern_fortran", workshop / name, environment, static=static)
+def test_modern_fortran(python_side, workshop, environment) -> None:
+    name = "modern_fortran"
+    folder = built(EXAMPLES / name, workshop / name, environment, static=False)
     words = [line.split() for line in run(folder / "loads", DATA, environment).splitlines()]
     flank = python_side["flank"]
     for k, state in enumerate(python_side["several"]):
@@ -97,11 +98,8 @@ def test_modern_fortran(static, python_side, workshop, environment) -> None:
     expect_printed(words[9][6], state.normal_forces[largest])
 
 
-@pytest.mark.parametrize("static", LINKING)
-def test_c(static, python_side, workshop, environment) -> None:
-    folder = built(
-        EXAMPLES / "c", workshop / ("c" + ("_static" if static else "")), environment, static=static
-    )
+def test_c(python_side, workshop, environment) -> None:
+    folder = built(EXAMPLES / "c", workshop / "c", environment, static=False)
     first, *table, motion, quality = run(folder / "loads", DATA, environment).splitlines()
     state = python_side["state"]
     assert first == f"status {state.status}: solved"
@@ -158,13 +156,16 @@ def problem_file(workshop: Path) -> Path:
     return written(workshop / "problems.txt", "\n".join(lines) + "\n")
 
 
-@pytest.mark.parametrize("static", LINKING)
-@pytest.mark.parametrize("door", ["bits", "bits_fortran", "bits_modern"])
+@pytest.mark.parametrize(
+    ("door", "static"),
+    [("bits", False), ("bits_fortran", False), ("bits_modern", False), ("bits", True)],
+    ids=["bits-shared", "bits_fortran-shared", "bits_modern-shared", "bits-static"],
+)
 def test_the_same_bits_through_every_door(
     door, static, problem_file, workshop, environment
 ) -> None:
     name = "programs" + ("_static" if static else "")
-    folder = built(PROGRAMS, workshop / name, environment, static=static)
+    folder = built(PROGRAMS, workshop / name, environment, static=static, program=door)
     read = float.fromhex if door == "bits" else float
     lines = run(folder / door, problem_file, environment).splitlines()
     for line, (structure, method, arrays) in zip(lines, contact_problems(), strict=True):
@@ -185,7 +186,7 @@ def test_the_same_bits_through_every_door(
 @pytest.mark.parametrize("static", LINKING)
 def test_threads_of_the_caller(static, problem_file, workshop, environment) -> None:
     name = "programs" + ("_static" if static else "")
-    folder = built(PROGRAMS, workshop / name, environment, static=static)
+    folder = built(PROGRAMS, workshop / name, environment, static=static, program="threads")
     printed = run(folder / "threads", problem_file, environment)
     assert printed.split() == ["0", "of", "800", "differ"]
 

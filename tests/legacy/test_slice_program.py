@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flankload import _core
 from flankload.contact.body_record import PARTS
 from tests.support.crowned_cylinders import KERNEL, hertz_ellipse
-from tests.support.programs import EXAMPLES, LINKING, built, expect_printed, run
+from tests.support.programs import EXAMPLES, built, expect_printed, run
 
 Floats = NDArray[np.float64]
 
@@ -72,19 +72,16 @@ def solved() -> tuple[Floats, Floats, Floats]:
     return rotation[0], force[:, 0], pressure[:, 0]
 
 
-@pytest.mark.parametrize("static", LINKING)
 @pytest.mark.parametrize("language", ["c", "modern_fortran"])
 def test_crowned_rollers(
     language: str,
-    static: bool,
     solved: tuple[Floats, Floats, Floats],
     workshop: Path,
     environment: dict[str, str],
 ) -> None:
     """Every printed digit is that of the sweep from Python; the loads are those of an ellipse."""
     rotation, line_load, pressure = solved
-    name = language + "_static" * static
-    folder = built(EXAMPLES / language, workshop / name, environment, static=static)
+    folder = built(EXAMPLES / language, workshop / language, environment, static=False)
     lines = [line.split() for line in run(folder / "crowned", None, environment).splitlines()]
     starts = [k for k, words in enumerate(lines) if words[0] == "force"]
     assert len(starts) == len(FORCES)

@@ -28,9 +28,16 @@ def solved(sweep: NodalSweep) -> dict[str, Any]:
     return found
 
 
-def example(folder: str, workshop: Path, environment: dict[str, str], *, static: bool) -> Path:
+def example(
+    folder: str,
+    workshop: Path,
+    environment: dict[str, str],
+    *,
+    static: bool,
+    program: str = "sweep",
+) -> Path:
     name = folder + ("_static" if static else "")
-    return built(EXAMPLES / folder, workshop / name, environment, static=static)
+    return built(EXAMPLES / folder, workshop / name, environment, static=static, program=program)
 
 
 def blocks(text: str, sweep: NodalSweep) -> list[list[list[str]]]:
@@ -105,14 +112,9 @@ def sweep_file(sweep: NodalSweep, workshop: Path) -> Path:
     return written(workshop / "sweep.txt", "\n".join(lines) + "\n")
 
 
-@pytest.mark.parametrize("static", LINKING)
 @pytest.mark.parametrize("door", ["sweep_bits", "sweep_bits_fortran", "sweep_bits_modern"])
-def test_the_same_bits_through_every_door(
-    door, static, solved, sweep_file, workshop, environment
-) -> None:
-    folder = built(
-        PROGRAMS, workshop / ("programs" + static * "_static"), environment, static=static
-    )
+def test_the_same_bits_through_every_door(door, solved, sweep_file, workshop, environment) -> None:
+    folder = built(PROGRAMS, workshop / "programs", environment, static=False)
     read = float.fromhex if door == "sweep_bits" else float
     info, *numbers = run(folder / door, sweep_file, environment).split()
     assert int(info) == 0
@@ -127,7 +129,11 @@ def test_the_same_bits_through_every_door(
 @pytest.mark.parametrize("static", LINKING)
 def test_threads_of_the_caller(static, sweep_file, workshop, environment) -> None:
     folder = built(
-        PROGRAMS, workshop / ("programs" + static * "_static"), environment, static=static
+        PROGRAMS,
+        workshop / ("programs" + static * "_static"),
+        environment,
+        static=static,
+        program="sweep_threads",
     )
     printed = run(folder / "sweep_threads", sweep_file, environment)
     assert printed.split() == ["0", "of", "100", "differ"]
@@ -137,7 +143,7 @@ def test_threads_of_the_caller(static, sweep_file, workshop, environment) -> Non
 @pytest.mark.parametrize("program", ["loads", "sweep"])
 def test_data_that_end_too_early_get_one_line(folder, program, workshop, environment) -> None:
     """Wherever they end, and whatever else they are."""
-    path = example(folder, workshop, environment, static=False) / program
+    path = example(folder, workshop, environment, static=False, program=program) / program
     lines = (DATA if program == "loads" else SWEEP_DATA).read_text(encoding="ascii").splitlines()
     wholes = [lines[:k] for k in (0, 1, 2, 3, 4, len(lines) // 3, len(lines) - 1)]
     wrong = [[lines[0], "0 8 3", *lines[2:]], [*lines[:3], "a b", *lines[4:]], ["", "1.5 x"]]
@@ -158,12 +164,13 @@ def test_data_that_end_too_early_get_one_line(folder, program, workshop, environ
         assert done.stdout == ""
 
 
-@pytest.mark.parametrize("folder", FOLDERS)
-def test_static_programs_want_the_c_library_alone(folder, workshop, environment) -> None:
-    for program in ("loads", "sweep"):
-        path = example(folder, workshop, environment, static=True) / program
-        listed = subprocess.run(
-            ["ldd", path], capture_output=True, text=True, check=True
-        ).stdout.splitlines()
-        names = {Path(line.split()[0]).name.split(".")[0] for line in listed}
-        assert names <= {"linux-vdso", "libm", "libc", "libpthread", "ld-linux-x86-64"}, names
+@pytest.mark.parametrize(
+    ("folder", "program"), [("legacy_fortran", "loads"), *((folder, "sweep") for folder in FOLDERS)]
+)
+def test_static_programs_want_the_c_library_alone(folder, program, workshop, environment) -> None:
+    path = example(folder, workshop, environment, static=True, program=program) / program
+    listed = subprocess.run(
+        ["ldd", path], capture_output=True, text=True, check=True
+    ).stdout.splitlines()
+    names = {Path(line.split()[0]).name.split(".")[0] for line in listed}
+    assert names <= {"linux-vdso", "libm", "libc", "libpthread", "ld-linux-x86-64"}, names

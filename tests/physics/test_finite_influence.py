@@ -32,7 +32,7 @@ def scene_of(soft: float = SOFT, **effects: Any) -> fl.Scene:
     tree["positions"] = {"angles_deg": [ANGLE_DEG]}
     tree["accuracy"] = {"estimate": False, "tangents": False}
     if effects.get("near_field") == "nodes":
-        tree["accuracy"]["flank_element_mm"] = 0.2
+        tree["accuracy"]["flank_element_mm"] = 0.3
     for body in ("body_1", "body_2"):
         tree[body]["young_modulus_MPa"] = 206000.0 / soft
     tree["effects"] = effects

@@ -206,7 +206,7 @@ AT_ENDS = {0.0: 0.004, 15.0: 0.018}
 
 @pytest.mark.parametrize("helix", [0.0, 15.0])
 def test_displacement_near_an_end_needs_its_image(helix: float) -> None:
-    body, twist = _pinion(1.5), _twist(helix)
+    body, twist = _pinion(2.0), _twist(helix)
     places = np.array([-7.0, -6.4, 0.0, 6.4, 7.0])
     truth = _by_elements(body, twist, places, 12)
     prism = Prism(ENDS, twist)

@@ -66,7 +66,8 @@ FEW_CELLS = {
     "tangents": False,
     "flank_element_mm": 1.0,
     "modes": 5,
-    "strips_per_half_width": 5.0,
+    "strips_per_half_width": 2.5,
+    "corner_strips_per_half_width": 2.5,
 }
 
 

@@ -127,7 +127,7 @@ def largest_jump(job: Job, where: np.ndarray, rotation: np.ndarray) -> float:
 @pytest.mark.parametrize("name", SCENES)
 def test_rotation_does_not_jump(name: str) -> None:
     job = Job(SCENES[name])
-    where = job.period * np.arange(1025) / 1024
+    where = job.period * np.arange(513) / 512
     rotation = job.run(where).rotation_rad
     assert largest_jump(job, where, rotation) < JUMP * np.abs(rotation).max()
     coarse, fine = (np.abs(np.diff(rotation[::part])).max() for part in (2, 1))

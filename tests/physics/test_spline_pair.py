@@ -135,7 +135,7 @@ def test_pressure_of_a_flat_punch_in_the_middle() -> None:
 
 
 @pytest.mark.parametrize("edge", [{}, ROUNDED], ids=["sharp", "rounded"])
-@pytest.mark.parametrize("offset", [1e-7, 1e-5, 1e-3, 3e-3, 0.01, 0.03])
+@pytest.mark.parametrize("offset", [1e-7, 1e-3, 0.01, 0.03])
 def test_loads_on_an_offset_travel_from_tooth_to_tooth(offset: float, edge: dict) -> None:
     """A pitch on, tooth j stands where tooth j + 1 stood; any offset has an answer."""
     found = solved(edge, edge, offset=offset, angles=[0.0, 5.0, 360.0 / TEETH])
@@ -210,7 +210,7 @@ def test_errors_of_shaft_and_hub_add_up() -> None:
 
 
 def test_wind_up_converges_with_the_elements() -> None:
-    angles = [solved(flank_element_mm=size, modes=5).rotation_rad[0] for size in (0.4, 0.2, 0.1)]
+    angles = [solved(flank_element_mm=size, modes=5).rotation_rad[0] for size in (0.8, 0.4, 0.2)]
     first, second = np.abs(np.diff(angles)) / angles[-1]
     assert second < 3e-4
     assert second < 0.5 * first

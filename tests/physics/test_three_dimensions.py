@@ -85,13 +85,13 @@ def test_a_wide_spur_pair_is_in_plane_strain() -> None:
     plane = solve(SPUR, accuracy__axial_degree=None, accuracy__load_degree_z=None,
                   accuracy__slices=None, effects__contact="lumped")  # fmt: skip
     ratios = []
-    for times, degree in ((1.0, 8), (3.0, 10), (9.0, 16)):
+    for times, degree in ((1.0, 6), (3.0, 8), (9.0, 12)):
         wide = spur(
             pair__face_width_mm=14.0 * times,
             load__torque_Nm=302.0 * times,
             accuracy__axial_degree=degree,
-            accuracy__load_degree_z=4,
-            accuracy__slices=28,
+            accuracy__load_degree_z=2,
+            accuracy__slices=14,
         )
         ratios.append(float(plane.rotation_rad[0] / wide.rotation_rad[0]))
     assert ratios[0] == pytest.approx(0.96, abs=0.01)

@@ -50,7 +50,7 @@ RING = {
     "outer_diameter_mm": 330.0,
 }
 #: Half-width of the pressures, modules; nodes of the plain elements, modules.
-HALF_WIDTH, NODES = 0.03, 1.0 / 180
+HALF_WIDTH, NODES = 0.03, 1.0 / 120
 STRIPS = 400
 #: What elements of 1/4.5 module leave at places on and before a rounding, in strengths of the
 #: logarithm, of 6 to 23 in all. The flank's modes, kept beyond its end, were off by 3 where it

@@ -39,9 +39,14 @@ def written(path: Path, text: str) -> Path:
     return path
 
 
-def built(source: Path, folder: Path, environment: dict[str, str], *, static: bool) -> Path:
-    """Copy a folder with a Makefile out of the tree and build it there."""
-    command = ["make", "-C", str(folder), *(["LINK=link_static"] if static else [])]
+def built(
+    source: Path, folder: Path, environment: dict[str, str], *, static: bool, program: str = "all"
+) -> Path:
+    """Copy a folder with a Makefile out of the tree and build it there, or one of its programs.
+
+    A program with all of the library in it takes a second to link.
+    """
+    command = ["make", "-C", str(folder), program, *(["LINK=link_static"] if static else [])]
     with alone():
         folder.mkdir(exist_ok=True)
         for path in source.iterdir():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -172,6 +173,9 @@ def _from_file(path: Path, **keys: Any) -> Body:
     )
 
 
+PRISM = Prism((-7.0, 7.0), 0.0, 6, 0, 3)
+
+
 @pytest.mark.parametrize("suffix", [".msh", ".inp", ".vtu"])
 def test_a_written_mesh_has_the_regions_as_sets(tmp_path: Path, suffix: str) -> None:
     own = _body()
@@ -182,13 +186,21 @@ def test_a_written_mesh_has_the_regions_as_sets(tmp_path: Path, suffix: str) -> 
     assert [len(data) for _, data in mesh.cells] == [len(data) for _, data in _mesh(own).cells]
     assert body.axial is not None
     assert body.axial.regions == (("web", (-2.0, 2.0)), ("HUB", (-10.0, 10.0)))
-    prism = Prism((-7.0, 7.0), 0.0, 6, 0, 3)
-    found = prism_compliance(body, replace(prism, regions=body.axial.regions), n_modes=1)
-    expected = prism_compliance(own, replace(prism, regions=EXTENTS), n_modes=1)
+    found = prism_compliance(body, replace(PRISM, regions=body.axial.regions), n_modes=1)
     # middle nodes of .inp are restored
-    np.testing.assert_allclose(found.smooth, expected.smooth, rtol=1e-6)
-    plain = prism_compliance(own, prism, n_modes=1)
-    assert expected.smooth[1, 0, 0] > 1.5 * plain.smooth[1, 0, 0]
+    np.testing.assert_allclose(found.smooth, _of_the_gear(), rtol=1e-6)
+
+
+@cache
+def _of_the_gear() -> np.ndarray:
+    """Compliance of the gear with its web and hub, which is that of a plain gear with more."""
+    own = _body()
+    expected, plain = (
+        prism_compliance(own, replace(PRISM, regions=regions), n_modes=1).smooth
+        for regions in (EXTENTS, PRISM.regions)
+    )
+    assert expected[1, 0, 0] > 1.5 * plain[1, 0, 0]
+    return expected
 
 
 @pytest.mark.parametrize(

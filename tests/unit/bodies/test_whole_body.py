@@ -67,11 +67,11 @@ def scene_of(body_1: dict, body_2: dict, *, profile: bool = False, count: int = 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Both bodies as sector and as a whole, in every format that is written, and in gmsh 4.1."""
+    """Both bodies as sector in every format that is written and in gmsh 4.1, and as a whole."""
     out = tmp_path_factory.mktemp("meshes")
     for name, path, teeth in (("pinion", COARSE_PINION, 16), ("wheel", COARSE_WHEEL, 24)):
         parts = whole_of(read_mesh(path), teeth)
-        for suffix in ("msh", "vtu", "inp"):
+        for suffix in ("msh", "inp"):
             write_mesh(out / f"{name}_whole.{suffix}", *parts)
     pair = build_bodies(scene_of(sector("body_1", COARSE_PINION), sector("body_2", COARSE_WHEEL)))
     for name, body in (("pinion", pair.body_1), ("wheel", pair.body_2)):
@@ -106,13 +106,13 @@ def test_sector_gives_the_same_in_every_format(
     assert_same(found, by_nodes)
 
 
-@pytest.mark.parametrize("suffix", ["msh", "vtu", "inp"])
-def test_whole_pinion_gives_what_its_sector_gives(
-    suffix: str, folder: Path, by_nodes: fl.Result
-) -> None:
-    """One computation of the whole body against the ring closed over the sectors."""
+def test_whole_pinion_gives_what_its_sector_gives(folder: Path, by_nodes: fl.Result) -> None:
+    """One computation of the whole body against the ring closed over the sectors.
+
+    Whole bodies in the other formats are written and read by the command below.
+    """
     found = fl.solve(
-        scene_of(whole("body_1", folder / f"pinion_whole.{suffix}"), sector("body_2", COARSE_WHEEL))
+        scene_of(whole("body_1", folder / "pinion_whole.inp"), sector("body_2", COARSE_WHEEL))
     )
     assert_same(found, by_nodes)
     assert found.cost["fe_factorisations"] == 2

@@ -594,7 +594,7 @@ def test_progress_shows_after_patience_on_a_terminal_only(
 
     def slow(_: object, progress: Any, **__: object) -> Any:
         progress("compliance body 1", 1, 5)
-        time.sleep(0.6)
+        time.sleep(0.2)
         # a busy machine draws late
         end = time.monotonic() + 60.0
         while sys.stderr.isatty() and time.monotonic() < end:

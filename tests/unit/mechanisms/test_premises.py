@@ -203,15 +203,6 @@ def test_chains_and_belts_that_turn_too_far_are_refused(
         solved(fl.Scene.from_dict(tables))
 
 
-@pytest.mark.parametrize(
-    "name", ["external_gear", "internal_gear", "spline", "cam", "chain", "belt_plastic_pulley"]
-)
-def test_examples_break_no_premise(name: str) -> None:
-    scene = fl.read_scene(SCENES / f"{name}.toml")
-    scene = replace(scene, accuracy=type(scene.accuracy)(estimate=False))
-    assert one_result(scene).outside_limits == ()
-
-
 # --- where it is meant ----------------------------------------------------------------------------
 @pytest.fixture(scope="module")
 def beyond() -> tuple[fl.Result, ...]:

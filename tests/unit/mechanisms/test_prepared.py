@@ -19,6 +19,7 @@ from flankload.flank import fit
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.parts import MOST_PARTS, Parts, made_once
 from tests.support.gear_scenes import SCENE, example
+from tests.support.mesh_files import COARSE_PINION, COARSE_WHEEL
 from tests.support.paths import SCENES
 from tests.support.scene_walk import BESIDE, other_values
 
@@ -34,6 +35,8 @@ COARSE = {
     "accuracy.strips_per_half_width": 2.5,
     "accuracy.corner_strips_per_half_width": 2.5,
 }
+#: A rounding takes as long to place as the rest of its body; the walk rounds each body once.
+SHARP = {"body_1.tip_radius_mm": None, "body_2.tip_radius_mm": None}
 COARSE_3D = {
     "accuracy.axial_degree": 4,
     "accuracy.load_degree_z": 0,
@@ -50,13 +53,20 @@ BASES: dict[str, dict[str, Any]] = {
         **{"body_2.bore_diameter_mm": 160.0, **COARSE_3D},
     },
     "internal_gear": {
-        **{"accuracy.flank_element_mm": 8.0, "body_2.outer_diameter_mm": 206.0, **COARSE}
+        **{"accuracy.flank_element_mm": 8.0, "body_2.outer_diameter_mm": 206.0, **COARSE},
+        **SHARP,
     },
-    "spline": {"accuracy.flank_element_mm": 4.0, "body_1.bore_diameter_mm": 36.0, **COARSE},
+    "spline": {
+        **{"accuracy.flank_element_mm": 4.0, "body_1.bore_diameter_mm": 36.0, **COARSE},
+        **SHARP,
+    },
     "cam": {
         **{"accuracy.flank_element_mm": 12.0, "positions": {"angles_deg": [40.0, 200.0]}, **COARSE}
     },
-    "external_gear_mesh_profile": COARSE,
+    "external_gear_mesh_profile": {
+        **{"body_1.file": str(COARSE_PINION), "body_2.file": str(COARSE_WHEEL)},
+        **COARSE,
+    },
     "external_gear_compliance": COARSE,
 }
 #: Keys that reach the elements of a body, by the end of their path: section, material, holding,

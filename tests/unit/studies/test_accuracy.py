@@ -482,6 +482,7 @@ def test_front_descends_and_holds_the_cheapest(study: Study) -> None:
 def spatial_study(short_ladders: None) -> Study:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(refinements, "MODES", (3, 5))
+        patch.setattr(refinements, "ELEMENTS", (4.0, 2.0, 1.0))
         return accuracy(spatial(), (*QUANTITIES, "face_load_factor"), ENOUGH)
 
 

@@ -177,7 +177,7 @@ def bits(study: fl.DesignStudy) -> bytes:
 
 
 def test_threads_give_the_bits_of_single_runs() -> None:
-    for _ in range(3):
+    for _ in range(2):
         with ThreadPoolExecutor(4) as executor:
             assert (
                 bits(fl.study(design_scene(), VARIABLES, quantities=NAMES, executor=executor))
@@ -187,7 +187,7 @@ def test_threads_give_the_bits_of_single_runs() -> None:
 
 def test_prepared_scenes_may_be_solved_by_several_threads() -> None:
     prepared = fl.prepare(design_scene())
-    changes = [{TORQUE: 100 + k, SHIFT: 0.18 + 0.001 * (k % 2)} for k in range(12)]
+    changes = [{TORQUE: 100 + k, SHIFT: 0.18 + 0.001 * (k % 2)} for k in range(8)]
     with ThreadPoolExecutor(4) as executor:
         found = list(executor.map(prepared.solve, changes))
     for result, change in zip(found, changes, strict=True):
@@ -241,8 +241,10 @@ def test_dask_workers_give_the_bits_of_single_runs() -> None:
     from distributed import Client, LocalCluster
 
     with (
-        # one process: several are tried above
-        LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
+        # no process of its own: several are tried above
+        LocalCluster(
+            n_workers=1, threads_per_worker=1, dashboard_address=":0", processes=False
+        ) as cluster,
         Client(cluster) as client,
         client.get_executor() as executor,
     ):

@@ -85,15 +85,15 @@ def test_the_same_samples_by_any_workers_and_after_a_resumption(tmp_path: Path) 
     options: dict[str, Any] = {"seed": 5, "design": "sobol"}
     store = tmp_path / "runs.sqlite"
     with ThreadPoolExecutor(1) as one:
-        fl.robust(scene, variables, [SWING], n=4, store=store, executor=one, **options)
-        resumed = fl.robust(scene, variables, [SWING], n=8, store=store, executor=one, **options)
+        fl.robust(scene, variables, [SWING], n=2, store=store, executor=one, **options)
+        resumed = fl.robust(scene, variables, [SWING], n=4, store=store, executor=one, **options)
     with ThreadPoolExecutor(2) as two:
-        found = fl.robust(scene, variables, [SWING], n=8, executor=two, **options)
+        found = fl.robust(scene, variables, [SWING], n=4, executor=two, **options)
     assert resumed.study is not None
     assert found.study is not None
     np.testing.assert_array_equal(resumed.study.values(SWING), found.study.values(SWING))
     seconds = {row.outcome.seconds for row in resumed.study.rows}
-    again = fl.robust(scene, variables, [SWING], n=8, store=store, **options)
+    again = fl.robust(scene, variables, [SWING], n=4, store=store, **options)
     assert again.study is not None
     assert {row.outcome.seconds for row in again.study.rows} == seconds  # nothing is solved again
 
