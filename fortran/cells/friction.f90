@@ -191,8 +191,8 @@ contains
 
     !> Compute the mean sign of the sliding speed over a Hertz contact, weighted by the pressure.
     !>
-    !> With the speed v = v_0 + v' x over the half-width h and u = v_0/(|v'| h), it is 2/pi (asin u
-    !> + u sqrt(1 - u²)), and 1 or -1 if |u| >= 1.
+    !> With the speed v = v_0 + v' x over the half-width h and u = v_0/(|v'| h), it is
+    !> 2/pi (asin u + u sqrt(1 - u²)), and 1 or -1 if |u| >= 1.
     pure subroutine mean_sign(at_ends, speeds_there, mean, slope, part)
         !> Sliding speeds at the ends of the contact [mm per rad of the position]
         real(wp), intent(in) :: at_ends(2)

@@ -34,8 +34,8 @@ contains
         n = pairs%n
         if (allocated(body_1%nodes) .or. allocated(body_2%nodes)) then
             matrix = 0.0_wp
-            call add_table(body_1, pairs%site(:n), pairs%s_1(:n), matrix)   ! Eq. (5), (21), (22)
-            call add_table(body_2, pairs%site(:n), pairs%s_2(:n), matrix)   ! Eq. (6), (10)
+            call add_table(body_1, pairs%site(:n), pairs%s_1(:n), matrix)   ! Eqs. (5), (21), (22)
+            call add_table(body_2, pairs%site(:n), pairs%s_2(:n), matrix)   ! Eqs. (6), (10)
         else
             call set_by_modes(body_1, body_2, pairs, matrix)
         end if
@@ -51,7 +51,7 @@ contains
             & pairs%corner_turn(2, :n), matrix)
         if (.not. allocated(pairs%friction)) return
         call add_tangential(body_1, pairs%site(:n), pairs%s_1(:n), pairs%cell_1(:n), &
-            & pairs%friction(:n), matrix)   ! Eq. (14), (15)
+            & pairs%friction(:n), matrix)   ! Eqs. (14), (15)
         call add_tangential(body_2, pairs%site(:n), pairs%s_2(:n), pairs%cell_2(:n), &
             & pairs%friction(:n), matrix)
     end subroutine influence_matrix
@@ -75,9 +75,9 @@ contains
             load_last = last_of_site(pairs%site(:n), load_first)
             call set_smooth(body_1, body_2, pairs, load_first, load_last, n, matrix)
             call add_near_field(body_1, pairs%s_1(load_first:load_last), &
-                & pairs%cell_1(load_first:load_last), load_first, matrix)   ! Eq. (5), (13)
+                & pairs%cell_1(load_first:load_last), load_first, matrix)   ! Eqs. (5), (13)
             call add_near_field(body_2, pairs%s_2(load_first:load_last), &
-                & pairs%cell_2(load_first:load_last), load_first, matrix)   ! Eq. (6), (10)
+                & pairs%cell_2(load_first:load_last), load_first, matrix)   ! Eqs. (6), (10)
             load_first = load_last + 1
         end do
     end subroutine set_by_modes

@@ -53,7 +53,7 @@ contains
         type(nodal_place), intent(in) :: load
         real(wp) :: value
 
-        ! Eq. (21), (22)
+        ! Eqs. (21), (22)
         value = (1.0_wp - load%part)*along(load%point) + load%part*along(load%point + 1)
 
     contains

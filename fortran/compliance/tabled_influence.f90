@@ -32,7 +32,7 @@ contains
         if (.not. allocated(body%nodes)) return
         place = places_of(body, s)
         do j = 1, size(s)
-            do i = j, size(s)   ! Eq. (21), (22)
+            do i = j, size(s)   ! Eqs. (21), (22)
                 matrix(i, j) = matrix(i, j) &
                     & + between(body%smooth(:, :, body%block(site(i), site(j))), place(i), place(j))
             end do
@@ -57,7 +57,7 @@ contains
         place = places_of(body, s)
         do j = 1, size(s)
             do i = 1, size(s)
-                ! Eq. (12), (14)
+                ! Eqs. (12), (14)
                 matrix(i, j) = matrix(i, j) - friction(j)* &
                     & between(body%tangential(:, :, body%block(site(i), site(j))), place(i), &
                     & place(j))

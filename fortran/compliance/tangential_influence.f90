@@ -15,8 +15,8 @@ contains
     !> Add the normal displacement of one body under the friction forces of all pairs.
     !>
     !> With C_nt = n.u for a unit force along t, and each body's own n and t (n2 = -n1, t2 = -t1),
-    !> the normal displacement of either body under the force -n F + mu sigma t F is (C_nn - mu
-    !> sigma C_nt) F.
+    !> the normal displacement of either body under the force -n F + mu sigma t F is
+    !> (C_nn - mu sigma C_nt) F.
     pure subroutine add_tangential(body, site, s, cell, friction, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
@@ -40,7 +40,7 @@ contains
         end if
         n_loads = size(body%tangential, 2)
         values = mode_values(body, s)
-        loads = spread(-friction, 2, n_loads)*values(:, :n_loads)   ! Eq. (11), (12)
+        loads = spread(-friction, 2, n_loads)*values(:, :n_loads)   ! Eqs. (11), (12)
         load_first = 1
         do while (load_first <= n)
             load_last = last_of_site(load_first)
@@ -49,7 +49,7 @@ contains
                 last = last_of_site(first)
                 displaced = matmul(values(first:last, :), &
                     & body%tangential(:, :, body%block(site(first), site(load_first))))
-                ! Eq. (14), (15): mu a_T in addition to a_N
+                ! Eqs. (14), (15): mu a_T in addition to a_N
                 matrix(first:last, load_first:load_last) = &
                     & matrix(first:last, load_first:load_last) &
                     & + matmul(displaced, transpose(loads(load_first:load_last, :)))

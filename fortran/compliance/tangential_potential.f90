@@ -67,8 +67,8 @@ contains
             & - corner_value(across, along - half_sum))
     end function edge_field
 
-    !> Return the integral of x/(x² + y²), once over x and twice over y, even in both [mm²]: (y² -
-    !> x²)/4 ln(x² + y²) + x y atan(y/x), without functions of x or y alone.
+    !> Return the integral of x/(x² + y²), once over x and twice over y, even in both [mm²]:
+    !> (y² - x²)/4 ln(x² + y²) + x y atan(y/x), without functions of x or y alone.
     elemental function corner_value(x, y) result(value)
         !> Coordinates [mm]
         real(wp), intent(in) :: x
@@ -81,8 +81,8 @@ contains
         value = 0.5_wp*(y - x)*(y + x)*log(hypot(x, y)) + abs(x)*y*atan2(y, abs(x))
     end function corner_value
 
-    !> Return the field of a segment at another, parallel one [1/mm]: the mean of x/(x² + y² +
-    !> beside²) over both.
+    !> Return the field of a segment at another, parallel one [1/mm]: the mean over both of
+    !> x/(x² + y² + beside²).
     elemental function segment_field(distance, length, other, across, beside) result(mean)
         !> Distance between both centres along the segments [mm]
         real(wp), intent(in) :: distance

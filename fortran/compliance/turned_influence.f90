@@ -1,8 +1,8 @@
 !> Influence coefficients of forces that turn over a sharp corner.
 !>
 !> The force between a corner and the mating flank has the mean of both normals. It is turned by d
-!> from the normal of the corner's own flank, and so is the direction of the displacement: with C_nt
-!> = n.u for a unit force along t and n' = n cos d + t sin d,
+!> from the normal of the corner's own flank, and so is the direction of the displacement: with
+!> C_nt = n.u for a unit force along t, n' = n cos d + t sin d and
 !> K_ij = C_nn + sin d_i C_tn + sin d_j C_nt, to the first order in d. Modes and the mirror image
 !> behind the corner, -c0 psi_nt ln(d + d'), represent C_nt; the jump of the half-plane cancels.
 module flankload_turned_influence
