@@ -169,7 +169,7 @@ class InputError(ContactError, ValueError):
 
     def __init__(self, message: str, *, code: int = -4) -> None:
         super().__init__(message)
-        self.code = code
+        self.code = int(code)
 
 
 class NegativeForce(ContactError):  # noqa: N818 - a public name

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -191,8 +191,50 @@ class Flat:
     ends_mm: tuple[float, float]
 
 
-@dataclass(frozen=True)
-class Body:
+@dataclass(frozen=True, kw_only=True)
+class BodySites:
+    """What pairing, pictures and notes need of a body: its elements do not depend on these fields.
+
+    Attributes
+    ----------
+    reference_radius_mm : float
+        Radius by which a rotation is multiplied to give a transmission error. Gears: base radius;
+        splines: pitch radius; followers: length of the arm, or distance of the middle of the flat.
+    flank_angle_known : bool
+        True: pairing rotates the body so that pair 0 is at the pitch point. False: the body keeps
+        the angle that it has in its file.
+    turns_clockwise : bool
+        Sense of rotation of a cam.
+    pitch_errors_um : tuple of float
+        Empty, or one per tooth.
+    flank_turns_rad : tuple of float
+        Empty, or the angle of each tooth's flank from its equal share, counter-clockwise.
+    named_teeth : tuple of int
+        Empty if every tooth has a flank; else the teeth that have one, ascending.
+    flank_nodes : FlankNodes or None
+        Nodes of a curve through nodes; None if the exact profile is known.
+    active_range_mm : (float, float) or None
+        Arc lengths (two breaks of the curve) between which the flank may touch; None: anywhere.
+    outline : (k, 2) array
+        Toothed contour of one sector from cut to cut, counter-clockwise, mm; for pictures.
+    notes : tuple of str
+        Remarks on the body for the user.
+    """
+
+    reference_radius_mm: float = 0.0
+    flank_angle_known: bool = True
+    turns_clockwise: bool = False
+    pitch_errors_um: tuple[float, ...] = ()
+    flank_turns_rad: tuple[float, ...] = ()
+    named_teeth: tuple[int, ...] = ()
+    flank_nodes: FlankNodes | None = None
+    active_range_mm: tuple[float, float] | None = None
+    outline: Floats = field(default_factory=lambda: np.empty((0, 2)))
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body(BodySites):
     """A body of equal teeth: its flank curve, and the data for its sites and its compliance.
 
     The axis is the origin. `curve` is the working flank of tooth 0; tooth k is tooth 0 rotated by
@@ -208,44 +250,22 @@ class Body:
     teeth : int
     material : Material
     rigid : bool
-    mesh : SectorMesh, WholeMesh or None
-        None for a rigid body and for a body with an imported compliance.
     mode_range_mm : (float, float)
         Arc lengths between which pressure modes are defined.
-    reference_radius_mm : float
-        Radius by which a rotation is multiplied to give a transmission error. Gears: base radius;
-        splines: pitch radius; followers: length of the arm, or distance of the middle of the flat.
-    involute : Involute or None
-        Radii and angles of an involute flank; None if the profile is unknown.
-    flank_angle_known : bool
-        True: pairing rotates the body so that pair 0 is at the pitch point. False: the body keeps
-        the angle that it has in its file.
-    mirrored : bool
-        The flank in the file faces the opposite way: the mirror image of the body is used.
-    pitch_errors_um : tuple of float
-        Empty, or one per tooth.
-    outline : (k, 2) array
-        Toothed contour of one sector from cut to cut, counter-clockwise, mm; for pictures.
-    bore_radius_mm : float
-        Radius at which the body is fixed: its bore, or the outside of a ring; for pictures.
-    notes : tuple of str
-        Remarks on the body for the user.
-    flank_turns_rad : tuple of float
-        Empty, or the angle of each tooth's flank from its equal share, counter-clockwise.
-    named_teeth : tuple of int
-        Empty if every tooth has a flank; else the teeth that have one, ascending.
-    flank_nodes : FlankNodes or None
-        Nodes of a curve through nodes; None if the exact profile is known.
-    given : ModalCompliance, NodalCompliance or None
-        Imported compliance, if any.
     modes_part : float
         Number of pressure modes relative to that of a gear's flank.
+    bore_radius_mm : float
+        Radius at which the body is fixed: its bore, or the outside of a ring.
+    mesh : SectorMesh, WholeMesh or None
+        None for a rigid body and for a body with an imported compliance.
+    mirrored : bool
+        The flank in the file faces the opposite way: the mirror image of the body is used.
+    involute : Involute or None
+        Radii and angles of an involute flank; None if the profile is unknown.
     touches : Roller, Flat or None
         The part of a follower that touches the cam.
-    turns_clockwise : bool
-        Sense of rotation of a cam.
-    active_range_mm : (float, float) or None
-        Arc lengths (two breaks of the curve) between which the flank may touch; None: anywhere.
+    given : ModalCompliance, NodalCompliance or None
+        Imported compliance, if any.
     axial : AxialShape or None
         Width, twist and lead modifications of a three-dimensional body; None in a plane scene.
     elements : Body or None
@@ -259,43 +279,23 @@ class Body:
     material: Material
     rigid: bool
     mode_range_mm: tuple[float, float]
-    reference_radius_mm: float
-    outline: Floats
+    modes_part: float = 1.0
     bore_radius_mm: float
     mesh: SectorMesh | WholeMesh | None = None
-    involute: Involute | None = None
-    flank_angle_known: bool = True
-    pitch_errors_um: tuple[float, ...] = ()
-    notes: tuple[str, ...] = ()
-    flank_turns_rad: tuple[float, ...] = ()
-    named_teeth: tuple[int, ...] = ()
-    flank_nodes: FlankNodes | None = None
-    given: GivenCompliance | None = None
-    modes_part: float = 1.0
-    touches: Roller | Flat | None = None
-    turns_clockwise: bool = False
-    active_range_mm: tuple[float, float] | None = None
     mirrored: bool = False
+    involute: Involute | None = None
+    touches: Roller | Flat | None = None
+    given: GivenCompliance | None = None
     axial: AxialShape | None = None
     elements: Body | None = None
 
     def for_elements(self) -> Body:
-        """The body as the elasticity sees it: without all that its elements do not depend on."""
+        """The body as the elasticity sees it: without the fields of `BodySites` and lead."""
         body = self if self.elements is None else self.elements
-        axial = body.axial
-        return replace(
-            body,
-            reference_radius_mm=0.0,
-            pitch_errors_um=(),
-            outline=np.empty((0, 2)),
-            notes=(),
-            flank_turns_rad=(),
-            named_teeth=(),
-            flank_nodes=None,
-            active_range_mm=None,
-            turns_clockwise=False,
-            axial=None if axial is None else axial.without_lead(),
-        )
+        none = BodySites()
+        without = {entry.name: getattr(none, entry.name) for entry in fields(BodySites)}
+        axial = None if body.axial is None else body.axial.without_lead()
+        return replace(body, **without, axial=axial)
 
     @property
     def is_parametric(self) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 
 from flankload import _core
 from flankload.contact.pair_table import PackedPairs, columns_of
-from flankload.contact.status import NO_ROOM, STOPPED
+from flankload.contact.status import Status
 from flankload.cost import Account, held_bytes
 from flankload.errors import InputError
 
@@ -148,7 +148,7 @@ class CoreCall:
         n = self.motion.shape[1]
         found = self._call(np.arange(n), room * n, done=0)
         while True:
-            short = np.flatnonzero((found.status == NO_ROOM).any(axis=1))
+            short = np.flatnonzero((found.status == Status.NO_ROOM).any(axis=1))
             if short.size == 0:
                 return found
             room = max(2 * room, 2 * len(found.pair_site) // max(1, n - short.size))
@@ -220,7 +220,7 @@ class CoreCall:
 
 def _count(status: NDArray[Any], counters: NDArray[Any], account: Account) -> None:
     """Count the work of a call of the core, including states that exceeded the allocation."""
-    begun = ~np.isin(status, (NO_ROOM, STOPPED)) | counters.any(axis=0)
+    begun = ~np.isin(status, (Status.NO_ROOM, Status.STOPPED)) | counters.any(axis=0)
     sums = counters.sum(axis=(1, 2), dtype=np.int64).tolist()
     account.count(states=int(begun.sum()), **dict(zip(CORE_COUNTERS, sums, strict=True)))
 

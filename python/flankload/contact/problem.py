@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import flankload._core as _core
+from flankload.contact.status import Status
 from flankload.errors import InputError
 
 Vector = NDArray[np.float64]
@@ -78,11 +79,12 @@ def from_angles(
     if not least > 0.0:
         raise InputError(
             f"{name}: expected row scales > 0, found {least:g} at pair {int(row_scale.argmin())}",
-            code=-5,
+            code=Status.INVALID_SCALE,
         )
     if not torque_row.max() > 0.0:
         raise InputError(
-            f"lever_arms: expected at least one > 0, found none above {torque_row.max():g}", code=-5
+            f"lever_arms: expected at least one > 0, found none above {torque_row.max():g}",
+            code=Status.INVALID_SCALE,
         )
     # a common scale for all rows does not make a matrix symmetric: rows remain those of angles,
     # without a copy, and the loads are scaled, so that B = R without friction
@@ -163,7 +165,7 @@ def method_number(method: str, problem: ContactProblem) -> int:
         raise InputError(
             f"method: 'paper' expected one motion with levers > 0, found {q} motions "
             f"with levers from {problem.motions.min():g}",
-            code=-4 if q != 1 else -5,
+            code=Status.INVALID_INPUT if q != 1 else Status.INVALID_SCALE,
         )
     return METHODS[method]
 
@@ -174,7 +176,7 @@ def expect_positive_diagonal(diagonal: Vector, name: str) -> None:
         raise InputError(
             f"{name}: expected a diagonal > 0, found {diagonal.min():g} "
             f"at pair {int(diagonal.argmin())}",
-            code=-5,
+            code=Status.INVALID_SCALE,
         )
 
 

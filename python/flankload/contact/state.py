@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
 from flankload.contact.problem import DEFINITE, RUNGS, ContactProblem
-from flankload.contact.status import OUT_OF_RANGE
+from flankload.contact.status import Status
 from flankload.errors import (
     ContactError,
     InputError,
@@ -177,7 +177,7 @@ def state_of(
     If only some columns of K were computed, `known` are their pairs.
     """
     code = int(answer.code)
-    if code < 0 and code != NegativeForce.code:
+    if code < 0 and code != Status.NEGATIVE_FORCE:
         raise failure(problem, loads, answer)
     unique = bool(answer.counters[2])
     info = ContactInfo(
@@ -203,7 +203,7 @@ def state_of(
         motions=answer.motion,
         tangent=answer.tangent / problem.load_unit,
     )
-    if code == NegativeForce.code:
+    if code == Status.NEGATIVE_FORCE:
         pair = int(answer.forces.argmin())
         raise NegativeForce(
             f"method 'paper' ended with tension, {answer.forces[pair]:g} N at pair {pair}",
@@ -232,13 +232,13 @@ def _undetermined(
 def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> ContactError:
     """The exception of a code of the core."""
     code = int(answer.code)
-    if code == NoContactState.code:
+    if code == Status.NO_CONTACT_STATE:
         return _no_state(answer, float(answer.certificate[4]) * loads)
-    if code == PivotLimit.code:
+    if code == Status.PIVOT_LIMIT:
         return PivotLimit(f"no state of contact reached after {int(answer.counters[0])} pivots")
-    if code == SingularContact.code:
+    if code == Status.SINGULAR_CONTACT:
         return _singular(problem, answer.motion)
-    if code == OUT_OF_RANGE:
+    if code == Status.OUT_OF_RANGE:
         return InputError(
             "loads: expected units in which forces, gaps and motions lie within 1e-308 … 1e308 "
             "beside loads and gaps, found others",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -15,41 +16,75 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: Status codes: the state exceeds the range of double precision; the workspace was too small for
-#: the pairs of a position, which is repeated with a larger one; a position was not started.
-OUT_OF_RANGE, NO_ROOM, STOPPED = -7, -15, -16
+
+class Status(IntEnum):
+    """Status of a contact problem or of a position (`fortran/base/status.f90`)."""
+
+    SOLVED = 0
+    ILL_CONDITIONED = 1
+    DEGENERATE = 2
+    NOT_UNIQUE = 3
+    # contact problems without a solution
+    NO_CONTACT_STATE = -1
+    PIVOT_LIMIT = -2
+    SINGULAR_CONTACT = -3
+    INVALID_INPUT = -4
+    INVALID_SCALE = -5
+    NEGATIVE_FORCE = -6
+    OUT_OF_RANGE = -7
+    # positions without a solution
+    NO_ZONE = -11
+    TOO_MANY_ZONES = -12
+    UNSETTLED_CELLS = -13
+    CIRCLE_MISSES = -14
+    NO_ROOM = -15  # the position is repeated with a larger workspace
+    STOPPED = -16
+    CONFORMS = -17
+    UNSETTLED_WIDTHS = -18
+    UNSTEADY_POINTS = -19
+    FORCES_MOVE = -20
+    ONLY_ENDS = -21
+    NOT_IN_SLICES = -22
+
+
 #: Exception for each status of a position without a state.
 EXCEPTIONS: dict[int, type[ContactError]] = {
-    NoContactState.code: NoContactState,
-    PivotLimit.code: PivotLimit,
-    SingularContact.code: SingularContact,
-    InputError.code: InputError,
-    -5: InputError,
-    OUT_OF_RANGE: InputError,
-    -11: NoContactState,
-    -12: PivotLimit,
-    -13: PivotLimit,
-    -14: PivotLimit,
-    STOPPED: ContactError,
-    -17: InputError,
-    -18: PivotLimit,
-    -20: PivotLimit,
-    -21: NoContactState,
-    -22: InputError,
+    Status.NO_CONTACT_STATE: NoContactState,
+    Status.PIVOT_LIMIT: PivotLimit,
+    Status.SINGULAR_CONTACT: SingularContact,
+    Status.INVALID_INPUT: InputError,
+    Status.INVALID_SCALE: InputError,
+    Status.OUT_OF_RANGE: InputError,
+    Status.NO_ZONE: NoContactState,
+    Status.TOO_MANY_ZONES: PivotLimit,
+    Status.UNSETTLED_CELLS: PivotLimit,
+    Status.CIRCLE_MISSES: PivotLimit,
+    Status.STOPPED: ContactError,
+    Status.CONFORMS: InputError,
+    Status.UNSETTLED_WIDTHS: PivotLimit,
+    Status.FORCES_MOVE: PivotLimit,
+    Status.ONLY_ENDS: NoContactState,
+    Status.NOT_IN_SLICES: InputError,
 }
 
 #: Replacements for general terms of the core by terms of a scene.
-IN_A_SCENE = {
-    -1: "no state of contact was found for this torque",
-    -3: "no pair holds the rotation, or the pairs in contact depend on each other",
-    -5: "no pair could carry the torque",
-    -7: "forces, gaps or rotation beyond the range of a double",
-    -17: (
+IN_A_SCENE: dict[int, str] = {
+    Status.NO_CONTACT_STATE: "no state of contact was found for this torque",
+    Status.SINGULAR_CONTACT: (
+        "no pair holds the rotation, or the pairs in contact depend on each other"
+    ),
+    Status.INVALID_SCALE: "no pair could carry the torque",
+    Status.OUT_OF_RANGE: "forces, gaps or rotation beyond the range of a double",
+    Status.CONFORMS: (
         'effects.contact = "lumped" sums a contact up in one place, but here flanks conform '
         'and touch over a length (contact = "pairs" follows that)'
     ),
-    -21: "only tips or fillets come near here, which effects.tip_contact = false leaves out",
-    -22: "cells in slices along the face width are without finite forces, slices without growth",
+    Status.ONLY_ENDS: (
+        "only tips or fillets come near here, which effects.tip_contact = false leaves out"
+    ),
+    Status.NOT_IN_SLICES: (
+        "cells in slices along the face width are without finite forces, slices without growth"
+    ),
 }
 #: Start and number of steps of the search for the largest torque that a jammed pair can hold; the
 #: given number of rounds locates it to 3e-4.
@@ -88,7 +123,7 @@ def raise_first_failure(
     more = f" ({len(failed)} of {status.size} states failed)" if len(failed) > 1 else ""
     code = int(status[k, t])
     kind, reason = EXCEPTIONS[code], IN_A_SCENE.get(code) or words(code)
-    if code != NoContactState.code:
+    if code != Status.NO_CONTACT_STATE:
         raise kind(f"{where}: {reason}{more}")
     part, proven = certificate[:2, k, t]
     held = float(torques[t] * part)

@@ -49,15 +49,22 @@ class JobLog:
     ----------
     account : Account, optional
         Counters and workspace; by default a new one.
-    on_solution : callable, optional
-        Called with the displacements (2N, p) of all nodes under the unit loads of a flank.
+    estimate : callable, optional
+        Estimated error (p, p) of the displacements (2N, p) of all nodes under the unit loads of a
+        flank.
+
+    Attributes
+    ----------
+    errors : list of (p, p) arrays
+        These errors, one per solution.
     """
 
     def __init__(
-        self, account: Account | None = None, on_solution: Callable[[Floats], None] | None = None
+        self, account: Account | None = None, estimate: Callable[[Floats], Floats] | None = None
     ) -> None:
         self.account = Account() if account is None else account
-        self._on_solution = on_solution
+        self.errors: list[Floats] = []
+        self._estimate = estimate
         self._seconds: dict[str, float] = {}
         self._wall, self._clock = perf_counter(), process_time()
 
@@ -74,12 +81,12 @@ class JobLog:
 
     def solution(self, free: Numbers, moved: Floats, unknowns: int) -> None:
         """Report a solution (n, p) under the unit loads of a flank; all but `free` (n,) are 0."""
-        if self._on_solution is None:
+        if self._estimate is None:
             return
         self.end_step("solution")
         displacement = np.zeros((unknowns, moved.shape[1]))
         displacement[free] = moved
-        self._on_solution(displacement)
+        self.errors.append(self._estimate(displacement))
         self.end_step("estimate")
 
     def cost(self, asymmetry: float, degrees_of_freedom: int) -> JobCost:

@@ -22,7 +22,14 @@ from flankload.plot.curves import (
     draw_torque_sweep,
     draw_transmission_error,
     draw_transmission_error_spectrum,
+    plot_flank_forces,
+    plot_follower_motion,
+    plot_load_sharing,
+    plot_peak_pressure,
+    plot_stiffness,
     plot_torque_sweep,
+    plot_transmission_error,
+    plot_transmission_error_spectrum,
     spectrum,
 )
 from flankload.plot.design_study import (
@@ -49,12 +56,25 @@ from flankload.plot.load_maps import (
     draw_line_load_map,
     draw_load_map,
     plot_contact_pattern,
+    plot_line_load,
+    plot_line_load_map,
+    plot_load_map,
 )
 from flankload.plot.loaded_pair import draw_loaded_pair, plot_loaded_pair
 from flankload.plot.picture import DRAWINGS, PICTURES
-from flankload.plot.root_stress import draw_root_stress, draw_root_stress_over_width
+from flankload.plot.root_stress import (
+    draw_root_stress,
+    draw_root_stress_over_width,
+    plot_root_stress,
+    plot_root_stress_over_width,
+)
 from flankload.plot.style import FORMATS, SIZE, file_of, png_of, write_pictures
-from flankload.plot.whole_circle import draw_flank_pressure, draw_load_per_tooth
+from flankload.plot.whole_circle import (
+    draw_flank_pressure,
+    draw_load_per_tooth,
+    plot_flank_pressure,
+    plot_load_per_tooth,
+)
 from flankload.plot.wrapped import (
     draw_belt_on_pulley,
     draw_chain_on_sprocket,
@@ -62,7 +82,11 @@ from flankload.plot.wrapped import (
     draw_load_around_wrap,
     draw_tension_around_wrap,
     draw_tensions,
+    plot_belt_on_pulley,
+    plot_chain_on_sprocket,
+    plot_force_through_wrap,
     plot_load_around_wrap,
+    plot_tensions,
 )
 
 if TYPE_CHECKING:
@@ -143,25 +167,6 @@ __all__ = [
 ]
 
 MM_PER_INCH = 25.4
-
-plot_belt_on_pulley = PICTURES["belt_on_pulley"]
-plot_chain_on_sprocket = PICTURES["chain_on_sprocket"]
-plot_flank_forces = PICTURES["flank_forces"]
-plot_flank_pressure = PICTURES["flank_pressure"]
-plot_follower_motion = PICTURES["follower_motion"]
-plot_force_through_wrap = PICTURES["force_through_wrap"]
-plot_line_load = PICTURES["line_load"]
-plot_line_load_map = PICTURES["line_load_map"]
-plot_load_map = PICTURES["load_map"]
-plot_load_per_tooth = PICTURES["load_per_tooth"]
-plot_load_sharing = PICTURES["load_sharing"]
-plot_peak_pressure = PICTURES["peak_pressure"]
-plot_root_stress = PICTURES["root_stress"]
-plot_root_stress_over_width = PICTURES["root_stress_over_width"]
-plot_stiffness = PICTURES["stiffness"]
-plot_tensions = PICTURES["tensions"]
-plot_transmission_error = PICTURES["transmission_error"]
-plot_transmission_error_spectrum = PICTURES["transmission_error_spectrum"]
 
 
 def plot_all(

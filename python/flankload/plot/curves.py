@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from flankload.plot.figures import label_torques, legend_below, note
-from flankload.plot.picture import all_torques, largest, panels, picture
+from flankload.plot.picture import all_torques, figure_of, largest, panels, picture
 from flankload.plot.positions import (
     MOST_MARKS,
     curve,
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from flankload.plot.picture import Results
     from flankload.result import Result
 
 #: Least range of a plot of transmission errors, um, and as part of their mean: smaller variations
@@ -58,12 +59,13 @@ ON_SHARP = "a pair carries on a sharp corner"
 ON_CORNER = "dashed: on a sharp corner, not meaningful"
 
 
-@picture(all_torques, "Transmission error")
-def draw_transmission_error(axes: Axes, results: Sequence[Result]) -> None:
+@picture(all_torques)
+def draw_transmission_error(axes: Axes, results: Results) -> None:
     """Draw the transmission error over the positions, a curve per torque.
 
     One torque: with its mean and peak to peak.
     """
+    results = all_torques(results)
     label_positions(axes, results[0])
     axes.set_ylabel("transmission error in µm")
     colours = torque_colours(len(results))
@@ -82,6 +84,12 @@ def draw_transmission_error(axes: Axes, results: Sequence[Result]) -> None:
     ends = [float(curve(result, result.transmission_error_um)[1][-1]) for result in results]
     spans = [result.summary["transmission_error_peak_to_peak_um"] for result in results]
     label_torques(axes, results, ends, [f"p-p {span:.2f} µm" for span in spans])
+
+
+@picture(all_torques)
+def plot_transmission_error(results: Results) -> Figure:
+    """Figure of the transmission error over the positions, a curve per torque."""
+    return figure_of(draw_transmission_error, results, "Transmission error")
 
 
 def _mark_corners(axes: Axes, result: Result, colour: Any) -> None:
@@ -115,12 +123,13 @@ def _note_mean(axes: Axes, result: Result) -> None:
     note(axes, text, (0.99, 0.97), "axes fraction", ha="right", va="top", linespacing=1.4)
 
 
-@picture(all_torques, "Load sharing")
-def draw_load_sharing(axes: Axes, results: Sequence[Result]) -> None:
+@picture(all_torques)
+def draw_load_sharing(axes: Axes, results: Results) -> None:
     """Draw the load share of each pair over the positions, with forces on a second axis.
 
     Several torques: the share of a pair on its way through the mesh, a curve per torque.
     """
+    results = all_torques(results)
     axes.set_ylim(0, 108)
     axes.set_yticks(range(0, 101, 20))
     axes.set_ylabel("load share in %")
@@ -139,6 +148,12 @@ def draw_load_sharing(axes: Axes, results: Sequence[Result]) -> None:
     if total > 0:
         _add_axis(axes, total / 100, f"force in kN (all pairs: {total:.2f} kN)")
     legend_of_pairs(axes)
+
+
+@picture(all_torques)
+def plot_load_sharing(results: Results) -> Figure:
+    """Figure of the load share of each pair over the positions, with forces on a second axis."""
+    return figure_of(draw_load_sharing, results, "Load sharing")
 
 
 def _draw_on_way(
@@ -189,12 +204,13 @@ def _add_axis(axes: Axes, factor: float, label: str, place: float = 1.0) -> None
     second.spines["right"].set_visible(True)
 
 
-@picture(all_torques, "Peak pressure")
-def draw_peak_pressure(axes: Axes, results: Sequence[Result]) -> None:
+@picture(all_torques)
+def draw_peak_pressure(axes: Axes, results: Results) -> None:
     """Draw the peak pressure of each pair over the positions, dashed on sharp corners.
 
     Several torques: the pressure of a pair on its way through the mesh, a curve per torque.
     """
+    results = all_torques(results)
     axes.set_ylabel("peak pressure in MPa")
     # meaningless values must not compress the range of the others
     smooth = max(result.summary["peak_pressure_off_corners_MPa"] for result in results)
@@ -217,6 +233,12 @@ def draw_peak_pressure(axes: Axes, results: Sequence[Result]) -> None:
     legend_of_pairs(axes)
 
 
+@picture(all_torques)
+def plot_peak_pressure(results: Results) -> Figure:
+    """Figure of the peak pressure of each pair over the positions, dashed on sharp corners."""
+    return figure_of(draw_peak_pressure, results, "Peak pressure")
+
+
 def explain_dashes(axes: Axes, results: Sequence[Result]) -> None:
     """Legend of curves that are dashed on corners, if any is."""
     if any(result.corner_contact.any() for result in results):
@@ -224,8 +246,8 @@ def explain_dashes(axes: Axes, results: Sequence[Result]) -> None:
         legend_below(axes, [dashed], [ON_CORNER])
 
 
-@picture(largest, "Follower motion")
-def draw_follower_motion(axes: Axes, result: Result) -> None:
+@picture(largest)
+def draw_follower_motion(axes: Axes, results: Results) -> None:
     """Draw the angle of a follower over a turn of its cam, and the contact force.
 
     Raises
@@ -233,6 +255,7 @@ def draw_follower_motion(axes: Axes, result: Result) -> None:
     ValueError
         If there is no cam.
     """
+    result = largest(results)
     if result.follower_angle_rad is None:
         raise ValueError("result: expected a follower on its cam, found none")
     label_positions(axes, result)
@@ -249,8 +272,20 @@ def draw_follower_motion(axes: Axes, result: Result) -> None:
         second.set_ylabel("force in kN (dashed)", color=FORCE)
 
 
-@picture(largest, "Forces on both flanks")
-def draw_flank_forces(axes: Axes, result: Result) -> None:
+@picture(largest)
+def plot_follower_motion(results: Results) -> Figure:
+    """Figure of the angle of a follower over a turn of its cam, and the contact force.
+
+    Raises
+    ------
+    ValueError
+        If there is no cam.
+    """
+    return figure_of(draw_follower_motion, largest(results), "Follower motion")
+
+
+@picture(largest)
+def draw_flank_forces(axes: Axes, results: Results) -> None:
     """Draw the force of each pair over the positions, on coast flanks dashed.
 
     Raises
@@ -258,6 +293,7 @@ def draw_flank_forces(axes: Axes, result: Result) -> None:
     ValueError
         If coast flanks cannot carry load.
     """
+    result = largest(results)
     if result.coast is None:
         raise ValueError("result: expected contact on coast flanks, found none")
     label_positions(axes, result)
@@ -277,13 +313,26 @@ def draw_flank_forces(axes: Axes, result: Result) -> None:
     axes.set_ylabel("force in kN")
 
 
-@picture(all_torques, "Spectrum of the transmission error")
-def draw_transmission_error_spectrum(axes: Axes, results: Sequence[Result]) -> None:
+@picture(largest)
+def plot_flank_forces(results: Results) -> Figure:
+    """Figure of the force of each pair over the positions, on coast flanks dashed.
+
+    Raises
+    ------
+    ValueError
+        If coast flanks cannot carry load.
+    """
+    return figure_of(draw_flank_forces, largest(results), "Forces on both flanks")
+
+
+@picture(all_torques)
+def draw_transmission_error_spectrum(axes: Axes, results: Results) -> None:
     """Draw the amplitudes of the transmission error over the mesh orders, a bar per torque.
 
     If the period has several pitches, the orders between the mesh orders are those of a period.
     The positions cover the period.
     """
+    results = all_torques(results)
     pitches = results[0].period_pitches
     width = COVERED / (len(results) * pitches)
     for k, (result, colour) in enumerate(zip(results, torque_colours(len(results)), strict=True)):
@@ -298,6 +347,14 @@ def draw_transmission_error_spectrum(axes: Axes, results: Sequence[Result]) -> N
     axes.set_ylabel("amplitude in µm")
     if len(results) > 1:
         legend_below(axes, ncols=min(len(results), 5))
+
+
+@picture(all_torques)
+def plot_transmission_error_spectrum(results: Results) -> Figure:
+    """Figure of the amplitudes of the transmission error over the mesh orders, a bar per torque."""
+    return figure_of(
+        draw_transmission_error_spectrum, results, "Spectrum of the transmission error"
+    )
 
 
 def spectrum(result: Result) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -320,13 +377,14 @@ def spectrum(result: Result) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return np.arange(1, len(known) + 1) / pitches, np.array(known)
 
 
-@picture(all_torques, "Stiffness")
-def draw_stiffness(axes: Axes, results: Sequence[Result]) -> None:
+@picture(all_torques)
+def draw_stiffness(axes: Axes, results: Results) -> None:
     """Draw the stiffness over the positions, along the line of action and torsional.
 
     One torque: tangent and secant stiffness; several torques: a curve of the tangent stiffness
     for each.
     """
+    results = all_torques(results)
     label_positions(axes, results[0])
     colours = torque_colours(len(results))
     # N/um times mm² is N m/rad
@@ -344,6 +402,12 @@ def draw_stiffness(axes: Axes, results: Sequence[Result]) -> None:
     axes.margins(y=0.1)
     label_torques(axes, results, ends)
     _add_axis(axes, factor, label, BESIDE_LABELS)
+
+
+@picture(all_torques)
+def plot_stiffness(results: Results) -> Figure:
+    """Figure of the stiffness over the positions, along the line of action and torsional."""
+    return figure_of(draw_stiffness, results, "Stiffness")
 
 
 def _draw_both(axes: Axes, result: Result, colour: Any) -> None:
@@ -382,24 +446,25 @@ QUANTITIES: dict[str, tuple[str, str | Callable[[Result], float]]] = {
 }
 
 
-@panels(all_torques, "Over the torque")
-def plot_torque_sweep(
-    figure: Figure, results: Sequence[Result], *, quantity: str | None = None
-) -> None:
-    """Draw transmission error, pressure or force, and stiffness over the torque."""
-    if quantity is not None:
-        draw_torque_sweep(figure.add_subplot(), results, quantity=quantity)
-        return
-    third = "peak_pressure" if results[0].drive is None else "tooth_force"
-    names = ("transmission_error_peak_to_peak", "transmission_error_mean", third, "stiffness")
-    figure.set_size_inches(SIZE[0], 1.25 * SIZE[1])
-    for axes, name in zip(figure.subplots(2, 2).flat, names, strict=True):
-        draw_torque_sweep(axes, results, quantity=name)
+@picture(all_torques)
+def plot_torque_sweep(results: Results, quantity: str | None = None) -> Figure:
+    """Figure of transmission error, pressure or force, and stiffness over the torque."""
+    results = all_torques(results)
+    with panels(results, "Over the torque") as figure:
+        if quantity is not None:
+            draw_torque_sweep(figure.add_subplot(), results, quantity=quantity)
+            return figure
+        third = "peak_pressure" if results[0].drive is None else "tooth_force"
+        names = ("transmission_error_peak_to_peak", "transmission_error_mean", third, "stiffness")
+        figure.set_size_inches(SIZE[0], 1.25 * SIZE[1])
+        for axes, name in zip(figure.subplots(2, 2).flat, names, strict=True):
+            draw_torque_sweep(axes, results, quantity=name)
+    return figure
 
 
 @picture(all_torques)
 def draw_torque_sweep(
-    axes: Axes, results: Sequence[Result], *, quantity: str = "transmission_error_peak_to_peak"
+    axes: Axes, results: Results, *, quantity: str = "transmission_error_peak_to_peak"
 ) -> None:
     """Draw a key figure over the torque.
 
@@ -408,6 +473,7 @@ def draw_torque_sweep(
     ValueError
         If the quantity is none of `QUANTITIES`.
     """
+    results = all_torques(results)
     if quantity not in QUANTITIES:
         expected = ", ".join(QUANTITIES)
         raise ValueError(f"quantity: expected one of {expected}, found {quantity!r}")

@@ -17,13 +17,12 @@ from flankload.plot.positions import way_curve
 from flankload.plot.style import BODIES, GREY, SIZE, short, torque_colours
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from flankload.bodies.profile_deviation import ProfileDeviation
+    from flankload.plot.picture import Results
     from flankload.result import Result
 
     Floats = NDArray[np.float64]
@@ -106,20 +105,23 @@ def path_on_flank(result: Result, body: int) -> PathOnFlank | None:
     return PathOnFlank(base, base * tan(angle), pitch, geometry.path_pitches)
 
 
-@panels(all_torques, "Peak pressure over the flanks")
-def plot_pressure_over_diameter(
-    figure: Figure, results: Sequence[Result], *, body: int | None = None
-) -> None:
-    """Draw the peak pressure over the diameter of each body, a curve per torque; points A to E."""
-    bodies = (1, 2) if body is None else (body,)
-    figure.set_size_inches(SIZE[0], (0.5 + 0.5 * len(bodies)) * SIZE[1])
-    for each, axes in zip(bodies, figure.subplots(len(bodies), squeeze=False).flat, strict=True):
-        draw_pressure_over_diameter(axes, results, body=each, key=each == bodies[-1])
+@picture(all_torques)
+def plot_pressure_over_diameter(results: Results, body: int | None = None) -> Figure:
+    """Figure of the peak pressure over the diameter of each body, with points A to E."""
+    results = all_torques(results)
+    with panels(results, "Peak pressure over the flanks") as figure:
+        bodies = (1, 2) if body is None else (body,)
+        figure.set_size_inches(SIZE[0], (0.5 + 0.5 * len(bodies)) * SIZE[1])
+        for each, axes in zip(
+            bodies, figure.subplots(len(bodies), squeeze=False).flat, strict=True
+        ):
+            draw_pressure_over_diameter(axes, results, body=each, key=each == bodies[-1])
+    return figure
 
 
 @picture(all_torques)
 def draw_pressure_over_diameter(
-    axes: Axes, results: Sequence[Result], *, body: int = 1, key: bool = True
+    axes: Axes, results: Results, *, body: int = 1, key: bool = True
 ) -> None:
     """Draw the peak pressure over the diameter of a body, with roll angles on a second axis.
 
@@ -130,6 +132,7 @@ def draw_pressure_over_diameter(
     ValueError
         If the path of contact of two involutes is unknown.
     """
+    results = all_torques(results)
     path = path_on_flank(results[0], body)
     if path is None:
         raise ValueError("result: expected two involutes with a path of contact, found none")
@@ -193,22 +196,25 @@ def _mark_points(axes: Axes, path: PathOnFlank) -> None:
         note(axes, name, (diameter, 0.03), coords, offset, ha="center", weight="bold", bbox=box)
 
 
-@panels(all_torques)
-def plot_profile_deviation(
-    figure: Figure, results: Sequence[Result], *, body: int | None = None
-) -> None:
-    """Draw the deviation from the involute along its normal, a panel for each body that has one."""
-    known = [z for z in (1, 2) if results[0].drawing.profiles[z - 1] is not None]
-    bodies = known if body is None else [body]
-    figure.set_size_inches(SIZE[0], 1.0 + 2.9 * len(bodies))
-    set_title(figure, short(results[0].name), "Profile deviation")
-    for each, axes in zip(bodies, figure.subplots(len(bodies), squeeze=False).flat, strict=True):
-        draw_profile_deviation(axes, results, body=each)
-        axes.set_title(f"body {each}", color=BODIES[each - 1], fontsize=10, pad=BESIDE)
+@picture(all_torques)
+def plot_profile_deviation(results: Results, body: int | None = None) -> Figure:
+    """Figure of the deviation from the involute along its normal, per body that has one."""
+    results = all_torques(results)
+    with panels(results) as figure:
+        known = [z for z in (1, 2) if results[0].drawing.profiles[z - 1] is not None]
+        bodies = known if body is None else [body]
+        figure.set_size_inches(SIZE[0], 1.0 + 2.9 * len(bodies))
+        set_title(figure, short(results[0].name), "Profile deviation")
+        for each, axes in zip(
+            bodies, figure.subplots(len(bodies), squeeze=False).flat, strict=True
+        ):
+            draw_profile_deviation(axes, results, body=each)
+            axes.set_title(f"body {each}", color=BODIES[each - 1], fontsize=10, pad=BESIDE)
+    return figure
 
 
 @picture(all_torques)
-def draw_profile_deviation(axes: Axes, results: Sequence[Result], *, body: int = 1) -> None:
+def draw_profile_deviation(axes: Axes, results: Results, *, body: int = 1) -> None:
     """Draw the deviation of a body from its involute along its normal, over roll length.
 
     All torques have the same profiles; the scale is that of both bodies.
@@ -218,6 +224,7 @@ def draw_profile_deviation(axes: Axes, results: Sequence[Result], *, body: int =
     ValueError
         If the involute of the body is unknown.
     """
+    results = all_torques(results)
     drawing = results[0].drawing
     profile = drawing.profiles[body - 1]
     if profile is None:

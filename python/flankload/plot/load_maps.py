@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from flankload.plot.figures import BOX, legend_below, note
-from flankload.plot.picture import at, largest, of_largest_line_load, panels, picture
+from flankload.plot.picture import at_largest_line_load, figure_of, largest, panels, picture
 from flankload.plot.positions import (
     is_closed,
     label_positions,
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from flankload.plot.picture import Results
     from flankload.result import Result
     from flankload.result.pairs import PairTable
 
@@ -38,12 +39,13 @@ FORCE_MAP, LOAD_MAP, PATTERN_MAP = "viridis_r", "viridis", "inferno_r"
 MOST_TICKS = 12
 
 
-@picture(largest, lambda result: f"Load of the {result.words_for_sites[1]}", size=(SIZE[0], 3.6))
-def draw_load_map(axes: Axes, result: Result) -> None:
+@picture(largest)
+def draw_load_map(axes: Axes, results: Results) -> None:
     """Draw the force of each pair (vertical) at each position (horizontal) as a colour.
 
     A pair without load is blank.
     """
+    result = largest(results)
     columns = [s for s, _ in loaded_sites(result)] or [0]
     rows = range(columns[0], columns[-1] + 1)
     curves = [pair_curve(result, result.site_force_N, s) for s in rows]
@@ -66,6 +68,15 @@ def draw_load_map(axes: Axes, result: Result) -> None:
     axes.figure.colorbar(shown, ax=axes, label="force in kN", pad=0.02)
 
 
+@picture(largest)
+def plot_load_map(results: Results) -> Figure:
+    """Figure of the force of each pair (vertical) at each position (horizontal) as a colour."""
+    result = largest(results)
+    return figure_of(
+        draw_load_map, result, f"Load of the {result.words_for_sites[1]}", size=(SIZE[0], 3.6)
+    )
+
+
 def _angle_edges(result: Result, angle: NDArray[np.float64]) -> NDArray[np.float64]:
     """Boundaries between positions; a gap has no colour of its own."""
     known = np.where(np.isnan(angle), 0.5 * (np.roll(angle, 1) + np.roll(angle, -1)), angle)
@@ -77,12 +88,10 @@ def _angle_edges(result: Result, angle: NDArray[np.float64]) -> NDArray[np.float
     return np.concatenate([[2 * known[0] - first], middle, [2 * known[-1] - last]])
 
 
-@picture(
-    at(of_largest_line_load),
-    lambda result, p: f"Line load at {np.degrees(result.position_rad[p]):.2f}°",
-)
-def draw_line_load(axes: Axes, result: Result, p: int) -> None:
+@picture(at_largest_line_load)
+def draw_line_load(axes: Axes, results: Results, *, position: int | None = None) -> None:
     """Draw the line load of a three-dimensional result over the face width, per flank pair."""
+    result, p = at_largest_line_load(results, position)
     slices = result.slices
     assert slices is not None
     load = slices.line_load_N_per_mm
@@ -114,12 +123,25 @@ def draw_line_load(axes: Axes, result: Result, p: int) -> None:
     )
 
 
-@picture(largest, "Line load of a tooth")
-def draw_line_load_map(axes: Axes, result: Result) -> None:
+@picture(at_largest_line_load)
+def plot_line_load(results: Results, position: int | None = None) -> Figure:
+    """Figure of the line load of a three-dimensional result over the face width, per flank pair."""
+    result, p = at_largest_line_load(results, position)
+    return figure_of(
+        draw_line_load,
+        result,
+        f"Line load at {np.degrees(result.position_rad[p]):.2f}°",
+        position=p,
+    )
+
+
+@picture(largest)
+def draw_line_load_map(axes: Axes, results: Results) -> None:
     """Draw the line load of a tooth over its way through the mesh and the face width.
 
     Pair j is j pitches further along than pair 0: all pairs together are the way of one tooth.
     """
+    result = largest(results)
     slices = result.slices
     assert slices is not None
     place = places_on_way(result)
@@ -141,27 +163,39 @@ def draw_line_load_map(axes: Axes, result: Result) -> None:
     axes.figure.colorbar(shown, ax=axes, label="line load in N per mm face width")
 
 
-@panels(largest, "Contact pattern", (SIZE[0], 0.9 * SIZE[1]))
-def plot_contact_pattern(figure: Figure, result: Result, *, body: int | None = None) -> None:
-    """Draw the largest pressure at each place of both flanks over all positions."""
-    bodies = (1, 2) if body is None else (body,)
-    most = max(contact_pattern(result, each)[1].max() for each in (1, 2))
-    for each, axes in zip(bodies, figure.subplots(1, len(bodies), squeeze=False).flat, strict=True):
-        key = each == bodies[-1]
-        draw_contact_pattern(axes, result, body=each, largest_MPa=most, key=key)
-        axes.set_title(f"body {each}", color=BODIES[each - 1])
+@picture(largest)
+def plot_line_load_map(results: Results) -> Figure:
+    """Figure of the line load of a tooth over its way through the mesh and the face width."""
+    return figure_of(draw_line_load_map, largest(results), "Line load of a tooth")
+
+
+@picture(largest)
+def plot_contact_pattern(results: Results, body: int | None = None) -> Figure:
+    """Figure of the largest pressure at each place of both flanks over all positions."""
+    result = largest(results)
+    with panels(result, "Contact pattern", (SIZE[0], 0.9 * SIZE[1])) as figure:
+        bodies = (1, 2) if body is None else (body,)
+        most = max(contact_pattern(result, each)[1].max() for each in (1, 2))
+        for each, axes in zip(
+            bodies, figure.subplots(1, len(bodies), squeeze=False).flat, strict=True
+        ):
+            key = each == bodies[-1]
+            draw_contact_pattern(axes, result, body=each, largest_MPa=most, key=key)
+            axes.set_title(f"body {each}", color=BODIES[each - 1])
+    return figure
 
 
 @picture(largest)
 def draw_contact_pattern(
     axes: Axes,
-    result: Result,
+    results: Results,
     *,
     body: int = 1,
     largest_MPa: float | None = None,
     key: bool = True,
 ) -> None:
     """Draw the largest pressure at each place of a flank over all positions, in slices."""
+    result = largest(results)
     slices = result.slices
     assert slices is not None
     diameter, pressure = contact_pattern(result, body)

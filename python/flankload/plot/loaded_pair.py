@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from flankload.plot.picture import Results
     from flankload.result import PairTable, Result
 
     Floats = NDArray[np.float64]
@@ -51,47 +52,51 @@ def _representative(result: Result) -> int:
     return int(order[0])
 
 
-@panels(
-    at(_representative),
-    lambda result, p: f"Loaded pair at {degrees(result.position_rad[p]):.4g}°",
-    (7.2, 4.8),
-)
-def plot_loaded_pair(figure: Figure, result: Result, p: int) -> None:
-    """Draw the teeth in mesh at one position with pressures on the flanks, and each pressure.
+_at_representative = at(_representative)
+
+
+@picture(_at_representative)
+def plot_loaded_pair(results: Results, position: int | None = None) -> Figure:
+    """Figure of the teeth in mesh at one position with pressures on the flanks, and each pressure.
 
     Three-dimensional bodies are drawn over their face width, with the line load on their flanks.
     """
-    if _has_width(result):
-        fill_with_loaded_bodies(figure, result, p)
-        return
-    carrying = _carrying(result, p)
-    if result.whole_circle or not carrying:
-        if result.whole_circle:
-            figure.set_size_inches(6.2, 6.4)
-        draw_loaded_pair(figure.add_subplot(), result, position=p)
-        return
-    grid = figure.add_gridspec(len(carrying), 2, width_ratios=(1.55, 1.0))
-    draw_loaded_pair(figure.add_subplot(grid[:, 0]), result, position=p)
-    # The panels have the same vertical order as the pairs in the drawing, and the same axes, so
-    # that widths and heights can be compared.
-    curves = [_pressure_along(result, p, site) for _, site in carrying]
-    reach = max((1.6 * float(np.abs(x[y > 0]).max()) for x, y in curves), default=0.0)
-    upwards = carrying if not result.drawing.is_around else carrying[::-1]
-    for row, (s, site) in enumerate(reversed(upwards)):
-        axes = figure.add_subplot(grid[row, 1])
-        _draw_pressure(axes, result, p, s, site, reach)
-        if row < len(carrying) - 1:
-            axes.set_xlabel("")
-            axes.tick_params(labelbottom=False)
+    result, p = _at_representative(results, position)
+    title = f"Loaded pair at {degrees(result.position_rad[p]):.4g}°"
+    with panels(result, title, (7.2, 4.8)) as figure:
+        if _has_width(result):
+            fill_with_loaded_bodies(figure, result, p)
+            return figure
+        carrying = _carrying(result, p)
+        if result.whole_circle or not carrying:
+            if result.whole_circle:
+                figure.set_size_inches(6.2, 6.4)
+            draw_loaded_pair(figure.add_subplot(), result, position=p)
+            return figure
+        grid = figure.add_gridspec(len(carrying), 2, width_ratios=(1.55, 1.0))
+        draw_loaded_pair(figure.add_subplot(grid[:, 0]), result, position=p)
+        # The panels have the same vertical order as the pairs in the drawing, and the same axes, so
+        # that widths and heights can be compared.
+        curves = [_pressure_along(result, p, site) for _, site in carrying]
+        reach = max((1.6 * float(np.abs(x[y > 0]).max()) for x, y in curves), default=0.0)
+        upwards = carrying if not result.drawing.is_around else carrying[::-1]
+        for row, (s, site) in enumerate(reversed(upwards)):
+            axes = figure.add_subplot(grid[row, 1])
+            _draw_pressure(axes, result, p, s, site, reach)
+            if row < len(carrying) - 1:
+                axes.set_xlabel("")
+                axes.tick_params(labelbottom=False)
+    return figure
 
 
-@picture(at(_representative))
-def draw_loaded_pair(axes: Axes, result: Result, p: int) -> None:
+@picture(_at_representative)
+def draw_loaded_pair(axes: Axes, results: Results, *, position: int | None = None) -> None:
     """Draw the teeth in mesh at one position with pressures on the flanks, forces on a spline.
 
     Three-dimensional bodies: the teeth of body 1 with the line load on their flanks; of splines a
     section as in the plane.
     """
+    result, p = _at_representative(results, position)
     if _has_width(result):
         draw_loaded_body(axes, result, p, 1)
         return

@@ -1,4 +1,4 @@
-"""Pictures as pairs of functions, made from the function that draws what one of them shows.
+"""What the plots of results have in common: what they show, their figures, their docstrings.
 
 `draw_NAME(axes, results)` draws on given Axes, without a title; `plot_NAME(results)` returns a
 figure with title and margins. A picture shows all torques, the largest one, or that at a position.
@@ -6,8 +6,9 @@ figure with title and margins. A picture shows all torques, the largest one, or 
 
 from __future__ import annotations
 
-from inspect import Parameter, Signature, cleandoc, signature
-from typing import TYPE_CHECKING, Any
+from contextlib import contextmanager
+from inspect import cleandoc, signature
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from matplotlib import rc_context
@@ -16,23 +17,19 @@ from flankload.plot.figures import as_results, empty_figure, fit, heaviest, set_
 from flankload.plot.style import GREY, SIZE, STYLE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from flankload.result import Result
 
     Results = Result | Sequence[Result]
-    #: What a picture shows of the results: the arguments of the function that draws it.
-    Shown = Callable[..., tuple[Any, ...]]
-    #: A text, or a function of what is shown.
-    Words = str | Callable[..., str]
-    Paint = Callable[..., None]
 
-#: All plots by name.
+Function = TypeVar("Function", bound="Callable[..., Any]")
+
+#: All plots by name: the functions `plot_NAME`.
 PICTURES: dict[str, Callable[..., Figure]] = {}
-#: The functions that draw them on given Axes; of several panels they draw one.
+#: The functions `draw_NAME`; of several panels they draw one.
 DRAWINGS: dict[str, Callable[..., None]] = {}
 #: Names of those that show the largest torque alone.
 OF_LARGEST: set[str] = set()
@@ -47,21 +44,20 @@ PARAMETERS = {
     "largest_MPa": "float, optional\n    End of the scale of colours; by default that of the body.",
     "quantity": "str\n    One of `QUANTITIES`; a figure shows four unless one is given.",
 }
-TYPES = {"axes": "Axes", "results": "Result | Sequence[Result]"}
 SMALL: dict[str, Any] = {"fontsize": 9, "fontweight": "normal", "color": GREY}
 
 
-def all_torques(results: Results) -> tuple[tuple[Result, ...]]:
+def all_torques(results: Results) -> tuple[Result, ...]:
     """Each is drawn."""
-    return (as_results(results),)
+    return as_results(results)
 
 
-def largest(results: Results) -> tuple[Result]:
+def largest(results: Results) -> Result:
     """The one of the largest torque is drawn."""
-    return (heaviest(results),)
+    return heaviest(results)
 
 
-def at(default: Callable[[Result], int]) -> Callable[..., tuple[Result, int]]:
+def at(default: Callable[[Result], int]) -> Callable[[Results, int | None], tuple[Result, int]]:
     """Result of the largest torque, and a position.
 
     Parameters
@@ -70,7 +66,7 @@ def at(default: Callable[[Result], int]) -> Callable[..., tuple[Result, int]]:
         Position if none is given; its docstring describes it in a line.
     """
 
-    def shown(results: Results, position: int | None = None) -> tuple[Result, int]:
+    def shown(results: Results, position: int | None) -> tuple[Result, int]:
         result = heaviest(results)
         return result, default(result) if position is None else position
 
@@ -88,125 +84,95 @@ def of_largest_line_load(result: Result) -> int:
     return int(np.argmax(result.slice_line_load_N_per_mm.max(axis=(1, 2))))
 
 
-def picture(
-    shown: Shown,
-    title: Words = "",
-    *,
-    second: Words = "",
-    pad: float = 6.0,
-    size: tuple[float, float] = SIZE,
-    **axes_options: Any,
-) -> Callable[[Paint], Paint]:
-    """Make `draw_NAME` from a function that draws on Axes; with a title also `plot_NAME`.
+at_largest_force, at_largest_line_load = at(of_largest_force), at(of_largest_line_load)
+
+
+def picture(shown: Callable[..., Any]) -> Callable[[Function], Function]:
+    """List `draw_NAME` in `DRAWINGS`, `plot_NAME` in `PICTURES`; describe its parameters.
 
     Parameters
     ----------
     shown : callable
-        `all_torques`, `largest` or `at(…)`.
-    title : str or callable
-        Title of a figure with this panel alone, beside name and torque. Without it, `plot_NAME` is
-        made by `panels`.
-    second : str or callable
+        `all_torques`, `largest` or one from `at`, which the function calls.
+    """
+    which, _, default = (shown.__doc__ or "").partition("\n")
+    default = default[:1].lower() + default[1:]
+
+    def listed(function: Function) -> Function:
+        kind, _, name = function.__name__.partition("_")
+        (DRAWINGS if kind == "draw" else PICTURES)[name] = function
+        if shown is not all_torques:
+            OF_LARGEST.add(name)
+        texts = {
+            name: PARAMETERS[name].format(shown=which, default=default)
+            for name in signature(function).parameters
+        }
+        function.__doc__ = with_parameters(cleandoc(function.__doc__ or ""), texts)
+        return function
+
+    return listed
+
+
+@contextmanager
+def panels(shown: Results, title: str = "", size: tuple[float, float] = SIZE) -> Iterator[Figure]:
+    """Figure for several panels; title and margins are set at the end of the `with` block.
+
+    Parameters
+    ----------
+    shown : Result, or sequence of Result
+        Their name and torques are beside the title.
+    title : str
+        Above all panels; without it there are no name and torques either.
+    size : (float, float)
+        Inches.
+    """
+    with rc_context(STYLE):
+        figure = empty_figure(size)
+        yield figure
+        if title:
+            set_title(figure, subtitle(shown), title)
+        fit(figure)
+
+
+def figure_of(
+    draw: Callable[..., None],
+    shown: Results,
+    title: str,
+    *,
+    second: str = "",
+    pad: float = 6.0,
+    size: tuple[float, float] = SIZE,
+    projection: str | None = None,
+    **options: Any,
+) -> Figure:
+    """Figure of one panel.
+
+    Parameters
+    ----------
+    draw : callable
+        The function `draw_NAME`.
+    shown : Result, or sequence of Result
+        The argument of `draw`; name and torques are beside the title.
+    second : str
         Title of the panel, below that of the figure.
     pad : float
         Space below the second title, points.
     size : (float, float)
         Inches.
-    **axes_options
+    projection : str, optional
         Of `add_subplot`.
+    **options
+        Of `draw`.
     """
-
-    def make(paint: Paint) -> Paint:
-        def draw(axes: Axes, results: Results, **options: Any) -> None:
-            paint(axes, *_taken(shown, results, options), **options)
-
-        def fill(drawn: Figure, *what: Any) -> None:
-            axes = drawn.add_subplot(**axes_options)
-            paint(axes, *what)
-            if second:
-                axes.set_title(_words(second, what), loc="left", pad=pad, **SMALL)
-            else:
-                axes.set_title(_words(title, what))
-                axes.set_title(subtitle(what[0]), loc="right", **SMALL)
-
-        name = paint.__name__.removeprefix("draw_")
-        if title:
-            fill.__module__, fill.__name__ = paint.__module__, f"plot_{name}"
-            fill.__doc__ = paint.__doc__
-            panels(shown, title if second else "", size)(fill)
-        if shown is not all_torques:
-            OF_LARGEST.add(name)
-        DRAWINGS[name] = _public(draw, paint, ("axes", "results"), shown)
-        return DRAWINGS[name]
-
-    return make
-
-
-def panels(
-    shown: Shown, title: Words = "", size: tuple[float, float] = SIZE
-) -> Callable[[Paint], Callable[..., Figure]]:
-    """Make `plot_NAME`, kept in `PICTURES`, from a function that fills a figure with panels.
-
-    Parameters
-    ----------
-    shown : callable
-        `all_torques`, `largest` or `at(…)`.
-    title : str or callable
-        Above all panels, beside name and torques.
-    size : (float, float)
-        Inches.
-    """
-
-    def make(fill: Paint) -> Callable[..., Figure]:
-        def plot(results: Results, **options: Any) -> Figure:
-            what = _taken(shown, results, options)
-            with rc_context(STYLE):
-                drawn = empty_figure(size)
-                fill(drawn, *what, **options)
-                if title:
-                    set_title(drawn, subtitle(what[0]), _words(title, what))
-                fit(drawn)
-                return drawn
-
-        made = _public(plot, fill, ("results",), shown)
-        PICTURES[fill.__name__.removeprefix("plot_")] = made
-        return made
-
-    return make
-
-
-def _taken(shown: Shown, results: Results, options: dict[str, Any]) -> tuple[Any, ...]:
-    """What is shown; its own options are taken from the others."""
-    own = [name for name in signature(shown).parameters if name in options]
-    return shown(results, **{name: options.pop(name) for name in own})
-
-
-def _words(text: Words, what: Sequence[Any]) -> str:
-    return text(*what) if callable(text) else text
-
-
-def _public(
-    call: Callable[..., Any], source: Paint, first: Sequence[str], shown: Shown
-) -> Callable[..., Any]:
-    """A function with the name and words of its source; options are those of both its parts."""
-    form = _form(source, first, shown)
-
-    def public(*given: Any, **named: Any) -> Any:
-        return call(**form.bind(*given, **named).arguments)
-
-    which, _, default = (shown.__doc__ or "").partition("\n")
-    default = default[:1].lower() + default[1:]
-    texts = {
-        name: PARAMETERS[name].format(shown=which, default=default) for name in form.parameters
-    }
-    words = cleandoc(source.__doc__ or "")
-    if "axes" not in first:
-        words = f"Figure of {words.removeprefix('Draw ')}"
-    public.__module__ = source.__module__
-    public.__name__ = public.__qualname__ = source.__name__
-    public.__doc__ = with_parameters(words, texts)
-    vars(public)["__signature__"] = form
-    return public
+    with panels(shown, title if second else "", size) as figure:
+        axes = figure.add_subplot(projection=projection)
+        draw(axes, shown, **options)
+        if second:
+            axes.set_title(second, loc="left", pad=pad, **SMALL)
+        else:
+            axes.set_title(title)
+            axes.set_title(subtitle(shown), loc="right", **SMALL)
+    return figure
 
 
 def with_parameters(words: str, texts: Mapping[str, str]) -> str:
@@ -214,16 +180,3 @@ def with_parameters(words: str, texts: Mapping[str, str]) -> str:
     before, raises, after = words.partition("\n\nRaises\n")
     listed = "\n".join(f"{name} : {text}" for name, text in texts.items())
     return f"{before}\n\nParameters\n----------\n{listed}{raises}{after}"
-
-
-def _form(source: Paint, first: Sequence[str], shown: Shown) -> Signature:
-    """Options of `draw_NAME` are named; those of `plot_NAME` may also follow the results."""
-    place = Parameter.POSITIONAL_OR_KEYWORD
-    options = list(signature(shown).parameters.values())[1:]
-    for option in signature(source).parameters.values():
-        options += [option] * (option.kind is Parameter.KEYWORD_ONLY)
-    on_axes = "axes" in first
-    kind = Parameter.KEYWORD_ONLY if on_axes else place
-    named = [Parameter(name, place, annotation=TYPES[name]) for name in first]
-    parameters = [*named, *(option.replace(kind=kind) for option in options)]
-    return Signature(parameters, return_annotation="None" if on_axes else "Figure")

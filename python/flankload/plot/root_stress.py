@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.plot.figures import legend_below
-from flankload.plot.picture import largest, picture
+from flankload.plot.picture import figure_of, largest, picture
 from flankload.plot.positions import label_way
 from flankload.plot.style import BODIES, GREY, pair_name
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
+    from flankload.plot.picture import Results
     from flankload.result import Result
     from flankload.result.root_stress import Extremes
 
@@ -23,21 +25,22 @@ if TYPE_CHECKING:
 BESIDE = 0.5
 
 
-@picture(largest, "Stress in the tooth roots")
-def draw_root_stress(axes: Axes, result: Result) -> None:
+@picture(largest)
+def draw_root_stress(axes: Axes, results: Results) -> None:
     """Draw tension and compression in the roots over the way of a tooth through the mesh.
 
     Pair j is j pitches further along than pair 0, so the curves of all pairs, one after the other,
     show the history of one tooth. The teeth of a spline do not change their place: their stress is
     plotted over the tooth number.
     """
+    result = largest(results)
     for z, stress in enumerate(result.root_stress):
         if stress is None:
             continue
-        largest = stress.tension.stress_MPa.max()
+        most = stress.tension.stress_MPa.max()
         least = stress.compression.stress_MPa.min()
         name = f"body {z + 1}"
-        _draw(axes, result, stress.tension, z, "solid", f"{name}, up to {largest:.0f} MPa")
+        _draw(axes, result, stress.tension, z, "solid", f"{name}, up to {most:.0f} MPa")
         _draw(axes, result, stress.compression, z, (0, (4, 2)), f"down to {least:.0f} MPa")
     if result.whole_circle:
         axes.set_xlabel("tooth")
@@ -48,9 +51,16 @@ def draw_root_stress(axes: Axes, result: Result) -> None:
     legend_below(axes, ncols=2)
 
 
-@picture(largest, "Stress in the tooth roots over the face width")
-def draw_root_stress_over_width(axes: Axes, result: Result) -> None:
+@picture(largest)
+def plot_root_stress(results: Results) -> Figure:
+    """Figure of tension and compression in the roots over the way of a tooth through the mesh."""
+    return figure_of(draw_root_stress, largest(results), "Stress in the tooth roots")
+
+
+@picture(largest)
+def draw_root_stress_over_width(axes: Axes, results: Results) -> None:
     """Draw tension and compression over the face width, of each body where they are largest."""
+    result = largest(results)
     for z, stress in enumerate(result.root_stress):
         if stress is None:
             continue
@@ -68,6 +78,16 @@ def draw_root_stress_over_width(axes: Axes, result: Result) -> None:
     axes.set_xlabel("axial position z in mm")
     axes.set_ylabel("stress in MPa")
     legend_below(axes, ncols=1)
+
+
+@picture(largest)
+def plot_root_stress_over_width(results: Results) -> Figure:
+    """Figure of tension and compression over the face width where they are largest."""
+    return figure_of(
+        draw_root_stress_over_width,
+        largest(results),
+        "Stress in the tooth roots over the face width",
+    )
 
 
 def _draw(

@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.plot.figures import note
-from flankload.plot.picture import at, of_largest_force, picture
+from flankload.plot.picture import at_largest_force, figure_of, picture
 from flankload.plot.style import FORCE, GREY, INK, PALE, SLATE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from flankload.plot.picture import Results
     from flankload.result import Result
 
     Floats = NDArray[np.float64]
@@ -34,16 +36,10 @@ def _beside_mean(result: Result, p: int) -> str:
     return f"mean {mean:.3g} kN (line), largest {largest:.2f} times that{coast}"
 
 
-@picture(
-    at(of_largest_force),
-    lambda result, p: f"Load per tooth{_where(result, p)}",
-    second=_beside_mean,
-    pad=24.0,
-    size=(6.2, 5.6),
-    projection="polar",
-)
-def draw_load_per_tooth(axes: Axes, result: Result, p: int) -> None:
+@picture(at_largest_force)
+def draw_load_per_tooth(axes: Axes, results: Results, *, position: int | None = None) -> None:
     """Draw the force on each tooth: around the axis on polar Axes, else over the tooth number."""
+    result, p = at_largest_force(results, position)
     force = result.site_force_N[p] / 1e3
     coast = None if result.coast is None else result.coast.force_N[p] / 1e3
     if axes.name == "polar":
@@ -53,6 +49,22 @@ def draw_load_per_tooth(axes: Axes, result: Result, p: int) -> None:
     axes.axhline(float(force.mean()), color=FORCE, linewidth=1.2)
     axes.set_xlabel("tooth")
     axes.set_ylabel("force in kN")
+
+
+@picture(at_largest_force)
+def plot_load_per_tooth(results: Results, position: int | None = None) -> Figure:
+    """Figure of the force on each tooth, around the axis."""
+    result, p = at_largest_force(results, position)
+    return figure_of(
+        draw_load_per_tooth,
+        result,
+        f"Load per tooth{_where(result, p)}",
+        second=_beside_mean(result, p),
+        pad=24.0,
+        size=(6.2, 5.6),
+        projection="polar",
+        position=p,
+    )
 
 
 def _draw_around(axes: Axes, result: Result, p: int, force: Floats, coast: Floats | None) -> None:
@@ -112,15 +124,10 @@ def _most_of_all(result: Result, p: int) -> str:
     return f"{result.site_force_N[p, s] / 1e3:.2f} kN, the most of all teeth{corner}"
 
 
-@picture(
-    at(of_largest_force),
-    lambda result, p: (
-        f"Pressure on tooth {result.sites[np.argmax(result.site_force_N[p])]}{_where(result, p)}"
-    ),
-    second=_most_of_all,
-)
-def draw_flank_pressure(axes: Axes, result: Result, p: int) -> None:
+@picture(at_largest_force)
+def draw_flank_pressure(axes: Axes, results: Results, *, position: int | None = None) -> None:
     """Draw the pressure over the height of the flank of the tooth with the largest force."""
+    result, p = at_largest_force(results, position)
     s = int(np.argmax(result.site_force_N[p]))
     table = result.pairs(p)
     rows = np.flatnonzero(table.site == result.sites[s])
@@ -141,6 +148,15 @@ def draw_flank_pressure(axes: Axes, result: Result, p: int) -> None:
     axes.set_ylim(0, None)
     axes.set_xlabel("distance from the axis of body 1 in mm (tip of body 1 →)")
     axes.set_ylabel("pressure in MPa")
+
+
+@picture(at_largest_force)
+def plot_flank_pressure(results: Results, position: int | None = None) -> Figure:
+    """Figure of the pressure over the height of the flank of the tooth with the largest force."""
+    result, p = at_largest_force(results, position)
+    tooth = result.sites[np.argmax(result.site_force_N[p])]
+    title = f"Pressure on tooth {tooth}{_where(result, p)}"
+    return figure_of(draw_flank_pressure, result, title, second=_most_of_all(result, p), position=p)
 
 
 def _round_steps(largest: float) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.plot.picture import at, largest, of_largest_force, panels, picture
+from flankload.plot.picture import at, at_largest_force, figure_of, largest, panels, picture
 from flankload.plot.style import FORCE, GREY, INK, SIZE, SLATE, STEEL, all_around, turned
 from flankload.result.drives import BeltDrive, ChainDrive
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from flankload.plot.picture import Results
     from flankload.result import Result
 
     Floats = NDArray[np.float64]
@@ -46,19 +47,19 @@ def _of_largest_tension(result: Result) -> int:
     return int(np.argmax(_chain(result).tight_tension_N))
 
 
+_at_largest_tension = at(_of_largest_tension)
+
+
 def _at(result: Result, p: int, before: str) -> str:
     """The position, if there are several."""
     several = result.position_rad.size > 1
     return f"{before}{degrees(result.position_rad[p]):.4g}°" if several else ""
 
 
-@picture(
-    at(of_largest_force),
-    lambda result, p: f"Forces on the teeth of the belt{_at(result, p, ' at ')}",
-    size=DRAWING,
-)
-def draw_belt_on_pulley(axes: Axes, result: Result, p: int) -> None:
+@picture(at_largest_force)
+def draw_belt_on_pulley(axes: Axes, results: Results, *, position: int | None = None) -> None:
     """Draw the pulley, the belt and the circumferential forces of its teeth."""
+    result, p = at_largest_force(results, position)
     drive = _belt(result)
     there = np.flatnonzero(np.isfinite(drive.tension_behind_N[p]))
     radius, wrap = result.reference_radius_mm, drive.wrap_angle_rad
@@ -83,24 +84,39 @@ def draw_belt_on_pulley(axes: Axes, result: Result, p: int) -> None:
     _scale_alike(axes)
 
 
-@panels(
-    at(of_largest_force),
-    lambda result, p: (
-        f"Around {degrees(_belt(result).wrap_angle_rad):.4g}° of wrap{_at(result, p, ', at ')}"
-    ),
-    (SIZE[0], 1.35 * SIZE[1]),
-)
-def plot_load_around_wrap(figure: Figure, result: Result, p: int) -> None:
-    """Draw the forces of the teeth, the tension of the cord and the forces of the lands."""
-    upper, lower = figure.subplots(2, 1, sharex=True)
-    draw_load_around_wrap(upper, result, position=p)
-    draw_tension_around_wrap(lower, result, position=p)
-    upper.set_xlabel("")
+@picture(at_largest_force)
+def plot_belt_on_pulley(results: Results, position: int | None = None) -> Figure:
+    """Figure of the pulley, the belt and the circumferential forces of its teeth."""
+    result, p = at_largest_force(results, position)
+    return figure_of(
+        draw_belt_on_pulley,
+        result,
+        f"Forces on the teeth of the belt{_at(result, p, ' at ')}",
+        size=DRAWING,
+        position=p,
+    )
 
 
-@picture(at(of_largest_force))
-def draw_load_around_wrap(axes: Axes, result: Result, p: int) -> None:
+@picture(at_largest_force)
+def plot_load_around_wrap(results: Results, position: int | None = None) -> Figure:
+    """Figure of the forces of the teeth, the tension of the cord and the forces of the lands."""
+    result, p = at_largest_force(results, position)
+    with panels(
+        result,
+        f"Around {degrees(_belt(result).wrap_angle_rad):.4g}° of wrap{_at(result, p, ', at ')}",
+        (SIZE[0], 1.35 * SIZE[1]),
+    ) as figure:
+        upper, lower = figure.subplots(2, 1, sharex=True)
+        draw_load_around_wrap(upper, result, position=p)
+        draw_tension_around_wrap(lower, result, position=p)
+        upper.set_xlabel("")
+    return figure
+
+
+@picture(at_largest_force)
+def draw_load_around_wrap(axes: Axes, results: Results, *, position: int | None = None) -> None:
     """Draw the forces of the teeth of a belt around the wrap, with their shares."""
+    result, p = at_largest_force(results, position)
     axes.bar(result.sites, result.site_force_N[p], width=0.55, color=SLATE)
     for site, force, share in zip(
         result.sites, result.site_force_N[p], result.load_share[p], strict=True
@@ -112,9 +128,10 @@ def draw_load_around_wrap(axes: Axes, result: Result, p: int) -> None:
     axes.set_xticks(result.sites)
 
 
-@picture(at(of_largest_force))
-def draw_tension_around_wrap(axes: Axes, result: Result, p: int) -> None:
+@picture(at_largest_force)
+def draw_tension_around_wrap(axes: Axes, results: Results, *, position: int | None = None) -> None:
     """Draw the tension of the cord and the forces of the lands of a belt around the wrap."""
+    result, p = at_largest_force(results, position)
     drive = _belt(result)
     tension = _tension_behind(drive, p)
     edges = np.append(result.sites, result.sites[-1] + 1) - 0.5
@@ -132,9 +149,10 @@ def draw_tension_around_wrap(axes: Axes, result: Result, p: int) -> None:
     axes.legend(ncols=3)
 
 
-@picture(largest, "A tooth on its way through the wrap")
-def draw_force_through_wrap(axes: Axes, result: Result) -> None:
+@picture(largest)
+def draw_force_through_wrap(axes: Axes, results: Results) -> None:
     """Draw the force of a tooth of a belt on its way through the wrap, from all positions."""
+    result = largest(results)
     drive = _belt(result)
     way = (result.sites + 0.5) + (result.position_rad / result.pitch_rad)[:, None]
     there = np.isfinite(drive.tension_behind_N)
@@ -150,19 +168,23 @@ def draw_force_through_wrap(axes: Axes, result: Result) -> None:
     axes.set_ylabel("force of the tooth in N")
 
 
+@picture(largest)
+def plot_force_through_wrap(results: Results) -> Figure:
+    """Figure of the force of a tooth of a belt on its way through the wrap, from all positions."""
+    return figure_of(
+        draw_force_through_wrap, largest(results), "A tooth on its way through the wrap"
+    )
+
+
 def _strand_tensions(result: Result, p: int) -> str:
     drive = _chain(result)
     return f"tight {drive.tight_tension_N[p]:.4g} N, slack {drive.slack_tension_N[p]:.4g} N"
 
 
-@picture(
-    at(_of_largest_tension),
-    lambda result, p: f"Forces on the rollers at {degrees(result.position_rad[p]):.4g}°",
-    second=_strand_tensions,
-    size=DRAWING,
-)
-def draw_chain_on_sprocket(axes: Axes, result: Result, p: int) -> None:
+@picture(_at_largest_tension)
+def draw_chain_on_sprocket(axes: Axes, results: Results, *, position: int | None = None) -> None:
     """Draw the sprocket, the rollers of the chain and the forces on these."""
+    result, p = _at_largest_tension(results, position)
     drive = _chain(result)
     there = np.flatnonzero(np.isfinite(drive.roller_height_um[p]))
     pitch_mm = result.pitch_rad * result.reference_radius_mm
@@ -185,9 +207,24 @@ def draw_chain_on_sprocket(axes: Axes, result: Result, p: int) -> None:
     _scale_alike(axes)
 
 
-@picture(largest, "Tension around the sprocket")
-def draw_tensions(axes: Axes, result: Result) -> None:
+@picture(_at_largest_tension)
+def plot_chain_on_sprocket(results: Results, position: int | None = None) -> Figure:
+    """Figure of the sprocket, the rollers of the chain and the forces on these."""
+    result, p = _at_largest_tension(results, position)
+    return figure_of(
+        draw_chain_on_sprocket,
+        result,
+        f"Forces on the rollers at {degrees(result.position_rad[p]):.4g}°",
+        second=_strand_tensions(result, p),
+        size=DRAWING,
+        position=p,
+    )
+
+
+@picture(largest)
+def draw_tensions(axes: Axes, results: Results) -> None:
     """Draw the tension of the links of a chain around the wrap at some positions."""
+    result = largest(results)
     drive = _chain(result)
     count = result.position_rad.size
     shown = np.unique(np.linspace(0, count - 1, min(N_CURVES, count)).astype(int))
@@ -206,6 +243,12 @@ def draw_tensions(axes: Axes, result: Result) -> None:
     axes.set_xlabel("link, from the tight strand (0) to the slack one")
     axes.set_ylabel("tension in N")
     axes.legend(title="position")
+
+
+@picture(largest)
+def plot_tensions(results: Results) -> Figure:
+    """Figure of the tension of the links of a chain around the wrap at some positions."""
+    return figure_of(draw_tensions, largest(results), "Tension around the sprocket")
 
 
 def _tension_behind(drive: BeltDrive | ChainDrive, p: int) -> Floats:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.contact.status import Status
 from flankload.report.key_figures import percent
 from flankload.result.notes import OUTSIDE, accuracy_lines, warning_lines
 from flankload.result.table import STATUS_WORDS
@@ -87,14 +88,14 @@ def _without_estimate(results: Sequence[Result]) -> Iterator[str]:
 
 def certificate_rows(results: Sequence[Result]) -> tuple[tuple[str, tuple[str, ...]], ...]:
     """Counts of the statuses and numbers of the solution: name, and a text per torque."""
-    words = {0: SOLVED, **STATUS_WORDS}
+    words = {Status.SOLVED: SOLVED, **STATUS_WORDS}
     rows = [
         (
             f"status {status}: {text}",
             tuple(str(int((one.status == status).sum())) for one in results),
         )
         for status, text in words.items()
-        if status == 0 or any((one.status == status).any() for one in results)
+        if status == Status.SOLVED or any((one.status == status).any() for one in results)
     ]
     for name, key in (
         ("largest backward error of the equations", "largest_backward_error"),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.base.text_table import MARK, NONE, number, text_table
+from flankload.contact.status import Status
 from flankload.cost import COUNTERS
 from flankload.result.notes import accuracy_lines, outside_words, warning_lines
 from flankload.result.parts import CoastContact
@@ -28,8 +29,8 @@ FORMS = (".3f", ".3f", ".2f", ".2f")
 
 #: Largest number of pairs with a column each; with more pairs a row lists the loaded ones.
 MOST_COLUMNS = 8
-#: Parts of a quantity below this limit are roundoff, and printed as zero.
-ROUNDING = 1e-9
+#: Estimated errors below this part of a quantity are roundoff, and printed as zero.
+NO_ERROR = 1e-9
 #: Sources of the estimate with a separate line: they apply to harmonics, which others do not.
 SHOWN_ALONE = {"positions": "by positions alone", "period": "by period alone"}
 #: Words that such a line omits from its names.
@@ -40,9 +41,11 @@ LEAST_UNLOADED = 1e-3
 OF_SEVERAL = ("transmission_error_mean", "transmission_error_peak_to_peak")
 #: Result of the contact solver's check at a position, other than "solved" (0).
 STATUS_WORDS = {
-    1: "solved; how neighbouring pairs share their force is uncertain, sums are right",
-    2: "solved; a pair has neither force nor gap",
-    3: "solved; that no other state exists is not proven",
+    Status.ILL_CONDITIONED: (
+        "solved; how neighbouring pairs share their force is uncertain, sums are right"
+    ),
+    Status.DEGENERATE: "solved; a pair has neither force nor gap",
+    Status.NOT_UNIQUE: "solved; that no other state exists is not proven",
 }
 #: Counters of the cost in the last line, with their words; the second part only if it is not 0.
 COUNTED = {"fe_factorisations": "FE factorisations", "unit_loads_normal": "unit loads"}
@@ -285,7 +288,7 @@ def _estimate_lines(result: Result, beyond: str) -> Iterator[Line]:
     yield "estimated error", text + beyond
     for source, label in SHOWN_ALONE.items():
         left = result.estimate.get("by_source", {}).get(source, {})
-        if any(error > ROUNDING for error in left.values()) or (left and source == "positions"):
+        if any(error > NO_ERROR for error in left.values()) or (left and source == "positions"):
             text = _estimate({key.removeprefix(OF_ROTATION): error for key, error in left.items()})
             yield label, text + beyond
 
@@ -383,8 +386,8 @@ def _estimate(estimate: Any) -> str:
     """Each quantity's error, and its largest source."""
     sources = estimate.get("dominant_source", {})
     return ", ".join(
-        f"{quantity.replace('_', ' ')} {100 * error if error > ROUNDING else 0:.2g} %"
-        + (f" ({sources[quantity]})" if quantity in sources and error > ROUNDING else "")
+        f"{quantity.replace('_', ' ')} {100 * error if error > NO_ERROR else 0:.2g} %"
+        + (f" ({sources[quantity]})" if quantity in sources and error > NO_ERROR else "")
         for quantity, error in estimate.items()
         if isinstance(error, int | float)
     )

@@ -240,6 +240,9 @@ def test_accessor_has_a_method_for_every_picture(results: tuple[Result, ...]) ->
     for name in plot.PICTURES:
         assert callable(getattr(Plots, name))
         assert name in plot.DRAWINGS
+        for found, kind in ((plot.PICTURES[name], "plot"), (plot.DRAWINGS[name], "draw")):
+            assert found is getattr(plot, found.__name__)
+            assert found.__code__.co_name == f"{kind}_{name}"  # no function made from another one
     assert results[0].plot.names() == plot.pictures_of(results[0])
 
 

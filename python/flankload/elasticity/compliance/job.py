@@ -127,48 +127,54 @@ def flank_compliances(
     """
     if body.rigid or body.mesh is None:
         return tuple(no_compliance(body, growth) for _, growth in variants)
-    missed: list[Floats] = []
-    job, mesh, growing = _job(body, variants, options, matrix, missed)
+    prepared = _prepared(body, variants, options, matrix)
+    job, mesh = prepared.job, prepared.mesh
     if isinstance(mesh, WholeMesh):
         responses = dict.fromkeys((sectors for sectors, _ in variants), of_whole(job, mesh))
     else:
         responses = of_sector(
             job, mesh, [n for n, _ in variants], coast_flanks=options.coast_flanks
         )
-    settled = {n: _settled(job, found, options) for n, found in responses.items()}
+    compliances = {n: _compliance(job, found, options) for n, found in responses.items()}
     expansions = []
     for n, growth in variants:
-        moved = _by_name(growing, growth, responses[n].by_force)
+        moved = _by_name(prepared.growing, growth, responses[n].by_force)
         expansions.append(Expansion(*_growth_of_flanks(body, growth, job.loads.count, moved)))
     job.log.end_step("ring")
-    modes = job.loads
-    miss = modes.missed(np.stack(missed)) if missed and isinstance(modes, ModeLoads) else None
+    modes, errors, miss = job.loads, job.log.errors, None
+    if errors and isinstance(modes, ModeLoads):
+        miss = modes.missed(np.stack(errors))
     seconds = job.log.seconds()
     return tuple(
         replace(found, expansion=grown, missed=miss, job=replace(found.job, seconds=seconds))
-        for found, grown in zip((settled[n] for n, _ in variants), expansions, strict=True)
+        for found, grown in zip((compliances[n] for n, _ in variants), expansions, strict=True)
     )
 
 
-def _job(
+@dataclass(frozen=True, eq=False)
+class _Prepared:
+    """The job of a body, its mesh, and the loads of each expansion by name."""
+
+    job: Job
+    mesh: SectorMesh | WholeMesh
+    growing: dict[Growth | None, dict[str, Floats]]
+
+
+def _prepared(
     body: Body,
     variants: Sequence[tuple[int | None, Growth | None]],
     options: JobOptions,
     matrix: csc_array | None,
-    missed: list[Floats],
-) -> tuple[Job, SectorMesh | WholeMesh, dict[Growth | None, dict[str, Floats]]]:
-    """The job of a body, its mesh, and the loads of each expansion by name.
-
-    `missed` receives the estimated error of the displacements under the loads of each flank.
-    """
+) -> _Prepared:
+    """Matrix, loads and readings of a job, before anything is solved."""
     plane, onto = options.plane, None
     assert body.mesh is not None
     mesh, nodes, cells = body.mesh, body.mesh.nodes, body.mesh.cells
 
-    def estimate(moved: Floats) -> None:
-        missed.append(missed_compliance(nodes, cells, body.material, plane, moved))
+    def estimate(moved: Floats) -> Floats:
+        return missed_compliance(nodes, cells, body.material, plane, moved)
 
-    log = JobLog(on_solution=estimate if options.estimate and not options.nodal else None)
+    log = JobLog(estimate=estimate if options.estimate and not options.nodal else None)
     loads = _loads(body, options)
     if matrix is None:
         kept = linear_cells(cells) if options.linear else cells
@@ -192,7 +198,7 @@ def _job(
         log=log,
         onto=onto,
     )
-    return job, mesh, growing
+    return _Prepared(job, mesh, growing)
 
 
 def _loads(body: Body, options: JobOptions) -> ModeLoads | NodeLoads:
@@ -227,7 +233,7 @@ def _readings(
     return readings
 
 
-def _settled(job: Job, found: Response, options: JobOptions) -> BodyCompliance:
+def _compliance(job: Job, found: Response, options: JobOptions) -> BodyCompliance:
     """Response without the near field, as mode coefficients."""
     body, loads, friction = job.body, job.loads, options.friction
     p, n_modes = found.response.shape[2], loads.count

@@ -149,7 +149,7 @@ def prism_compliance(
     )
     surface, p = flank_surface(body, prism), n_modes * (prism.load_degree + 1)
     near = _near_field(body, surface, friction=friction)
-    response, asymmetry = _settled(response, surface, near, n_modes, prism.load_degree)
+    response, asymmetry = _smooth_coefficients(response, surface, near, n_modes, prism.load_degree)
     unknowns = prism_unknowns(body, prism.degree)
     log.account.count(fe_unknowns=unknowns, fe_solutions=response.shape[1])
     log.count_loads(response.shape[1], friction=friction)
@@ -182,7 +182,7 @@ def _near_field(body: Body, surface: FlankSurface, *, friction: bool) -> NearFie
     )
 
 
-def _settled(
+def _smooth_coefficients(
     response: Floats, surface: FlankSurface, near: NearField, n_modes: int, degree_z: int
 ) -> tuple[Floats, float]:
     """Readings (z, r, r) as mode coefficients without the near field, and their asymmetry.

@@ -58,8 +58,8 @@ if TYPE_CHECKING:
     from flankload.pairing.expansion import Growth
     from flankload.scene import Scene
 
-    #: A shaft that the bore follows, or whether there are three dimensions; sectors; expansion.
-    _Variant = tuple[CarryingShaft | bool, int | None, Growth | None]
+    #: With friction or not, influence numbers, expansion.
+    _FileVariant = tuple[bool, str, Growth | None]
 
 #: Modes and cells of the screening; its mesh is that of the run.
 COARSE = Discretization(flank_element_parts=1.0, modes=3, grid=Grid(1.0, 3.0))
@@ -73,6 +73,28 @@ DEGREE, LOAD_DEGREE, CUT_DEGREE = 4, 2, 3
 RECOVERY_SECONDS, RECOVERY_BYTES = 0.3, 1.3
 
 
+@dataclass(frozen=True)
+class Variant:
+    """What is built of the elements of a body.
+
+    Attributes
+    ----------
+    spatial : bool
+        Whether they are solved in three dimensions.
+    shaft : CarryingShaft or None
+        What the bore follows.
+    sectors : int or None
+        Number of teeth of a segment.
+    growth : Growth or None
+        Expansion, where it needs the elements.
+    """
+
+    spatial: bool = False
+    shaft: CarryingShaft | None = None
+    sectors: int | None = None
+    growth: Growth | None = None
+
+
 class PairModels:
     """What the sweeps of a screening take; all that scenes have in common is made once.
 
@@ -83,7 +105,8 @@ class PairModels:
     def __init__(self, scene: Scene, pair: BodyPair, toggles: Mapping[str, Toggle]) -> None:
         self._scene, self._pair, self._toggles = scene, pair, toggles
         self._assemblies = {scene: pair}
-        self._jobs: list[dict[Any, BodyCompliance]] = [{}, {}]
+        self._jobs: tuple[dict[Variant, BodyCompliance], ...] = ({}, {})
+        self._of_files: tuple[dict[_FileVariant, BodyCompliance], ...] = ({}, {})
         self._meshes: dict[int, Body] = {}
         self._sections: dict[int, BodyCompliance] = {}
         self.screened = screened(scene)
@@ -156,9 +179,9 @@ class PairModels:
         spatial = [scene for scene in asked if is_spatial(scene).on]
         if not self._pair.effects.three_dimensions:
             self._solve_plane_elements(z, [scene for scene in asked if scene not in spatial])
-        on_shafts: dict[CarryingShaft | bool, Scene] = {}
+        on_shafts: dict[CarryingShaft | None, Scene] = {}
         for scene in spatial:
-            on_shafts.setdefault(self._variant(scene, z)[0], scene)
+            on_shafts.setdefault(self._variant(scene, z).shaft, scene)
         for scene in on_shafts.values():
             self._solve_prism(z, scene, friction=any(each.has_friction for each in spatial))
 
@@ -179,7 +202,7 @@ class PairModels:
             body, JobOptions(n_modes=modes, plane=plane, friction=friction), matrix=matrix
         )
         if self._pair.effects.three_dimensions:
-            self._jobs[z][False, None, None] = self._sections[z]
+            self._jobs[z][Variant()] = self._sections[z]
             self.rates[z] = ElementRates(body, seconds, self._sections[z].job)
 
     def _solve_plane_elements(self, z: int, asked: list[Scene]) -> None:
@@ -192,12 +215,12 @@ class PairModels:
         start = process_time()
         matrix = stiffness(body.mesh.nodes, cells, body.material, plane)
         seconds = process_time() - start
-        variants = list(dict.fromkeys(self._variant(scene, z)[1:] for scene in asked))
+        variants = list(dict.fromkeys(self._variant(scene, z) for scene in asked))
         finite = not self._pair.pairing.whole_circle and "finite_influence" in self._toggles
         along = finite and self._toggles["finite_influence"].scene is not None
         found = flank_compliances(
             body,
-            variants,
+            [(variant.sectors, variant.growth) for variant in variants],
             JobOptions(
                 n_modes=modes_of(body, self.screened, COARSE),
                 plane=plane,
@@ -209,7 +232,7 @@ class PairModels:
             matrix,
         )
         for variant, compliance in zip(variants, found, strict=True):
-            self._jobs[z][False, *variant] = compliance
+            self._jobs[z][variant] = compliance
         self.rates[z] = ElementRates.of_linear(body, seconds, found[0].job)
 
     def _possible(self) -> list[Scene]:
@@ -228,13 +251,13 @@ class PairModels:
         elastic = pair.elastic[z]
         return elastic or (growth is not None and growth.needs_elements)
 
-    def _variant(self, scene: Scene, z: int) -> _Variant:
-        """What is built of a sector: in three dimensions and on which shaft, how many, growing."""
+    def _variant(self, scene: Scene, z: int) -> Variant:
+        """What is built of the elements of a body for a scene."""
         pair = self.assembly(scene)
         axial, growth = pair.bodies[z].axial, pair.growth[z]
         grows = growth if growth is not None and growth.needs_elements else None
         carrying = None if axial is None else axial.carrying
-        return (carrying or is_spatial(scene).on), scene.sectors, grows
+        return Variant(is_spatial(scene).on, carrying, scene.sectors, grows)
 
     def sections(self, pair: BodyPair) -> Compliances:
         """Plane compliances on the elements of coarse three-dimensional bodies."""
@@ -251,22 +274,23 @@ class PairModels:
         body, growth = pair.bodies[z], pair.growth[z]
         if not self._needs_elements(scene, z):
             return no_compliance(body, growth)
-        found = self._jobs[z].get(self._variant(scene, z)) or self._given(scene, body, z)
+        found = self._jobs[z].get(self._variant(scene, z)) or self._from_file(scene, body, z)
         if growth is not None and not growth.needs_elements:
             found = replace(found, expansion=Expansion(growth.strain))
         if not scene.effects.coast_flank:
             found = replace(found, coast=None)
         return found if scene.effects.tooth_coupling else found.without_coupling()
 
-    def _given(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
-        """Of a body that brings its compliance along."""
+    def _from_file(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
+        """Compliance that a body has from its file."""
         growth = self.assembly(scene).growth[z]
         key = scene.has_friction, scene.effects.influence, growth
-        if key not in self._jobs[z]:
+        if key not in self._of_files[z]:
             plain = with_keys(scene, tooth_coupling=True)
-            found = compliance_of(body, plain, self._pair.discretization, growth=growth)
-            self._jobs[z][key] = found
-        return self._jobs[z][key]
+            self._of_files[z][key] = compliance_of(
+                body, plain, self._pair.discretization, growth=growth
+            )
+        return self._of_files[z][key]
 
 
 def screened(scene: Scene) -> Scene:

@@ -73,10 +73,10 @@ class Effect:
     name : str
         Name of the field of `Effects`.
     title : str
-    keys : tuple of str
-        Keys that switch the effect on; "body_*" is either body. Default: the keys of `on`.
     stages : tuple of str
         Stages of the run that do its work, with the names of `result.cost["stages"]`.
+    keys : tuple of str
+        Keys that switch the effect on; "body_*" is either body. Default: the keys of `on`.
     on : mapping of str to object
         Keys of [effects] and the values with which the effect is on; None: the key is absent. The
         first key decides. A number is the assumed value if the scene sets none: the effect is on
@@ -105,8 +105,8 @@ class Effect:
 
     name: str
     title: str
-    keys: tuple[str, ...]
     stages: tuple[str, ...]
+    keys: tuple[str, ...] = ()
     on: Mapping[str, Any] = field(default_factory=dict)
     called_for: Callable[[Scene], Switch] | None = None
     needs_load: bool = False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -39,14 +39,10 @@ IN_MODES = (
 )
 
 
-def _effect(title: str, **record: Any) -> Any:
-    """A field of `Effects` with its record."""
-    return field(metadata={"title": title, **record})
-
-
-def _elastic(number: int) -> Any:
+def _elastic(number: int) -> Effect:
     """The record of an elastic body."""
-    return _effect(
+    return Effect(
+        f"elastic_body_{number}",
         f"elastic body {number}",
         keys=(f"body_{number}.rigid",),
         called_for=switches.is_elastic(number),
@@ -60,11 +56,55 @@ def _elastic(number: int) -> Any:
 
 @dataclass(frozen=True)
 class Effects:
-    """The effects that a scene requests: one truth value per effect, with its record (`Effect`)."""
+    """The effects that a scene requests: one truth value per record of `EFFECTS`."""
 
-    elastic_body_1: bool = _elastic(1)
-    elastic_body_2: bool = _elastic(2)
-    three_dimensions: bool = _effect(
+    elastic_body_1: bool
+    elastic_body_2: bool
+    three_dimensions: bool
+    segment: bool
+    single_tooth: bool
+    tooth_coupling: bool
+    nodal_near_field: bool
+    finite_influence: bool
+    lumped_contact: bool
+    tip_contact: bool
+    coast_flanks: bool
+    flank_modifications: bool
+    pitch_errors: bool
+    lead_modifications: bool
+    misalignment: bool
+    shafts: bool
+    thermal_growth: bool
+    centrifugal_growth: bool
+    friction: bool
+    power_loss: bool
+    root_stress: bool
+    several_torques: bool
+    large_displacement: bool
+    land_friction: bool
+    land_lift: bool
+
+
+def _completed(*records: Effect) -> tuple[Effect, ...]:
+    """The records with their keys; an exclusion that one of two states holds for both."""
+    pairs = {(record.name, other) for record in records for other in record.refused_with}
+    pairs |= {(other, name) for name, other in pairs}
+    return tuple(
+        replace(
+            record,
+            keys=record.keys
+            or tuple(f"effects.{key}" for key, value in record.on.items() if value is not None),
+            excludes=tuple(each.name for each in records if (record.name, each.name) in pairs),
+        )
+        for record in records
+    )
+
+
+EFFECTS = _completed(
+    _elastic(1),
+    _elastic(2),
+    Effect(
+        "three_dimensions",
         "three-dimensional bodies",
         keys=(
             "effects.dimension",
@@ -78,23 +118,24 @@ class Effects:
         counters=("fe_unknowns", "slices"),
         size_by="compliance",
         of_teeth=True,
-    )
-    segment: bool = _effect(
+    ),
+    Effect(
+        "segment",
         "segment of teeth with fixed cuts",
         on={"body": "segment", "segment_teeth": 5},
         coarser=True,
         **OF_SECTORS,
-    )
-    single_tooth: bool = _effect(
+    ),
+    Effect(
+        "single_tooth",
         "single tooth with fixed cuts",
         on={"body": "tooth", "segment_teeth": None},
         coarser=True,
         **OF_SECTORS,
-    )
-    tooth_coupling: bool = _effect(
-        "coupling between teeth", on={"tooth_coupling": True}, **OF_SECTORS
-    )
-    nodal_near_field: bool = _effect(
+    ),
+    Effect("tooth_coupling", "coupling between teeth", on={"tooth_coupling": True}, **OF_SECTORS),
+    Effect(
+        "nodal_near_field",
         "near field from nodal forces",
         on={"near_field": "nodes"},
         stages=(*BODIES, *SWEEPS),
@@ -111,8 +152,9 @@ class Effects:
         refused_for={
             "cam": "'analytic' with body_2.kind 'cam': a closed flank has no first and last node"
         },
-    )
-    finite_influence: bool = _effect(
+    ),
+    Effect(
+        "finite_influence",
         "influence coefficients of finite forces",
         on={"influence": "finite"},
         stages=(*BODIES, *SWEEPS),
@@ -120,8 +162,9 @@ class Effects:
         counters=("unit_loads_tangential", "finite_solutions"),
         size_by="levers",
         refused_with={"coast_flanks": IN_MODES},
-    )
-    lumped_contact: bool = _effect(
+    ),
+    Effect(
+        "lumped_contact",
         "lumped Hertz contact",
         on={"contact": "lumped"},
         stages=SWEEPS,
@@ -140,15 +183,17 @@ class Effects:
             "spline_shaft": "'pairs' with body_1.kind 'spline_shaft': its flanks conform, and "
             "touch over a length instead of at a place"
         },
-    )
-    tip_contact: bool = _effect(
+    ),
+    Effect(
+        "tip_contact",
         "tip and fillet contact",
         on={"tip_contact": True},
         stages=SWEEPS,
         size_by="places",
         of_teeth=True,
-    )
-    coast_flanks: bool = _effect(
+    ),
+    Effect(
+        "coast_flanks",
         "contact on the coast flanks",
         on={"coast_flank": True},
         stages=(*BODIES, *SWEEPS),
@@ -159,40 +204,46 @@ class Effects:
         refused_for={
             kind: f"false with {{body}}.kind '{kind}', {why}" for kind, why in ONE_FLANK.items()
         },
-    )
-    flank_modifications: bool = _effect(
+    ),
+    Effect(
+        "flank_modifications",
         "flank modifications",
         keys=tuple(f"body_*.{key}" for key in switches.MODIFICATIONS),
         called_for=switches.is_modified,
         **OF_GAPS,
-    )
-    pitch_errors: bool = _effect(
+    ),
+    Effect(
+        "pitch_errors",
         "pitch errors",
         keys=("body_*.pitch_errors_um",),
         called_for=switches.is_misplaced,
         **OF_GAPS,
-    )
-    lead_modifications: bool = _effect(
+    ),
+    Effect(
+        "lead_modifications",
         "lead modifications",
         keys=tuple(f"body_*.{key}" for key in LEAD_KEYS),
         called_for=switches.has_lead,
         **OF_GAPS,
-    )
-    misalignment: bool = _effect(
+    ),
+    Effect(
+        "misalignment",
         "misalignment of the axes",
         keys=tuple(f"pair.{key}" for key in MISALIGNMENTS),
         called_for=switches.is_misaligned,
         **OF_GAPS,
-    )
-    shafts: bool = _effect(
+    ),
+    Effect(
+        "shafts",
         "shafts and bearings",
         keys=("body_*.shaft",),
         called_for=switches.has_shaft,
         stages=SWEEPS,
         size_by="compliance",
         of_teeth=True,
-    )
-    thermal_growth: bool = _effect(
+    ),
+    Effect(
+        "thermal_growth",
         "thermal expansion",
         keys=(
             "effects.temperature_rise_K",
@@ -201,8 +252,9 @@ class Effects:
         ),
         on={"temperature_rise_K": 50.0},
         **OF_GROWTH,
-    )
-    centrifugal_growth: bool = _effect(
+    ),
+    Effect(
+        "centrifugal_growth",
         "centrifugal expansion",
         keys=("effects.speed_rpm", "effects.density_kg_m3"),
         on={"speed_rpm": 3000.0},
@@ -211,17 +263,19 @@ class Effects:
             "cam": "nothing, since body_2.kind is 'cam': its follower, body_1, swings and does not "
             "turn"
         },
-    )
-    friction: bool = _effect(
+    ),
+    Effect(
+        "friction",
         "friction",
         on={"friction_coefficient": 0.1},
         stages=(*BODIES, *SWEEPS),
         work=Work(tangential_loads=1, columns=1),
         counters=("unit_loads_tangential",),
         size_by="levers",
-    )
-    power_loss: bool = _effect("power loss", on={"friction_coefficient": 0.1}, stages=("result",))
-    root_stress: bool = _effect(
+    ),
+    Effect("power_loss", "power loss", on={"friction_coefficient": 0.1}, stages=("result",)),
+    Effect(
+        "root_stress",
         "tooth root stress",
         on={"root_stress": True},
         needs_load=True,
@@ -234,23 +288,26 @@ class Effects:
             "working flanks only"
         },
         refused_for={"cam": "nothing: a cam and its follower have no tooth roots"},
-    )
-    several_torques: bool = _effect(
+    ),
+    Effect(
+        "several_torques",
         "several torques",
         keys=("load.torque_Nm",),
         called_for=switches.has_several_torques,
         stages=SWEEPS,
         work=Work(columns=1, solves=1),
-    )
-    large_displacement: bool = _effect(
+    ),
+    Effect(
+        "large_displacement",
         "large displacements of chain rollers",
         on={"large_displacement": True},
         stages=("sweep",),
         work=Work(columns=10, solves=10),
         size_by="places",
         only_for="chain",
-    )
-    land_friction: bool = _effect(
+    ),
+    Effect(
+        "land_friction",
         "friction on the lands of a belt",
         on={"land_friction": 0.1},
         stages=(*BODIES, "sweep", "estimate"),
@@ -258,8 +315,9 @@ class Effects:
         counters=("unit_loads_tangential",),
         size_by="levers",
         only_for="belt",
-    )
-    land_lift: bool = _effect(
+    ),
+    Effect(
+        "land_lift",
         "lift-off of the lands of a belt",
         on={"land_lift": True},
         stages=("compliance body 2", "sweep"),
@@ -269,27 +327,8 @@ class Effects:
             "land_friction": "false with effects.land_friction, which assumes that all lands slide"
         },
         only_for="belt",
-    )
-
-
-def _records() -> tuple[Effect, ...]:
-    """The complete records; an exclusion that one record states holds for both effects."""
-    rows = {item.name: dict(item.metadata) for item in fields(Effects)}
-    for row in rows.values():
-        on = row.get("on", {})
-        row.setdefault("keys", tuple(f"effects.{key}" for key in on if on[key] is not None))
-    pairs = {(name, other) for name, row in rows.items() for other in row.get("refused_with", ())}
-    return tuple(
-        Effect(
-            name=name,
-            excludes=tuple(b for b in rows if (name, b) in pairs or (b, name) in pairs),
-            **row,
-        )
-        for name, row in rows.items()
-    )
-
-
-EFFECTS = _records()
+    ),
+)
 
 
 @lru_cache(maxsize=64)
