@@ -1,4 +1,4 @@
-!> Cells along flank 1 around each place of least gap: extent and widths.
+!> Cells along flank 1 around each point of least gap: extent and widths.
 module flankload_contact_grid
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type
@@ -18,63 +18,66 @@ module flankload_contact_grid
         real(wp) :: s = 0.0_wp
         !> Width of the cells there [mm]
         real(wp) :: cell = 0.0_wp
-        !> Length of these narrow cells towards smaller and greater arc length [mm]
+        !> Length of the range with cells of this width, towards smaller and greater arc length [mm]
         real(wp) :: even(2) = 0.0_wp
     end type fineness_type
 
-    !> The cells of one zone: of equal width along flank 1, or finer around edges.
+    !> Grid of cells in one zone: of equal width along flank 1, or finer around edges.
     type :: grid_type
         !> Number of cells
         integer :: n = 0
-        !> Width of a cell on flank 1 [mm]; approximately the largest if they differ
+        !> Width of a cell on flank 1 [mm]; approximately the largest width if they differ
         real(wp) :: cell = 0.0_wp
         !> Centre of the first cell on flank 1 [mm]
         real(wp) :: first = 0.0_wp
-        !> Edges around which cells are finer, ascending; not allocated if widths are equal
+        !> Edges around which the cells are finer, ascending; not allocated if all widths are equal
         type(fineness_type), allocatable :: edges(:)
         !> Ends of the cells [mm] if their widths differ, shape (n + 1)
         real(wp), allocatable :: ends(:)
-        !> Places of the pairs in these cells [mm]; not allocated if in the middle
+        !> Arc lengths of the pairs in these cells [mm], shape (n); not allocated if they are in the
+        !> middle
         real(wp), allocatable :: centers(:)
         !> Ends of the grid on flank 1 [mm]
         real(wp) :: low = 0.0_wp, high = 0.0_wp
-        !> True if the grid may be extended when there is a force at its end; false if its stretch
-        !> ends there or the cells of another zone begin.
+        !> True if the grid may be extended when there is a force at its end; false if the range of
+        !> the zone ends there or the cells of another zone begin there
         logical :: open_low = .false., open_high = .false.
     end type grid_type
 
-    !> Largest ratio of the widths of neighbouring cells away from an edge.
+    !> Largest ratio of the widths of adjacent cells away from an edge
     real(wp), parameter :: growth_ratio = 2.0_wp
-    !> With a constant gap the pressure has its peaks at the ends. Widths in the middle: this part
-    !> of half of the stretch over the strips; at a sharp end: this part of those in the middle.
+    !> Widths over a range of constant gap, where the pressure peaks at the ends. In the middle:
+    !> this fraction of half the range divided by the number of strips; at a sharp end: this
+    !> fraction of the width in the middle
     real(wp), parameter :: middle_part = 2.5_wp, sharp_part = 0.02_wp
-    !> An edge sharper than this, relative to the cells in the middle, is treated as a corner; least
-    !> width of a cell relative to the others.
+    !> Penetration beyond an edge, relative to the cells in the middle, below which the edge is
+    !> treated as a corner; least width of a cell relative to the others
     real(wp), parameter :: least_part = 1.0e-3_wp, least_cell = 1.0e-4_wp
-    !> Least width around an edge: penetration beyond the edge over this part of the strips, kept a
-    !> little further than the penetration. Width away from edges: this part of the contact over the
-    !> strips, since on one side it may end with the pressure of a Hertz contact twice as wide.
-    real(wp), parameter :: dig_part = 0.8_wp, beyond_dig = 1.1_wp, contact_part = 0.35_wp
+    !> Least width around an edge: this fraction of the penetration beyond the edge divided by the
+    !> number of strips, kept over slightly more than the penetration. Width away from edges: this
+    !> fraction of the contact divided by the number of strips, since the contact may end on one
+    !> side with the pressure of a Hertz contact twice as wide
+    real(wp), parameter :: strip_part = 0.8_wp, fine_margin = 1.1_wp, contact_part = 0.35_wp
 
 contains
 
-    !> The grid of a zone, without regard to other zones.
+    !> Return the grid of a zone, without regard to other zones.
     !>
-    !> Cells are a part of the shorter extent, so that a corner or a kink beside the least gap is
-    !> resolved; without a second side, a smaller part of the longer one. Around edges they are
-    !> finer.
+    !> The cell width is a fraction of the shorter extent, so that a corner or a kink beside the
+    !> least gap is resolved; if that extent is zero or very short, it is a smaller fraction of the
+    !> longer one. Cells are finer around edges.
     pure function wanted_grid(zone, reach, edges, widths, strips, corner_strips) result(grid)
-        !> The zone
+        !> Zone
         type(zone_type), intent(in) :: zone
         !> Extent of the contact on both sides [mm], shape (2)
         real(wp), intent(in) :: reach(2)
         !> Edges inside the contact; none if the gap is constant
         type(edge_type), intent(in) :: edges(:)
-        !> Extent of the cells relative to that of the contact, shape (2)
+        !> Extent of the grid relative to that of the contact, shape (2)
         real(wp), intent(in) :: widths(2)
-        !> Cells on the shorter extent
+        !> Number of cells over the shorter extent
         real(wp), intent(in) :: strips
-        !> Largest number of cells on the longer extent
+        !> Largest number of cells over the longer extent
         real(wp), intent(in) :: corner_strips
         type(grid_type) :: grid
 
@@ -87,22 +90,22 @@ contains
             grid%edges = fine_around(edges, zone%nearest%s_1, reach, strips)
             grid%cell = contact_part*sum(reach)/strips
         end if
-        ! a few cells beyond a corner detect contact there
+        ! A few cells beyond a corner detect contact there.
         grid%low = zone%nearest%s_1 - max(widths(1)*reach(1), 3.0_wp*grid%cell)
         grid%high = zone%nearest%s_1 + max(widths(2)*reach(2), 3.0_wp*grid%cell)
         call end_within_stretch(zone, grid)
     end function wanted_grid
 
-    !> Limit a grid to the stretch of its zone.
+    !> Limit a grid to the range of its zone.
     pure subroutine end_within_stretch(zone, grid)
-        !> The zone
+        !> Zone
         type(zone_type), intent(in) :: zone
-        !> Its grid
+        !> Grid of the zone
         type(grid_type), intent(inout) :: grid
 
         real(wp) :: same
 
-        ! a contact that reaches the end of the stretch does so up to rounding errors
+        ! A contact that reaches the end of the range does so up to rounding errors.
         same = tie*(grid%high - grid%low)
         grid%open_low = grid%low > zone%s_1_low + same
         grid%open_high = grid%high < zone%s_1_high - same
@@ -110,20 +113,20 @@ contains
         if (.not. grid%open_high) grid%high = zone%s_1_high
     end subroutine end_within_stretch
 
-    !> Widths of the cells around edges.
+    !> Return the widths of the cells around edges.
     pure function fine_around(edges, nearest, reach, strips) result(fineness)
-        !> The edges
+        !> Edges inside the contact, shape (n)
         type(edge_type), intent(in) :: edges(:)
-        !> Place of least gap [mm]
+        !> Arc length of the point of least gap [mm]
         real(wp), intent(in) :: nearest
-        !> Extent of the contact on both sides of it [mm], shape (2)
+        !> Extent of the contact on both sides of that point [mm], shape (2)
         real(wp), intent(in) :: reach(2)
-        !> Cells on the penetration beyond an edge
+        !> Number of cells over the penetration beyond an edge
         real(wp), intent(in) :: strips
         type(fineness_type) :: fineness(size(edges))
 
         integer :: k
-        real(wp) :: beyond, digs
+        real(wp) :: beyond, penetration
 
         do k = 1, size(edges)
             if (edges(k)%side > 0) then
@@ -131,22 +134,24 @@ contains
             else
                 beyond = edges(k)%s - (nearest - reach(1))
             end if
-            digs = digs_in(beyond, 0.5_wp*sum(reach))
+            penetration = edge_penetration(beyond, 0.5_wp*sum(reach))
             fineness(k)%s = edges(k)%s
-            fineness(k)%cell = max(digs, least_cell*sum(reach))/(dig_part*strips)
-            fineness(k)%even(merge(2, 1, edges(k)%side > 0)) = beyond_dig*digs
+            fineness(k)%cell = max(penetration, least_cell*sum(reach))/(strip_part*strips)
+            fineness(k)%even(merge(2, 1, edges(k)%side > 0)) = fine_margin*penetration
         end do
     end function fine_around
 
-    !> Penetration of the contact beyond the edge of a flat stretch that continues as an arc [mm].
+    !> Return the penetration of the contact beyond the edge of a flat range that continues as an
+    !> arc [mm].
     !>
-    !> Flat punch with small rounded edges: M. Ciavarella, D. A. Hills, G. Monno, Proc. Instn
-    !> Mech. Engrs C 212 (1998), 319, with 1/cos(d) = half-width of the contact over that of the
-    !> flat: (2/3) d³ = pi x²/(2 a²), x where the gap has grown by the force times c.
-    elemental function digs_in(beyond, half) result(distance)
+    !> Flat punch with small rounded edges: M. Ciavarella, D. A. Hills, G. Monno, Proc. Instn Mech.
+    !> Engrs C 212 (1998), 319, with 1/cos(d) = half-width of the contact over that of the flat:
+    !> (2/3) d³ = pi x²/(2 a²), where x is the distance at which the gap has increased by the force
+    !> times c.
+    elemental function edge_penetration(beyond, half) result(distance)
         !> Distance beyond the edge at which the gap has increased by the force times c [mm]
         real(wp), intent(in) :: beyond
-        !> Approximate half-width of the contact up to there [mm]
+        !> Approximate half-width of the contact up to the edge [mm]
         real(wp), intent(in) :: half
         real(wp) :: distance
 
@@ -154,39 +159,40 @@ contains
         real(wp), parameter :: factor = 0.5_wp*(0.75_wp*acos(-1.0_wp))**(2.0_wp/3.0_wp)
 
         distance = beyond*min(1.0_wp, factor*(beyond/half)**(1.0_wp/3.0_wp))
-    end function digs_in
+    end function edge_penetration
 
-    !> The grid of a zone with constant gap: the stretch, and some cells beyond its ends.
+    !> Return the grid of a zone with constant gap: the range of constant gap and some cells beyond
+    !> its ends.
     pure function level_grid(zone, reach, widths, strips) result(grid)
-        !> The zone
+        !> Zone
         type(zone_type), intent(in) :: zone
         !> Extent of the contact on both sides [mm], shape (2)
         real(wp), intent(in) :: reach(2)
         !> Extent of the cells beyond the ends relative to that of the contact, shape (2)
         real(wp), intent(in) :: widths(2)
-        !> Approximate number of cells on half of the stretch
+        !> Approximate number of cells over half of the range
         real(wp), intent(in) :: strips
         type(grid_type) :: grid
 
-        !> The cells end at the possible end of the contact. If a force at their end has widened
-        !> them, each such step adds this part of the half-length.
+        !> Default extent of the grid in half-widths, at which it ends at the possible end of the
+        !> contact; fraction of the half-length that each extension adds after a force at its end
         real(wp), parameter :: first_width = 2.5_wp, longer = 0.3_wp
-        real(wp) :: half, beyond(2), digs(2), finest(2)
+        real(wp) :: half, beyond(2), penetration(2), finest(2)
 
         half = 0.5_wp*(zone%level_high - zone%level_low)
         grid%cell = middle_part*half/strips
         beyond = reach - half
         where (beyond > least_part*grid%cell)
-            digs = digs_in(beyond, half)
-            finest = max(digs/(dig_part*strips), least_cell*grid%cell)
+            penetration = edge_penetration(beyond, half)
+            finest = max(penetration/(strip_part*strips), least_cell*grid%cell)
         else where
-            digs = 0.0_wp
+            penetration = 0.0_wp
             finest = sharp_part*grid%cell
         end where
         finest = min(finest, grid%cell)
         grid%edges = [ &
-            & fineness_type(zone%level_low, finest(1), [beyond_dig*digs(1), 0.0_wp]), &
-            & fineness_type(zone%level_high, finest(2), [0.0_wp, beyond_dig*digs(2)])]
+            & fineness_type(zone%level_low, finest(1), [fine_margin*penetration(1), 0.0_wp]), &
+            & fineness_type(zone%level_high, finest(2), [0.0_wp, fine_margin*penetration(2)])]
         beyond = max(0.0_wp, beyond) + longer*half*(widths/first_width - 1.0_wp)
         beyond = max(beyond, 3.0_wp*finest)
         grid%low = zone%level_low - beyond(1)
@@ -194,24 +200,24 @@ contains
         call end_within_stretch(zone, grid)
     end function level_grid
 
-    !> Separate the grids of two zones of a site that would overlap: no place has two cells.
+    !> Separate the grids of two zones of a site if they overlap, so that no point has two cells.
     !>
-    !> The border is at the greatest gap between both places, away from either contact.
+    !> The border is at the greatest gap between both points of least gap, away from either contact.
     pure subroutine part_neighbours(flank_1, frame_1, flank_2, frame_2, zone, next, grid, next_grid)
-        !> Flank of body 1 and its placement
+        !> Flank of body 1 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its placement
+        !> Flank of body 2 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> Two zones of a site, the first at smaller arc length
+        !> Adjacent zones of a site, the first at smaller arc length
         type(zone_type), intent(in) :: zone
         type(zone_type), intent(in) :: next
-        !> Their grids
+        !> Grids of these zones
         type(grid_type), intent(inout) :: grid
         type(grid_type), intent(inout) :: next_grid
 
-        !> Bisections: the border is accurate to a millionth of the distance.
+        !> Number of bisections: the border is accurate to a millionth of the distance
         integer, parameter :: steps = 20
         integer :: step
         real(wp) :: low, high, border
@@ -242,12 +248,12 @@ contains
 
     !> Place the cells between the ends of a grid.
     !>
-    !> A cell begins at the end of the stretch and at a sharp corner, where the pressure ends and
-    !> the normal jumps; otherwise one is centred on the least gap.
+    !> A cell begins at the end of the range and at a sharp corner, where the pressure ends and the
+    !> normal jumps; otherwise a cell is centred on the least gap.
     pure subroutine lay_cells(zone, grid)
-        !> The zone
+        !> Zone
         type(zone_type), intent(in) :: zone
-        !> Its grid, with ends and width of the cells
+        !> Grid with its ends and the width of its cells
         type(grid_type), intent(inout) :: grid
 
         real(wp) :: length, anchor
@@ -284,9 +290,9 @@ contains
         if (grid%open_low) grid%first = grid%high - (grid%n - 0.5_wp)*grid%cell
     end subroutine lay_cells
 
-    !> Place cells that are finest around edges.
+    !> Place cells that are finest at edges.
     pure subroutine lay_graded_cells(grid)
-        !> The grid, with ends, edges and width of the cells
+        !> Grid with its ends, edges and the width of its cells
         type(grid_type), intent(inout) :: grid
 
         integer :: k
@@ -295,7 +301,7 @@ contains
 
         associate (edges => grid%edges)
             edges%s = max(grid%low, min(grid%high, edges%s))
-            ! lengths from the fine end of each part
+            ! lengths from the fine end of each part of the grid
             widening = graded(edges(1)%s - grid%low, edges(1)%even(1), edges(1)%cell, grid%cell)
             grid%ends = edges(1)%s - widening(size(widening):1:-1)
             do k = 1, size(edges)
@@ -317,11 +323,12 @@ contains
         grid%n = size(grid%ends) - 1
     end subroutine lay_graded_cells
 
-    !> Ends of cells on [0, length] whose widths increase from the first; only 0 for length 0.
+    !> Return the ends of cells on [0, length] whose widths increase from the first; only 0 for
+    !> length 0.
     pure function graded(length, even, first, largest) result(ends)
-        !> Length of the whole [mm]
+        !> Total length [mm]
         real(wp), intent(in) :: length
-        !> Length on which all have the width of the first [mm]
+        !> Length over which all cells have the width of the first one [mm]
         real(wp), intent(in) :: even
         !> Approximate width of the first cell, and largest width [mm]
         real(wp), intent(in) :: first
@@ -332,7 +339,7 @@ contains
 
         ends = [0.0_wp]
         width = first
-        ! a rest of less than half a cell is distributed over the others
+        ! A remainder of less than half a cell is distributed over the others.
         do while (ends(size(ends)) < length - (0.5_wp + tie)*width)
             ends = [ends, ends(size(ends)) + width]
             if (ends(size(ends)) >= even - tie*width) width = min(largest, growth_ratio*width)

@@ -1,4 +1,4 @@
-!> Contact pairs of a position: cells along the flanks around each place of least gap, with their
+!> Contact pairs of a position: cells along the flanks around each point of least gap, with their
 !> gap angles (section 3.2 of the paper) and lever arms, Eq. (17).
 module flankload_contact_pairs
     use flankload_kinds, only: wp
@@ -15,28 +15,30 @@ module flankload_contact_pairs
     public :: pairs_type
     public :: append_pairs, chosen_pairs, reserve_pairs, take_out_of_mirror
 
-    !> All pairs of a position, as columns.
+    !> All pairs of a position, with one array per quantity
     type :: pairs_type
         integer :: n = 0
         !> Site and zone of each pair, shape (n)
         integer, allocatable :: site(:), zone(:)
-        !> Arc lengths on both flanks and widths of the cells there [mm], shape (n)
+        !> Arc lengths on both flanks and widths of the cells on them [mm], shape (n)
         real(wp), allocatable :: s_1(:), s_2(:), cell_1(:), cell_2(:)
-        !> Radius of the circle about O1 [mm], rotation of body 1 that closes the gap [rad], shape
-        !> (n); coast flanks are open if body 1 has turned further
+        !> Radius of the circle about O1 [mm] and rotation of body 1 that closes the gap [rad],
+        !> shape (n); coast flanks separate if body 1 turns further
         real(wp), allocatable :: radius(:), gap_angle(:)
-        !> Lever arms about O1 [mm]: of the force on body 1, friction included (torque row), and of
-        !> the pair (row scale); negative on coast flanks
+        !> Lever arms about O1 [mm], shape (n): of the force on body 1, friction included (torque
+        !> row), and of the pair (row scale); negative on coast flanks
         real(wp), allocatable :: torque_lever(:), lever(:)
         !> Sliding speed (v2 - v1).t [mm per rad of the position] and friction coefficient times its
         !> sign, shape (n); not allocated without friction
         real(wp), allocatable :: sliding(:), friction(:)
-        !> Rotation of the force from the normals of flank 1 and flank 2 towards growing arc length
-        !> [rad], shape (2, n): at an edge, where it has the normal of the other flank
+        !> Rotation of the force from the normals of flank 1 and flank 2 towards increasing arc
+        !> length [rad], shape (2, n); nonzero at an edge, where the force has the normal of the
+        !> other flank
         real(wp), allocatable :: turn(:, :)
-        !> The same if the contact extends over the tip of that flank, else 0
+        !> The same rotation if the contact extends over the tip of that flank, else 0
         real(wp), allocatable :: corner_turn(:, :)
-        !> Point of flank 1 and direction of the force on body 2 (out of body 1), shape (2, n)
+        !> Points of flank 1 [mm] and directions of the force on body 2 (out of body 1),
+        !> shape (2, n)
         real(wp), allocatable :: point(:, :), normal(:, :)
     end type pairs_type
 
@@ -44,7 +46,7 @@ contains
 
     !> Allocate n pairs and remove the existing ones.
     pure subroutine reserve_pairs(pairs, n)
-        !> The pairs
+        !> Contact pairs
         type(pairs_type), intent(out) :: pairs
         !> Number of pairs that can be appended
         integer, intent(in) :: n
@@ -57,11 +59,11 @@ contains
             & pairs%corner_turn(2, n), source=0.0_wp)
     end subroutine reserve_pairs
 
-    !> Some of the pairs, in their order.
+    !> Return some of the pairs in their order.
     pure function chosen_pairs(pairs, which) result(chosen)
         !> All pairs
         type(pairs_type), intent(in) :: pairs
-        !> Numbers of the chosen ones, ascending
+        !> Indices of the chosen pairs, ascending
         integer, intent(in) :: which(:)
         type(pairs_type) :: chosen
 
@@ -89,52 +91,52 @@ contains
     !> Append the pairs of one zone.
     pure subroutine append_pairs(flank_1, frame_1, flank_2, frame_2, zone, number, grid, &
             & normal, deviation, pairs, found)
-        !> Flank of body 1 and its placement
+        !> Flank of body 1 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its placement
+        !> Flank of body 2 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> The zone and its number
+        !> Zone and its number
         type(zone_type), intent(in) :: zone
         integer, intent(in) :: number
-        !> Its cells
+        !> Cells of the zone
         type(grid_type), intent(in) :: grid
-        !> Direction of the forces over its contact
+        !> Direction of the forces over the contact of the zone
         type(normal_type), intent(in) :: normal
         !> Additional material of both flanks along the normal [mm]
         real(wp), intent(in) :: deviation
-        !> The pairs, with enough allocated space
+        !> Contact pairs, with enough allocated space
         type(pairs_type), intent(inout) :: pairs
-        !> False if a circle misses flank 2
+        !> False if a circle does not cross flank 2
         logical, intent(out) :: found
 
         integer :: k
         real(wp) :: s_1, cell, s_2_range(2), normals(2, 2)
-        type(pair_type) :: pair, last_even(2)
+        type(pair_type) :: pair, level_end(2)
 
         s_2_range = [zone%s_2_low, zone%s_2_high]
         pair = zone%nearest
-        last_even = zone%nearest
+        level_end = zone%nearest
         found = .true.
         if (is_level(zone)) then
-            last_even%s_2 = [guessed_s_2(pair, zone%level_low), guessed_s_2(pair, zone%level_high)]
+            level_end%s_2 = [guessed_s_2(pair, zone%level_low), guessed_s_2(pair, zone%level_high)]
             call pair_on_circle(flank_1, frame_1, flank_2, frame_2, zone%level_low, s_2_range, &
-                & last_even(1), found)
+                & level_end(1), found)
             if (.not. found) return
             call pair_on_circle(flank_1, frame_1, flank_2, frame_2, zone%level_high, s_2_range, &
-                & last_even(2), found)
+                & level_end(2), found)
             if (.not. found) return
         end if
         do k = 1, grid%n
-            call look_at_cell(grid, k, s_1, cell)
+            call locate_cell(grid, k, s_1, cell)
             pair%s_2 = guessed_s_2(pair, s_1)
             call pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)
             if (.not. found) return
             if (is_level(zone)) then
                 normals = own_normals(pair)
-                if (s_1 < zone%level_low) call take_steadier(last_even(1), pair, normals)
-                if (s_1 > zone%level_high) call take_steadier(last_even(2), pair, normals)
+                if (s_1 < zone%level_low) call use_steadier_normal(level_end(1), pair, normals)
+                if (s_1 > zone%level_high) call use_steadier_normal(level_end(2), pair, normals)
             else
                 normals(:, 1) = normal_at(normal, s_1, 1)
                 normals(:, 2) = normal_at(normal, s_1, 2)
@@ -145,13 +147,13 @@ contains
         end do
     end subroutine append_pairs
 
-    !> Place and width of a cell.
-    pure subroutine look_at_cell(grid, k, s_1, cell)
-        !> The cells
+    !> Compute the position and the width of a cell.
+    pure subroutine locate_cell(grid, k, s_1, cell)
+        !> Grid of the zone
         type(grid_type), intent(in) :: grid
-        !> Its number
+        !> Number of the cell
         integer, intent(in) :: k
-        !> Arc length of flank 1 and width there [mm]
+        !> Arc length of flank 1 at the pair and width of the cell there [mm]
         real(wp), intent(out) :: s_1
         real(wp), intent(out) :: cell
 
@@ -161,13 +163,13 @@ contains
         s_1 = 0.5_wp*(grid%ends(k) + grid%ends(k + 1))
         cell = grid%ends(k + 1) - grid%ends(k)
         if (allocated(grid%centers)) s_1 = grid%centers(k)
-    end subroutine look_at_cell
+    end subroutine locate_cell
 
-    !> Normals of both flanks at a pair, out of body 1.
+    !> Return the normals of both flanks at a pair, out of body 1.
     pure function own_normals(pair) result(normals)
-        !> The pair
+        !> Contact pair
         type(pair_type), intent(in) :: pair
-        !> Shape (2, bodies)
+        !> Unit normals, shape (2, bodies)
         real(wp) :: normals(2, 2)
 
         ! n = t turned by a right angle, so |P x n| = |P . t|
@@ -175,14 +177,16 @@ contains
         normals(:, 2) = [pair%tangent_2(2), -pair%tangent_2(1)]
     end function own_normals
 
-    !> Beyond the ends of a constant gap one flank has a rounding: the force has the normal of the
-    !> other one. A normal that turned with the rounding would cause a kink where it begins.
+    !> Replace the normal of the flank that turns by that of the other flank. Beyond the ends of a
+    !> constant gap one flank has a rounding, and the force has the normal of the other one: a
+    !> normal that turned with the rounding would cause a kink where it begins.
     !>
-    !> The angle between both normals is that between both points: they coincide if the gap closes.
-    pure subroutine take_steadier(edge, pair, normals)
-        !> The pair at the end of the constant gap
+    !> The angle between both normals is that between both points, which coincide when the gap
+    !> closes.
+    pure subroutine use_steadier_normal(edge, pair, normals)
+        !> Pair at the end of the constant gap
         type(pair_type), intent(in) :: edge
-        !> The pair beyond
+        !> Pair beyond that end
         type(pair_type), intent(in) :: pair
         !> Normals of both flanks, out of body 1, shape (2, bodies)
         real(wp), intent(inout) :: normals(2, 2)
@@ -193,11 +197,11 @@ contains
         else
             normals(:, 2) = turned(normals(:, 1), pair%gap_angle)
         end if
-    end subroutine take_steadier
+    end subroutine use_steadier_normal
 
-    !> A direction rotated counter-clockwise.
+    !> Return a direction rotated counter-clockwise.
     pure function turned(direction, angle) result(new)
-        !> The direction
+        !> Direction, shape (2)
         real(wp), intent(in) :: direction(2)
         !> Angle [rad]
         real(wp), intent(in) :: angle
@@ -208,19 +212,19 @@ contains
 
     !> Append a pair with its levers.
     pure subroutine append_pair(zone, pair, cell, normals, over, deviation, pairs)
-        !> The zone
+        !> Zone
         type(zone_type), intent(in) :: zone
-        !> The pair
+        !> Contact pair
         type(pair_type), intent(in) :: pair
         !> Width of its cell on flank 1 [mm]
         real(wp), intent(in) :: cell
-        !> Directions of its force on each flank, out of body 1, shape (2, bodies)
+        !> Directions of the force on each flank, out of body 1, shape (2, bodies)
         real(wp), intent(in) :: normals(2, 2)
-        !> Whether the contact extends over the tip of either flank
+        !> True if the contact extends over the tip of the flank, shape (2)
         logical, intent(in) :: over(2)
-        !> Additional material [mm]
+        !> Additional material of both flanks along the normal [mm]
         real(wp), intent(in) :: deviation
-        !> The pairs
+        !> Contact pairs
         type(pairs_type), intent(inout) :: pairs
 
         integer :: i
@@ -241,7 +245,7 @@ contains
         pairs%cell_2(i) = cell*abs(cross(pair%point_1, own(:, 1))/cross(pair%point_2, own(:, 2)))
         pairs%radius(i) = pair%radius
         pairs%torque_lever(i) = lever_1*zone%cosine
-        ! one lever for both bodies: K stays symmetric
+        ! One lever for both bodies keeps K symmetric.
         pairs%lever(i) = zone%lever_share*lever_1 + (1.0_wp - zone%lever_share)*lever_2
         pairs%gap_angle(i) = pair%gap_angle - deviation/pairs%lever(i)
         pairs%lever(i) = pairs%lever(i)*zone%cosine
@@ -250,11 +254,11 @@ contains
     end subroutine append_pair
 
     !> Mirror pairs of coast flanks back: on the other side of the line of centres, forces turn body
-    !> 1 the other way.
+    !> 1 in the opposite direction.
     pure subroutine take_out_of_mirror(first, pairs)
-        !> The first of these pairs; the others follow, up to the last pair
+        !> First of these pairs; the others follow up to the last pair
         integer, intent(in) :: first
-        !> The pairs
+        !> Contact pairs
         type(pairs_type), intent(inout) :: pairs
 
         associate (last => pairs%n)

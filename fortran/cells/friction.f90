@@ -1,7 +1,8 @@
 !> Coulomb friction at contact pairs: direction of sliding and torque levers.
 !>
-!> The force of a pair on body 1 is -n F + mu sigma t F, t towards growing arc length of flank 1 and
-!> sigma the sign of the sliding speed (v2 - v1).t there; on body 2 it is the opposite.
+!> The force of a pair on body 1 is -n F + mu sigma t F, where t points towards increasing arc
+!> length of flank 1 and sigma is the sign of the sliding speed (v2 - v1).t there; the force on body
+!> 2 is the opposite.
 module flankload_friction
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: flank_curve_type, frame_type, placed_point
@@ -9,6 +10,7 @@ module flankload_friction
     use flankload_circle_pair, only: pair_type
     use flankload_contact_zones, only: zone_type
     use flankload_contact_pairs, only: pairs_type
+    use flankload_contact_reach, only: is_level
     implicit none
     private
 
@@ -20,23 +22,24 @@ module flankload_friction
     type :: friction_type
         !> Arc lengths on flank 1, ascending [mm], shape (n)
         real(wp), allocatable :: places(:)
-        !> Friction coefficient there, linear between them and constant beyond, shape (n, sites)
+        !> Friction coefficients at these points, linear between them and constant beyond,
+        !> shape (n, sites)
         real(wp), allocatable :: values(:, :)
     end type friction_type
 
-    !> Sliding below this part of the speeds of both surfaces is zero: rounding errors of bodies
-    !> that turn together about one axis.
+    !> Sliding speed, relative to the speeds of both surfaces, below which sliding is a rounding
+    !> error: it is zero for bodies that rotate together about one axis
     real(wp), parameter :: least_sliding = 1.0e-7_wp
-    !> Relative difference of speeds below which bodies turn at the same rate.
+    !> Relative difference of speeds below which both bodies rotate at the same rate
     real(wp), parameter :: one_rate = 1.0e-9_wp
 
 contains
 
-    !> Friction coefficients from a table.
+    !> Return friction coefficients from a table.
     pure function new_friction(places, values) result(friction)
         !> Arc lengths on flank 1 [mm], shape (n)
         real(wp), intent(in) :: places(:)
-        !> Friction coefficient, shape (n, sites)
+        !> Friction coefficients, shape (n, sites)
         real(wp), intent(in) :: values(:, :)
         type(friction_type) :: friction
 
@@ -44,11 +47,11 @@ contains
         friction%values = values
     end function new_friction
 
-    !> Friction coefficient at a place of a site.
+    !> Return the friction coefficient at a point of a site.
     pure function coefficient_at(friction, site, s) result(coefficient)
         !> Friction coefficients of the scene
         type(friction_type), intent(in) :: friction
-        !> Site
+        !> Number of the site
         integer, intent(in) :: site
         !> Arc length on flank 1 [mm]
         real(wp), intent(in) :: s
@@ -69,29 +72,31 @@ contains
         coefficient = (1.0_wp - part)*friction%values(k, site) + part*friction%values(k + 1, site)
     end function coefficient_at
 
-    !> Sliding speed, friction factor mu sigma and torque lever of the pairs of one zone.
+    !> Add the sliding speed, the friction factor mu sigma and the torque lever to the pairs of one
+    !> zone.
     !>
     !> Each surface moves along its own flank, so that the sliding speed changes its sign inside a
-    !> contact over the pitch point. In the cell in which it does, the factor is the mean over the
-    !> cell: the state remains a smooth function of the position. Bodies that turn at the same rate
-    !> about different axes (a spline with an offset) slide everywhere by the same vector.
+    !> contact at the pitch point. In the cell where it changes sign, the factor is the mean over
+    !> the cell, so that the state remains a smooth function of the position. Bodies that rotate at
+    !> the same rate about different axes (a spline with an offset) have the same sliding velocity
+    !> everywhere.
     pure subroutine add_friction(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, &
             & first, pairs)
         !> Friction coefficients of the scene
         type(friction_type), intent(in) :: friction
         !> Speeds of both bodies [rad per rad of the position], shape (2)
         real(wp), intent(in) :: speeds(2)
-        !> Flank of body 1 and its placement
+        !> Flank of body 1 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its placement
+        !> Flank of body 2 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> The zone
+        !> Zone
         type(zone_type), intent(in) :: zone
-        !> Its first pair; the others follow, up to the last pair
+        !> First pair of the zone; the others follow up to the last pair
         integer, intent(in) :: first
-        !> The pairs
+        !> Contact pairs
         type(pairs_type), intent(inout) :: pairs
 
         integer :: i
@@ -111,7 +116,7 @@ contains
         end do
         call sliding_changes(pairs%sliding(first:pairs%n), change)
         do i = first, pairs%n
-            ! Eq. (11), with the sign of the sliding
+            ! Eq. (11) with the sign of the sliding speed
             pairs%friction(i) = coefficient_at(friction, pairs%site(i), pairs%s_1(i)) &
                 & *max(-1.0_wp, min(1.0_wp, pairs%sliding(i) &
                 & /max(0.5_wp*change(i - first + 1), least_sliding*largest, tiny(1.0_wp))))
@@ -121,39 +126,40 @@ contains
         end do
     end subroutine add_friction
 
-    !> Lever of the tangential force in the torque row: m = b - mu sigma sign(P x n) P x t, with P x
-    !> t = -P.n.
+    !> Return the lever arm of the tangential force in the torque row: m = b - mu sigma sign(P x n)
+    !> P x t, with P x t = -P.n.
     pure function friction_lever(point, normal) result(lever)
-        !> Point of flank 1 as seen from O1 [mm], and normal out of body 1
+        !> Vector from O1 to the point of flank 1 [mm], and normal out of body 1, shape (2)
         real(wp), intent(in) :: point(2)
         real(wp), intent(in) :: normal(2)
-        !> Factor of mu sigma [mm]
+        !> Lever arm per mu sigma [mm]
         real(wp) :: lever
 
         lever = dot_product(point, normal)
         lever = sign(lever, lever*cross(point, normal))   ! Eq. (17) of the force (11)
     end function friction_lever
 
-    !> Sliding speed at a pair.
+    !> Compute the sliding speed at a pair.
     pure subroutine slide_at(speeds, flank_1, frame_1, flank_2, frame_2, zone, turn, s_1, s_2, &
             & normal, sliding, speeds_there)
         !> Speeds of both bodies [rad per rad of the position], shape (2)
         real(wp), intent(in) :: speeds(2)
-        !> Flank of body 1 and its placement
+        !> Flank of body 1 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its placement
+        !> Flank of body 2 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> The zone, and cosine and sine of half the angle between its normals
+        !> Zone, and cosine and sine of half the angle between its normals
         type(zone_type), intent(in) :: zone
         real(wp), intent(in) :: turn(2)
-        !> Places on both flanks [mm]
+        !> Arc lengths on both flanks [mm]
         real(wp), intent(in) :: s_1
         real(wp), intent(in) :: s_2
-        !> Direction of the force there
+        !> Direction of the force at the pair
         real(wp), intent(in) :: normal(2)
-        !> (v2 - v1).t, and the speeds of both surfaces together [mm per rad of the position]
+        !> Sliding speed (v2 - v1).t and sum of the speeds of both surfaces [mm per rad of the
+        !> position]
         real(wp), intent(out) :: sliding
         real(wp), intent(out) :: speeds_there
 
@@ -164,35 +170,35 @@ contains
         point_1 = point_1 - frame_1%origin
         ! out of body 1: the tangent of flank 1 turned to the left, that of flank 2 to the right
         normal_1 = turned([-normal_1(2), normal_1(1)], turn)
-        if (zone%level_high > zone%level_low) then
-            ! conforming flanks have one normal, which turns with its point until both meet
+        if (is_level(zone)) then
+            ! Conforming flanks have one normal, which turns with its point until both points meet.
             normal_2 = turned(normal_1, &
                 & turn_by(angle_between(point_1, point_2 - frame_1%origin)))
         else
             normal_2 = turned([normal_2(2), -normal_2(1)], [turn(1), -turn(2)])
         end if
         point_2 = point_2 - frame_2%origin
-        ! v.t of a body that turns about O is -w (P - O).n, since n is t turned to the left
+        ! v.t of a body that rotates about O is -w (P - O).n, since n is t turned to the left.
         sliding = speeds(1)*dot_product(point_1, normal_1) &
             & - speeds(2)*dot_product(point_2, normal_2)
         if (abs(speeds(2) - speeds(1)) <= one_rate*abs(speeds(1))) then
-            ! no rolling, only an offset of the axes: the small difference of both normals would
-            ! cause a speed larger than the true one
+            ! There is no rolling, only an offset of the axes: the small difference of both normals
+            ! would make the speed larger than it is.
             sliding = dot_product(speeds(2)*frame_2%origin - speeds(1)*frame_1%origin, normal)
         end if
         speeds_there = abs(speeds(1))*norm2(point_1) + abs(speeds(2))*norm2(point_2)
     end subroutine slide_at
 
-    !> Mean sign of the sliding over a Hertz contact, weighted by its pressure.
+    !> Compute the mean sign of the sliding speed over a Hertz contact, weighted by the pressure.
     !>
-    !> With the speed v = v_0 + v' x over the half-width h and u = v_0/(|v'| h) it is 2/pi (asin u +
-    !> u sqrt(1 - u²)), and 1 or -1 where |u| >= 1.
+    !> With the speed v = v_0 + v' x over the half-width h and u = v_0/(|v'| h), it is
+    !> 2/pi (asin u + u sqrt(1 - u²)), and 1 or -1 if |u| >= 1.
     pure subroutine mean_sign(at_ends, speeds_there, mean, slope, part)
         !> Sliding speeds at the ends of the contact [mm per rad of the position]
         real(wp), intent(in) :: at_ends(2)
-        !> Speeds of both surfaces together
+        !> Sum of the speeds of both surfaces [mm per rad of the position]
         real(wp), intent(in) :: speeds_there
-        !> The mean, its derivative by u, and u within -1 and 1
+        !> Mean sign, its derivative with respect to u, and u limited to -1 … 1
         real(wp), intent(out) :: mean
         real(wp), intent(out) :: slope
         real(wp), intent(out) :: part
@@ -206,31 +212,31 @@ contains
         slope = 2.0_wp*two_over_pi*sqrt(1.0_wp - part**2)
     end subroutine mean_sign
 
-    !> Half the angle from the normal of flank 1 to that of flank 2 at a closed place of least gap:
-    !> zero except at a corner, where both normals turn towards each other by half of it.
+    !> Return half the angle from the normal of flank 1 to that of flank 2 at a closed point of
+    !> least gap: zero except at a corner, where both normals turn towards each other by this angle.
     pure function half_turn_between(nearest) result(turn)
-        !> The pair of least gap
+        !> Pair of least gap
         type(pair_type), intent(in) :: nearest
-        !> Cosine and sine
+        !> Cosine and sine of the half angle
         real(wp) :: turn(2)
 
         turn = turn_by(0.5_wp*(angle_between(nearest%tangent_1, -nearest%tangent_2) &
             & - nearest%gap_angle))
     end function half_turn_between
 
-    !> A rotation by an angle.
+    !> Return a rotation by an angle.
     pure function turn_by(angle) result(turn)
         !> Angle [rad]
         real(wp), intent(in) :: angle
-        !> Cosine and sine
+        !> Cosine and sine of the angle
         real(wp) :: turn(2)
 
         turn = [cos(angle), sin(angle)]
     end function turn_by
 
-    !> A vector rotated counter-clockwise.
+    !> Return a vector rotated counter-clockwise.
     pure function turned(vector, turn) result(other)
-        !> The vector
+        !> Vector, shape (2)
         real(wp), intent(in) :: vector(2)
         !> Cosine and sine of the angle
         real(wp), intent(in) :: turn(2)
@@ -239,11 +245,11 @@ contains
         other = turn(1)*vector + turn(2)*[-vector(2), vector(1)]
     end function turned
 
-    !> Change of the sliding speed over each cell of a zone.
+    !> Compute the change of the sliding speed over each cell of a zone.
     pure subroutine sliding_changes(sliding, change)
-        !> Sliding speeds of neighbouring cells
+        !> Sliding speeds in adjacent cells [mm per rad of the position], shape (n)
         real(wp), intent(in) :: sliding(:)
-        !> Their absolute changes over a cell
+        !> Absolute change over each cell, shape (n)
         real(wp), intent(out) :: change(:)
 
         integer :: n, k

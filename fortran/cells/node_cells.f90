@@ -1,5 +1,5 @@
-!> Cells with nodes in their middles: with tables between nodes, pairs at smaller distances than the
-!> nodes would make K singular.
+!> Cells centred on nodes: with tables between nodes, pairs that are closer together than the nodes
+!> would make K singular.
 module flankload_node_cells
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
@@ -14,14 +14,14 @@ module flankload_node_cells
 
 contains
 
-    !> Place the cells of a zone on nodes: all between the ends of its grid, and one more on both
-    !> sides.
+    !> Place the cells of a zone on nodes: all between the ends of its grid, and one more on each
+    !> side.
     pure subroutine lay_on_nodes(places, zone, grid)
-        !> Arc lengths on flank 1 of possible pairs [mm], ascending
+        !> Possible arc lengths of pairs on flank 1 [mm], ascending, shape (n)
         real(wp), intent(in) :: places(:)
-        !> The zone
+        !> Zone
         type(zone_type), intent(in) :: zone
-        !> Its grid, with its ends
+        !> Grid of the zone with its ends
         type(grid_type), intent(inout) :: grid
 
         integer :: first, last, k
@@ -29,7 +29,7 @@ contains
         real(wp), allocatable :: around(:)
 
         same = tie*(zone%s_1_high - zone%s_1_low)
-        ! the stretch over which circles intersect both flanks, without the part of another zone
+        ! range over which circles cross both flanks, without the part of another zone
         first = 1 + count(places < merge(zone%s_1_low, grid%low, grid%open_low) - same)
         last = count(places <= merge(zone%s_1_high, grid%high, grid%open_high) + same)
         if (.not. grid%open_low .and. grid%low > zone%s_1_low) then
@@ -48,7 +48,7 @@ contains
         grid%open_high = grid%open_high .and. last < size(places)
         grid%n = max(0, last - first + 1)
         if (grid%n == 0) then
-            ! a stretch between two nodes
+            ! a range between two nodes
             grid%n = 1
             grid%open_low = .false.
             grid%open_high = .false.
@@ -61,17 +61,17 @@ contains
         grid%ends = [(0.5_wp*(around(k) + around(k + 1)), k=1, grid%n + 1)]
     end subroutine lay_on_nodes
 
-    !> Intersections of flank 1 with circles about O1 through the nodes of flank 2.
+    !> Return the intersections of flank 1 with circles about O1 through the nodes of flank 2.
     pure function circles_through(nodes, flank_2, frame_2, flank_1, frame_1, zone) result(places)
-        !> Arc lengths of the nodes of flank 2 [mm], ascending
+        !> Arc lengths of the nodes of flank 2 [mm], ascending, shape (n)
         real(wp), intent(in) :: nodes(:)
-        !> Flank of body 2 and its placement
+        !> Flank of body 2 and the frame of the body
         type(flank_curve_type), intent(in) :: flank_2
         type(frame_type), intent(in) :: frame_2
-        !> Flank of body 1 and its placement (its axis is O1)
+        !> Flank of body 1 and the frame of the body, whose axis is O1
         type(flank_curve_type), intent(in) :: flank_1
         type(frame_type), intent(in) :: frame_1
-        !> The zone; only intersections in its stretch count
+        !> Zone; only intersections in its range count
         type(zone_type), intent(in) :: zone
         !> Arc lengths on flank 1 [mm], ascending
         real(wp), allocatable :: places(:)

@@ -1,15 +1,15 @@
 !> Influence coefficients of cells in slices along the face width: K as the contact loop uses it.
 !>
 !> A cell is a rectangle on the contact line of its slice, as wide as its part of the profile and as
-!> long as the line. It displaces others on its flank as on a half-space with mirror images behind
-!> end faces and free corners, and all cells of the body by its modes (`slice_field`). The width of
-!> a cell is that on flank 1 for both bodies: on flank 2 it differs by the part x tan(a)/rho, of the
-!> order of what a plane half-space neglects.
+!> long as the line. It displaces the other cells on its flank as on a half-space with mirror images
+!> behind end faces and free corners, and all cells of the body through the modes (`slice_field`).
+!> For both bodies the width of a cell is that on flank 1: on flank 2 it differs by the fraction x
+!> tan(a)/rho, of the order of what a plane half-space neglects.
 !>
-!> Between two slices with cells of one width all distances across are multiples of that width from
-!> the first one: a table for each pair of slices has the near field and the images behind end
-!> faces, by the difference of both cells' numbers, and another one the images behind corners, by
-!> their sum.
+!> Between two slices with cells of one width all distances across the contact lines differ from the
+!> first one by multiples of that width. Each pair of slices has one table of the near field and the
+!> images behind end faces, by the difference of both cell numbers, and one table of the images
+!> behind corners, by their sum.
 module flankload_cell_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type
@@ -24,7 +24,7 @@ module flankload_cell_field
 
     public :: cell_influences
 
-    !> Cells of one zone: consecutive pairs.
+    !> Consecutive pairs: the cells of one zone.
     type :: run_type
         !> First and last pair
         integer :: first = 0, last = 0
@@ -32,7 +32,7 @@ module flankload_cell_field
         real(wp) :: cell = 0.0_wp
         !> Arc lengths of the first and the last cell on flank 1 [mm]
         real(wp) :: s(2) = 0.0_wp
-        !> Their contact line
+        !> Contact line of these cells
         type(segment_type) :: line
     end type run_type
 
@@ -40,31 +40,31 @@ module flankload_cell_field
     type :: modes_type
         !> Last pair of each flank
         integer, allocatable :: last(:)
-        !> Values at the pairs, shape (m, n)
+        !> Values of the modes at the pairs, shape (m, n)
         real(wp), allocatable :: values(:, :)
-        !> Displacements and motions of each flank that unit forces on the pairs cause, as modes
-        !> [mm/N], for the flank of the pair and later ones, shape (m, n, flanks)
-        real(wp), allocatable :: carried(:, :, :)
+        !> Displacements and motions of each flank under unit forces at the pairs, as modes [mm/N],
+        !> for the flank of the pair and later ones, shape (m, n, flanks)
+        real(wp), allocatable :: displaced(:, :, :)
     end type modes_type
 
-    !> Columns that are computed together: as many as fit into the cache.
+    !> Number of columns that are computed together: as many as fit into the cache
     integer, parameter :: panel = 96
 
 contains
 
-    !> K of all pairs, symmetric to the last bit without friction.
+    !> Compute K of all pairs, symmetric to the last bit without friction.
     pure subroutine cell_influences(body_1, body_2, slices, segments, pairs, rigid, moved, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
-        !> Contact lines of all zones
+        !> Contact lines of all zones, shape (zones)
         type(segment_type), intent(in) :: segments(:)
-        !> The pairs, those of a zone together, zones ascending
+        !> Contact pairs, those of a zone adjacent, zones ascending
         type(pairs_type), intent(in) :: pairs
-        !> Unit forces as forces and moments on shafts, and the motions that these cause, shape
-        !> (m, n); m = 0 without shafts
+        !> Unit forces as forces and moments on shafts, and the motions that they cause,
+        !> shape (m, n); m = 0 without shafts
         real(wp), intent(in) :: rigid(:, :)
         real(wp), intent(in) :: moved(:, :)
         !> K [mm/N], shape (n, n)
@@ -82,17 +82,17 @@ contains
         end if
     end subroutine cell_influences
 
-    !> Displacements by modes and shafts, near fields and all images. The lower triangle is computed
-    !> and copied to the upper one while it is in the cache.
+    !> Compute the displacements by modes and shafts, near fields and all images. The lower triangle
+    !> is computed and copied to the upper one while it is in the cache.
     pure subroutine set_symmetric(runs, modes, ends, corners, pairs, matrix)
-        !> Cells of all zones
+        !> Cells of all zones, shape (zones)
         type(run_type), intent(in) :: runs(:)
-        !> Modes; there may be none
+        !> Modes at the pairs; there may be none
         type(modes_type), intent(in) :: modes
-        !> The loads, their images behind end faces, and those behind corners
+        !> Loads and their images behind end faces; images behind corners
         type(mirror_type), intent(in) :: ends(:)
         type(mirror_type), intent(in) :: corners(:)
-        !> The pairs
+        !> Contact pairs
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(out) :: matrix(:, :)
@@ -108,7 +108,7 @@ contains
                 last = last + 1
             end do
             call set_smooth(size(modes%values, 1), pairs%n, modes%last, modes%values, &
-                & modes%carried, [runs(first)%first, runs(last)%last], matrix)
+                & modes%displaced, [runs(first)%first, runs(last)%last], matrix)
             do b = first, last
                 do a = b, size(runs)
                     if (runs(a)%line%flank /= runs(b)%line%flank) exit
@@ -125,20 +125,22 @@ contains
         end do
     end subroutine set_symmetric
 
-    !> Add the recession of both bodies under the friction of all pairs; not symmetric.
+    !> Add the normal displacement of both bodies under the friction forces of all pairs; not
+    !> symmetric.
     !>
-    !> The force mu sigma F on body 1 points to growing arc length of flank 1, that on body 2 to
-    !> growing arc length of flank 2: both recede by minus their displacement out of the material.
+    !> The force mu sigma F on body 1 points towards increasing arc length of flank 1, that on body
+    !> 2 towards increasing arc length of flank 2: the normal displacement of both is minus their
+    !> displacement out of the material.
     pure subroutine add_sliding(body_1, body_2, slices, runs, last, pairs, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
         !> Cells of all zones, and the last pair of each flank
         type(run_type), intent(in) :: runs(:)
         integer, intent(in) :: last(:)
-        !> The pairs, with friction
+        !> Contact pairs with friction
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
@@ -150,11 +152,11 @@ contains
 
         n = pairs%n
         no_modes%last = last
-        allocate (no_modes%values(0, n), no_modes%carried(0, n, size(last)), along(n, n))
+        allocate (no_modes%values(0, n), no_modes%displaced(0, n, size(last)), along(n, n))
         call set_symmetric(runs, no_modes, no_ends, [corner_mirrors(body_1, 1, &
             & body_1%wedge_along), corner_mirrors(body_2, 2, body_2%wedge_along)], pairs, along)
-        ! in front of the force on body 1 is behind that on body 2
-        call add_cerruti((body_2%jump - body_1%jump)/acos(-1.0_wp), runs, pairs, along)
+        ! A point in front of the force on body 1 is behind that on body 2.
+        call add_cerruti((body_2%jump - body_1%jump)/acos(-1.0_wp), runs, pairs, along)   ! Eq. (C5)
         along = along + sliced_tangential(body_1, slices, pairs%site(:n), pairs%s_1(:n))
         along = along + sliced_tangential(body_2, slices, pairs%site(:n), pairs%s_2(:n))
         do j = 1, n
@@ -166,13 +168,13 @@ contains
     !> flanks.
     pure subroutine add_cerruti(strength, runs, pairs, matrix)
         !> Displacement of both bodies out of the material times distance [mm²/N]; 0 for two bodies
-        !> of one material, which move alike
+        !> of one material, whose displacements are equal
         real(wp), intent(in) :: strength
         !> Cells of all zones
         type(run_type), intent(in) :: runs(:)
-        !> The pairs
+        !> Contact pairs
         type(pairs_type), intent(in) :: pairs
-        !> Displacements at i under forces at j [mm/N], shape (n, n)
+        !> Displacements at i under unit forces at j [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         integer :: a, b, i, j, k
@@ -210,7 +212,7 @@ contains
         !> First and last column
         integer, intent(in) :: first
         integer, intent(in) :: last
-        !> The matrix, shape (n, n)
+        !> Matrix, shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         integer :: i, j
@@ -222,15 +224,15 @@ contains
         end do
     end subroutine mirror
 
-    !> The pairs of each zone.
+    !> Return the pairs of each zone.
     pure function runs_of(pairs, segments) result(runs)
-        !> The pairs
+        !> Contact pairs
         type(pairs_type), intent(in) :: pairs
-        !> Contact lines of all zones
+        !> Contact lines of all zones, shape (zones)
         type(segment_type), intent(in) :: segments(:)
         type(run_type), allocatable :: runs(:)
 
-        !> Widths and steps that are equal up to rounding
+        !> Relative difference of widths and steps that are equal up to rounding
         real(wp), parameter :: same = 1.0e-9_wp
         integer :: i, k, n
         logical :: begins(pairs%n)
@@ -253,19 +255,19 @@ contains
         end do
     end function runs_of
 
-    !> Modes of both bodies and their shafts at the pairs.
+    !> Compute the modes of both bodies and their shafts at the pairs.
     pure subroutine set_modes(body_1, body_2, slices, pairs, rigid, moved, modes)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
-        !> The pairs
+        !> Contact pairs
         type(pairs_type), intent(in) :: pairs
-        !> Forces and moments on shafts, and the motions that these cause, shape (m, n)
+        !> Forces and moments on shafts, and the motions that they cause, shape (m, n)
         real(wp), intent(in) :: rigid(:, :)
         real(wp), intent(in) :: moved(:, :)
-        !> The modes
+        !> Modes at the pairs
         type(modes_type), intent(out) :: modes
 
         integer :: n, m_1, m, f, g
@@ -286,49 +288,49 @@ contains
         m_1 = size(values_1, 1)
         m = m_1 + size(values_2, 1)
         allocate (modes%values(m + size(rigid, 1), n))
-        allocate (modes%carried(m + size(rigid, 1), n, size(modes%last)))
+        allocate (modes%displaced(m + size(rigid, 1), n, size(modes%last)))
         modes%values(:m_1, :) = values_1
         modes%values(m_1 + 1:m, :) = values_2
         modes%values(m + 1:, :) = rigid
         do f = 1, size(modes%last)
-            modes%carried(m + 1:, :, f) = moved
+            modes%displaced(m + 1:, :, f) = moved
             do g = 1, f
                 associate (one => pairs%site(first(f)), other => pairs%site(first(g)), &
                     & from => first(g), to => modes%last(g))
-                    modes%carried(:m_1, from:to, f) = carried_by(body_1%smooth(:, :, &
-                        & body_1%block(other, one)), values_1(:, from:to))
-                    modes%carried(m_1 + 1:m, from:to, f) = carried_by(body_2%smooth(:, :, &
-                        & body_2%block(other, one)), values_2(:, from:to))
+                    modes%displaced(:m_1, from:to, f) = modal_displacements( &
+                        & body_1%smooth(:, :, body_1%block(other, one)), values_1(:, from:to))
+                    modes%displaced(m_1 + 1:m, from:to, f) = modal_displacements( &
+                        & body_2%smooth(:, :, body_2%block(other, one)), values_2(:, from:to))
                 end associate
             end do
         end do
     end subroutine set_modes
 
-    !> Modes of displacement under unit forces.
-    pure function carried_by(smooth, values) result(carried)
-        !> Smooth part between modes, displacement of the loaded flank under loads of the other one
+    !> Return the modal displacements under unit forces.
+    pure function modal_displacements(smooth, values) result(displaced)
+        !> Smooth part between modes, displacement of the loaded flank under loads on the other one
         !> [mm/N], shape (m, m)
         real(wp), contiguous, intent(in) :: smooth(:, :)
         !> Modes at the loads, shape (m, n)
         real(wp), contiguous, intent(in) :: values(:, :)
         !> Displacement of the other flank as modes [mm/N], shape (m, n)
-        real(wp) :: carried(size(values, 1), size(values, 2))
+        real(wp) :: displaced(size(values, 1), size(values, 2))
 
-        if (size(carried) == 0) return
+        if (size(displaced) == 0) return
         call set_product(size(values, 1), size(values, 2), size(values, 1), smooth, values, &
-            & size(values, 1), carried)
-    end function carried_by
+            & size(values, 1), displaced)
+    end function modal_displacements
 
-    !> Displacements by modes and shafts, V g Vᵀ, from the diagonal of some columns on.
-    pure subroutine set_smooth(m, n, last, values, carried, columns, matrix)
-        !> Modes, and pairs
+    !> Compute the displacements by modes and shafts, V g Vᵀ, in some columns from the diagonal on.
+    pure subroutine set_smooth(m, n, last, values, displaced, columns, matrix)
+        !> Numbers of modes and of pairs
         integer, intent(in) :: m
         integer, intent(in) :: n
-        !> As in `modes_type`, of explicit shape, so that parts are passed in place
+        !> Components of `modes_type`, of explicit shape so that parts are passed in place
         integer, intent(in) :: last(:)
         real(wp), intent(in) :: values(m, n)
-        real(wp), intent(in) :: carried(m, n, size(last))
-        !> First and last column, of one flank
+        real(wp), intent(in) :: displaced(m, n, size(last))
+        !> First and last column, both of one flank
         integer, intent(in) :: columns(2)
         !> K [mm/N]
         real(wp), intent(inout) :: matrix(n, n)
@@ -340,12 +342,13 @@ contains
         do f = 1, size(last)
             if (m == 0 .or. last(f) < row) cycle
             call set_product(last(f) - row + 1, columns(2) - columns(1) + 1, m, values(1, row), &
-                & carried(1, columns(1), f), n, matrix(row, columns(1)))
+                & displaced(1, columns(1), f), n, matrix(row, columns(1)))
             row = last(f) + 1
         end do
     end subroutine set_smooth
 
-    !> Whether all distances between two slices are multiples of one width from the first one.
+    !> Return true if all distances between two slices differ from the first by multiples of one
+    !> width.
     pure logical function are_even(one, other)
         !> Cells of both slices
         type(run_type), intent(in) :: one
@@ -354,7 +357,7 @@ contains
         are_even = one%cell > 0.0_wp .and. .not. abs(one%cell - other%cell) > 0.0_wp
     end function are_even
 
-    !> Number of different distances between the cells of two slices.
+    !> Return the number of different distances between the cells of two slices.
     pure integer function n_distances(one, other)
         !> Cells of both slices
         type(run_type), intent(in) :: one
@@ -363,14 +366,15 @@ contains
         n_distances = one%last - one%first + other%last - other%first + 1
     end function n_distances
 
-    !> Add influences that depend on the difference of both cells' numbers.
+    !> Add influence coefficients that depend on the difference of both cell numbers.
     pure subroutine add_by_difference(one, other, table, matrix)
-        !> Cells that are displaced, and loaded ones
+        !> Displaced cells and loaded cells
         type(run_type), intent(in) :: one
         type(run_type), intent(in) :: other
-        !> Influences, from that of the last loaded cell on the first one on
+        !> Influence coefficients, beginning with that of the last loaded cell on the first
+        !> displaced one
         real(wp), intent(in) :: table(:)
-        !> The matrix, shape (n, n)
+        !> Matrix, shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         integer :: j, k
@@ -385,10 +389,10 @@ contains
     !> Add the near field and the images behind end faces between two slices with cells of one
     !> width.
     pure subroutine add_even(one, other, ends, matrix)
-        !> Cells that are displaced, and loaded ones
+        !> Displaced cells and loaded cells
         type(run_type), intent(in) :: one
         type(run_type), intent(in) :: other
-        !> The loads and their images behind end faces
+        !> Loads and their images behind end faces
         type(mirror_type), intent(in) :: ends(:)
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
@@ -397,12 +401,13 @@ contains
         real(wp) :: first
         real(wp) :: table(n_distances(one, other))
 
-        ! of a slice and itself the lower triangle alone
+        ! Between a slice and itself only the lower triangle is needed.
         from = merge(one%last - one%first + 1, 1, one%first == other%first)
         first = across(one, one%s(1), other, other%s(2)) + (from - 1)*one%cell
         if (from > 1) first = 0.0_wp
         table = 0.0_wp
         do k = 1, size(ends)
+            ! Eq. (S2), averaged by Eqs. (C3), (C4)
             call add_potentials(ends(k)%strength, first, one%cell, along_line(k, one%line, &
                 & other%line, ends), [one%line%length, other%line%length], table(from:))
         end do
@@ -411,12 +416,12 @@ contains
 
     !> Add the images behind free corners between two slices with cells of one width.
     pure subroutine add_images(one, other, corners, pairs, matrix)
-        !> Cells that are displaced, and loaded ones
+        !> Displaced cells and loaded cells
         type(run_type), intent(in) :: one
         type(run_type), intent(in) :: other
-        !> The corners
+        !> Images behind corners
         type(mirror_type), intent(in) :: corners(:)
-        !> The pairs
+        !> Contact pairs
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
@@ -427,12 +432,13 @@ contains
 
         do k = 1, size(corners)
             table = 0.0_wp
-            ! on flank 2 the cells lie nearly evenly
+            ! On flank 2 the cells are nearly equally spaced.
             first = from_corner(corners(k), pairs, one%first) &
                 & + from_corner(corners(k), pairs, other%first)
             step = one%cell
             if (size(table) > 1) step = (from_corner(corners(k), pairs, one%last) &
                 & + from_corner(corners(k), pairs, other%last) - first)/(size(table) - 1)
+            ! Eq. (S2): images at R_w, averaged by Eqs. (C3), (C4)
             call add_potentials(corners(k)%strength, first, step, along_line(1, one%line, &
                 & other%line, corners), [one%line%length, other%line%length], table)
             do j = other%first, other%last
@@ -445,13 +451,13 @@ contains
 
     !> Add the near field and all images between two slices with cells of any widths.
     pure subroutine add_uneven(one, other, ends, corners, pairs, matrix)
-        !> Cells that are displaced, and loaded ones
+        !> Displaced cells and loaded cells
         type(run_type), intent(in) :: one
         type(run_type), intent(in) :: other
-        !> The loads, their images behind end faces, and those behind corners
+        !> Loads and their images behind end faces; images behind corners
         type(mirror_type), intent(in) :: ends(:)
         type(mirror_type), intent(in) :: corners(:)
-        !> The pairs
+        !> Contact pairs
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
@@ -478,12 +484,12 @@ contains
         end do
     end subroutine add_uneven
 
-    !> Distance across the contact lines between cells of two slices [mm].
+    !> Return the distance across the contact lines between cells of two slices [mm].
     pure function across(one, s, other, other_s) result(distance)
-        !> Cells of a slice, and the arc length of one on flank 1 [mm]
+        !> Cells of a slice, and the arc length of one of them on flank 1 [mm]
         type(run_type), intent(in) :: one
         real(wp), intent(in) :: s
-        !> The same of the other slice
+        !> Cells of the other slice, and the arc length of one of them on flank 1 [mm]
         type(run_type), intent(in) :: other
         real(wp), intent(in) :: other_s
         real(wp) :: distance
@@ -492,11 +498,11 @@ contains
             & - (other_s - other%line%s(1))
     end function across
 
-    !> Distance of a cell from a corner of the profile of either body [mm].
+    !> Return the distance of a cell from a corner of the profile of either body [mm].
     pure function from_corner(corner, pairs, i) result(distance)
-        !> The corner
+        !> Image behind the corner
         type(mirror_type), intent(in) :: corner
-        !> The pairs, and the number of one
+        !> Contact pairs, and the number of one of them
         type(pairs_type), intent(in) :: pairs
         integer, intent(in) :: i
         real(wp) :: distance

@@ -1,11 +1,11 @@
 !> Influence coefficients of finite forces, by Fig. 5 of the paper.
 !>
 !> The points of a flank under a force form a deformed polyline, Eq. (24). Its intersection with the
-!> circle of a point gives the apparent rotation of the point. The slope of this angle over the
+!> circle through a point gives the apparent rotation of the point. The slope of this angle over the
 !> force, by least squares through the origin over several force steps, is the influence
 !> coefficient. This module computes its difference from that of a small force on the same polyline:
-!> chords instead of the flank would change it by 0.1 to 0.4 % at any force, finite forces of steel
-!> gears change it by 0.02 %.
+!> chords instead of the flank would change it by 0.1 to 0.4 % at any force, whereas finite forces
+!> on steel gears change it by 0.02 %.
 module flankload_finite_influence
     use flankload_kinds, only: wp
     use flankload_influence_number, only: last_of_site
@@ -17,19 +17,20 @@ module flankload_finite_influence
 
 contains
 
-    !> Differences of the angles per force from those of a small force.
+    !> Return the differences of the angles per force from those of a small force.
     pure function departures(points, site, displacement, force, n_steps) result(excess)
-        !> Points of the flanks about O1 [mm], those of a site together and in order, shape (2, n)
+        !> Points of the flanks relative to O1 [mm], those of a site adjacent and in order,
+        !> shape (2, n)
         real(wp), intent(in) :: points(:, :)
-        !> Their sites, shape (n)
+        !> Site of each point, shape (n)
         integer, intent(in) :: site(:)
         !> Displacement of each point under the unit force [mm/N], shape (2, n)
         real(wp), intent(in) :: displacement(:, :)
-        !> The largest force [N]
+        !> Largest force [N]
         real(wp), intent(in) :: force
         !> Number of steps from 0 to this force
         integer, intent(in) :: n_steps
-        !> Counter-clockwise [rad/N], shape (n)
+        !> Differences, counter-clockwise [rad/N], shape (n)
         real(wp) :: excess(size(site))
 
         integer :: n, i, first, last, step
@@ -68,15 +69,16 @@ contains
         end do
     end function departures
 
-    !> Angle from a point to the intersection of a deformed polyline with its circle [rad].
+    !> Return the angle from a point to the intersection of a deformed polyline with its circle
+    !> [rad].
     pure function angle_to_cut(line, excess, own, point, radius) result(angle)
-        !> The polyline about O1 [mm], at least two points, shape (2, n)
+        !> Polyline relative to O1 [mm], at least two points, shape (2, n)
         real(wp), intent(in) :: line(:, :)
-        !> Distances of its points outside the circle [mm], shape (n)
+        !> Distances of its points from O1 minus the radius of the circle [mm], shape (n)
         real(wp), intent(in) :: excess(:)
         !> Index of the displaced point
         integer, intent(in) :: own
-        !> The undisplaced point, and its distance from O1 [mm]
+        !> Undisplaced point [mm], and its distance from O1 [mm]
         real(wp), intent(in) :: point(2)
         real(wp), intent(in) :: radius
         real(wp) :: angle
@@ -84,7 +86,7 @@ contains
         integer :: n, k, away
 
         n = size(line, 2)
-        ! the segment nearest to the point that crosses the circle
+        ! The segment nearest to the point that crosses the circle is used.
         do away = 0, n - 2
             do k = own - 1 - away, own + away, max(1, 2*away + 1)
                 if (k < 1 .or. k > n - 1) cycle
@@ -94,15 +96,15 @@ contains
                 end if
             end do
         end do
-        ! beyond an end the last segment is extended
+        ! Beyond an end of the polyline its last segment is extended.
         k = merge(1, n - 1, abs(excess(1)) < abs(excess(n)))
         angle = angle_between(point, cut(line(:, k), line(:, k + 1), radius))
     end function angle_to_cut
 
-    !> Intersection of the line through two points with a circle about O1: the one nearer to the
-    !> first point, or the point nearest to a circle that the line misses.
+    !> Return the intersection of the line through two points with a circle about O1: the one nearer
+    !> to the first point, or the point nearest to the circle if the line misses it.
     pure function cut(one, other, radius) result(point)
-        !> The points [mm], shape (2)
+        !> Points of the line [mm], shape (2)
         real(wp), intent(in) :: one(2)
         real(wp), intent(in) :: other(2)
         !> Radius of the circle [mm]
@@ -120,13 +122,13 @@ contains
         if (abs(rise) > tiny(1.0_wp)) point = one - excess/rise*along
     end function cut
 
-    !> Limit of that angle over the force for small forces [rad/N].
+    !> Return the limit of that angle per force for small forces [rad/N].
     pure function small_angle(line, own, displacement) result(angle)
-        !> The undeformed polyline about O1 [mm], shape (2, n)
+        !> Undeformed polyline relative to O1 [mm], shape (2, n)
         real(wp), intent(in) :: line(:, :)
         !> Index of the point
         integer, intent(in) :: own
-        !> Displacement of this point for a unit force [mm/N], shape (2)
+        !> Displacement of this point per unit force [mm/N], shape (2)
         real(wp), intent(in) :: displacement(2)
         real(wp) :: angle
 
@@ -135,7 +137,7 @@ contains
 
         n = size(line, 2)
         associate (point => line(:, own))
-            ! a point that moves outwards leaves the circle to the segment further in
+            ! If the point moves outwards, the segment further inwards crosses the circle.
             outwards = dot_product(point, displacement)
             next = min(n, own + 1)
             if (own == n) then

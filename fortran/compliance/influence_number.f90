@@ -1,8 +1,8 @@
 !> Influence coefficients of all pairs of a position, Eqs. (5)–(15), as the contact loop uses them.
 !>
-!> With the row lever b_i of the pair, K_ij = b_i a_ij = displacement of both bodies at pair i along
-!> the normal for a unit normal force at pair j: the limit F -> 0 of the paper's construction (Fig.
-!> 5).
+!> With the row lever b_i of the pair, K_ij = b_i a_ij is the displacement of both bodies at pair i
+!> along the normal under a unit normal force at pair j: the limit F -> 0 of the paper's
+!> construction (Fig. 5).
 module flankload_influence_number
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values
@@ -19,12 +19,12 @@ module flankload_influence_number
 
 contains
 
-    !> K = diag(b) A of all pairs; symmetric without friction.
+    !> Compute K = diag(b) A of all pairs; symmetric without friction.
     pure subroutine influence_matrix(body_1, body_2, pairs, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> The pairs, those of a site together
+        !> Contact pairs, those of a site adjacent
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(out) :: matrix(:, :)
@@ -34,8 +34,8 @@ contains
         n = pairs%n
         if (allocated(body_1%nodes) .or. allocated(body_2%nodes)) then
             matrix = 0.0_wp
-            call add_table(body_1, pairs%site(:n), pairs%s_1(:n), matrix)   ! Eq. (5), (21), (22)
-            call add_table(body_2, pairs%site(:n), pairs%s_2(:n), matrix)   ! Eq. (6), (10)
+            call add_table(body_1, pairs%site(:n), pairs%s_1(:n), matrix)   ! Eqs. (5), (21), (22)
+            call add_table(body_2, pairs%site(:n), pairs%s_2(:n), matrix)   ! Eqs. (6), (10)
         else
             call set_by_modes(body_1, body_2, pairs, matrix)
         end if
@@ -44,24 +44,25 @@ contains
                 matrix(i, j) = matrix(j, i)
             end do
         end do
-        ! bodies with tables between nodes have no response to turned forces
+        ! Bodies with tables between nodes have no response to turned forces.
         call add_turned(body_1, pairs%site(:n), pairs%s_1(:n), pairs%cell_1(:n), &
             & pairs%corner_turn(1, :n), matrix)
         call add_turned(body_2, pairs%site(:n), pairs%s_2(:n), pairs%cell_2(:n), &
             & pairs%corner_turn(2, :n), matrix)
         if (.not. allocated(pairs%friction)) return
         call add_tangential(body_1, pairs%site(:n), pairs%s_1(:n), pairs%cell_1(:n), &
-            & pairs%friction(:n), matrix)   ! Eq. (14), (15)
+            & pairs%friction(:n), matrix)   ! Eqs. (14), (15)
         call add_tangential(body_2, pairs%site(:n), pairs%s_2(:n), pairs%cell_2(:n), &
             & pairs%friction(:n), matrix)
     end subroutine influence_matrix
 
-    !> Displacements of both bodies by modes and near fields, in the lower triangle.
+    !> Compute the displacements of both bodies by modes and near fields, in the lower triangle of
+    !> K.
     pure subroutine set_by_modes(body_1, body_2, pairs, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> The pairs
+        !> Contact pairs
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(out) :: matrix(:, :)
@@ -74,19 +75,19 @@ contains
             load_last = last_of_site(pairs%site(:n), load_first)
             call set_smooth(body_1, body_2, pairs, load_first, load_last, n, matrix)
             call add_near_field(body_1, pairs%s_1(load_first:load_last), &
-                & pairs%cell_1(load_first:load_last), load_first, matrix)   ! Eq. (5), (13)
+                & pairs%cell_1(load_first:load_last), load_first, matrix)   ! Eqs. (5), (13)
             call add_near_field(body_2, pairs%s_2(load_first:load_last), &
-                & pairs%cell_2(load_first:load_last), load_first, matrix)   ! Eq. (6), (10)
+                & pairs%cell_2(load_first:load_last), load_first, matrix)   ! Eqs. (6), (10)
             load_first = load_last + 1
         end do
     end subroutine set_by_modes
 
-    !> Displacements of one body under normal forces; symmetric.
+    !> Compute the displacements of one body under normal forces; symmetric.
     pure subroutine normal_influences(body, site, s, cell, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Site of each pair, those of a site together, its arc length and width of its cell on the
-        !> flank [mm], shape (n)
+        !> Site of each pair, those of a site adjacent, its arc length and the width of its cell on
+        !> the flank [mm], shape (n)
         integer, intent(in) :: site(:)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: cell(:)
@@ -121,13 +122,13 @@ contains
         end do
     end subroutine normal_influences
 
-    !> Displacements of both bodies by modes under the pairs of one site; in the lower triangle and
-    !> the site's own diagonal block.
+    !> Compute the displacements of both bodies by modes under the forces of one site, in the lower
+    !> triangle and the diagonal block of the site.
     pure subroutine set_smooth(body_1, body_2, pairs, load_first, load_last, n, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> The pairs
+        !> Contact pairs
         type(pairs_type), intent(in) :: pairs
         !> First and last pair of the site
         integer, intent(in) :: load_first
@@ -138,11 +139,11 @@ contains
         real(wp), intent(inout) :: matrix(n, n)
 
         integer :: m_1, m, first, last
-        real(wp), allocatable :: values(:, :), carried(:, :)
+        real(wp), allocatable :: values(:, :), displaced(:, :)
 
         m_1 = size(body_1%smooth, 1)
         m = m_1 + size(body_2%smooth, 1)
-        allocate (values(m, load_first:n), carried(m, load_first:load_last))
+        allocate (values(m, load_first:n), displaced(m, load_first:load_last))
         values(:m_1, :) = transpose(mode_values(body_1, pairs%s_1(load_first:n), &
             & pairs%turn(1, load_first:n)))
         values(m_1 + 1:, :) = transpose(mode_values(body_2, pairs%s_2(load_first:n), &
@@ -151,47 +152,47 @@ contains
         do while (first <= n)
             last = last_of_site(pairs%site(:n), first)
             associate (site => pairs%site(first), load_site => pairs%site(load_first))
-                call carry(body_1%smooth(:, :, body_1%block(site, load_site)), 0, &
-                    & values(:, load_first:load_last), carried)
-                call carry(body_2%smooth(:, :, body_2%block(site, load_site)), m_1, &
-                    & values(:, load_first:load_last), carried)
+                call displace_modes(body_1%smooth(:, :, body_1%block(site, load_site)), 0, &
+                    & values(:, load_first:load_last), displaced)
+                call displace_modes(body_2%smooth(:, :, body_2%block(site, load_site)), m_1, &
+                    & values(:, load_first:load_last), displaced)
             end associate
             call set_product(last - first + 1, load_last - load_first + 1, m, values(1, first), &
-                & carried, n, matrix(first, load_first))
+                & displaced, n, matrix(first, load_first))
             first = last + 1
         end do
     end subroutine set_smooth
 
-    !> Modes of displacement of one body under a unit force at each pair.
-    pure subroutine carry(smooth, before, values, carried)
+    !> Compute the modal displacements of one body under a unit force at each pair.
+    pure subroutine displace_modes(smooth, before, values, displaced)
         !> Smooth part between modes of the body [mm/N]
         real(wp), contiguous, intent(in) :: smooth(:, :)
-        !> Number of modes of the other body before its own
+        !> Number of modes of the other body that precede those of this one
         integer, intent(in) :: before
         !> Modes of both bodies at the pairs, shape (modes, m)
         real(wp), contiguous, intent(in) :: values(:, :)
         !> Displacements as modes [mm/N], shape (modes, m)
-        real(wp), contiguous, intent(inout) :: carried(:, :)
+        real(wp), contiguous, intent(inout) :: displaced(:, :)
 
         integer :: k, a, b
-        real(wp) :: recession(size(smooth, 1))
+        real(wp) :: displacement(size(smooth, 1))
 
         do k = 1, size(values, 2)
-            recession = 0.0_wp
-            do b = 1, size(recession)
-                do a = 1, size(recession)
-                    recession(a) = recession(a) + smooth(a, b)*values(before + b, k)
+            displacement = 0.0_wp
+            do b = 1, size(displacement)
+                do a = 1, size(displacement)
+                    displacement(a) = displacement(a) + smooth(a, b)*values(before + b, k)
                 end do
             end do
-            carried(before + 1:before + size(recession), k) = recession
+            displaced(before + 1:before + size(displacement), k) = displacement
         end do
-    end subroutine carry
+    end subroutine displace_modes
 
-    !> Last pair of the run of pairs that share a site.
+    !> Return the last of the adjacent pairs that share a site.
     pure function last_of_site(site, k) result(at)
-        !> Site of each pair
+        !> Site of each pair, shape (n)
         integer, intent(in) :: site(:)
-        !> First pair of the run
+        !> First pair of the site
         integer, intent(in) :: k
         integer :: at
 
@@ -202,11 +203,11 @@ contains
         end do
     end function last_of_site
 
-    !> Smooth part between single places, one for each zone: S of lumped contact.
+    !> Return the smooth part between single points, one per zone: S of lumped contact.
     pure function smooth_compliance(body, site, s) result(matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Site of each place, and its arc length [mm], shape (n)
+        !> Site of each point and its arc length [mm], shape (n)
         integer, intent(in) :: site(:)
         real(wp), intent(in) :: s(:)
         !> Compliance [mm/N], shape (n, n)

@@ -1,9 +1,9 @@
-!> Displacement of a half-space under forces spread evenly over segments of a line: what a slice of
-!> a flank does to itself and to other slices (`docs/theory/slices.md`).
+!> Displacement of a half-space under forces spread evenly over line segments: the displacement of a
+!> slice under its own load and those of other slices (`docs/theory/slices.md`).
 !>
 !> A unit point force displaces the surface at distance r by k/r, k = (1 - nu²)/(pi E). Potentials
-!> here are for k = 1, and means over the segment that is displaced: symmetric in both segments,
-!> whatever their lengths.
+!> are for k = 1 and averaged over the displaced segment: symmetric in both segments, whatever their
+!> lengths.
 module flankload_line_potential
     use flankload_kinds, only: wp
     implicit none
@@ -13,19 +13,19 @@ module flankload_line_potential
 
 contains
 
-    !> Mean potential of a segment over another, parallel one [1/mm]:
-    !> 1/(l m) of the integral of 1/sqrt(y² + x²) over both.
+    !> Return the mean potential of a segment over another, parallel one [1/mm]: 1/(l m) times the
+    !> integral of 1/sqrt(y² + x²) over both.
     elemental function mean_potential(distance, length, other, across) result(mean)
-        !> Distance of both centres along the segments [mm]
+        !> Distance between both centres along the segments [mm]
         real(wp), intent(in) :: distance
         !> Lengths of the segments [mm]
         real(wp), intent(in) :: length
         real(wp), intent(in) :: other
-        !> Distance of their lines [mm], above 0
+        !> Distance between their lines [mm], above 0
         real(wp), intent(in) :: across
         real(wp) :: mean
 
-        !> From so many lengths on the second moments are enough, to 1e-5 of the mean.
+        !> Distance in lengths from which the second moments are sufficient, to 1e-5 of the mean
         real(wp), parameter :: far = 10.0_wp
         real(wp) :: square, half_sum, half_difference
 
@@ -44,26 +44,26 @@ contains
             & + twice_integrated(distance - half_sum, across))/(length*other)
     end function mean_potential
 
-    !> Mean potential of a segment over its own mirror image on a parallel line [1/mm], and its
-    !> derivative by the distance of the lines.
+    !> Compute the mean potential of a segment over its own mirror image on a parallel line [1/mm],
+    !> and its derivative with respect to the distance between the lines.
     pure subroutine own_potential(length, across, mean, slope)
         !> Length of the segment [mm]
         real(wp), intent(in) :: length
-        !> Distance of the lines [mm], above 0
+        !> Distance between the lines [mm], above 0
         real(wp), intent(in) :: across
-        !> Mean [1/mm]
+        !> Mean potential [1/mm]
         real(wp), intent(out) :: mean
-        !> Its derivative [1/mm²]
+        !> Derivative of the mean potential [1/mm²]
         real(wp), intent(out) :: slope
 
         mean = mean_potential(0.0_wp, length, length, across)
-        ! (2/l²)(1 - sqrt(1 + l²/x²)) without its difference
+        ! (2/l²)(1 - sqrt(1 + l²/x²)) without cancellation
         slope = -2.0_wp/(across**2*(1.0_wp + sqrt(1.0_wp + (length/across)**2)))
     end subroutine own_potential
 
-    !> Second integral of 1/sqrt(y² + x²) over y.
+    !> Return the second integral of 1/sqrt(y² + x²) over y.
     elemental function twice_integrated(along, across) result(value)
-        !> y and x [mm]
+        !> Coordinates y and x [mm]
         real(wp), intent(in) :: along
         real(wp), intent(in) :: across
         real(wp) :: value

@@ -1,10 +1,11 @@
-!> Near field of a body at the cells of a site, or at lumped places: strips on a half-plane, with a
-!> logarithm, and their mirror images behind free corners.
+!> Near field of a body at the cells of a site, or at lumped contacts: strips on a half-plane, with
+!> a logarithm, and their mirror images behind free corners.
 !>
-!> Beside a free corner of interior angle w the displacement of the flank under a unit force is
-!> -c0 [ln|s - s'| + psi ln(d + d')], d and d' the distances from the corner (Eq. (W1) of
-!> `README.md`): by the logarithm of a half-plane, and by that of a mirror image of the load, whose
-!> strength psi(w) is that of a wedge under a force at its apex.
+!> Beside a free corner of interior angle w the displacement of the flank under a unit force is -c0
+!> [ln|s - s'| + psi ln(d + d')], Eq. (W1) of `docs/theory/free_corners.md`, where d and d' are the
+!> distances from the corner. The first logarithm is that of a half-plane, the second that of a
+!> mirror image of the load, whose strength psi(w) is that of a wedge under a force at its apex, Eq.
+!> (W2).
 module flankload_near_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: closed_strip_kernel, compliance_type, mean_strip_kernel, &
@@ -14,22 +15,23 @@ module flankload_near_field
     private
 
     public :: image_type
-    public :: add_near_field, image_recession, image_along, near_field_between, new_image
+    public :: add_near_field, image_displacement, image_along, near_field_between, new_image
 
-    !> The mirror images of a place of contact behind both ends of its flank.
+    !> Mirror images of a contact behind both ends of its flank.
     type :: image_type
         !> Strengths of their logarithms [mm/N]
         real(wp) :: kernel(2) = 0.0_wp
-        !> Distances of the place from the ends [mm]
+        !> Distances of the contact from the ends [mm]
         real(wp) :: distance(2) = 1.0_wp
-        !> Their derivative along flank 1; -1 on flank 2, where arc length decreases
+        !> Derivatives of the distances along flank 1; of opposite sign on flank 2, where arc length
+        !> decreases
         real(wp) :: sense(2) = [1.0_wp, -1.0_wp]
-        !> Length of the loaded slice [mm]; 0 in the plane
+        !> Length of the loaded slice [mm]; 0 in plane problems
         real(wp) :: length = 0.0_wp
     end type image_type
 
-    !> Least distance, in widths, of cells that are far from each other, and largest difference of
-    !> nearly equal widths: their logarithm is that of equal cells plus a short series.
+    !> Least distance, in widths, of cells whose logarithm is that of equal cells plus a short
+    !> series; largest ratio of widths for this
     integer, parameter :: far = 5
     real(wp), parameter :: nearly_even = 1.2_wp
 
@@ -39,7 +41,7 @@ contains
     pure subroutine add_near_field(body, s, cell, first, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Arc length and width of the cells [mm], shape (m)
+        !> Arc lengths and widths of the cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: cell(:)
         !> Row and column of the first cell
@@ -65,8 +67,9 @@ contains
         end do
     end subroutine add_near_field
 
-    !> Displacement at a place under a unit force at another on the same flank [mm/N].
-    elemental function near_field_between(body, s_i, s_j, width) result(recession)
+    !> Return the displacement at a point under a unit force at another point of the same flank
+    !> [mm/N].
+    elemental function near_field_between(body, s_i, s_j, width) result(displacement)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> Both arc lengths [mm]
@@ -74,28 +77,28 @@ contains
         real(wp), intent(in) :: s_j
         !> Width over which the force is distributed [mm]
         real(wp), intent(in) :: width
-        real(wp) :: recession
+        real(wp) :: displacement
 
         integer :: end
 
-        recession = 0.0_wp
+        displacement = 0.0_wp
         if (.not. body%kernel > 0.0_wp) return
         if (body%closed) then
-            recession = closed_strip_kernel(s_i - s_j, width, width, body%s_high - body%s_low, &
+            displacement = closed_strip_kernel(s_i - s_j, width, width, body%s_high - body%s_low, &
                 & body%kernel)
             return
         end if
-        recession = strip_kernel(s_i - s_j, width, body%kernel)
-        do end = 1, 2
-            if (body%wedge(end) > 0.0_wp) recession = recession &
+        displacement = strip_kernel(s_i - s_j, width, body%kernel)
+        do end = 1, 2   ! Eq. (W1)
+            if (body%wedge(end) > 0.0_wp) displacement = displacement &
                 & + strip_kernel(from_end(body, end, s_i, 0.5_wp*width) &
                 & + from_end(body, end, s_j, 0.5_wp*width), width, body%kernel*body%wedge(end))
         end do
     end function near_field_between
 
-    !> Displacement at a cell by the mirror images, behind free corners, of a unit force along the
-    !> flank at another cell, towards growing arc length [mm/N].
-    elemental function image_along(body, s_i, cell_i, s_j, cell_j) result(recession)
+    !> Return the displacement at a cell due to the mirror images, behind free corners, of a unit
+    !> force along the flank at another cell, towards increasing arc length [mm/N].
+    elemental function image_along(body, s_i, cell_i, s_j, cell_j) result(displacement)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> Arc lengths and widths of both cells [mm]
@@ -103,52 +106,52 @@ contains
         real(wp), intent(in) :: cell_i
         real(wp), intent(in) :: s_j
         real(wp), intent(in) :: cell_j
-        real(wp) :: recession
+        real(wp) :: displacement
 
         integer :: end
 
-        recession = 0.0_wp
+        displacement = 0.0_wp
         do end = 1, 2   ! Eq. (W3)
-            if (abs(body%wedge_along(end)) > 0.0_wp) recession = recession &
+            if (abs(body%wedge_along(end)) > 0.0_wp) displacement = displacement &
                 & + strip_kernel(from_end(body, end, s_i, 0.5_wp*cell_i) &
                 & + from_end(body, end, s_j, 0.5_wp*cell_j), sqrt(cell_i*cell_j), &
                 & body%kernel*body%wedge_along(end))
         end do
     end function image_along
 
-    !> The mirror images of a place of contact behind the ends of one body's flank.
+    !> Return the mirror images of a contact behind the ends of the flank of one body.
     elemental function new_image(body, s, flank) result(image)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Arc length of the place on its flank [mm]
+        !> Arc length of the contact on the flank of that body [mm]
         real(wp), intent(in) :: s
         !> Number of the body: 1 or 2
         integer, intent(in) :: flank
         type(image_type) :: image
 
-        image%kernel = body%kernel*body%wedge
+        image%kernel = body%kernel*body%wedge   ! Eq. (W1)
         image%distance = [s - body%s_low, body%s_high - s]
         if (flank == 2) image%sense = -image%sense
     end function new_image
 
-    !> Displacement of a contact by its mirror images under a unit force.
+    !> Compute the displacement of a contact due to its mirror images under a unit force.
     !>
-    !> The middle of the contact represents all of it: even if the contact ends in the corner, the
-    !> error with Hertz pressure is 0.033 of the strength.
-    pure subroutine image_recession(images, reach, recession, by_reach)
-        !> The images of its place behind the ends of a flank, or of both flanks
+    !> The middle of the contact represents all of it: even if the contact ends at the corner, the
+    !> error for a Hertz pressure is 0.033 times the strength.
+    pure subroutine image_displacement(images, reach, displacement, by_reach)
+        !> Mirror images of the contact behind the ends of a flank, or of both flanks
         type(image_type), intent(in) :: images(:)
-        !> Extent of the contact towards smaller and greater arc length of flank 1 [mm]
+        !> Extent of the contact towards smaller and greater arc length of flank 1 [mm], shape (2)
         real(wp), intent(in) :: reach(2)
         !> Displacement [mm/N]
-        real(wp), intent(out) :: recession
-        !> Its derivatives with respect to both extents [1/N]
+        real(wp), intent(out) :: displacement
+        !> Derivatives of the displacement with respect to both extents [1/N], shape (2)
         real(wp), intent(out) :: by_reach(2)
 
         integer :: k, end
         real(wp) :: distance, slope(2), mean, mean_slope
 
-        recession = 0.0_wp
+        displacement = 0.0_wp
         by_reach = 0.0_wp
         do k = 1, size(images)
             do end = 1, 2
@@ -156,29 +159,31 @@ contains
                 slope = 0.5_wp*images(k)%sense(end)*[-1.0_wp, 1.0_wp]
                 distance = images(k)%distance(end) + sum(slope*reach)
                 if (distance < 0.5_wp*sum(reach)) then
-                    ! a contact does not extend beyond the corner
+                    ! A contact does not extend beyond the corner.
                     slope = 0.5_wp
                     distance = 0.5_wp*sum(reach)
                 end if
                 if (images(k)%length > 0.0_wp) then
                     call own_potential(images(k)%length, 2.0_wp*distance, mean, mean_slope)
-                    recession = recession + 0.5_wp*images(k)%kernel(end)*images(k)%length*mean
+                    displacement = displacement + 0.5_wp*images(k)%kernel(end)*images(k)%length*mean
                     by_reach = by_reach + images(k)%kernel(end)*images(k)%length*mean_slope*slope
                     cycle
                 end if
-                recession = recession - images(k)%kernel(end)*log(2.0_wp*distance)
+                ! Eq. (W1) with d = d'
+                displacement = displacement - images(k)%kernel(end)*log(2.0_wp*distance)
                 by_reach = by_reach - images(k)%kernel(end)*slope/distance
             end do
         end do
-    end subroutine image_recession
+    end subroutine image_displacement
 
-    !> Distance of places from an end of the modes' range, with the sign of arc length [mm].
+    !> Return the distance of a point from an end of the range of the modes, with the sign of arc
+    !> length [mm].
     elemental function from_end(body, end, s, least) result(place)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> 1: s_low; 2: s_high
+        !> 1 for s_low, 2 for s_high
         integer, intent(in) :: end
-        !> Arc length [mm], and the least distance: a contact does not extend beyond the corner
+        !> Arc length [mm] and least distance [mm]: a contact does not extend beyond the corner
         real(wp), intent(in) :: s
         real(wp), intent(in) :: least
         real(wp) :: place
@@ -192,10 +197,10 @@ contains
 
     !> Add the near field of cells on a closed flank: the logarithm of the chord.
     pure subroutine add_closed(s, cell, length, kernel, first, matrix)
-        !> Arc length and width of the cells [mm], shape (m)
+        !> Arc lengths and widths of the cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: cell(:)
-        !> Length of a turn [mm]
+        !> Length of the closed flank [mm]
         real(wp), intent(in) :: length
         !> Strength of the logarithm [mm/N]
         real(wp), intent(in) :: kernel
@@ -214,10 +219,11 @@ contains
         end do
     end subroutine add_closed
 
-    !> Add the mirror images of cells behind an end of their flank; their distance is the sum of
-    !> both distances from that end.
+    !> Add the mirror images of cells behind an end of their flank; the distance of an image is the
+    !> sum of both distances from that end.
     pure subroutine add_images(place, cell, kernel, first, matrix)
-        !> Distances of the cells from the end, all of one sign, and their widths [mm], shape (m)
+        !> Distances of the cells from the end, all of one sign, and widths of the cells [mm],
+        !> shape (m)
         real(wp), contiguous, intent(in) :: place(:)
         real(wp), contiguous, intent(in) :: cell(:)
         !> Strength of the images' logarithm [mm/N]
@@ -227,9 +233,9 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        !> Largest offset from equal cells, relative to the distance of an image, for four terms of
-        !> a Taylor series: the fifth is below 1e-9. Distance in widths from which the derivatives
-        !> are those of a logarithm, to 1e-6.
+        !> Largest offset from equal cells, relative to the distance of an image, for which four
+        !> terms of a Taylor series suffice: the fifth is below 1e-9. Distance in widths from which
+        !> the derivatives are those of a logarithm, to 1e-6
         real(wp), parameter :: beside = 0.008_wp, widths = 20.0_wp
         integer :: i, j, m
         real(wp) :: step, limit, away(size(place)), of_even(0:2*size(place) - 2)
@@ -259,10 +265,11 @@ contains
         end if
     end subroutine add_images
 
-    !> Images of cells at nearly equal distances: beyond a limit by the value of equal cells and its
-    !> derivatives.
+    !> Add the images of cells at nearly equal distances: beyond a limit by the value for equal
+    !> cells and its derivatives.
     pure subroutine add_nearly_even_images(place, cell, step, away, limit, kernel, first, matrix)
-        !> Distances of the cells from the corner, all of one sign, and their widths [mm], shape (m)
+        !> Distances of the cells from the corner, all of one sign, and widths of the cells [mm],
+        !> shape (m)
         real(wp), contiguous, intent(in) :: place(:)
         real(wp), contiguous, intent(in) :: cell(:)
         !> Width of equal cells [mm]
@@ -292,7 +299,7 @@ contains
         three = -kernel*one**3/3.0_wp
         one = -kernel*one
         do j = 1, m
-            ! cells are in order: the far images of a cell are consecutive
+            ! Cells are in order: the far images of a cell are consecutive.
             low = j
             high = m
             do while (low <= high)
@@ -317,9 +324,9 @@ contains
         end do
     end subroutine add_nearly_even_images
 
-    !> True if adjacent cells have equal widths, as on flank 1 in a single zone.
+    !> Return true if adjacent cells have equal widths, as on flank 1 in a single zone.
     pure function is_even(s, cell) result(even)
-        !> Arc length and width of the cells
+        !> Arc lengths and widths of the cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: cell(:)
         logical :: even
@@ -334,9 +341,9 @@ contains
         if (even) even = all(abs(s(2:) - s(:m - 1) - cell(1)) <= slack)
     end function is_even
 
-    !> True if the distances of neighbouring cells are nearly their widths, as on flank 2.
+    !> Return true if the distances between adjacent cells are nearly their widths, as on flank 2.
     pure function is_nearly_even(s, cell) result(even)
-        !> Arc length and width of the cells
+        !> Arc lengths and widths of the cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: cell(:)
         logical :: even
@@ -355,16 +362,16 @@ contains
         even = largest <= nearly_even*least
     end function is_nearly_even
 
-    !> Equal cells: one value for each difference of cell numbers.
+    !> Add the near field of equal cells: one value for each difference of cell numbers.
     pure subroutine add_even(cell, m, kernel, first, matrix)
-        !> Width of the cells [mm], and their number
+        !> Width of the cells [mm] and their number
         real(wp), intent(in) :: cell
         integer, intent(in) :: m
         !> Strength of the logarithm [mm/N]
         real(wp), intent(in) :: kernel
         !> Row and column of the first cell
         integer, intent(in) :: first
-        !> K
+        !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         integer :: i, j
@@ -381,16 +388,16 @@ contains
         end do
     end subroutine add_even
 
-    !> Nearly equal cells: from the logarithms of equal ones.
+    !> Add the near field of nearly equal cells, from the logarithms of equal ones.
     pure subroutine add_nearly_even(s, cell, kernel, first, matrix)
-        !> Arc length and width of the cells [mm]
+        !> Arc lengths and widths of the cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: cell(:)
         !> Strength of the logarithm [mm/N]
         real(wp), intent(in) :: kernel
         !> Row and column of the first cell
         integer, intent(in) :: first
-        !> K
+        !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         integer :: i, j, m
@@ -413,14 +420,14 @@ contains
         end do
     end subroutine add_nearly_even
 
-    !> Displacement far from a strip, from the logarithm of a distance not far from its own [mm/N]:
-    !> ln d = ln e + 2 artanh((d-e)/(d+e)), and over a strip of half-width h the mean of ln is
-    !> ln d - Σ (h/d)^2k/(2k(2k+1)).
+    !> Return the displacement far from a strip, from the logarithm of a nearby distance e [mm/N]:
+    !> ln d = ln e + 2 artanh((d-e)/(d+e)), and over a strip of half-width h the mean of ln is ln d
+    !> - Σ (h/d)^2k/(2k(2k+1)).
     elemental function far_strip(distance, cells, even, log_even, kernel) result(displacement)
-        !> Distance [mm], above 0, and the square of the strip's width [mm²]
+        !> Distance d [mm], above 0, and the square of the strip's width [mm²]
         real(wp), intent(in) :: distance
         real(wp), intent(in) :: cells
-        !> A distance to within a fifth of it [mm], and its logarithm
+        !> Nearby distance e, to within a fifth [mm], and its logarithm
         real(wp), intent(in) :: even
         real(wp), intent(in) :: log_even
         !> Strength of the logarithm [mm/N]
@@ -439,21 +446,21 @@ contains
             & + w*(1.0_wp/72.0_wp + w*(1.0_wp/110.0_wp + w/156.0_wp))))))
     end function far_strip
 
-    !> Cells of any widths.
+    !> Add the near field of cells of any widths.
     pure subroutine add_uneven(s, loaded, cell, kernel, first, matrix)
-        !> Arc lengths of the cells and of their loads [mm]
+        !> Arc lengths of the cells and of their loads [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: loaded(:)
-        !> Width of the cells [mm]
+        !> Widths of the cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: cell(:)
         !> Strength of the logarithm [mm/N]
         real(wp), intent(in) :: kernel
         !> Row and column of the first cell
         integer, intent(in) :: first
-        !> K
+        !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        !> Ratio of widths from which a mean width does not represent two neighbours.
+        !> Ratio of widths above which a mean width does not represent two adjacent cells
         real(wp), parameter :: graded = 10.0_wp
         integer :: i, j
         real(wp) :: strip

@@ -1,5 +1,5 @@
-!> Tables over the places of two points of a flank, (21) and (22), read between the points by
-!> straight lines.
+!> Tables of the compliance between two points of a flank, Eqs. (21) and (22), interpolated linearly
+!> between the points.
 module flankload_nodal_table
     use flankload_kinds, only: wp
     implicit none
@@ -8,21 +8,22 @@ module flankload_nodal_table
     public :: nodal_place
     public :: place_among, between
 
-    !> A place between two points of a body.
+    !> Position between two points of a flank.
     type :: nodal_place
-        !> The first of both points
+        !> First of both points
         integer :: point = 1
-        !> Part of the way to the next one
+        !> Fraction of the distance to the next point
         real(wp) :: part = 0.0_wp
     end type nodal_place
 
 contains
 
-    !> Between which of a flank's points a place is; beyond the last one that point itself.
+    !> Return the position of an arc length among the points of a flank; beyond the last point, that
+    !> point.
     pure function place_among(points, s) result(place)
         !> Arc lengths of the points [mm], ascending, at least 2
         real(wp), intent(in) :: points(:)
-        !> Arc length of the place [mm]
+        !> Arc length [mm]
         real(wp), intent(in) :: s
         type(nodal_place) :: place
 
@@ -42,24 +43,24 @@ contains
         place%part = max(0.0_wp, min(1.0_wp, (s - points(low))/(points(high) - points(low))))
     end function place_among
 
-    !> Entry of a table between its points.
+    !> Return the value of a table between its points [mm/N].
     pure function between(table, at, load) result(value)
-        !> The table [mm/N], shape (n, n)
+        !> Table [mm/N], shape (n, n)
         real(wp), intent(in) :: table(:, :)
-        !> Where displaced
+        !> Position of the displacement
         type(nodal_place), intent(in) :: at
-        !> Where loaded
+        !> Position of the load
         type(nodal_place), intent(in) :: load
         real(wp) :: value
 
-        ! Eq. (21), (22)
+        ! Eqs. (21), (22)
         value = (1.0_wp - load%part)*along(load%point) + load%part*along(load%point + 1)
 
     contains
 
-        !> Displacement for a load at a point.
+        !> Return the displacement under a load at a point [mm/N].
         pure function along(column) result(displacement)
-            !> The point
+            !> Number of the loaded point
             integer, intent(in) :: column
             real(wp) :: displacement
 

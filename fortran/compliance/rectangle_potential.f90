@@ -1,9 +1,10 @@
 !> Displacement of a half-space under a force spread evenly over a rectangle: the near field of
 !> cells in slices (`docs/theory/cells_in_three_dimensions.md`).
 !>
-!> Along its length a rectangle displaces another one by the mean over that, across it by the value
-!> in the middle. So rectangles of any lengths displace each other alike, long ones are the strips
-!> of the plane, and half-ellipses of pressure keep the accuracy that they have on these.
+!> The displacement of a rectangle under the load of another is the mean along its length and the
+!> value in the middle of its width. The matrix is therefore symmetric for rectangles of equal width
+!> and any lengths; long rectangles are the strips of plane problems, and half-ellipses of pressure
+!> are as accurate as there.
 module flankload_rectangle_potential
     use flankload_kinds, only: wp
     implicit none
@@ -11,18 +12,19 @@ module flankload_rectangle_potential
 
     public :: cell_potential, add_potentials
 
-    !> From so many lengths, and twice as many widths, on moments are enough, to 3e-6 of the mean.
+    !> Distance in lengths, and in twice the widths, from which moments are sufficient, to 3e-6 of
+    !> the mean
     real(wp), parameter :: far_lengths = 4.0_wp, widths_in_length = 2.0_wp
 
 contains
 
-    !> Mean potential of a rectangle along another one [1/mm]: that of a unit load in distance r is
-    !> 1/r.
+    !> Return the mean potential of a rectangle along another one [1/mm]; the potential of a unit
+    !> load at distance r is 1/r.
     elemental function cell_potential(across, along, width, length, other) result(mean)
-        !> Distances of both middles across and along the rectangles [mm]
+        !> Distances between both centres across and along the rectangles [mm]
         real(wp), intent(in) :: across
         real(wp), intent(in) :: along
-        !> Width of the loaded rectangle, and lengths of both [mm]
+        !> Width of the loaded rectangle and lengths of both [mm]
         real(wp), intent(in) :: width
         real(wp), intent(in) :: length
         real(wp), intent(in) :: other
@@ -41,17 +43,18 @@ contains
         end if
     end function cell_potential
 
-    !> Add the potentials of a rectangle along others that lie side by side, as wide as their step.
+    !> Add the potentials of a rectangle along others that lie side by side, as wide as their
+    !> spacing.
     pure subroutine add_potentials(strength, first, step, along, lengths, potentials)
         !> Factor of the potentials
         real(wp), intent(in) :: strength
-        !> Distance of the first across, step to the next (of either sign), distance along [mm]
+        !> Distance of the first one across, spacing (of either sign) and distance along [mm]
         real(wp), intent(in) :: first
         real(wp), intent(in) :: step
         real(wp), intent(in) :: along
-        !> Length of the loaded rectangle and of the others [mm]
+        !> Lengths of the loaded rectangle and of the others [mm], shape (2)
         real(wp), intent(in) :: lengths(2)
-        !> The potentials, shape (n)
+        !> Potentials [1/mm], shape (n)
         real(wp), contiguous, intent(inout) :: potentials(:)
 
         integer :: k, low, high
@@ -61,7 +64,7 @@ contains
         low = 1
         high = 0
         if (limit >= 0.0_wp) then
-            ! those between low and high are near
+            ! The rectangles from low to high are near.
             low = size(potentials) + 1
             do k = 1, size(potentials)
                 if ((first + (k - 1)*step)**2 > limit) cycle
@@ -85,14 +88,14 @@ contains
         factor = strength/(step*lengths(1)*lengths(2))
         last_edge = edge_potential(first + (low - 1.5_wp)*step, along, lengths(1), lengths(2))
         do k = low, high
-            ! neighbours share an edge
+            ! Adjacent rectangles share an edge.
             edge = edge_potential(first + (k - 0.5_wp)*step, along, lengths(1), lengths(2))
             potentials(k) = potentials(k) + factor*(edge - last_edge)
             last_edge = edge
         end do
     end subroutine add_potentials
 
-    !> Square of the distance from which on moments are enough [mm²].
+    !> Return the square of the distance from which moments are sufficient [mm²].
     elemental function far_limit(width, length, other) result(square)
         !> Width and both lengths [mm]
         real(wp), intent(in) :: width
@@ -103,13 +106,13 @@ contains
         square = (far_lengths*max(length, other, widths_in_length*width))**2
     end function far_limit
 
-    !> Three points with the second and the fourth moment of the distances between places of two
-    !> segments: one in the middle, two away from it.
+    !> Compute three points with the second and fourth moments of the distances between points of
+    !> two segments: one in the middle and two beside it.
     elemental subroutine moments(length, other, away, weight)
         !> Lengths of the segments [mm]
         real(wp), intent(in) :: length
         real(wp), intent(in) :: other
-        !> Distance of both outer points from the middle [mm], and their weight
+        !> Distance of the outer points from the middle [mm], and the weight of each
         real(wp), intent(out) :: away
         real(wp), intent(out) :: weight
 
@@ -121,13 +124,13 @@ contains
         weight = 0.5_wp*second**2/fourth
     end subroutine moments
 
-    !> The potential far away, by moments.
+    !> Return the potential far away, by moments [1/mm].
     elemental function far_potential(across, along, width, away, weight) result(mean)
         !> Distances across and along, and width [mm]
         real(wp), intent(in) :: across
         real(wp), intent(in) :: along
         real(wp), intent(in) :: width
-        !> Points that stand for the segments
+        !> Points that represent the segments: distance of the outer ones [mm] and their weight
         real(wp), intent(in) :: away
         real(wp), intent(in) :: weight
         real(wp) :: mean
@@ -143,8 +146,8 @@ contains
             & + 1.0_wp/sqrt(across**2 + (along - away)**2))
     end function far_potential
 
-    !> Difference between the ends of both segments of the integral of 1/r, once across and twice
-    !> along.
+    !> Return the difference, between the ends of both segments, of the integral of 1/r once across
+    !> and twice along [mm²].
     elemental function edge_potential(across, along, length, other) result(value)
         !> Distances across and along, and both lengths [mm]
         real(wp), intent(in) :: across
@@ -167,14 +170,14 @@ contains
             & - integrated(across, along - half_sum))
     end function edge_potential
 
-    !> The integral of 1/r, once over x and twice over y: odd in x and even in y.
+    !> Return the integral of 1/r, once over x and twice over y [mm²]: odd in x and even in y.
     elemental function integrated(x, y) result(value)
         !> Coordinates [mm]
         real(wp), intent(in) :: x
         real(wp), intent(in) :: y
         real(wp) :: value
 
-        !> Nearer to an axis than this a quotient could overflow; its factor is 0 there.
+        !> Distance from an axis [mm] below which a quotient could overflow; its factor is 0 there
         real(wp), parameter :: on_axis = 1.0e-200_wp
 
         value = 0.0_wp

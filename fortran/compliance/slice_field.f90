@@ -1,12 +1,12 @@
-!> Flanks in slices along the face width: modes over arc length and width, and the near field of
-!> slices at each other.
+!> Flanks in slices along the face width: modes over arc length and width, and the near field
+!> between slices.
 !>
-!> Displacement is near field plus V g Vᵀ (`docs/theory/slices.md`), V the modes on average over a
-!> slice. The near field of a body is that of its half-space, of the mirror image of the load behind
-!> each free end face, and of that behind each free corner of the profile. A load is spread evenly
-!> over the length of the contact line in its slice, and beside that line as far as the contact is
-!> wide on average: less would let neighbours that are thinner than the contact is wide overtake
-!> each other.
+!> The displacement is the near field plus V g Vᵀ (`docs/theory/slices.md`), with V the mean of the
+!> modes over a slice. The near field of a body is that of its half-space, of the mirror image of
+!> the load behind each free end face, and of that behind each free corner of the profile. A load is
+!> spread evenly over the length of the contact line in its slice, and to the side of that line by
+!> the root mean square distance of the Hertz pressure from it: otherwise K would not be definite if
+!> slices are thinner than the contact is wide.
 module flankload_slice_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values
@@ -22,41 +22,43 @@ module flankload_slice_field
         & end_mirrors, flank_of, holds_slices, mean_width, middle_of, modes_of, slice_of, &
         & sliced_compliance, sliced_tangential, tangential_field, width_of
 
-    !> How flanks are cut: site (pair - 1)*n + j is slice j of flank pair `pair`.
+    !> Slices of the flanks: site (pair - 1)*n + j is slice j of flank pair `pair`.
     type :: slices_type
-        !> Where slices end [mm], ascending, within both bodies, shape (n + 1)
+        !> Axial positions of the ends of the slices [mm], ascending, within both bodies,
+        !> shape (n + 1)
         real(wp), allocatable :: edges(:)
     end type slices_type
 
-    !> A shaft on its bearings, to which a body is fixed: one of its sections moves as a whole.
+    !> Shaft on bearings, to which a body is fixed: one of its sections moves as a rigid body.
     type :: shaft_type
-        !> Displacements and rotations of the section [mm, rad] under forces and moments about its
-        !> centre [N, N mm], symmetric
+        !> Displacements and rotations of the section [mm, rad] under unit forces and moments about
+        !> its centre [N, N mm], symmetric
         real(wp) :: compliance(6, 6) = 0.0_wp
-        !> The section [mm]
+        !> Axial position of the section [mm]
         real(wp) :: z = 0.0_wp
     end type shaft_type
 
-    !> The length of a contact line in a slice.
+    !> Part of a contact line in a slice.
     type :: segment_type
-        !> Flank pair to which it belongs
+        !> Number of its flank pair
         integer :: flank = 0
-        !> Middle of the slice [mm], and cosine of the helix angle of the contact line
+        !> Axial position of the middle of the slice [mm], and cosine of the helix angle of the
+        !> contact line
         real(wp) :: z = 0.0_wp, cosine = 1.0_wp
         !> Length of the line [mm]
         real(wp) :: length = 1.0_wp
         !> Arc lengths on the flanks of both bodies [mm]
         real(wp) :: s(2) = 0.0_wp
-        !> Point and unit tangent of the profile there, in the plane of its section
+        !> Point [mm] and unit tangent of the profile there, in the transverse plane
         real(wp) :: point(2) = 0.0_wp, tangent(2) = 0.0_wp
     end type segment_type
 
-    !> Where loads are mirrored.
+    !> Mirror image of loads.
     type :: mirror_type
         !> Strength: displacement times distance under a unit point force [mm²/N]
         real(wp) :: strength = 0.0_wp
-        !> An end face [mm], or the arc length of a corner, on the flank of which body, and into
-        !> which direction the flank leaves it
+        !> Axial position of an end face or arc length of a corner [mm], body whose flank has that
+        !> corner, and direction of arc length from the corner into the flank (1 or -1)
         real(wp) :: place = 0.0_wp
         integer :: body = 1
         real(wp) :: sense = 1.0_wp
@@ -64,9 +66,9 @@ module flankload_slice_field
 
 contains
 
-    !> Whether a body reaches over all slices.
+    !> Return true if a body extends over all slices.
     pure function holds_slices(slices, compliance) result(holds)
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
         !> Compliance of the body
         type(compliance_type), intent(in) :: compliance
@@ -80,33 +82,33 @@ contains
             & .and. slices%edges(size(slices%edges)) <= compliance%z_high + same
     end function holds_slices
 
-    !> Slice of a site.
+    !> Return the slice of a site.
     elemental function slice_of(slices, site) result(slice)
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
-        !> The site
+        !> Number of the site
         integer, intent(in) :: site
         integer :: slice
 
         slice = modulo(site - 1, size(slices%edges) - 1) + 1
     end function slice_of
 
-    !> Flank pair of a site.
+    !> Return the flank pair of a site.
     elemental function flank_of(slices, site) result(flank)
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
-        !> The site
+        !> Number of the site
         integer, intent(in) :: site
         integer :: flank
 
         flank = (site - 1)/(size(slices%edges) - 1) + 1
     end function flank_of
 
-    !> Middle of the slice of a site [mm].
+    !> Return the axial position of the middle of the slice of a site [mm].
     elemental function middle_of(slices, site) result(z)
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
-        !> The site
+        !> Number of the site
         integer, intent(in) :: site
         real(wp) :: z
 
@@ -116,11 +118,11 @@ contains
         z = 0.5_wp*(slices%edges(j) + slices%edges(j + 1))
     end function middle_of
 
-    !> Width of the slice of a site [mm].
+    !> Return the width of the slice of a site [mm].
     elemental function width_of(slices, site) result(width)
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
-        !> The site
+        !> Number of the site
         integer, intent(in) :: site
         real(wp) :: width
 
@@ -130,9 +132,9 @@ contains
         width = slices%edges(j + 1) - slices%edges(j)
     end function width_of
 
-    !> Mean width of the slices [mm].
+    !> Return the mean width of the slices [mm].
     pure function mean_width(slices) result(width)
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
         real(wp) :: width
 
@@ -142,13 +144,13 @@ contains
         width = (slices%edges(n + 1) - slices%edges(1))/n
     end function mean_width
 
-    !> Legendre polynomials over the width of a body on average over each slice.
+    !> Return the means over each slice of the Legendre polynomials over the width of a body.
     pure function axial_means(compliance, edges) result(means)
         !> Compliance of the body
         type(compliance_type), intent(in) :: compliance
-        !> Ends of the slices [mm], shape (n + 1)
+        !> Axial positions of the ends of the slices [mm], shape (n + 1)
         real(wp), intent(in) :: edges(:)
-        !> Means, shape (n_axial, n)
+        !> Mean values, shape (n_axial, n)
         real(wp) :: means(compliance%n_axial, size(edges) - 1)
 
         integer :: b, n
@@ -169,13 +171,14 @@ contains
         end do
     end function axial_means
 
-    !> Smooth part between places, one in each slice: V g Vᵀ of (S1), symmetric to the last bit.
+    !> Return the smooth part between points, one in each slice: V g Vᵀ of Eq. (S1), symmetric to
+    !> the last bit.
     pure function sliced_compliance(body, slices, site, s) result(matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
-        !> Site of each place, those of a flank pair together, and its arc length [mm], shape (n)
+        !> Site of each point, those of a flank pair adjacent, and its arc length [mm], shape (n)
         integer, intent(in) :: site(:)
         real(wp), intent(in) :: s(:)
         !> Compliance [mm/N], shape (n, n)
@@ -191,17 +194,18 @@ contains
         end do
     end function sliced_compliance
 
-    !> The same for loads along the profile, without its near field: not symmetric.
+    !> Return the same matrix for loads along the profile, Eq. (S4), without their near field: not
+    !> symmetric.
     pure function sliced_tangential(body, slices, site, s) result(matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
-        !> Site of each place, those of a flank pair together, and its arc length [mm], shape (n)
+        !> Site of each point, those of a flank pair adjacent, and its arc length [mm], shape (n)
         integer, intent(in) :: site(:)
         real(wp), intent(in) :: s(:)
-        !> Displacement along the normal at place i under a unit force along the profile at j,
-        !> towards growing arc length [mm/N], shape (n, n)
+        !> Displacement along the normal at point i under a unit force along the profile at point j,
+        !> towards increasing arc length [mm/N], shape (n, n)
         real(wp) :: matrix(size(s), size(s))
 
         matrix = 0.0_wp
@@ -210,25 +214,26 @@ contains
         end if
     end function sliced_tangential
 
-    !> V g Vᵀ between all flanks.
+    !> Return V g Vᵀ between all flanks.
     pure function between_flanks(body, slices, site, s, smooth, reciprocal) result(matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
-        !> Site of each place, those of a flank pair together, and its arc length [mm], shape (n)
+        !> Site of each point, those of a flank pair adjacent, and its arc length [mm], shape (n)
         integer, intent(in) :: site(:)
         real(wp), intent(in) :: s(:)
-        !> g of the blocks of the body, displacement by load [mm/N], shape (m, m, n_blocks)
+        !> Compliance g between modes in blocks of the body, displacement by load [mm/N],
+        !> shape (m, m, n_blocks)
         real(wp), intent(in) :: smooth(:, :, :)
-        !> Whether each block is the transpose of that with both flanks exchanged
+        !> True if each block is the transpose of the block with both flanks exchanged
         logical, intent(in) :: reciprocal
-        !> Shape (n, n)
+        !> Compliance [mm/N], shape (n, n)
         real(wp) :: matrix(size(s), size(s))
 
         integer :: first, last, other, other_last
         integer :: m, n, flanks(size(s))
-        real(wp) :: values(size(smooth, 1), size(s)), carried(size(smooth, 1), size(s))
+        real(wp) :: values(size(smooth, 1), size(s)), displaced(size(smooth, 1), size(s))
         real(wp) :: transposed(size(smooth, 1), size(smooth, 1)), part(size(s), size(s))
 
         m = size(smooth, 1)
@@ -244,8 +249,9 @@ contains
                 transposed = smooth(:, :, body%block(site(other), site(first)))
                 if (.not. reciprocal) transposed = transpose(smooth(:, :, &
                     & body%block(site(first), site(other))))
-                call set_product(m, n, m, transposed, values(:, other:), m, carried)
-                call set_product(last - first + 1, n, m, values(:, first:), carried, size(s), part)
+                call set_product(m, n, m, transposed, values(:, other:), m, displaced)
+                call set_product(last - first + 1, n, m, values(:, first:), displaced, size(s), &
+                    & part)
                 matrix(first:last, other:other_last) = part(:last - first + 1, :n)
                 other = other_last + 1
             end do
@@ -253,18 +259,18 @@ contains
         end do
     end function between_flanks
 
-    !> Modes of the profile times Legendre polynomials over the width.
+    !> Return the modes of the profile multiplied by the mean Legendre polynomials over the width.
     pure function modes_of(body, slices, site, s, turn) result(values)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> The slices
+        !> Slices
         type(slices_type), intent(in) :: slices
-        !> Site of each place, and its arc length [mm], shape (n)
+        !> Site of each point and its arc length [mm], shape (n)
         integer, intent(in) :: site(:)
         real(wp), intent(in) :: s(:)
         !> Rotation of the forces from the profile's normal [rad], shape (n); 0 by default
         real(wp), intent(in), optional :: turn(:)
-        !> Values, shape (n_modes, n)
+        !> Values of the modes, shape (n_modes, n)
         real(wp) :: values(size(body%smooth, 1), size(s))
 
         integer :: i, a, b
@@ -276,6 +282,7 @@ contains
         do i = 1, size(s)
             do a = 1, size(along, 2)
                 do b = 1, body%n_axial
+                    ! Eq. (S1)
                     values((a - 1)*body%n_axial + b, i) = along(i, a) &
                         & *over(b, slice_of(slices, site(i)))
                 end do
@@ -284,51 +291,51 @@ contains
     end function modes_of
 
     !> Add the near field of both bodies between slices on the same flanks, and of a slice at itself
-    !> as if its load stood on a line beside it; without the corners' images of a slice at itself.
+    !> as if its load acted on a line to its side; without the corner images of a slice at itself.
     pure subroutine add_segment_field(body_1, body_2, segments, beside, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> Contact lines, those of a flank pair together, shape (n)
+        !> Contact line segments, those of a flank pair adjacent, shape (n)
         type(segment_type), intent(in) :: segments(:)
-        !> How far beside its line a load is spread [mm], above 0
+        !> Distance by which a load is spread to the side of its line [mm], above 0
         real(wp), intent(in) :: beside
         !> Compliance [mm/N], symmetric, shape (n, n)
         real(wp), intent(inout) :: matrix(:, :)
 
         integer :: i, j
-        real(wp) :: recession
+        real(wp) :: displacement
         type(mirror_type), allocatable :: ends(:), corners(:)
 
         ends = end_mirrors(body_1, body_2)
         corners = [corner_mirrors(body_1, 1, body_1%wedge), &
             & corner_mirrors(body_2, 2, body_2%wedge)]
         do j = 1, size(segments)
-            recession = field_between(segments(j), segments(j), beside, ends, corners(:0))
-            matrix(j, j) = matrix(j, j) + recession
+            displacement = field_between(segments(j), segments(j), beside, ends, corners(:0))
+            matrix(j, j) = matrix(j, j) + displacement
             do i = j + 1, size(segments)
                 if (segments(i)%flank /= segments(j)%flank) exit
-                recession = field_between(segments(i), segments(j), beside, ends, corners)
-                matrix(i, j) = matrix(i, j) + recession
-                matrix(j, i) = matrix(j, i) + recession
+                displacement = field_between(segments(i), segments(j), beside, ends, corners)
+                matrix(i, j) = matrix(i, j) + displacement
+                matrix(j, i) = matrix(j, i) + displacement
             end do
         end do
     end subroutine add_segment_field
 
-    !> The loads of both half-spaces as they are, and their images behind end faces: one where both
-    !> bodies end in one plane.
+    !> Return the loads on both half-spaces, without reflection, and their images behind end faces:
+    !> one if both bodies end in the same plane.
     pure function end_mirrors(body_1, body_2) result(mirrors)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> The loads first, then their images
+        !> Loads first, then their images
         type(mirror_type), allocatable :: mirrors(:)
 
         integer :: k
         type(mirror_type) :: all(5)
         logical :: counts(5)
 
-        ! a point force displaces a half-space by c0/2 over the distance
+        ! The displacement of a half-space under a point force is c0/2 divided by the distance.
         all(1)%strength = 0.5_wp*(body_1%kernel + body_2%kernel)
         all(2:)%strength = 0.5_wp*[body_1%kernel*body_1%end_strength, &
             & body_2%kernel*body_2%end_strength]
@@ -343,13 +350,14 @@ contains
         mirrors = pack(all, counts)
     end function end_mirrors
 
-    !> Images behind the free corners of the profile of a body.
+    !> Return the images behind the free corners of the profile of a body.
     pure function corner_mirrors(body, flank, psi) result(mirrors)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Which body that is: 1 or 2
+        !> Number of the body: 1 or 2
         integer, intent(in) :: flank
-        !> Strengths at both ends of its modes: those of loads along the normal, or along the flank
+        !> Strengths at both ends of its modes, of loads along the normal or along the flank,
+        !> shape (2)
         real(wp), intent(in) :: psi(2)
         type(mirror_type), allocatable :: mirrors(:)
 
@@ -362,20 +370,21 @@ contains
         mirrors = pack(all, abs(all%strength) > 0.0_wp)
     end function corner_mirrors
 
-    !> Near field of both bodies under loads along the profile, as displacement of each body out of
-    !> its material: that of half-spaces, and of images behind free corners [mm/N].
+    !> Return the near field of both bodies under loads along the profile, as the displacement of
+    !> each body out of its material: that of half-spaces and that of images behind free corners
+    !> [mm/N].
     !>
-    !> Between slices of one contact line x is 0, and so is the field of a half-space: it counts
-    !> where modifications bend the line.
+    !> Between slices of one straight contact line x is 0, and so is the field of a half-space: it
+    !> matters only if modifications curve the line.
     pure function tangential_field(body_1, body_2, segments, beside) result(matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> Contact lines, those of a flank pair together, shape (n)
+        !> Contact line segments, those of a flank pair adjacent, shape (n)
         type(segment_type), intent(in) :: segments(:)
-        !> How far beside its line a load is spread [mm], above 0
+        !> Distance by which a load is spread to the side of its line [mm], above 0
         real(wp), intent(in) :: beside
-        !> Displacements of both bodies at i under unit forces at j, on each body towards growing
+        !> Displacements of both bodies at i under unit forces at j, on each body towards increasing
         !> arc length of its flank, shape (n, n)
         real(wp) :: matrix(size(segments), size(segments))
 
@@ -384,7 +393,7 @@ contains
         type(mirror_type), allocatable :: corners(:)
 
         matrix = 0.0_wp
-        ! in front of the force on body 1 is behind that on body 2
+        ! A point in front of the force on body 1 is behind that on body 2.
         strength = (body_2%jump - body_1%jump)/acos(-1.0_wp)
         corners = [corner_mirrors(body_1, 1, body_1%wedge_along), &
             & corner_mirrors(body_2, 2, body_2%wedge_along)]
@@ -392,8 +401,9 @@ contains
             do i = 1, size(segments)
                 if (segments(i)%flank /= segments(j)%flank) cycle
                 associate (one => segments(i), other => segments(j))
-                    matrix(i, j) = behind_corners(one, other, beside, corners)
-                    ! bodies of one material move alike, one in front of its force, one behind it
+                    matrix(i, j) = behind_corners(one, other, beside, corners)   ! Eq. (S4)
+                    ! Bodies of one material have equal displacements, one in front of its force,
+                    ! one behind it.
                     if (abs(strength) > 0.0_wp) matrix(i, j) = matrix(i, j) &
                         & + strength*segment_field(along_line(1, one, other, corners), one%length, &
                         & other%length, across_lines(one, other), beside)
@@ -402,40 +412,41 @@ contains
         end do
     end function tangential_field
 
-    !> Recession of both bodies at one segment under a unit force on another one [mm/N].
-    pure function field_between(one, other, beside, ends, corners) result(recession)
-        !> The segments
+    !> Return the normal displacement of both bodies at one segment under a unit force on another
+    !> one [mm/N].
+    pure function field_between(one, other, beside, ends, corners) result(displacement)
+        !> Displaced segment and loaded segment
         type(segment_type), intent(in) :: one
         type(segment_type), intent(in) :: other
-        !> How far beside its line a load is spread [mm]
+        !> Distance by which a load is spread to the side of its line [mm]
         real(wp), intent(in) :: beside
-        !> The loads, their images behind end faces, and those behind corners
+        !> Loads and their images behind end faces; images behind corners
         type(mirror_type), intent(in) :: ends(:)
         type(mirror_type), intent(in) :: corners(:)
-        real(wp) :: recession
+        real(wp) :: displacement
 
         integer :: k
         real(wp) :: across
 
         across = sqrt(across_lines(one, other)**2 + beside**2)
-        recession = 0.0_wp
+        displacement = 0.0_wp
         do k = 1, size(ends)
             ! Eq. (S2), averaged by Eq. (S3)
-            recession = recession + ends(k)%strength*mean_potential(along_line(k, one, other, &
-                & ends), one%length, other%length, across)
+            displacement = displacement + ends(k)%strength*mean_potential( &
+                & along_line(k, one, other, ends), one%length, other%length, across)
         end do
-        recession = recession + behind_corners(one, other, beside, corners)
+        displacement = displacement + behind_corners(one, other, beside, corners)
     end function field_between
 
-    !> Distance along their contact line between a segment and the load of another one (k = 1), or
-    !> its image behind an end face [mm].
+    !> Return the distance along their contact line between a segment and the load of another one (k
+    !> = 1), or its image behind an end face [mm].
     pure function along_line(k, one, other, ends) result(along)
         !> Number of the load or image
         integer, intent(in) :: k
-        !> The segments
+        !> Displaced segment and loaded segment
         type(segment_type), intent(in) :: one
         type(segment_type), intent(in) :: other
-        !> The load and its images
+        !> Load and its images
         type(mirror_type), intent(in) :: ends(:)
         real(wp) :: along
 
@@ -444,10 +455,10 @@ contains
         along = along/(0.5_wp*(one%cosine + other%cosine))
     end function along_line
 
-    !> Distance of one segment before another one along flank 1 [mm]: a contact line of an involute
-    !> is straight and normal to the profiles.
+    !> Return the distance along flank 1 from the line of another segment to that of one segment
+    !> [mm]: a contact line of an involute is straight and normal to the profiles.
     pure function across_lines(one, other) result(across)
-        !> The segments
+        !> Displaced segment and loaded segment
         type(segment_type), intent(in) :: one
         type(segment_type), intent(in) :: other
         real(wp) :: across
@@ -455,27 +466,29 @@ contains
         across = 0.5_wp*dot_product(one%point - other%point, one%tangent + other%tangent)
     end function across_lines
 
-    !> Displacement by the images of a unit force behind free corners [mm/N].
-    pure function behind_corners(one, other, beside, corners) result(recession)
-        !> The segments
+    !> Return the displacement under the images of a unit force behind free corners [mm/N].
+    pure function behind_corners(one, other, beside, corners) result(displacement)
+        !> Displaced segment and loaded segment
         type(segment_type), intent(in) :: one
         type(segment_type), intent(in) :: other
-        !> How far beside its line a load is spread [mm]
+        !> Distance by which a load is spread to the side of its line [mm]
         real(wp), intent(in) :: beside
-        !> The images
+        !> Images behind corners
         type(mirror_type), intent(in) :: corners(:)
-        real(wp) :: recession
+        real(wp) :: displacement
 
         integer :: k
         real(wp) :: across
 
-        recession = 0.0_wp
+        displacement = 0.0_wp
         do k = 1, size(corners)
+            ! Eq. (S2): images at R_w, averaged by Eq. (S3)
             associate (corner => corners(k))
                 across = max(0.0_wp, corner%sense*(one%s(corner%body) - corner%place)) &
                     & + max(0.0_wp, corner%sense*(other%s(corner%body) - corner%place))
-                recession = recession + corner%strength*mean_potential(along_line(1, one, other, &
-                    & corners), one%length, other%length, sqrt(across**2 + beside**2))
+                displacement = displacement + corner%strength*mean_potential( &
+                    & along_line(1, one, other, corners), one%length, other%length, &
+                    & sqrt(across**2 + beside**2))
             end associate
         end do
     end function behind_corners

@@ -9,8 +9,9 @@ module flankload_tabled_influence
 
     public :: add_table, add_tangential_table, table_remainder
 
-    !> On a half-plane the mean displacement of a node under its own load, both spread by straight
-    !> lines over two spacings, is that in the middle of an even strip so many spacings wide.
+    !> Width of an even strip on a half-plane, in node spacings, whose displacement in its middle is
+    !> the mean displacement of a node under its own load, both distributed linearly over two
+    !> spacings
     real(wp), parameter :: spacings_of_strip = 1.67_wp
 
 contains
@@ -31,7 +32,7 @@ contains
         if (.not. allocated(body%nodes)) return
         place = places_of(body, s)
         do j = 1, size(s)
-            do i = j, size(s)   ! Eq. (21), (22)
+            do i = j, size(s)   ! Eqs. (21), (22)
                 matrix(i, j) = matrix(i, j) &
                     & + between(body%smooth(:, :, body%block(site(i), site(j))), place(i), place(j))
             end do
@@ -56,7 +57,7 @@ contains
         place = places_of(body, s)
         do j = 1, size(s)
             do i = 1, size(s)
-                ! Eq. (12), (14)
+                ! Eqs. (12), (14)
                 matrix(i, j) = matrix(i, j) - friction(j)* &
                     & between(body%tangential(:, :, body%block(site(i), site(j))), place(i), &
                     & place(j))
@@ -64,12 +65,12 @@ contains
         end do
     end subroutine add_tangential_table
 
-    !> Tables without the logarithm, between single places: an estimate for the search of contacts,
-    !> not part of K.
+    !> Return the tables without the logarithm, between single points: an estimate for the search of
+    !> contacts, not part of K.
     pure function table_remainder(body, site, s) result(matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Site of each place, and its arc length [mm], shape (n)
+        !> Site of each point and its arc length [mm], shape (n)
         integer, intent(in) :: site(:)
         real(wp), intent(in) :: s(:)
         !> Compliance [mm/N], shape (n, n)
@@ -94,11 +95,11 @@ contains
         end do
     end function table_remainder
 
-    !> Position of places between the nodes.
+    !> Return the positions of arc lengths between the nodes.
     pure function places_of(body, s) result(place)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Arc lengths [mm]
+        !> Arc lengths [mm], shape (n)
         real(wp), intent(in) :: s(:)
         type(nodal_place) :: place(size(s))
 

@@ -1,5 +1,5 @@
-!> What friction adds to the influence numbers, (12), (14), (15): tangential forces move flanks
-!> along their normals, too.
+!> Contribution of friction to the influence coefficients, Eqs. (12), (14), (15): tangential forces
+!> displace flanks along their normals, too.
 module flankload_tangential_influence
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values, strip_jump
@@ -12,24 +12,25 @@ module flankload_tangential_influence
 
 contains
 
-    !> Add what one body recedes under the friction forces of all pairs.
+    !> Add the normal displacement of one body under the friction forces of all pairs.
     !>
-    !> With C_nt = n.u for a unit force along t, each body's own n and t (n2 = -n1, t2 = -t1), the
-    !> force -n F + mu sigma t F of either body recedes by (C_nn - mu sigma C_nt) F.
+    !> With C_nt = n.u for a unit force along t, and each body's own n and t (n2 = -n1, t2 = -t1),
+    !> the normal displacement of either body under the force -n F + mu sigma t F is
+    !> (C_nn - mu sigma C_nt) F.
     pure subroutine add_tangential(body, site, s, cell, friction, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Site of each pair, arc length [mm] and width of the cell [mm], shape (n)
+        !> Site of each pair, its arc length [mm] and the width of its cell [mm], shape (n)
         integer, intent(in) :: site(:)
         real(wp), intent(in) :: s(:)
         real(wp), intent(in) :: cell(:)
         !> mu sigma of each pair, shape (n)
         real(wp), intent(in) :: friction(:)
-        !> K [mm/N], shape (n, n); unsymmetric from here on
+        !> K [mm/N], shape (n, n); not symmetric on return
         real(wp), intent(inout) :: matrix(:, :)
 
         integer :: n, n_loads, i, j, first, last, load_first, load_last
-        real(wp), allocatable :: values(:, :), loads(:, :), carried(:, :)
+        real(wp), allocatable :: values(:, :), loads(:, :), displaced(:, :)
 
         n = size(s)
         if (.not. allocated(body%tangential)) return
@@ -39,19 +40,19 @@ contains
         end if
         n_loads = size(body%tangential, 2)
         values = mode_values(body, s)
-        loads = spread(-friction, 2, n_loads)*values(:, :n_loads)   ! Eq. (11), (12)
+        loads = spread(-friction, 2, n_loads)*values(:, :n_loads)   ! Eqs. (11), (12)
         load_first = 1
         do while (load_first <= n)
             load_last = last_of_site(load_first)
             first = 1
             do while (first <= n)
                 last = last_of_site(first)
-                carried = matmul(values(first:last, :), &
+                displaced = matmul(values(first:last, :), &
                     & body%tangential(:, :, body%block(site(first), site(load_first))))
-                ! Eq. (14), (15): mu a_T beside a_N
+                ! Eqs. (14), (15): mu a_T in addition to a_N
                 matrix(first:last, load_first:load_last) = &
                     & matrix(first:last, load_first:load_last) &
-                    & + matmul(carried, transpose(loads(load_first:load_last, :)))
+                    & + matmul(displaced, transpose(loads(load_first:load_last, :)))
                 first = last + 1
             end do
             do j = load_first, load_last
@@ -66,9 +67,9 @@ contains
 
     contains
 
-        !> Last pair of the run of pairs that share a site.
+        !> Return the last of the adjacent pairs that share a site.
         pure function last_of_site(k) result(at)
-            !> First pair of the run
+            !> First pair of the site
             integer, intent(in) :: k
             integer :: at
 

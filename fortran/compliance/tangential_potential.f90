@@ -1,11 +1,11 @@
 !> Displacement of a half-space along its normal under forces along its surface (Cerruti), spread
-!> evenly over rectangles and over segments of a line.
+!> evenly over rectangles and over line segments.
 !>
-!> A unit point force along x moves the surface out of the material by -j/pi x/(x² + y²), j the jump
-!> of the plane (`near_field.py: jump_strength`): inwards in front of the force, outwards behind it.
-!> Fields here are means of x/(x² + y²) over the loaded rectangle or segment and over the length of
-!> the one that is displaced, antisymmetric in x. A rectangle that is long along y has pi sign(x)
-!> over its length: times -j/pi that is the jump.
+!> A unit point force along x displaces the surface out of the material by -j/pi x/(x² + y²), where
+!> j is the jump of the plane problem (`near_field.py: jump_strength`): inwards in front of the
+!> force, outwards behind it. Fields are means of x/(x² + y²) over the loaded rectangle or segment
+!> and over the length of the displaced one, antisymmetric in x. The field of a rectangle that is
+!> long along y is pi sign(x) divided by its length: multiplied by -j/pi it is the jump.
 module flankload_tangential_potential
     use flankload_kinds, only: wp
     implicit none
@@ -15,26 +15,27 @@ module flankload_tangential_potential
 
 contains
 
-    !> Field of a rectangle along another one [1/mm]: the mean of x/(x² + y²) over the loaded
-    !> rectangle and over the length of the other one, in the middle of its width.
+    !> Return the field of a rectangle along another one [1/mm]: the mean of x/(x² + y²) over the
+    !> loaded rectangle and over the length of the other one, in the middle of its width.
     elemental function rectangle_field(across, along, width, length, other) result(mean)
-        !> Distances of both middles across, positive in front of the force, and along the
-        !> rectangles [mm]
+        !> Distances between both centres across the rectangles, positive in front of the force, and
+        !> along them [mm]
         real(wp), intent(in) :: across
         real(wp), intent(in) :: along
-        !> Width of the loaded rectangle, and lengths of both [mm], above 0
+        !> Width of the loaded rectangle and lengths of both [mm], above 0
         real(wp), intent(in) :: width
         real(wp), intent(in) :: length
         real(wp), intent(in) :: other
         real(wp) :: mean
 
-        !> From so many lengths or widths on two moments are enough, to 1e-7 of 1/distance.
+        !> Distance in lengths or widths from which two moments are sufficient, to 1e-7 of
+        !> 1/distance
         real(wp), parameter :: far = 10.0_wp
         real(wp) :: second, fourth, along_square
         complex(wp) :: place
 
         if (across**2 + along**2 > (far*max(length, other, width))**2) then
-            ! x/R² = Re 1/z, and the moments are the means of (u + iv)² and of its square
+            ! x/R² = Re 1/z, and the moments are the means of (u + iv)² and of its square.
             along_square = (length**2 + other**2)/12.0_wp
             second = width**2/12.0_wp - along_square
             fourth = width**4/80.0_wp - 0.5_wp*width**2*along_square &
@@ -47,8 +48,8 @@ contains
             & - edge_field(across - 0.5_wp*width, along, length, other))/(width*length*other)
     end function rectangle_field
 
-    !> Difference between the ends of both segments of the integral of x/(x² + y²), once across and
-    !> twice along.
+    !> Return the difference, between the ends of both segments, of the integral of x/(x² + y²) once
+    !> across and twice along [mm²].
     elemental function edge_field(across, along, length, other) result(value)
         !> Distances across and along, and both lengths [mm]
         real(wp), intent(in) :: across
@@ -66,8 +67,8 @@ contains
             & - corner_value(across, along - half_sum))
     end function edge_field
 
-    !> The integral of x/(x² + y²), once over x and twice over y, even in both: (y² - x²)/4
-    !> ln(x² + y²) + x y atan(y/x), without functions of x or y alone.
+    !> Return the integral of x/(x² + y²), once over x and twice over y, even in both [mm²]:
+    !> (y² - x²)/4 ln(x² + y²) + x y atan(y/x), without functions of x or y alone.
     elemental function corner_value(x, y) result(value)
         !> Coordinates [mm]
         real(wp), intent(in) :: x
@@ -76,24 +77,25 @@ contains
 
         value = 0.0_wp
         if (.not. max(abs(x), abs(y)) > 0.0_wp) return
+        ! Eq. (C6)
         value = 0.5_wp*(y - x)*(y + x)*log(hypot(x, y)) + abs(x)*y*atan2(y, abs(x))
     end function corner_value
 
-    !> Field of a segment at another, parallel one [1/mm]: the mean of x/(x² + y² + beside²) over
-    !> both.
+    !> Return the field of a segment at another, parallel one [1/mm]: the mean over both of
+    !> x/(x² + y² + beside²).
     elemental function segment_field(distance, length, other, across, beside) result(mean)
-        !> Distance of both centres along the segments [mm]
+        !> Distance between both centres along the segments [mm]
         real(wp), intent(in) :: distance
         !> Lengths of the segments [mm]
         real(wp), intent(in) :: length
         real(wp), intent(in) :: other
-        !> Distance x of their lines, positive in front of the force [mm]
+        !> Distance x between their lines, positive in front of the force [mm]
         real(wp), intent(in) :: across
-        !> How far the load is spread beside its line [mm], above 0
+        !> Distance by which the load is spread to the side of its line [mm], above 0
         real(wp), intent(in) :: beside
         real(wp) :: mean
 
-        !> From so many lengths on the second moments are enough, to 1e-5 of the mean.
+        !> Distance in lengths from which the second moments are sufficient, to 1e-5 of the mean
         real(wp), parameter :: far = 10.0_wp
         real(wp) :: apart, square, half_sum, half_difference
 
@@ -112,9 +114,9 @@ contains
             & + twice_integrated(distance - half_sum, apart))
     end function segment_field
 
-    !> Second integral of x/(y² + x²) over y.
+    !> Return the second integral of x/(y² + x²) over y.
     elemental function twice_integrated(along, across) result(value)
-        !> y and x [mm]
+        !> Coordinates y and x [mm]
         real(wp), intent(in) :: along
         real(wp), intent(in) :: across
         real(wp) :: value

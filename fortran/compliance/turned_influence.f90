@@ -1,8 +1,8 @@
 !> Influence coefficients of forces that turn over a sharp corner.
 !>
-!> The force between a corner and the flank of its mate has the mean of both normals. It is turned
-!> by d from that of the corner's own flank, and so is the direction of the displacement:
-!> with C_nt = n.u for a unit force along t, n' = n cos d + t sin d, and
+!> The force between a corner and the mating flank has the mean of both normals. It is turned by d
+!> from the normal of the corner's own flank, and so is the direction of the displacement: with
+!> C_nt = n.u for a unit force along t, n' = n cos d + t sin d and
 !> K_ij = C_nn + sin d_i C_tn + sin d_j C_nt, to the first order in d. Modes and the mirror image
 !> behind the corner, -c0 psi_nt ln(d + d'), represent C_nt; the jump of the half-plane cancels.
 module flankload_turned_influence
@@ -20,9 +20,9 @@ contains
     pure subroutine add_turned(body, site, s, cell, turn, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Site of each pair, those of a site together, its arc length on the flank and width of its
-        !> cell [mm], and by how much its force is turned from the flank's normal towards growing
-        !> arc length [rad], shape (n)
+        !> Site of each pair, those of a site adjacent, its arc length on the flank and the width of
+        !> its cell [mm], and the rotation of its force from the normal of the flank towards
+        !> increasing arc length [rad], shape (n)
         integer, intent(in) :: site(:)
         real(wp), intent(in) :: s(:)
         real(wp), intent(in) :: cell(:)
@@ -51,7 +51,7 @@ contains
             end do
             last = min(last, size(s))
             if (.not. any(turns(first:last))) cycle
-            ! displacement by modes: the same for all forces of the site
+            ! Displacement by modes is the same for all forces of the site.
             do j = 1, size(s)
                 modes(j) = dot_product(values(j, :), &
                     & body%turned(:, body%block(site(first), site(j))))
@@ -66,7 +66,7 @@ contains
             do j = first, last
                 do i = j, last
                     if (.not. (turns(i) .or. turns(j))) cycle
-                    ! symmetric: the distances of both cells from the corner are added
+                    ! The image is symmetric: the distances of both cells from the corner are added.
                     image = image_along(body, s(i), cell(i), s(j), cell(j))   ! Eq. (W3)
                     one = sine(j)*(modes(i) + image)
                     two = sine(i)*(modes(j) + image)

@@ -1,9 +1,9 @@
-/* Flat door of flankload for C and C++.
+/* Flat interface of flankload for C and C++.
  *
- * Everything goes by reference; matrices stand column by column, as in Fortran; pairs are counted
- * from 1. Nothing is kept between calls, printed or opened: any number of threads may call at once.
- * What each argument means stands in fortran.md and flat/ of share/doc/flankload (in the sources:
- * docs/reference/ and fortran/flat/).
+ * All arguments are passed by reference; matrices are stored column by column, as in Fortran;
+ * pairs are numbered from 1. No call keeps data, prints or opens a file: any number of threads may
+ * call at the same time. The arguments are described in fortran.md and flat/ of
+ * share/doc/flankload (in the sources: docs/reference/ and fortran/flat/).
  */
 #ifndef FLANKLOAD_H
 #define FLANKLOAD_H
@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-/* What is known of K: nothing, symmetric, positive definite, its symmetric part is. */
+/* Known structure of K: none, symmetric, positive definite, symmetric part positive definite. */
 enum {
     FLANKLOAD_GENERAL = 0,
     FLANKLOAD_SYMMETRIC = 1,
@@ -32,7 +32,7 @@ enum {
     FLANKLOAD_PRIMAL = 7
 };
 
-/* Parts of a body that most bodies lack. */
+/* Optional parts of a body. */
 enum {
     FLANKLOAD_PART_TIP = 1,
     FLANKLOAD_PART_WEDGE = 2,
@@ -54,16 +54,16 @@ enum {
 /* Version of the library. */
 void flankload_version_(int *major, int *minor, int *patch, int *info);
 
-/* Twice a vector: a caller whose reals have another size does not get that. */
+/* Twice a vector: self test, wrong if the reals of the caller have another size. */
 void flankload_double_vector_(const int *n, const double *vector, double *doubled, int *info);
 
-/* The same for integers, of which two or more are negative. */
+/* The same for integers: at least two, all negative. */
 void flankload_integer_vector_(const int *n, const int *vector, int *doubled, int *info);
 
-/* What a status says, in at most `size` characters, the null character included; 81 are enough. */
+/* Text of a status, in at most `size` characters, null character included; 81 are sufficient. */
 void flankload_status_text_c(int code, int size, char *text);
 
-/* Pairs, gap angles, levers and influence numbers of one position from points and compliances. */
+/* Pairs, gap angles, levers, influence coefficients of one position from points, compliances. */
 void flankload_position_(const int *n_flanks, const int *n_points_1, const int *n_points_2,
                          const int *n_circles, const int *max_pairs, const int *turn,
                          const double *axis_1, const double *axis_2, const int *sizes_1,
@@ -78,11 +78,11 @@ void flankload_normal_compliance_(const int *n, const double *flexibility, const
                                   const double *row_scale, double *compliance, int *symmetric,
                                   int *elastic, int *info);
 
-/* Whether K is symmetric, and whether all its numbers are finite: one pass. */
+/* Symmetry of K, and whether all its entries are finite: one pass. */
 void flankload_matrix_form_(const int *n, const double *compliance, int *symmetric, int *elastic,
                             int *mirrored, int *finite, int *info);
 
-/* State of contact of one problem. */
+/* Contact state of one problem. */
 void flankload_solve_contact_(const int *n, const int *n_motions, const int *n_warm,
                               const double *compliance, const double *normal_gaps,
                               const double *motions, const double *load_rows, const double *loads,
@@ -90,7 +90,7 @@ void flankload_solve_contact_(const int *n, const int *n_motions, const int *n_w
                               double *forces, double *gaps, double *motion, double *tangent,
                               int *active, int *counters, double *certificate, int *info);
 
-/* The same from some columns of K; says which are wanted next. */
+/* The same from some columns of K; returns the pairs whose columns are needed next. */
 void flankload_contact_columns_(const int *n, const int *n_known, const int *n_motions,
                                 const int *n_warm, const int *known, const double *columns,
                                 const double *diagonal, const double *normal_gaps,
@@ -111,7 +111,7 @@ void flankload_solve_sequence_(const int *n_problems, const int *n_pairs, const 
                                int *counters, double *certificate, int *info);
 
 /* Begin the record of a body: flank curve, sites, compliance. A positive info is the number of reals
-   that the record needs; n_record = 0 only asks for it. */
+   that the record needs; n_record = 0 only returns this number. */
 void flankload_pack_body_(const int *n_breaks, const int *degree, const double *breaks,
                           const double *coefficients, const int *corners, const int *n_sites,
                           const double *site_angles, const double *deviations, const int *n_modes,
@@ -119,7 +119,7 @@ void flankload_pack_body_(const int *n_breaks, const int *degree, const double *
                           const double *smooth, const int *block, const int *n_record,
                           double *record, int *info);
 
-/* Add a part to a record. Each takes as many reals as it has values. */
+/* Add a part to a record. It needs as many reals as it has values. */
 void flankload_pack_part_(const int *part, const int *n_values, const double *values,
                           const int *n_record, double *record, int *info);
 
@@ -133,7 +133,7 @@ void flankload_sweep_(const int *n_positions, const int *n_torques, const int *n
                       int *counters, double *site_force, double *site_peak, int *site_corner,
                       int *info);
 
-/* The same where a similar sweep has shown which pairs are in contact: for derivatives. */
+/* The same if a similar sweep has shown which pairs are in contact: for derivatives. */
 void flankload_sweep_continued_(const int *n_positions, const int *n_torques, const int *n_sites,
                                 const double *motion, const double *center_distance,
                                 const double *torques, const int *n_record_1,

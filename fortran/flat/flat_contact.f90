@@ -1,23 +1,24 @@
-! The contact loop through the flat door.
+! Solution of contact problems through the flat interface.
 
-!> diag(b) A [mm/N] of a flexibility matrix A [rad/N], and whether it is symmetric.
+!> Compute diag(b) A [mm/N] of a flexibility matrix A [rad/N], and whether it is symmetric, Eq.
+!> (18).
 subroutine flankload_normal_compliance(n, flexibility, transposed, row_scale, compliance, &
         & symmetric, elastic, info)
     use flankload_row_scaling, only: scale_rows, form_of, matrix_form
     implicit none
     !> Number of pairs
     integer, intent(in) :: n
-    !> A or its transpose, shape (n, n)
+    !> Flexibility matrix A [rad/N] or its transpose, shape (n, n)
     double precision, intent(in) :: flexibility(n, n)
-    !> 1: the transpose (a caller whose matrices stand row by row), 0: A
+    !> 1 if the transpose is given (by callers that store matrices row by row), 0 if A
     integer, intent(in) :: transposed
-    !> b [mm], shape (n)
+    !> Row scale b [mm], shape (n)
     double precision, intent(in) :: row_scale(n)
-    !> diag(b) A, shape (n, n)
+    !> Compliance diag(b) A [mm/N], shape (n, n)
     double precision, intent(out) :: compliance(n, n)
-    !> 1: symmetric to 1e-12 of its diagonal, and all its numbers are finite
+    !> 1 if symmetric to 1e-12 of the diagonal with finite entries, else 0
     integer, intent(out) :: symmetric
-    !> 1: symmetric, and no entry contradicts a positive definite matrix by itself
+    !> 1 if symmetric and no single entry contradicts positive definiteness, else 0
     integer, intent(out) :: elastic
     !> 0: done, -1: n < 0
     integer, intent(out) :: info
@@ -34,22 +35,22 @@ subroutine flankload_normal_compliance(n, flexibility, transposed, row_scale, co
     elastic = merge(1, 0, form%elastic)
 end subroutine flankload_normal_compliance
 
-!> What one pass over a compliance matrix finds out: what the caller of flankload_solve_contact is
-!> to say of its structure, and whether there is NaN or infinity in columns that it would not read.
+!> Check the form of a compliance matrix in one pass: the structure that flankload_solve_contact
+!> needs to know, and whether there is NaN or infinity in columns that it does not read.
 subroutine flankload_matrix_form(n, compliance, symmetric, elastic, mirrored, finite, info)
     use flankload_row_scaling, only: form_of, matrix_form
     implicit none
     !> Number of pairs
     integer, intent(in) :: n
-    !> K or its transpose, shape (n, n)
+    !> Compliance K [mm/N] or its transpose, shape (n, n)
     double precision, intent(in) :: compliance(n, n)
-    !> 1: symmetric to 1e-12 of its diagonal, and all its numbers are finite
+    !> 1 if symmetric to 1e-12 of the diagonal with finite entries, else 0
     integer, intent(out) :: symmetric
-    !> 1: symmetric, and no entry contradicts a positive definite matrix by itself
+    !> 1 if symmetric and no single entry contradicts positive definiteness, else 0
     integer, intent(out) :: elastic
-    !> 1: symmetric to the last bit, its own transpose
+    !> 1 if symmetric to the last bit, else 0
     integer, intent(out) :: mirrored
-    !> 1: all its numbers are finite
+    !> 1 if all entries are finite, else 0
     integer, intent(out) :: finite
     !> 0: done, -1: n < 0
     integer, intent(out) :: info
@@ -69,7 +70,7 @@ subroutine flankload_matrix_form(n, compliance, symmetric, elastic, mirrored, fi
     finite = merge(1, 0, form%finite)
 end subroutine flankload_matrix_form
 
-!> State of contact g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
+!> Solve the contact problem g = K F + g0 - B q >= 0, F >= 0, g F = 0, Rᵀ F = Q.
 subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps, motions, &
         & load_rows, loads, structure, method, warm_pairs, forces, gaps, motion, tangent, &
         & active, counters, certificate, info)
@@ -83,45 +84,45 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     integer, intent(in) :: n
     !> Number of motions
     integer, intent(in) :: n_motions
-    !> Number of pairs to begin with
+    !> Number of pairs of the warm start
     integer, intent(in) :: n_warm
-    !> K [mm/N], shape (n, n)
+    !> Compliance K [mm/N], shape (n, n)
     double precision, intent(in) :: compliance(n, n)
-    !> g0 [mm], shape (n)
+    !> Initial gaps g0 [mm], shape (n)
     double precision, intent(in) :: normal_gaps(n)
-    !> B, shape (n, n_motions)
+    !> Matrix B of the motions, shape (n, n_motions)
     double precision, intent(in) :: motions(n, n_motions)
-    !> R, shape (n, n_motions)
+    !> Matrix R of the load rows, shape (n, n_motions)
     double precision, intent(in) :: load_rows(n, n_motions)
-    !> Q, shape (n_motions)
+    !> Loads Q, shape (n_motions)
     double precision, intent(in) :: loads(n_motions)
-    !> What is known of K: 0 nothing, 1 symmetric, 2 symmetric and positive definite as any elastic
-    !> compliance is, 3 its symmetric part (rows weighted so that B = R) is positive definite. With
-    !> 0 and 1 uniqueness is proven from the whole of K, with 2 and 3 from the pairs in contact.
+    !> Known structure of K: 0 none, 1 symmetric, 2 symmetric and positive definite like any elastic
+    !> compliance, 3 symmetric part (rows weighted so that B = R) positive definite. With 0 and 1
+    !> uniqueness is proven from all of K, with 2 and 3 from the pairs in contact
     integer, intent(in) :: structure
-    !> 0: the fastest, 1: single, 2: paper, 3: block, 4: load path, 5: single with rows exchanged,
-    !> 6: cascade, 7: primal
+    !> Method: 0 automatic, 1 single, 2 paper, 3 block, 4 load path, 5 single with exchanged rows, 6
+    !> cascade, 7 primal
     integer, intent(in) :: method
-    !> Pairs to begin with, from 1, shape (n_warm)
+    !> Pairs of the warm start, from 1, shape (n_warm)
     integer, intent(in) :: warm_pairs(n_warm)
     !> Normal forces [N], shape (n)
     double precision, intent(out) :: forces(n)
     !> Final gaps [mm], shape (n)
     double precision, intent(out) :: gaps(n)
-    !> Motions, shape (n_motions); without a state (info -1, -3) a motion that shows why
+    !> Motions q, shape (n_motions); without a state (info -1, -3) a motion that shows the cause
     double precision, intent(out) :: motion(n_motions)
-    !> d motion / d load, shape (n_motions, n_motions)
+    !> Derivatives of the motions with respect to the loads, shape (n_motions, n_motions)
     double precision, intent(out) :: tangent(n_motions, n_motions)
-    !> 1 for the pairs that carry a force, else 0, shape (n)
+    !> 1 if the pair has a force, else 0, shape (n)
     integer, intent(out) :: active(n)
-    !> Pivots, refactorisations, 1 where the state is unique, the method that found it; without a
-    !> state (info -1) 1 where it is proven that there is none; shape (5)
+    !> Pivots, complete factorizations, 1 if the state is unique, method that found it, 1 if
+    !> infeasibility is proven (info -1); shape (5)
     integer, intent(out) :: counters(5)
-    !> Condition, growth, backward error, margin; without a state (info -1) the part of the loads
-    !> that can be held; shape (5)
+    !> Condition number, growth factor, backward error, margin, without a state (info -1) the
+    !> fraction of the loads that can be balanced; shape (5)
     double precision, intent(out) :: certificate(5)
-    !> Status 0 … 3, or why there is no state, -1 … -7; -100 - i: argument i is not valid (numbers
-    !> that are not finite: -4)
+    !> Status 0 … 3; -1 … -7: no state, for the reason given by the status; -100 - i: argument i is
+    !> invalid (entries that are not finite: -4)
     integer, intent(out) :: info
 
     type(contact_result) :: result
@@ -134,7 +135,8 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     if (info < 0) then
         call blank(result, max(n, 0), max(n_motions, 0))
     else
-        ! One BLAS thread, for the calling thread alone: more cost many times what they save here
+        ! One BLAS thread, for the calling thread alone: more threads cost many times more than they
+        ! save
         n_threads = omp_get_max_threads()
         call omp_set_num_threads(1)
         call solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
@@ -146,9 +148,10 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     call unpack_result(result, forces, gaps, motion, tangent, active, counters, certificate)
 end subroutine flankload_solve_contact
 
-!> One step of the contact problem without its matrix: solve with the columns that are known, and
-!> say which are wanted next. Call with n_known = 0 first, make the wanted columns, append them,
-!> call again with the active pairs to begin with, until none is wanted.
+!> Solve one step of the contact problem without its matrix: with the known columns, and return the
+!> pairs whose columns are needed next. Call it with n_known = 0 first, compute the requested
+!> columns, append them, and call it again with the active pairs as warm start until no column is
+!> requested.
 subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, columns, diagonal, &
         & normal_gaps, motions, load_rows, loads, structure, method, warm_pairs, n_wanted, wanted, &
         & forces, gaps, motion, tangent, active, counters, certificate, info)
@@ -159,14 +162,14 @@ subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, colum
     use flankload_status, only: refused_argument
     use flankload_error, only: error_type
     implicit none
-    !> Number of pairs, of known columns, of motions, of pairs to begin with
+    !> Numbers of pairs, of known columns, of motions and of pairs of the warm start
     integer, intent(in) :: n
     integer, intent(in) :: n_known
     integer, intent(in) :: n_motions
     integer, intent(in) :: n_warm
     !> Pairs whose columns are known, from 1, shape (n_known)
     integer, intent(in) :: known(n_known)
-    !> Their columns of K [mm/N], shape (n, n_known)
+    !> Known columns of K [mm/N], shape (n, n_known)
     double precision, intent(in) :: columns(n, n_known)
     !> Diagonal of K [mm/N], shape (n)
     double precision, intent(in) :: diagonal(n)
@@ -175,16 +178,16 @@ subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, colum
     double precision, intent(in) :: motions(n, n_motions)
     double precision, intent(in) :: load_rows(n, n_motions)
     double precision, intent(in) :: loads(n_motions)
-    !> Structure of K (uniqueness is said only with 2 and 3, or with all columns) and method, as in
-    !> flankload_solve_contact; not that of the paper
+    !> Structure of K (uniqueness is proven only with 2 and 3, or with all columns) and method, as
+    !> in flankload_solve_contact, except for the method of the paper
     integer, intent(in) :: structure
     integer, intent(in) :: method
-    !> Known pairs to begin with: those active after the step before, from 1, shape (n_warm)
+    !> Known pairs of the warm start: the active pairs of the previous step, from 1, shape (n_warm)
     integer, intent(in) :: warm_pairs(n_warm)
-    !> How many columns are wanted, 0 at the end, and of which pairs, shape (n)
+    !> Number of requested columns, 0 at the end, and their pairs, shape (n)
     integer, intent(out) :: n_wanted
     integer, intent(out) :: wanted(n)
-    !> State of contact as in flankload_solve_contact; before the end that of the known pairs
+    !> Contact state as in flankload_solve_contact; before the end that of the known pairs
     double precision, intent(out) :: forces(n)
     double precision, intent(out) :: gaps(n)
     double precision, intent(out) :: motion(n_motions)
@@ -192,7 +195,8 @@ subroutine flankload_contact_columns(n, n_known, n_motions, n_warm, known, colum
     integer, intent(out) :: active(n)
     integer, intent(out) :: counters(5)
     double precision, intent(out) :: certificate(5)
-    !> Status 0 … 3, or why there is no state, -1 … -5; -100 - i: argument i is not valid
+    !> Status 0 … 3; -1 … -5: no state, for the reason given by the status; -100 - i: argument i is
+    !> invalid
     integer, intent(out) :: info
 
     type(contact_result) :: result

@@ -1,10 +1,10 @@
-! The flat door: external subroutines in double precision with explicit shapes, `info` last.
+! The flat interface: external subroutines in double precision with explicit shapes, `info` last.
 
-!> Version of the library.
+!> Return the version of the library.
 subroutine flankload_version(major, minor, patch, info)
     use flankload_version_number, only: version_number
     implicit none
-    !> The three parts of the version
+    !> Major, minor and patch number
     integer, intent(out) :: major
     integer, intent(out) :: minor
     integer, intent(out) :: patch
@@ -17,12 +17,13 @@ subroutine flankload_version(major, minor, patch, info)
     info = 0
 end subroutine flankload_version
 
-!> Self test of the door: a caller whose reals have another size does not get twice its numbers.
+!> Return twice a vector. Self test of the interface: the result is wrong if the reals of the caller
+!> have another size.
 subroutine flankload_double_vector(n, vector, doubled, info)
     implicit none
     !> Length of the vectors
     integer, intent(in) :: n
-    !> Any numbers, shape (n)
+    !> Any reals, shape (n)
     double precision, intent(in) :: vector(n)
     !> Twice these numbers, shape (n)
     double precision, intent(out) :: doubled(n)
@@ -33,15 +34,16 @@ subroutine flankload_double_vector(n, vector, doubled, info)
     info = 0
 end subroutine flankload_double_vector
 
-!> Self test of the door: a caller whose integers have another size does not get twice its numbers,
-!> if there are two or more of them and all are negative. (Where the caller's have 8 bytes, the
-!> library takes the halves of the first numbers for numbers; the upper half of a small positive
-!> number is 0, which is twice itself, but the upper half of a negative one is not.)
+!> Return twice a vector of integers. Self test of the interface: the result is wrong if the
+!> integers of the caller have another size, provided that there are at least two and all are
+!> negative. (If those of the caller have 8 bytes, the library reads the halves of the first numbers
+!> as numbers. The upper half of a small positive number is 0, which equals its double; the upper
+!> half of a negative number does not.)
 subroutine flankload_integer_vector(n, vector, doubled, info)
     implicit none
     !> Length of the vectors
     integer, intent(in) :: n
-    !> Any numbers, best negative ones, shape (n)
+    !> Any integers, preferably negative, shape (n)
     integer, intent(in) :: vector(n)
     !> Twice these numbers, shape (n)
     integer, intent(out) :: doubled(n)

@@ -1,18 +1,19 @@
-! One position from points and compliances through the flat door.
+! One position from points and compliances through the flat interface.
 
-!> Gap angles, lever arms and influence numbers of one position, from the points of flanks and a
-!> compliance between the points of each body: the plain way of the paper, (5)–(10), (17)–(22).
+!> Compute gap angles, lever arms and influence coefficients of one position, from the points of the
+!> flanks and a compliance between the points of each body: the method of the paper, Eqs. (5)–(10),
+!> (17)–(22).
 !>
-!> Flank k of body 1 faces flank k of body 2. Pairs stand on circles about O1, either through each
-!> point of body 1 or evenly spread over what both flanks reach; between points the flank is a cubic
-!> spline and the compliance is read by straight lines. Circles closer than the points of the finer
-!> flank make K singular. What comes back makes a contact problem with K, g0 = lever*gap_angle,
-!> B = lever, R = torque_lever and the torque as load.
+!> Flank k of body 1 faces flank k of body 2. Pairs are on circles about O1, either through each
+!> point of body 1 or evenly spaced over the range of both flanks; between points the flank is a
+!> cubic spline and the compliance is interpolated linearly. Circles that are closer together than
+!> the points of the finer flank make K singular. The results form a contact problem with K, g0 =
+!> lever*gap_angle, B = lever, R = torque_lever and the torque as load.
 !>
-!> info = 0: done, also with n_pairs = 0 where no circle meets two facing flanks. info = -i:
-!> argument i is not valid; for the points: two at one place, not steadily outwards or inwards
-!> about O1, or a normal that passes through O1. info > 0: so many pairs have no room in max_pairs,
-!> and nothing else is returned.
+!> info = 0: done, also with n_pairs = 0 if no circle crosses two facing flanks. info = -i: argument
+!> i is invalid; for the points: two coincide, their distance from O1 does not increase or decrease
+!> steadily, or a normal passes through O1. info > 0: number of pairs, max_pairs is too small, and
+!> no other result is returned.
 subroutine flankload_position(n_flanks, n_points_1, n_points_2, n_circles, max_pairs, turn, &
         & axis_1, axis_2, sizes_1, points_1, compliance_1, sizes_2, points_2, compliance_2, &
         & n_pairs, flank, radius, gap_angle, lever, torque_lever, torque_lever_2, compliance, info)
@@ -20,45 +21,45 @@ subroutine flankload_position(n_flanks, n_points_1, n_points_2, n_circles, max_p
     use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, find_nodal_pairs, &
         & new_nodal_body, nodal_influences
     implicit none
-    !> Number of flanks of each body, and of the points on all flanks of a body
+    !> Number of flanks of each body, and numbers of points on all flanks of each body
     integer, intent(in) :: n_flanks
     integer, intent(in) :: n_points_1
     integer, intent(in) :: n_points_2
-    !> Circles to a flank; 0: through each point of body 1 that body 2 faces
+    !> Number of circles per flank; 0: one through each point of body 1 that faces body 2
     integer, intent(in) :: n_circles
-    !> Room for pairs
+    !> Size of the arrays of pairs
     integer, intent(in) :: max_pairs
-    !> Body 1 turns counter-clockwise (1) or clockwise (-1) in the sense of its torque
+    !> 1 if the torque turns body 1 counter-clockwise, -1 if clockwise
     integer, intent(in) :: turn
-    !> O1 and O2 in the common frame [mm]
+    !> Axes O1 and O2 in the common frame [mm]
     double precision, intent(in) :: axis_1(2)
     double precision, intent(in) :: axis_2(2)
     !> Number of points of each flank of body 1, at least 2 each
     integer, intent(in) :: sizes_1(n_flanks)
-    !> x and y of its points in the common frame, one flank after the other, in order along each
-    !> [mm]
+    !> Coordinates x and y of the points of body 1 in the common frame, flank after flank and in
+    !> order along each flank [mm]
     double precision, intent(in) :: points_1(2, n_points_1)
-    !> Displacement of point i along the normal out of the material for a unit force at point j
-    !> along its normal [mm/N], for the whole width
+    !> Displacement of point i along the normal out of the material under a unit force at point j
+    !> along its normal [mm/N], for the full width
     double precision, intent(in) :: compliance_1(n_points_1, n_points_1)
-    !> The same of body 2
+    !> The same quantities for body 2
     integer, intent(in) :: sizes_2(n_flanks)
     double precision, intent(in) :: points_2(2, n_points_2)
     double precision, intent(in) :: compliance_2(n_points_2, n_points_2)
     !> Number of pairs
     integer, intent(out) :: n_pairs
-    !> Flank of each pair, and radius of its circle about O1 [mm], ascending on a flank
+    !> Flank of each pair, and radius of its circle about O1 [mm], ascending on each flank
     integer, intent(out) :: flank(max_pairs)
     double precision, intent(out) :: radius(max_pairs)
-    !> Gap angle [rad], positive while body 1 must still turn; row lever b, lever m about O1 and
-    !> lever about O2 of the normal force [mm]
+    !> Gap angle [rad], positive if body 1 must turn further to close the gap; row lever b, torque
+    !> lever m about O1 and lever of the normal force about O2 [mm]
     double precision, intent(out) :: gap_angle(max_pairs)
     double precision, intent(out) :: lever(max_pairs)
     double precision, intent(out) :: torque_lever(max_pairs)
     double precision, intent(out) :: torque_lever_2(max_pairs)
-    !> K = diag(b) A [mm/N], shape (n_pairs, n_pairs) column by column without gaps
+    !> K = diag(b) A [mm/N], shape (n_pairs, n_pairs), column by column without gaps
     double precision, intent(out) :: compliance(max_pairs*max_pairs)
-    !> See above
+    !> Status, see above
     integer, intent(out) :: info
 
     integer :: n, bad

@@ -1,6 +1,6 @@
-! Many contact problems at once through the flat door.
+! Sequences of contact problems through the flat interface.
 
-!> States of contact of several problems, each for several loads.
+!> Solve several contact problems, each for several loads.
 subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n_loads, n_threads, &
         & sizes, compliances, normal_gaps, motions, load_rows, loads, keys, structures, method, &
         & forces, gaps, motion, tangent, active, counters, certificate, info)
@@ -12,42 +12,42 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     implicit none
     !> Number of problems
     integer, intent(in) :: n_problems
-    !> Sum of the numbers of pairs, and of their squares
+    !> Sums of the numbers of pairs and of their squares
     integer, intent(in) :: n_pairs
     integer, intent(in) :: n_entries
-    !> Number of motions, and of loads of each problem
+    !> Numbers of motions and of loads of each problem
     integer, intent(in) :: n_motions
     integer, intent(in) :: n_loads
-    !> Threads that share the work; 0: as many as OpenMP takes by itself
+    !> Number of threads; 0: default of OpenMP
     integer, intent(in) :: n_threads
     !> Number of pairs of each problem, shape (n_problems)
     integer, intent(in) :: sizes(n_problems)
-    !> K of one problem after the other, each (size, size) column by column [mm/N]
+    !> Compliances K, problem after problem, each (size, size) column by column [mm/N]
     double precision, intent(in) :: compliances(n_entries)
-    !> g0 of one problem after the other [mm]
+    !> Initial gaps g0, problem after problem [mm]
     double precision, intent(in) :: normal_gaps(n_pairs)
-    !> B and R of one problem after the other, each (size, n_motions) column by column
+    !> Matrices B and R, problem after problem, each (size, n_motions) column by column
     double precision, intent(in) :: motions(n_pairs*n_motions)
     double precision, intent(in) :: load_rows(n_pairs*n_motions)
-    !> Q, shape (n_motions, n_loads, n_problems)
+    !> Loads Q, shape (n_motions, n_loads, n_problems)
     double precision, intent(in) :: loads(n_motions, n_loads, n_problems)
-    !> What a pair of one problem is known by in the next (such as its place from the point of
-    !> contact), each once in a problem
+    !> Keys by which pairs of one problem are identified in the next one (such as their distance
+    !> from the point of contact), unique in each problem
     integer, intent(in) :: keys(n_pairs)
     !> Structure of each K, shape (n_problems), and method, as in flankload_solve_contact
     integer, intent(in) :: structures(n_problems)
     integer, intent(in) :: method
-    !> Normal forces [N] and final gaps [mm], one problem after the other, a column for each load
+    !> Normal forces [N] and final gaps [mm], problem after problem, one column per load
     double precision, intent(out) :: forces(n_pairs, n_loads)
     double precision, intent(out) :: gaps(n_pairs, n_loads)
-    !> The rest as in flankload_solve_contact, for every load of every problem
+    !> Other results as in flankload_solve_contact, for every load of every problem
     double precision, intent(out) :: motion(n_motions, n_loads, n_problems)
     double precision, intent(out) :: tangent(n_motions, n_motions, n_loads, n_problems)
     integer, intent(out) :: active(n_pairs, n_loads)
     integer, intent(out) :: counters(5, n_loads, n_problems)
     double precision, intent(out) :: certificate(5, n_loads, n_problems)
-    !> Status 0 … 3, or why there is no state, -1 … -7, shape (n_loads, n_problems); all of them
-    !> -100 - i: argument i is not valid
+    !> Status 0 … 3; -1 … -7: no state, for the reason given by the status;
+    !> shape (n_loads, n_problems); all -100 - i: argument i is invalid
     integer, intent(out) :: info(n_loads, n_problems)
 
     integer, parameter :: many_a_processor = 16
@@ -74,7 +74,7 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     end if
     allocate (results(n_loads, n_problems), codes(n_loads, n_problems))
     n_threads_before = omp_get_max_threads()
-    ! More than that only cost; tens of thousands end the program.
+    ! More threads only cost time; tens of thousands terminate the program.
     if (n_threads > 0) then
         call omp_set_num_threads(min(n_threads, many_a_processor*omp_get_num_procs()))
     end if

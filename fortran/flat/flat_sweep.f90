@@ -1,16 +1,17 @@
-!> Flat door to the sweep: two bodies and their positions in, arrays out; all positions and all
-!> torques in one call. Bodies are records made by flankload_pack_body and flankload_pack_part.
+!> Solve all positions of two bodies under all torques in one call. Bodies are records made by
+!> flankload_pack_body and flankload_pack_part.
 !>
-!> info = 0: every state has an answer, how good is in status. info > 0: that many have none; their
-!> status is negative and their numbers are NaN. info = -i: argument i is not valid.
+!> info = 0: every state has a result, whose quality is given by `status`. info > 0: number of
+!> states without a result; their status is negative and their values are NaN. info = -i: argument i
+!> is invalid.
 !>
 !> The pairs of all states are packed into pair_site and pair_table: those of position k under
-!> torque t are first to first + n - 1, with n in counters(8, k, t) and first in counters(9, k, t).
-!> With room = 0 they are not wanted. Positions that find no room any more have status -15 for all
-!> torques: they want another call.
+!> torque t have the indices first to first + n - 1, with n = counters(8, k, t) and first =
+!> counters(9, k, t). With room = 0 they are not returned. Positions whose pairs exceed the room
+!> have status -15 for all torques and need another call.
 !>
-!> control is read and written while this runs, so that another thread of the caller can stop it
-!> and see how far it is.
+!> `control` is read and written during the call, so that another thread of the caller can stop the
+!> sweep and observe its progress.
 subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_distance, torques, &
         & n_record_1, record_1, n_record_2, record_2, settings, n_columns, room, control, &
         & pair_site, pair_table, status, rotation, tangent, certificate, counters, site_force, &
@@ -22,56 +23,57 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     integer, intent(in) :: n_positions
     integer, intent(in) :: n_torques
     integer, intent(in) :: n_sites
-    !> At each position: angles of both bodies [rad] and, where there is friction, the speeds with
-    !> which they turn [rad per rad of the position]
+    !> Angles of both bodies at each position [rad] and, with friction, their speeds [rad per rad of
+    !> the position]
     double precision, intent(in) :: motion(4, n_positions)
-    !> O2 is at (center_distance, 0) [mm]
+    !> Distance of the axes [mm]: O2 is at (center_distance, 0)
     double precision, intent(in) :: center_distance
     !> Torques on body 1 [N mm]
     double precision, intent(in) :: torques(n_torques)
-    !> Records of both bodies
+    !> Records of both bodies and their lengths
     integer, intent(in) :: n_record_1
     double precision, intent(in) :: record_1(n_record_1)
     integer, intent(in) :: n_record_2
     double precision, intent(in) :: record_2(n_record_2)
-    !> Cells per Hertz half-width; the same at sharp corners; half-width of the grid in half-widths;
-    !> 0: contact pairs on cells, 1: lumped contact, one unknown for each place of contact and no
-    !> cells; influence numbers of finite forces by so many steps of each force (Fig. 5), 0: of
-    !> small ones
+    !> Cells per Hertz half-width; the same at sharp corners; extent of the grid to each side in
+    !> half-widths; contact model (0: contact pairs on cells, 1: lumped contact, with one unknown
+    !> per contact and no cells); number of force steps for the influence coefficients of finite
+    !> forces (Fig. 5), 0 for small forces
     double precision, intent(in) :: settings(5)
-    !> Columns of the table of pairs: 11, with friction 13
+    !> Number of columns of the table of pairs: 11, with friction 13
     integer, intent(in) :: n_columns
-    !> Room for pairs
+    !> Size of the arrays of pairs
     integer, intent(in) :: room
-    !> (1): anything but 0 asks to stop: positions not yet begun are left out, status -16; (2):
-    !> grows by one with each position that is done
+    !> (1): nonzero to stop the sweep: positions not yet begun are omitted with status -16; (2):
+    !> number of positions done, incremented during the call
     integer, intent(inout) :: control(2)
-    !> Pairs (lumped: the places of contact, with cells over which the largest pressure would carry
-    !> the force): site (from 1), and s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm],
+    !> Pairs (lumped: contacts, with cells over which the largest pressure would result in the
+    !> force): site (from 1), and s_1, s_2, radius, x, y, n_x, n_y, force, cell, final gap [mm],
     !> lever of the torque row, with friction sliding speed [mm per rad of the position] and
     !> friction coefficient times its sign
     integer, intent(inout) :: pair_site(room)
     double precision, intent(inout) :: pair_table(n_columns, room)
-    !> Status of the contact loop, or a negative error code
+    !> Status of the contact solution, or a negative error code
     integer, intent(out) :: status(n_positions, n_torques)
-    !> Rotation [rad], its growth with the torque [rad/(N mm)]
+    !> Rotation [rad] and its derivative with respect to the torque [rad/(N mm)]
     double precision, intent(out) :: rotation(n_positions, n_torques)
     double precision, intent(out) :: tangent(n_positions, n_torques)
-    !> Backward error, condition, margin of the final state; where contact has no state (status
-    !> -1), part of the torque that can be held, and 1 if there is none for certain
+    !> Backward error, condition number and margin of the final state; without a state (status -1),
+    !> fraction of the torque that can be balanced, and 1 if infeasibility is proven
     double precision, intent(out) :: certificate(3, n_positions, n_torques)
-    !> Pivots, influence columns, passes over the grid, refactorisations, influence columns of
-    !> tangential forces, solutions with one unknown for each place of contact, solutions with
-    !> influence numbers of finite forces; also where there is no answer. (8): number of pairs; (9):
-    !> which of the packed pairs is the first one (from 1; 0: none is packed)
+    !> Pivots, influence columns, passes over the grid, complete factorizations, influence columns
+    !> of tangential forces, solutions with one unknown per contact, solutions with influence
+    !> coefficients of finite forces; also without a result. (8): number of pairs; (9): index of the
+    !> first of the packed pairs (from 1; 0: none is packed)
     integer, intent(out) :: counters(9, n_positions, n_torques)
-    !> Force [N], peak of force over cell width [N/mm] (slices: largest pressure [MPa]), body whose
-    !> sharp corner works (0: none; -1: the site that touches without torque, -2: no parabola's
-    !> contact at the lumped level, both off corners; -3: an end that is left out would touch)
+    !> Force [N], largest ratio of force to cell width [N/mm] (slices: largest pressure [MPa]), body
+    !> whose sharp corner is in contact (0: none; -1: site in contact without torque; -2: gap that
+    !> is no parabola in lumped contact; both without a corner; -3: contact would occur at an
+    !> omitted end)
     double precision, intent(out) :: site_force(n_sites, n_positions, n_torques)
     double precision, intent(out) :: site_peak(n_sites, n_positions, n_torques)
     integer, intent(out) :: site_corner(n_sites, n_positions, n_torques)
-    !> See above
+    !> Status, see above
     integer, intent(out) :: info
 
     type(sweep_type) :: found
@@ -82,11 +84,11 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
         & site_peak, site_corner)
 end subroutine flankload_sweep
 
-!> The same where a similar sweep has shown which pairs are in contact: other torques, or bodies and
-!> places that differ by a small step, for derivatives. A state with as many pairs on its cells as
-!> in_contact has for it, and laid in one pass, is that of these pairs: one linear system, neither
-!> signs of forces nor gaps checked, its certificate NaN. Other states are solved as in
-!> flankload_sweep.
+!> Solve the positions again if a similar sweep has shown which pairs are in contact: under other
+!> torques, or with bodies and positions that differ by a small step, for derivatives. A state whose
+!> number of pairs equals that in in_contact, and whose cells need only one pass, is computed from
+!> these pairs: one linear system without a check of the signs of forces and gaps, with NaN as
+!> certificate. Other states are solved as in flankload_sweep.
 subroutine flankload_sweep_continued(n_positions, n_torques, n_sites, motion, center_distance, &
         & torques, n_record_1, record_1, n_record_2, record_2, settings, n_columns, room, control, &
         & pair_site, pair_table, n_flags, in_contact, n_known, first_known, status, rotation, &
@@ -112,10 +114,10 @@ subroutine flankload_sweep_continued(n_positions, n_torques, n_sites, motion, ce
     integer, intent(inout) :: control(2)
     integer, intent(inout) :: pair_site(room)
     double precision, intent(inout) :: pair_table(n_columns, room)
-    !> 1 for each pair that is in contact in a similar sweep, 0 for the others
+    !> Number of flags, and 1 for each pair that is in contact in a similar sweep, else 0
     integer, intent(in) :: n_flags
     integer, intent(in) :: in_contact(n_flags)
-    !> Number of these pairs in each state (0: unknown) and which of them is the first (from 1)
+    !> Number of these pairs in each state (0: unknown) and index of the first of them (from 1)
     integer, intent(in) :: n_known(n_positions, n_torques)
     integer, intent(in) :: first_known(n_positions, n_torques)
     !> As in flankload_sweep

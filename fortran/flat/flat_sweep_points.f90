@@ -1,17 +1,18 @@
-! All positions and torques from points and compliances through the flat door.
+! All positions and torques from points and compliances through the flat interface.
 
-!> Load distribution at all positions and torques from the points of flanks, a compliance between
-!> the points of each body, and the angles of both bodies: at each position what
-!> flankload_position and flankload_solve_contact do one after the other, (5)–(10), (16)–(34).
+!> Compute the load distribution at all positions and torques from the points of the flanks, a
+!> compliance between the points of each body, and the angles of both bodies: at each position the
+!> results of flankload_position and flankload_solve_contact, Eqs. (5)–(10), (16)–(34).
 !>
-!> Points stand where the angles are 0; at a position each body is turned about its own axis. All
-!> flanks that come into contact anywhere in the sweep are named, flank k of body 1 with flank k of
-!> body 2: those that reach no common circle at a position have no pairs there. Compliances along
-!> normals do not turn. A state depends on no other position and no other torque; threads share
-!> the positions and change no number.
+!> The points are those at angle 0; at a position each body is rotated about its own axis. All
+!> flanks that come into contact anywhere in the sweep are listed, flank k of body 1 with flank k of
+!> body 2: flanks that no common circle crosses at a position have no pairs there. Compliances along
+!> normals do not change with the rotation. A state depends on no other position and no other
+!> torque; threads share the positions and do not change the results.
 !>
-!> info = 0: every state has an answer, how good stands in status. info > 0: that many have none;
-!> their status is negative and their numbers are NaN. info = -i: argument i is not valid.
+!> info = 0: every state has a result, whose quality is given by `status`. info > 0: number of
+!> states without a result; their status is negative and their values are NaN. info = -i: argument i
+!> is invalid.
 subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, n_points_2, &
         & n_circles, max_pairs, turn, n_threads, angles_1, angles_2, torques, axis_1, axis_2, &
         & sizes_1, points_1, compliance_1, sizes_2, points_2, compliance_2, &
@@ -23,21 +24,21 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
     use flankload_nodal_pairs, only: nodal_body, most_nodal_pairs, new_nodal_body
     use flankload_nodal_sweep, only: nodal_sweep_type, sweep_nodal_positions
     implicit none
-    !> Numbers of positions, torques and flanks of each body, and of the points on all flanks of a
-    !> body
+    !> Numbers of positions, torques and flanks of each body, and of the points on all flanks of
+    !> each body
     integer, intent(in) :: n_positions
     integer, intent(in) :: n_torques
     integer, intent(in) :: n_flanks
     integer, intent(in) :: n_points_1
     integer, intent(in) :: n_points_2
-    !> Circles to a flank; 0: through each point of body 1 that body 2 faces
+    !> Number of circles per flank; 0: one through each point of body 1 that faces body 2
     integer, intent(in) :: n_circles
-    !> Room for the pairs of a position: n_points_1, or n_flanks*n_circles where circles are asked
-    !> for; 0: pairs are not wanted
+    !> Size of the arrays of pairs of a position: n_points_1, or n_flanks*n_circles with n_circles >
+    !> 0; 0: pairs are not returned
     integer, intent(in) :: max_pairs
-    !> Body 1 turns counter-clockwise (1) or clockwise (-1) in the sense of its torque
+    !> 1 if the torque turns body 1 counter-clockwise, -1 if clockwise
     integer, intent(in) :: turn
-    !> Threads that share the positions; 0: as many as OpenMP takes by itself
+    !> Number of threads; 0: default of OpenMP
     integer, intent(in) :: n_threads
     !> Angles of both bodies, counter-clockwise [rad], shape (n_positions)
     double precision, intent(in) :: angles_1(n_positions)
@@ -53,29 +54,29 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
     integer, intent(in) :: sizes_2(n_flanks)
     double precision, intent(in) :: points_2(2, n_points_2)
     double precision, intent(in) :: compliance_2(n_points_2, n_points_2)
-    !> Status of the contact loop, or a negative error code
+    !> Status of the contact solution, or a negative error code
     integer, intent(out) :: status(n_positions, n_torques)
-    !> Rotation of body 1 [rad], its growth with the torque [rad/(N mm)]
+    !> Rotation of body 1 [rad] and its derivative with respect to the torque [rad/(N mm)]
     double precision, intent(out) :: rotation(n_positions, n_torques)
     double precision, intent(out) :: tangent(n_positions, n_torques)
     !> Moment of the forces about O2 [N mm]
     double precision, intent(out) :: torque_2(n_positions, n_torques)
-    !> Backward error, condition, margin of the final state; where contact has no state (status
-    !> -1), part of the torque that can be held, and 1 if there is none for certain
+    !> Backward error, condition number and margin of the final state; without a state (status -1),
+    !> fraction of the torque that can be balanced, and 1 if infeasibility is proven
     double precision, intent(out) :: certificate(3, n_positions, n_torques)
     !> Force on each flank [N]
     double precision, intent(out) :: flank_force(n_flanks, n_positions, n_torques)
     !> Number of pairs of each position
     integer, intent(out) :: n_pairs(n_positions)
-    !> Of each pair the flank (0 beyond the last pair), the radius of its circle about O1 [mm] and
-    !> the gap angle [rad]
+    !> Flank of each pair (0 beyond the last pair), radius of its circle about O1 [mm] and gap angle
+    !> [rad]
     integer, intent(out) :: flank(max_pairs, n_positions)
     double precision, intent(out) :: radius(max_pairs, n_positions)
     double precision, intent(out) :: gap_angle(max_pairs, n_positions)
-    !> Its force [N] and final gap [mm]
+    !> Force of each pair [N] and its final gap [mm]
     double precision, intent(out) :: force(max_pairs, n_positions, n_torques)
     double precision, intent(out) :: final_gap(max_pairs, n_positions, n_torques)
-    !> See above
+    !> Status, see above
     integer, intent(out) :: info
 
     integer, parameter :: many_a_processor = 16
@@ -114,7 +115,7 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
     if (info < 0) return
 
     n_threads_before = omp_get_max_threads()
-    ! More than that only cost; tens of thousands end the program.
+    ! More threads only cost time; tens of thousands terminate the program.
     if (n_threads > 0) then
         call omp_set_num_threads(min(n_threads, many_a_processor*omp_get_num_procs()))
     end if

@@ -1,27 +1,27 @@
-! Words of a status through the flat door. Both forms write into the caller's own text.
+! Texts of a status through the flat interface. Both forms write into the text of the caller.
 
-!> What a status says, in words: for Fortran.
+!> Return the text of a status: for Fortran.
 subroutine flankload_status_text(code, text)
     use flankload_status, only: status_text
     implicit none
     !> A status or `info` of a contact problem, or the status of a position
     integer, intent(in) :: code
-    !> Its words (80 characters hold the longest), filled up with blanks
+    !> Text (the longest one has at most 80 characters), padded with blanks
     character(len=*), intent(out) :: text
 
     text = status_text(code)
 end subroutine flankload_status_text
 
-!> What a status says, in words: for C, where a text ends with a null character.
+!> Return the text of a status: for C, where a text ends with a null character.
 subroutine flankload_status_text_c(code, size, text) bind(c, name='flankload_status_text_c')
     use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
     use flankload_status, only: status_text
     implicit none
     !> A status or `info` of a contact problem, or the status of a position
     integer(c_int), intent(in), value :: code
-    !> Room in the text, the null character included
+    !> Size of the text, null character included
     integer(c_int), intent(in), value :: size
-    !> Its words, shape (size)
+    !> Text, shape (size)
     character(kind=c_char), intent(out) :: text(size)
 
     integer :: k, n

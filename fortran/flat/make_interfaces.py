@@ -1,6 +1,6 @@
-"""Write flankload_interfaces.inc from the sources of the flat door and from flankload.inc.
+"""Write flankload_interfaces.inc from the sources of the flat interface and from flankload.inc.
 
-Run it after a change of an argument: `python fortran/flat/make_interfaces.py`.
+To be run after each change of an argument: `python fortran/flat/make_interfaces.py`.
 """
 
 import re
@@ -15,16 +15,16 @@ PROCEDURE = re.compile(
 ARGUMENT = re.compile(r"^    ([\w(=*) ]+(?:, \w+)*, intent\(\w+\) :: (\w+).*)$", re.MULTILINE)
 
 HEAD = """\
-! Flat door of flankload with explicit interfaces: for INCLUDE in fixed
-! or free source form, in place of flankload.inc. The compiler refuses
-! a call with an argument too many, too few or of another type.
-! All reals are DOUBLE PRECISION, all integers default ones.
+! Flat interface of flankload with explicit interfaces: for INCLUDE in
+! fixed or free source form, instead of flankload.inc. The compiler
+! rejects calls with a wrong number or wrong types of arguments.
+! All reals are DOUBLE PRECISION, all integers default integers.
 ! Written by make_interfaces.py from the sources.
 """
 
 
 def in_both_forms(statement: str, indent: int) -> str:
-    """A statement in lines that both source forms read: & in column 73 and in column 6."""
+    """Return a statement in lines for both source forms: & in column 73 and in column 6."""
     pieces = re.findall(r"\S+\s*", statement)
     lines = [" " * indent]
     for piece in pieces:
@@ -35,10 +35,10 @@ def in_both_forms(statement: str, indent: int) -> str:
 
 
 def interface(name: str, arguments: str, body: str) -> str:
-    """Interface of a procedure: its head and the declarations of its arguments."""
+    """Return the interface of a procedure: its head and the declarations of its arguments."""
     declared = {found[1]: found[0] for found in ARGUMENT.findall(body)}
     names = [argument.strip() for argument in arguments.split(",")]
-    # In the order of the source, where a size stands before what has it.
+    # In the order of the source, where sizes are declared before the arrays.
     in_order = [declared[argument] for argument in declared if argument in names]
     statements = [
         (f"subroutine {name}({', '.join(names)})", 6),
@@ -50,9 +50,9 @@ def interface(name: str, arguments: str, body: str) -> str:
 
 
 def interfaces() -> str:
-    """The whole include file."""
+    """Return the text of the include file."""
     constants = (FLAT / "flankload.inc").read_text(encoding="ascii")
-    constants = constants[constants.index("! What is known of K") :]
+    constants = constants[constants.index("! Known structure of K") :]
     text = HEAD + constants + "      interface\n"
     for path in sorted(FLAT.glob("*.f90")):
         source = re.sub(r"&\s*\n\s*&\s*", "", path.read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""The version script of the shared library: flat names, and what module `flankload` makes public.
+"""Write the version script of the shared library: flat interface and module `flankload`.
 
 Called by the build: exported_symbols.py FACADE OUTPUT SOURCE…
 """
@@ -11,14 +11,14 @@ from pathlib import Path
 
 
 def statements(path: Path) -> list[str]:
-    """Lines without comments in small letters, continued ones joined."""
+    """Return the lines of a source in lower case, without comments, continued lines joined."""
     lines = (line.split("!")[0] for line in path.read_text(encoding="utf-8").splitlines())
     text = re.sub(r"&\s*\n\s*&?", " ", "\n".join(lines)).lower()
     return [line.strip() for line in text.splitlines() if line.strip()]
 
 
 def public_names(facade: Path) -> set[str]:
-    """The names that `use flankload` brings, as the modules that define them have them."""
+    """Return the public names of module `flankload` as they are in the modules that define them."""
     lists, original = [], {}
     for line in statements(facade):
         if head := re.match(r"(?:[^!:]*,\s*)?public\b[^:]*::(.*)", line):
@@ -29,7 +29,7 @@ def public_names(facade: Path) -> set[str]:
 
 
 def types_of(sources: list[Path]) -> dict[str, set[str]]:
-    """Each type, with the types of its components and the one it extends."""
+    """Return each type with the types of its components and the type that it extends."""
     found: dict[str, set[str]] = {}
     for path in sources:
         inside = None
@@ -45,14 +45,14 @@ def types_of(sources: list[Path]) -> dict[str, set[str]]:
 
 
 def patterns(facade: Path, sources: list[Path]) -> list[str]:
-    """Names and patterns of all symbols that programs may be linked with."""
+    """Return names and patterns of all symbols that programs may use."""
     public, types = public_names(facade), types_of(sources)
     reached: set[str] = set()
     waiting = public & set(types)
     while waiting:
         reached |= waiting
         waiting = {part for name in waiting for part in types[name]} & set(types) - reached
-    # gfortran's names; what it makes for each type (table, default, copy, end) starts with `__`.
+    # Names of gfortran; those generated for a type (table, default, copy, end) begin with `__`.
     procedures = [f"__flankload*_MOD_{name}" for name in sorted(public - set(types))]
     tables = [f"__flankload*_MOD___*_{name.capitalize()}" for name in sorted(reached)]
     return ["flankload_*_", "flankload_status_text_c", *procedures, *tables]

@@ -9,7 +9,7 @@ module flankload_lumped_hertz
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, method_single, symmetric_matrix, &
         & solve_contact_problem
-    use flankload_near_field, only: image_recession, image_type
+    use flankload_near_field, only: image_displacement, image_type
     implicit none
     private
 
@@ -107,7 +107,7 @@ contains
                 near = hertz_half_width(max(forces(i), least_load_share*full(i)), curvatures(i), &
                     & kernel(i), flank_length)
                 near = max(least_half_width(flank_length), min(widest(i), near))
-                call image_recession(images(:, i), [near, near], image, unused)
+                call image_displacement(images(:, i), [near, near], image, unused)
                 matrix(i, i) = matrix(i, i) + kernel(i)*(0.5_wp + log(2.0_wp/near)) + image
             end do
             call keep_definite(matrix)

@@ -5,7 +5,7 @@ module flankload_lumped_place
     use flankload_flank_curve, only: flank_curve_type, frame_type
     use flankload_circle_pair, only: guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
-    use flankload_near_field, only: image_recession, image_type
+    use flankload_near_field, only: image_displacement, image_type
     use flankload_friction, only: friction_type, coefficient_at, half_turn_between, mean_sign, &
         & slide_at
     implicit none
@@ -133,7 +133,7 @@ contains
         real(wp) :: half_width, image, by_reach(2)
 
         half_width = 0.5_wp*sum(place%reach)
-        call image_recession(images, max(place%reach, 0.5_wp*least_half_width), image, by_reach)
+        call image_displacement(images, max(place%reach, 0.5_wp*least_half_width), image, by_reach)
         place%approach_slope = kernel*(0.5_wp + log(2.0_wp/max(half_width, least_half_width))) &
             & + image
         place%approach = place%approach_slope*place%force

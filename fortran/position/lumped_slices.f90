@@ -14,7 +14,7 @@ module flankload_lumped_slices
     use flankload_lumped_pass, only: couple, keep_places, solve_pass, step_places
     use flankload_lumped_place, only: near_field_of, place_type
     use flankload_lumped_position, only: cell_of, finish, differentiate_levers, update_contacts
-    use flankload_near_field, only: image_recession
+    use flankload_near_field, only: image_displacement
     use flankload_contact_reach, only: is_level
     use flankload_contact_pairs, only: pairs_type, reserve_pairs
     use flankload_position_zones, only: body_type, position_type
@@ -156,7 +156,7 @@ contains
         matrix = position%coupling
         do z = 1, size(forces)
             width = max(position%widest(z), least_half_width(position%flank_length))
-            call image_recession(position%images(:, z), [width, width], image, unused)
+            call image_displacement(position%images(:, z), [width, width], image, unused)
             matrix(z, z) = matrix(z, z) + image &
                 & + position%kernel(z)*(0.5_wp + log(2.0_wp/width))
         end do

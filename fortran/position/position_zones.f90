@@ -14,7 +14,7 @@ module flankload_position_zones
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_influence_number, only: smooth_compliance
     use flankload_lumped_hertz, only: least_half_width, usual_half_width
-    use flankload_near_field, only: image_recession, image_type, &
+    use flankload_near_field, only: image_displacement, image_type, &
         & near_field_between, new_image
     use flankload_gap_shift, only: has_shift, shift_zones, zone_shift
     implicit none
@@ -430,8 +430,8 @@ contains
         one = 0.0_wp
         two = 0.0_wp
         do z = 1, size(smooth_1)
-            call image_recession(images(1:1, z), [width, width], image(1), unused)
-            call image_recession(images(2:2, z), [width, width], image(2), unused)
+            call image_displacement(images(1:1, z), [width, width], image(1), unused)
+            call image_displacement(images(2:2, z), [width, width], image(2), unused)
             one = one + max(0.0_wp, smooth_1(z) + kernel_1(z)*near + image(1))
             two = two + max(0.0_wp, smooth_2(z) + kernel_2(z)*near + image(2))
         end do

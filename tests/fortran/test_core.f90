@@ -15,7 +15,7 @@ program test_core
         & drop_pair
     use flankload_compliance_field, only: compliance_type, mode_values, strip_kernel, &
         & mean_strip_kernel, closed_strip_kernel, strip_jump
-    use flankload_near_field, only: add_near_field, image_type, new_image, image_recession
+    use flankload_near_field, only: add_near_field, image_type, new_image, image_displacement
     use flankload_nodal_table, only: nodal_place, place_among
     use flankload_contact_zones, only: zone_type
     use flankload_contact_grid, only: grid_type
@@ -399,7 +399,7 @@ contains
         body%s_high = 3.0_wp
         do flank = 1, 2
             image(1) = new_image(body, 2.0_wp, flank)
-            call image_recession(image, [0.1_wp, 0.3_wp], recession, by_reach)
+            call image_displacement(image, [0.1_wp, 0.3_wp], recession, by_reach)
             wanted = -1.7_wp*0.5_wp*log(2.0_wp*merge(0.9_wp, 1.1_wp, flank == 1))
             call expect(abs(recession - wanted) <= round_off, 'image of a contact')
         end do

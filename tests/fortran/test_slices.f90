@@ -7,7 +7,7 @@ program test_slices
     use flankload_error, only: error_type
     use flankload_lumped_pass, only: keep_places
     use flankload_line_potential, only: mean_potential, own_potential
-    use flankload_near_field, only: image_recession, image_type
+    use flankload_near_field, only: image_displacement, image_type
     use flankload_position_zones, only: body_type, position_type
     use flankload_slice_coupling, only: couple_slices
     use flankload_slice_field, only: add_segment_field, axial_means, flank_of, middle_of, &
@@ -410,9 +410,9 @@ contains
 
         image(1)%kernel = [0.0_wp, 2.0_wp]
         image(1)%distance = [1.0_wp, 0.4_wp]
-        call image_recession(image, reach, plane, by_plane)
+        call image_displacement(image, reach, plane, by_plane)
         image(1)%length = length
-        call image_recession(image, reach, long, by_long)
+        call image_displacement(image, reach, long, by_long)
         call expect(abs(long - plane - 2.0_wp*(log(2.0_wp*length) - 1.0_wp)) < quadrature, &
             & 'image of a long slice')
         call expect(all(abs(by_long - by_plane) < quadrature), 'its derivative')
