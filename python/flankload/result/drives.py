@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, fields
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -24,7 +25,7 @@ HERE = "the land lifts here"
 ROUNDING = 1e-9
 
 
-class Drive(Card):
+class Drive(Card, ABC):
     """A belt or a chain on its wheel at P positions, with S sites from the tight strand on."""
 
     #: Name of the drive in a report.
@@ -40,6 +41,7 @@ class Drive(Card):
         """The drive in the form of the JSON result."""
         return {item.name: getattr(self, item.name) for item in fields(self)}  # type: ignore[arg-type]
 
+    @abstractmethod
     def drawn_force(self, result: Result, p: int, s: int) -> tuple[float, float, float]:
         """Polar angle, radius and direction of a force on the wheel, for a drawing.
 
@@ -55,19 +57,18 @@ class Drive(Card):
         angle_rad, radius_mm, direction_rad : float
             The direction is an angle, too.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def rows(self, result: Result) -> Iterator[str]:
         """A row per position, then one per site at the position of the largest load."""
-        raise NotImplementedError
 
+    @abstractmethod
     def pictures(self, result: Result) -> tuple[str, ...]:
         """Names of the plots of the drive."""
-        raise NotImplementedError
 
+    @abstractmethod
     def words(self) -> str:
         """Text of a report."""
-        raise NotImplementedError
 
     def _title_of_sites(self, result: Result, p: int) -> str:
         angle = degrees(result.position_rad[p])

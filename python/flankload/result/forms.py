@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from math import isclose
 from typing import TYPE_CHECKING, Any
 
@@ -28,13 +29,13 @@ if TYPE_CHECKING:
 ROUNDING = 1e-9
 
 
-class ResultForms(Card, KeepsReadOnly):
+class ResultForms(Card, KeepsReadOnly, ABC):
     """What a result of one torque and that of a list of torques have in common."""
 
     @property
+    @abstractmethod
     def by_torque(self) -> tuple[Result, ...]:
         """The results of single torques: one per torque of a list, otherwise this one alone."""
-        raise NotImplementedError
 
     @property
     def has_torque_list(self) -> bool:
