@@ -64,7 +64,7 @@ def faults_of_refusal(problem: Problem, motion: np.ndarray) -> list[str]:
     return faults
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", range(4))
 def test_a_state_is_found_exactly_where_forces_can_hold_the_loads(seed: int) -> None:
     rng = np.random.default_rng(700 + seed)
     solved, none, faults = set(), 0, []
@@ -99,7 +99,7 @@ def test_a_load_along_one_pair(method: str) -> None:
     """Loads that one pair can hold alone, whole numbers: what rounding leaves on the pairs that
     only hold the other motions is no force, though on their loads nothing else works."""
     solved = 0
-    for seed in range(150):
+    for seed in range(300):
         rng = np.random.default_rng(seed)
         q = int(rng.integers(2, 5))
         n = int(rng.integers(q, q + 4))
@@ -112,7 +112,7 @@ def test_a_load_along_one_pair(method: str) -> None:
         problem = Problem(root @ root.T + np.eye(n), gaps, levers, levers, loads)
         assert largest_lack(problem, solve(problem, method)) <= ROW_TOLERANCE
         solved += 1
-    assert solved > 100
+    assert solved > 200
 
 
 def test_a_load_along_one_of_two_pairs_that_could_jam() -> None:
@@ -159,7 +159,7 @@ def test_levers_that_are_rounding(method: str) -> None:
     """Some levers are 1e-8 … 1e-300 of the others, as where a normal meets the axis: an answer,
     though such a pair would touch first or could hold a load by itself."""
     rng = np.random.default_rng(0)
-    for _ in range(125):
+    for _ in range(250):
         q = int(rng.integers(1, 4))
         n = int(rng.integers(q + 1, 10))
         root = rng.standard_normal((n, n))

@@ -351,7 +351,7 @@ def test_skew_matrices_where_elimination_without_exchange_grows(method: str, n: 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_murty_and_fathi_matrices(method: str) -> None:
-    n = 12
+    n = 14
     murty = np.eye(n) + 2.0 * np.triu(np.ones((n, n)), 1)
     root = np.eye(n) + 2.0 * np.tril(np.ones((n, n)), -1)
     rising = 2.0 ** np.arange(n)
@@ -367,7 +367,7 @@ def test_murty_and_fathi_problems_that_cost_exponentially_many_pivots(method: st
 
     A last pair, that no other moves, holds the motion.
     """
-    n = 12
+    n = 14
     lower = np.eye(n) + 2.0 * np.tril(np.ones((n, n)), -1)
     rising = 2.0 ** np.arange(n)
     whole = np.eye(n + 1)

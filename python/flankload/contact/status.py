@@ -103,13 +103,13 @@ def raise_first_failure(
     torques: NDArray[np.float64],
     certificate: NDArray[np.float64],
     *,
-    rubs: bool,
+    has_friction: bool,
     holds: Callable[[int, NDArray[np.float64]], NDArray[np.bool_]] | None = None,
 ) -> None:
     """Raise the exception of the first state without a solution, if there is one.
 
     `status` (P, T) is negative if no state was found; `certificate` (3, P, T) then has the part of
-    the torque, N mm, that can be held, and 1 if that is proven. `rubs`: friction acts.
+    the torque, N mm, that can be held, and 1 if that is proven. `has_friction`: friction acts.
     `holds(k, torques)` returns which torques position k can hold: `NoContactState` contains the
     largest one.
     """
@@ -129,7 +129,7 @@ def raise_first_failure(
     held = float(torques[t] * part)
     if held > 0.0 and holds is not None:
         held = _largest_held(held, float(torques[t]), partial(holds, k))
-    jams = "the pair jams by friction, " if rubs else ""
+    jams = "the pair jams by friction, " if has_friction else ""
     raise NoContactState(
         f"{where}: {jams}{reason}; about {held / 1000.0:.4g} N m can be held there{more}",
         proven=bool(proven),

@@ -232,7 +232,7 @@ def sweep(
         positions,
         torques,
         found.certificate,
-        rubs=contact.friction is not None,
+        has_friction=contact.friction is not None,
         holds=core.holds,
     )
     if slices is not None:

@@ -115,7 +115,11 @@ def test_a_failure_names_position_and_torque() -> None:
         match=r"position 2 \(11.* torque 0\.5 N m: no st.* about 0\.125 N m can be held",
     ) as caught:
         raise_first_failure(
-            status, np.array([0.0, 0.1, 0.2]), np.array([0.0, 500.0]), certificate, rubs=False
+            status,
+            np.array([0.0, 0.1, 0.2]),
+            np.array([0.0, 500.0]),
+            certificate,
+            has_friction=False,
         )
     assert caught.value.largest_torque == pytest.approx(125.0)
     assert caught.value.proven
@@ -181,7 +185,7 @@ def test_every_status_of_a_position_has_an_exception_and_words() -> None:
     for code in of_position:
         with pytest.raises(EXCEPTIONS[code], match="position 0") as caught:
             raise_first_failure(
-                np.array([[code]]), np.zeros(1), np.ones(1), np.zeros((3, 1, 1)), rubs=False
+                np.array([[code]]), np.zeros(1), np.ones(1), np.zeros((3, 1, 1)), has_friction=False
             )
         assert (IN_A_SCENE.get(code) or words(code)) in str(caught.value)
     assert words(-18) == "the half-widths of the lumped contacts do not settle"

@@ -1,6 +1,6 @@
 """The working flank of a prism between the ends of its modes, as its near field sees it.
 
-Beside a free end a flank yields more than a half-space does. The near field of a load has a mirror
+Beside a free end a flank is more compliant than a half-space. The near field of a load has a mirror
 image behind the end, psi times as strong. The strengths were measured on finite elements: at an
 edge of 90 degrees by Poisson's ratio, and at nu = 0.3 by the angle.
 """
