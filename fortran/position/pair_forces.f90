@@ -7,7 +7,7 @@ module flankload_pair_forces
     use flankload_flank_curve, only: placed_point
     use flankload_contact_pairs, only: pairs_type
     use flankload_compliance_field, only: compliance_type
-    use flankload_influence_number, only: normal_influences
+    use flankload_influence_coefficients, only: normal_influences
     use flankload_tangential_influence, only: add_tangential
     use flankload_finite_influence, only: departures
     use flankload_contact_loop, only: contact_result, method_auto, method_single, &

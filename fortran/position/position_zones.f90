@@ -12,7 +12,7 @@ module flankload_position_zones
     use flankload_circle_pair, only: flank_type
     use flankload_coarse_gap, only: coarse_gap
     use flankload_contact_zones, only: find_zones, zone_type
-    use flankload_influence_number, only: smooth_compliance
+    use flankload_influence_coefficients, only: smooth_compliance
     use flankload_lumped_hertz, only: least_half_width, usual_half_width
     use flankload_near_field, only: image_displacement, image_type, &
         & near_field_between, new_image

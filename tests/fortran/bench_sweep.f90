@@ -9,7 +9,7 @@ program bench_sweep
         & grid_settings, method_single, position_state, solve_contact_problem, solve_position, &
         & symmetric_matrix
     use flankload_contact_pairs, only: pairs_type
-    use flankload_influence_number, only: influence_matrix
+    use flankload_influence_coefficients, only: influence_matrix
     use flankload_lumped_hertz, only: lumped_contact
     use flankload_position_zones, only: locate_contacts, position_type
     use flankload_position_cells, only: cells_type, expected_pairs, lay_pairs, &
