@@ -62,8 +62,7 @@ contains
                 of = pack([(k, k=1, size(included))], included)
                 n = size(of)
                 if (any(is_level(position%zones(of)))) then
-                    call fatal_error(error, code_conforms, &
-                        & 'flanks conform: their contact has no place of its own')
+                    call fatal_error(error, code_conforms)
                     return
                 end if
                 call couple(body_1, body_2, position, of, coupling, tangential)
@@ -81,7 +80,7 @@ contains
             if (done) exit
         end do
         if (.not. done) then
-            call fatal_error(error, code_unsettled_widths, 'the half-widths do not settle')
+            call fatal_error(error, code_unsettled_widths)
             return
         end if
         ! last pass with the derivatives of all quantities that depend on the forces
@@ -165,8 +164,7 @@ contains
                     & least_half_width(position%flank_length), position%images(:, z), place)
                 call append_place(body_1, body_2, position, z, place%reach, pairs, found)
                 if (.not. found) then
-                    call fatal_error(error, code_circle_misses, &
-                        & 'a circle about O1 misses the flank of body 2 at its least gap')
+                    call fatal_error(error, code_circle_misses)
                     return
                 end if
                 place%lever = pairs%lever(k)

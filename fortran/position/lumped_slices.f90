@@ -100,8 +100,7 @@ contains
             if (done) exit
             included = included .or. would_touch(position, forces, state%rotation)
         end do
-        if (.not. done) call fatal_error(error, code_unsettled_widths, &
-            & 'the half-widths do not settle')
+        if (.not. done) call fatal_error(error, code_unsettled_widths)
         if (allocated(error)) return
         ! last pass with the derivatives of all quantities that depend on the forces
         call differentiate_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
@@ -147,8 +146,7 @@ contains
         type(contact_result) :: contact
 
         if (any(is_level(position%zones))) then
-            call fatal_error(error, code_conforms, &
-                & 'flanks conform: their contact has no place of its own')
+            call fatal_error(error, code_conforms)
             return
         end if
         call load_slices(body_1, body_2, torque, position)

@@ -127,8 +127,7 @@ contains
                 before = max(0.0_wp, before + part/(1.0_wp - part)*change)
             end if
         end do
-        call fatal_error(error, code_forces_move, &
-            & 'influence numbers of finite forces and forces do not come to rest')
+        call fatal_error(error, code_forces_move)
     end subroutine follow_forces
 
     !> Compute the displacements of the points of a body under a unit force of each pair with its

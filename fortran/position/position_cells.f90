@@ -261,8 +261,7 @@ contains
             call append_pairs(curve_1, frame_1, curve_2, frame_2, zone, z, cells%grids(z), normal, &
                 & body_1%deviations(site) + body_2%deviations(site), pairs, found)
             if (.not. found) then
-                call fatal_error(error, code_circle_misses, &
-                    & 'a circle about O1 misses the flank of body 2 inside a zone')
+                call fatal_error(error, code_circle_misses)
                 return
             end if
             if (has_shift(body_1%compliance, body_2%compliance)) then

@@ -215,8 +215,7 @@ contains
                 if (settled) exit
             end do
             if (.not. settled) then
-                call fatal_error(error, code_unsettled_cells, &
-                    & 'contact keeps reaching the end of its cells')
+                call fatal_error(error, code_unsettled_cells)
                 return
             end if
             call sum_over_sites(state, zones)

@@ -133,12 +133,11 @@ contains
         if (allocated(error)) return
         n_zones = size(zones)
         if (n_zones == 0) then
-            call fatal_error(error, code_no_zone, &
-                & 'no circle about O1 cuts two facing flanks at this position')
+            call fatal_error(error, code_no_zone)
             return
         end if
         if (.not. any(zones%side > 0.0_wp)) then
-            call fatal_error(error, code_no_zone, 'only coast flanks face each other')
+            call fatal_error(error, code_no_zone)
             return
         end if
         if (any(zones%left_out)) then
@@ -147,8 +146,7 @@ contains
         end if
         position%zones = pack(zones, .not. zones%left_out)
         if (.not. any(position%zones%side > 0.0_wp)) then
-            call fatal_error(error, code_only_ends, &
-                & 'at this position flanks are nearest to each other at ends that are left out')
+            call fatal_error(error, code_only_ends)
             return
         end if
         if (has_shift(body_1%compliance, body_2%compliance)) then
@@ -262,14 +260,12 @@ contains
                 & closed_moment, zones, n_zones, conforms, lost)
             position%conforms = position%conforms .or. conforms
             if (lost) then
-                call fatal_error(error, code_circle_misses, &
-                    & 'a place of least gap could not be made exact')
+                call fatal_error(error, code_circle_misses)
                 return
             end if
         end do
         if (n_zones > size(zones)) then
-            call fatal_error(error, code_too_many_zones, &
-                & 'more places of least gap than can be kept: profile too wavy')
+            call fatal_error(error, code_too_many_zones)
             return
         end if
         zones(:n_zones)%side = sides(zones(:n_zones)%site)
