@@ -16,7 +16,7 @@ module flankload_lumped_position
         & lumped_contact
     use flankload_lumped_pass, only: couple, solve_pass
     use flankload_lumped_place, only: near_field_of, place_type, reach_of, slide_place
-    use flankload_position_zones, only: body_type, position_type, section_at
+    use flankload_position_zones, only: body_type, position_type
     use flankload_position_state, only: count_lumped, inclusion_margin, not_parabolic, &
         & position_state, would_touch
     implicit none
@@ -147,17 +147,14 @@ contains
         do k = 1, size(of)
             z = of(k)
             site = position%zones(z)%site
-            associate (zone => position%zones(z), place => places(z), &
-                & curve_1 => body_1%flanks(section_at(body_1, site))%curve, &
-                & curve_2 => body_2%flanks(section_at(body_2, site))%curve)
+            associate (zone => position%zones(z), place => places(z))
                 place%force = forces(z)
                 if (.not. place%force > 0.0_wp) place%force = least_load_share*full(z)
                 if (.not. any(place%reach > 0.0_wp)) then
                     place%reach = hertz_half_width(place%force, zone%curvature, &
                         & position%kernel(z), position%flank_length)
                 end if
-                call reach_of(curve_1, position%frames_1(site), curve_2, &
-                    & position%frames_2(site), zone, position%kernel(z)*place%force, &
+                call reach_of(position%facing(site), zone, position%kernel(z)*place%force, &
                     & place%reach, place%reach_slope)
                 place%reach_slope = position%kernel(z)*place%reach_slope
                 call near_field_of(position%kernel(z), &
@@ -172,8 +169,7 @@ contains
                 place%lever_slope = 0.0_wp
                 place%torque_lever_slope = 0.0_wp
                 if (.not. allocated(body_1%friction)) cycle
-                call slide_place(body_1%friction, position%speeds, curve_1, &
-                    & position%frames_1(site), curve_2, position%frames_2(site), zone, &
+                call slide_place(body_1%friction, position%speeds, position%facing(site), zone, &
                     & pairs%normal(:, k), place)
                 place%lever_along = lever_along(position, pairs, k)
                 place%lever_along_slope = 0.0_wp
@@ -203,15 +199,12 @@ contains
         type(normal_type) :: normal
 
         site = position%zones(z)%site
-        associate (zone => position%zones(z), frame_1 => position%frames_1(site), &
-            & frame_2 => position%frames_2(site), &
-            & curve_1 => body_1%flanks(section_at(body_1, site))%curve, &
-            & curve_2 => body_2%flanks(section_at(body_2, site))%curve)
-            normal = contact_normal(curve_1, frame_1, curve_2, frame_2, zone, reach)
+        associate (zone => position%zones(z), facing => position%facing(site))
+            normal = contact_normal(facing, zone, reach)
             grid%n = 1
             grid%first = zone%nearest%s_1
             grid%cell = cell_of(reach, position%flank_length)
-            call append_pairs(curve_1, frame_1, curve_2, frame_2, zone, z, grid, normal, &
+            call append_pairs(facing, zone, z, grid, normal, &
                 & body_1%deviations(zone%site) + body_2%deviations(zone%site), pairs, found)
             pairs%cell_2(pairs%n) = pairs%cell_1(pairs%n)
         end associate
@@ -318,7 +311,7 @@ contains
         integer, intent(in) :: k
         real(wp) :: lever
 
-        lever = friction_lever(pairs%point(:, k) - position%frames_1(pairs%site(k))%origin, &
+        lever = friction_lever(pairs%point(:, k) - position%facing(pairs%site(k))%frame_1%origin, &
             & pairs%normal(:, k))
     end function lever_along
 

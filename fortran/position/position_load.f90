@@ -37,8 +37,8 @@ contains
     subroutine solve_position(body_1, body_2, angle_1, angle_2, torques, settings, states, speeds, &
             & known, room)
         !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+        type(body_type), target, intent(in) :: body_1
+        type(body_type), target, intent(in) :: body_2
         !> Rotation angles of the bodies [rad]
         real(wp), intent(in) :: angle_1
         real(wp), intent(in) :: angle_2
@@ -194,13 +194,13 @@ contains
         if (allocated(body_1%slices)) then
             call expect_in_slices(body_1, body_2, position, torque, settings, cells, state, error)
         else
-            call expect_cells(body_1, body_2, position, torque, settings, cells, state, error)
+            call expect_cells(position, torque, settings, cells, state, error)
         end if
         if (allocated(error)) return
         associate (zones => position%zones)
             do pass = 1, max_passes
                 state%passes = pass
-                if (pass > 1) call measure_reach(body_1, body_2, position, cells)
+                if (pass > 1) call measure_reach(position, cells)
                 call lay_pairs(body_1, body_2, position, settings, cells, state%pairs, error)
                 if (allocated(error)) return
                 if (pass == 1) call continue_contact(settled)
@@ -237,10 +237,7 @@ contains
     end subroutine solve_load
 
     !> Estimate the cells by the forces of lumped contacts.
-    subroutine expect_cells(body_1, body_2, position, torque, settings, cells, state, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    subroutine expect_cells(position, torque, settings, cells, state, error)
         !> The position
         type(position_type), intent(in) :: position
         !> Torque on body 1 [N mm]
@@ -268,7 +265,7 @@ contains
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. gap &
                 & < zones%side*rotation + inclusion_margin*maxval(zones%side*rotation - gap), &
                 & settings)
-            call measure_reach(body_1, body_2, position, cells)
+            call measure_reach(position, cells)
             curvatures = reached_curvatures(position, cells)
             if (any(abs(curvatures - zones%curvature) > curvature_tolerance*curvatures)) then
                 call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
@@ -279,7 +276,7 @@ contains
                 if (allocated(error)) return
                 cells%estimate = estimate
                 cells%included = cells%included .or. estimate > 0.0_wp
-                call measure_reach(body_1, body_2, position, cells)
+                call measure_reach(position, cells)
             end if
         end associate
     end subroutine expect_cells
@@ -332,7 +329,7 @@ contains
         cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. position%gap &
             & < lumped%rotation + inclusion_margin*(lumped%rotation - minval(position%gap)), &
             & settings)
-        call measure_reach(body_1, body_2, position, cells)
+        call measure_reach(position, cells)
     end subroutine expect_in_slices
 
     !> Compute force, peak and loaded corner of each site.

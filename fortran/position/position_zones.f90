@@ -5,11 +5,11 @@ module flankload_position_zones
     use flankload_status, only: code_no_zone, code_too_many_zones, code_circle_misses, &
         & code_only_ends
     use flankload_error, only: error_type, fatal_error
-    use flankload_flank_curve, only: curve_length, frame_type, new_frame
+    use flankload_flank_curve, only: curve_length, new_frame
     use flankload_friction, only: friction_type
     use flankload_compliance_field, only: compliance_type
     use flankload_slice_field, only: mean_width, shaft_type, slice_of, slices_type
-    use flankload_circle_pair, only: flank_type
+    use flankload_circle_pair, only: facing_type, flank_type
     use flankload_coarse_gap, only: coarse_gap
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_influence_coefficients, only: smooth_compliance
@@ -21,7 +21,7 @@ module flankload_position_zones
     private
 
     public :: body_type, position_type
-    public :: locate_contacts, lever_share, section_at
+    public :: locate_contacts, lever_share
 
     !> Body: flanks, sites, and compliance.
     type :: body_type
@@ -51,8 +51,8 @@ module flankload_position_zones
 
     !> Frames of the flanks, zones, and compliance between the zones.
     type :: position_type
-        !> Frames of the flanks of both bodies, shape (sites)
-        type(frame_type), allocatable :: frames_1(:), frames_2(:)
+        !> Flanks of the bodies at each site and their frames, shape (sites)
+        type(facing_type), allocatable :: facing(:)
         !> Zones, those of a site consecutive, and their gap angles with all deviations and shifts
         !> [rad], shape (zones)
         type(zone_type), allocatable :: zones(:)
@@ -107,11 +107,11 @@ module flankload_position_zones
 contains
 
     !> Find the points of least gap, and the compliance between them in the plane.
-    pure subroutine locate_contacts(body_1, body_2, angle_1, angle_2, torque, everywhere, &
+    subroutine locate_contacts(body_1, body_2, angle_1, angle_2, torque, everywhere, &
             & position, error)
         !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+        type(body_type), target, intent(in) :: body_1
+        type(body_type), target, intent(in) :: body_2
         !> Rotation angles of the bodies [rad]
         real(wp), intent(in) :: angle_1
         real(wp), intent(in) :: angle_2
@@ -150,8 +150,7 @@ contains
             return
         end if
         if (has_shift(body_1%compliance, body_2%compliance)) then
-            call shift_zones(body_1%flanks(1)%curve, position%frames_1, body_2%flanks(1)%curve, &
-                & position%frames_2, body_1%compliance, body_2%compliance, position%zones)
+            call shift_zones(position%facing, body_1%compliance, body_2%compliance, position%zones)
         end if
         position%gap = gaps_without_load(body_1, body_2, position%zones)
         position%widest = 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low)
@@ -161,10 +160,10 @@ contains
     end subroutine locate_contacts
 
     !> Compute the frames of the flanks, and choose the sites to be searched.
-    pure subroutine place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
+    subroutine place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
         !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+        type(body_type), target, intent(in) :: body_1
+        type(body_type), target, intent(in) :: body_2
         !> Rotation angles of the bodies [rad]
         real(wp), intent(in) :: angle_1
         real(wp), intent(in) :: angle_2
@@ -182,7 +181,7 @@ contains
         real(wp) :: bounds(size(faces)), radius(2)
 
         n_sites = size(faces)
-        allocate (position%frames_1(n_sites), position%frames_2(n_sites))
+        allocate (position%facing(n_sites))
         position%flank_length = curve_length(body_1%flanks(1)%curve)
         sides = 1
         if (allocated(body_1%sides)) sides = body_1%sides
@@ -194,17 +193,19 @@ contains
         end if
         bounds = huge(1.0_wp)
         do site = 1, n_sites
-            position%frames_1(site) = new_frame(body_1%origin, &
-                & sides(site)*angle_1 + body_1%site_angles(site))
-            position%frames_2(site) = new_frame(body_2%origin, &
-                & sides(site)*angle_2 + body_2%site_angles(site))
+            associate (facing => position%facing(site))
+                facing%flank_1 => body_1%flanks(section_at(body_1, site))
+                facing%flank_2 => body_2%flanks(section_at(body_2, site))
+                facing%frame_1 = new_frame(body_1%origin, &
+                    & sides(site)*angle_1 + body_1%site_angles(site))
+                facing%frame_2 = new_frame(body_2%origin, &
+                    & sides(site)*angle_2 + body_2%site_angles(site))
+            end associate
             if (everywhere .or. .not. faces(site)) cycle
             if (is_same_section(body_1, body_2, site)) then
-                bounds(site) = bounds(site - 1)
+                bounds(site) = bounds(max(1, site - 1))
             else
-                bounds(site) = coarse_gap(body_1%flanks(section_at(body_1, site)), &
-                    & position%frames_1(site), body_2%flanks(section_at(body_2, site)), &
-                    & position%frames_2(site))
+                bounds(site) = coarse_gap(position%facing(site))
             end if
         end do
         if (everywhere) return
@@ -255,9 +256,8 @@ contains
                 cycle
             end if
             before = n_zones
-            call find_zones(body_1%flanks(section_at(body_1, site)), position%frames_1(site), &
-                & body_2%flanks(section_at(body_2, site)), position%frames_2(site), site, &
-                & closed_moment, zones, n_zones, conforms, lost)
+            call find_zones(position%facing(site), site, closed_moment, zones, n_zones, conforms, &
+                & lost)
             position%conforms = position%conforms .or. conforms
             if (lost) then
                 call fatal_error(error, code_circle_misses)

@@ -122,7 +122,7 @@ contains
     !> Add the times of one position.
     subroutine take_position(case, angles, times, pairs)
         !> Sweep
-        type(bench_case), intent(in) :: case
+        type(bench_case), target, intent(in) :: case
         !> Angles of the bodies [rad]
         real(wp), intent(in) :: angles(2)
         !> Times of the stages [s]
@@ -155,7 +155,7 @@ contains
             if (allocated(error)) error stop 1
             call lap(clock, times(way_lumped))
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp, case%settings)
-            call measure_reach(body_1, body_2, position, cells)
+            call measure_reach(position, cells)
             call lay_pairs(body_1, body_2, position, case%settings, cells, laid, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_pairs))

@@ -36,14 +36,8 @@ PUBLIC = {
 }
 #: Other procedures above a bound, with their lines and arguments: none may grow, none may join.
 LARGER: dict[str, tuple[int, int]] = {
-    "cells/contact_pairs.f90: append_pairs": (47, 11),
-    "cells/friction.f90: add_friction": (35, 9),
-    "cells/friction.f90: slide_at": (33, 12),
-    "flank/contact_zones.f90: find_zones": (50, 10),
     "position/lumped_hertz.f90: lumped_contact": (49, 13),
     "position/lumped_pass.f90: solve_pass": (78, 11),
-    "position/lumped_place.f90: reach_of": (61, 8),
-    "position/lumped_place.f90: slide_place": (40, 9),
     "position/lumped_position.f90: solve_lumped": (67, 6),
     "position/lumped_position.f90: update_contacts": (55, 9),
 }
