@@ -174,9 +174,7 @@ PROGRAMS: dict[str, Callable[[str], None]] = {
 
 
 @pytest.fixture
-def build(
-    prefix: Path, workshop: Path, environment: dict[str, str]
-) -> Callable[[str, str], Path]:
+def build(prefix: Path, workshop: Path, environment: dict[str, str]) -> Callable[[str, str], Path]:
     """Builds a program of the documentation with the command in its first line."""
 
     def built(name: str, source: str) -> Path:

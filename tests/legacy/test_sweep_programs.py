@@ -113,7 +113,9 @@ def sweep_file(sweep: NodalSweep, workshop: Path) -> Path:
 
 
 @pytest.mark.parametrize("program", ["sweep_bits", "sweep_bits_fortran", "sweep_bits_modern"])
-def test_the_same_bits_through_every_interface(program, solved, sweep_file, workshop, environment) -> None:
+def test_the_same_bits_through_every_interface(
+    program, solved, sweep_file, workshop, environment
+) -> None:
     folder = built(PROGRAMS, workshop / "programs", environment, static=False)
     read = float.fromhex if program == "sweep_bits" else float
     info, *numbers = run(folder / program, sweep_file, environment).split()
