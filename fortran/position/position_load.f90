@@ -6,7 +6,7 @@ module flankload_position_load
     use flankload_status, only: code_conforms, code_unsettled_cells
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_zones, only: zone_type
-    use flankload_lumped_hertz, only: lumped_contact
+    use flankload_lumped_estimate, only: estimate_forces
     use flankload_lumped_position, only: solve_lumped
     use flankload_lumped_slices, only: solve_slices
     use flankload_slice_coupling, only: check_slices, couple_slices
@@ -16,7 +16,7 @@ module flankload_position_load
         & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
     use flankload_known_contact, only: known_contact, solve_known
     use flankload_pair_forces, only: solve_pairs
-    use flankload_position_state, only: blank_state, count_lumped, inclusion_margin, note_ends, &
+    use flankload_position_state, only: blank_state, inclusion_margin, note_ends, &
         & position_state, presses_across, unloaded_state, would_touch
     implicit none
     private
@@ -251,16 +251,12 @@ contains
         !> Set if the lumped contact has no solution
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: spent
         real(wp), allocatable :: estimate(:), curvatures(:)
         real(wp) :: rotation
 
         associate (zones => position%zones, gap => position%gap)
-            call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
-                & zones%curvature, position%widest, &
-                & position%flank_length, position%kernel, position%images, torque, estimate, &
-                & rotation, spent, error)
-            call count_lumped(spent, state)
+            call estimate_forces(position, zones%curvature, torque, estimate, rotation, state, &
+                & error)
             if (allocated(error)) return
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. gap &
                 & < zones%side*rotation + inclusion_margin*maxval(zones%side*rotation - gap), &
@@ -268,11 +264,7 @@ contains
             call measure_reach(position, cells)
             curvatures = reached_curvatures(position, cells)
             if (any(abs(curvatures - zones%curvature) > curvature_tolerance*curvatures)) then
-                call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
-                    & curvatures, position%widest, &
-                    & position%flank_length, position%kernel, position%images, torque, &
-                    & estimate, rotation, spent, error)
-                call count_lumped(spent, state)
+                call estimate_forces(position, curvatures, torque, estimate, rotation, state, error)
                 if (allocated(error)) return
                 cells%estimate = estimate
                 cells%included = cells%included .or. estimate > 0.0_wp

@@ -77,8 +77,8 @@ ROOM = 4
 #: Procedures that lead a position, and what they call in its stages.
 LEADING = ("solve_position", "solve_load", "solve_pairs", "solve_matrix", "solve_lumped")
 STAGES = {
-    "zones": ("look_at_position",),
-    "lumped": ("lumped_contact",),
+    "zones": ("locate_contacts",),
+    "lumped": ("estimate_forces",),
     "pairs": ("lay_pairs", "measure_reach", "append_place", "reach_of"),
     "influence": ("influence_matrix",),
     "loop": ("solve_contact_problem", "solve_pass"),
