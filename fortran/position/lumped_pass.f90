@@ -12,7 +12,7 @@ module flankload_lumped_pass
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
-    use flankload_lapack, only: potrf, solve_triangle
+    use flankload_lapack, only: potrf, solve_cholesky
     use flankload_lumped_hertz, only: usual_half_width
     use flankload_lumped_place, only: place_type
     use flankload_position_zones, only: body_type, position_type
@@ -290,8 +290,7 @@ contains
             x = reshape([motion(on), gaps(on)], [size(on), 2])
             call potrf(size(on), factor, info)
             if (info /= 0) return
-            call solve_triangle(size(on), factor, 'L', 'N', 'N', x)
-            call solve_triangle(size(on), factor, 'L', 'T', 'N', x)
+            call solve_cholesky(size(on), factor, x)
             ! Eq. (18), (19): K F + g = b q and m F = M, so that F = q K⁻¹b - K⁻¹g
             turn = (load + dot_product(load_row(on), x(:, 2)))/dot_product(load_row(on), x(:, 1))
             carried = turn*x(:, 1) - x(:, 2)
