@@ -74,10 +74,12 @@ contains
         do while (load_first <= n)
             load_last = last_of_site(pairs%site(:n), load_first)
             call set_smooth(body_1, body_2, pairs, load_first, load_last, n, matrix)
-            call add_near_field(body_1, pairs%s_1(load_first:load_last), &
-                & pairs%cell_1(load_first:load_last), load_first, matrix)   ! Eqs. (5), (13)
-            call add_near_field(body_2, pairs%s_2(load_first:load_last), &
-                & pairs%cell_2(load_first:load_last), load_first, matrix)   ! Eqs. (6), (10)
+            associate (first => load_first, last => load_last)
+                call add_near_field(body_1, pairs%s_1(first:last), pairs%cell_1(first:last), &
+                    & matrix(first:last, first:last))   ! Eqs. (5), (13)
+                call add_near_field(body_2, pairs%s_2(first:last), pairs%cell_2(first:last), &
+                    & matrix(first:last, first:last))   ! Eqs. (6), (10)
+            end associate
             load_first = load_last + 1
         end do
     end subroutine set_by_modes
@@ -104,7 +106,8 @@ contains
             first = 1
             do while (first <= size(s))
                 last = last_of_site(site, first)
-                call add_near_field(body, s(first:last), cell(first:last), first, matrix)
+                call add_near_field(body, s(first:last), cell(first:last), &
+                    & matrix(first:last, first:last))
                 first = last + 1
             end do
         end if
