@@ -32,17 +32,9 @@ SOLVED, NOT_SOLVED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line.
+    """Run the command line, by default with the arguments of the process.
 
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        Arguments; by default those of the process.
-
-    Returns
-    -------
-    int
-        0 done, 1 not solved, 2 invalid input, 130 interrupted.
+    Returns 0 if done, 1 if not solved, 2 for invalid input, 130 if interrupted.
     """
     line = shlex.join(["flankload", *(sys.argv[1:] if argv is None else argv)])
     arguments = parser().parse_args(argv, argparse.Namespace(line=line))
@@ -97,13 +89,7 @@ class _Version(argparse.Action):
 
 
 def parser() -> argparse.ArgumentParser:
-    """All commands with their arguments.
-
-    Returns
-    -------
-    argparse.ArgumentParser
-        Each command stores its function in `command`.
-    """
+    """All commands with their arguments; each stores its function in `command`."""
     top = _Parser(
         prog="flankload",
         description="Load distribution on the flanks of two elastic bodies on parallel axes.",

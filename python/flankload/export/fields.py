@@ -93,13 +93,7 @@ def write_vtu(
 
 
 def checked_positions(results: Sequence[Result], positions: Sequence[int] | None) -> list[int]:
-    """Indices of positions, all if none are given.
-
-    Raises
-    ------
-    SceneError
-        If an index does not exist.
-    """
+    """Indices of positions, all if none are given; refused if an index does not exist."""
     count = min(result.position_rad.size for result in results)
     if positions is None:
         return list(range(count))

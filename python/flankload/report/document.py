@@ -42,17 +42,7 @@ SHOWN_DIGITS = 16
 def write_report(
     results: Result | Sequence[Result], scene: SceneLike, path: str | Path, *, line: str = ""
 ) -> None:
-    """Write the report of a scene: completely or not at all.
-
-    Parameters
-    ----------
-    results : Result, or sequence of Result
-        Of `solve`, or one per torque.
-    scene : Scene, typed pair, path or mapping
-        The scene that was solved, as of `solve`.
-    path : path
-    line : str
-        Command line that repeats the run; absent = `flankload report` of the scene's file.
+    """Write the report of a scene, as of `report_html`: completely or not at all.
 
     Raises
     ------

@@ -14,18 +14,10 @@ if TYPE_CHECKING:
 def scene_of_report(scene: Scene) -> Scene:
     """Return the scene with adaptive positions if it leaves the positions to the program.
 
-    A report quotes peak to peak and harmonics, which a few even positions miss.
-
-    Parameters
-    ----------
-    scene : Scene
-
-    Returns
-    -------
-    Scene
-        The scene itself if it names a key of [positions] other than `driver`, if its tolerance
-        chooses the positions, or if its bodies have no adaptive positions: belts and chains, cams,
-        three-dimensional bodies, whose positions cost more, and splines on common axes.
+    A report quotes peak to peak and harmonics, which a few even positions miss. The scene stays as
+    it is if it names a key of [positions] other than `driver`, if its tolerance chooses the
+    positions, or if its bodies have no adaptive positions: belts and chains, cams,
+    three-dimensional bodies, whose positions cost more, and splines on common axes.
     """
     named = {key for key in scene.named_knobs if key.startswith("positions.")}
     if named - {"positions.driver"} or scene.steers or scene.is_drive or scene.is_concentric:

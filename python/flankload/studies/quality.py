@@ -67,24 +67,10 @@ class JointNormal:
 
 
 def of_quality(scene: Scene, name: str, quality: Quality) -> JointNormal:
-    """Distribution of a key by the tolerance class of its body.
+    """Distribution of a key by the tolerance class of its body; its mean is the value of the scene.
 
-    Parameters
-    ----------
-    scene : Scene
-    name : str
-        Path of the variable: `body_1.` or `body_2.` and one of `KEYS`.
-    quality : Quality
-
-    Returns
-    -------
-    JointNormal
-        Its mean is the value of the scene.
-
-    Raises
-    ------
-    SceneError
-        If the key has no tolerance, or the body is outside the ranges of the standard.
+    The name is `body_1.` or `body_2.` and one of `KEYS`. Raises SceneError if the key has no
+    tolerance, or the body is outside the ranges of the standard.
     """
     found = re.fullmatch(r"(body_[12])\.(\w+)", name)
     place = f"variables.{name}"
@@ -118,29 +104,18 @@ def of_quality(scene: Scene, name: str, quality: Quality) -> JointNormal:
 
 
 def pitch_factor(limits: FlankTolerances, teeth: int) -> Floats:
-    """Index deviations of all teeth, along the arc of the reference circle.
+    """Index deviations (z, 2 + z) of z teeth in um per standard normal number.
 
-    An eccentricity of normally distributed components, e_x and e_y, moves tooth i by
-    e_x cos(2 pi i / z) + e_y sin(2 pi i / z); each tooth has an independent deviation in addition,
-    and the mean of all teeth is 0. The standard deviations s_e of the components and s of the
-    teeth follow from those of the index deviation and of the single pitch deviation, the
-    difference of neighbouring teeth:
+    They lie along the arc of the reference circle. An eccentricity of normally distributed
+    components, e_x and e_y, moves tooth i by e_x cos(2 pi i / z) + e_y sin(2 pi i / z); each tooth
+    has an independent deviation in addition, and the mean of all teeth is 0. The standard
+    deviations s_e of the components and s of the teeth follow from those of the index deviation and
+    of the single pitch deviation, the difference of neighbouring teeth:
 
         s_e² + (1 - 1/z) s² = (F_pT / 6)²,    4 sin²(pi / z) s_e² + 2 s² = (f_pT / 3)².
 
     F_pT limits a range, that is index deviations to both sides of half its size. With few teeth
     the eccentricity alone reaches f_pT; then s = 0.
-
-    Parameters
-    ----------
-    limits : FlankTolerances
-    teeth : int
-        z.
-
-    Returns
-    -------
-    (z, 2 + z) array
-        Deviations in um per standard normal number.
     """
     index = (0.5 * limits.total_pitch_um / DEVIATIONS) ** 2
     single = (limits.single_pitch_um / DEVIATIONS) ** 2

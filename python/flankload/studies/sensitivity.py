@@ -136,31 +136,11 @@ class Sensitivity(Card):
         return np.stack([np.stack(below), np.stack(above)])
 
     def step_of(self, path: str) -> float:
-        """Step over which the derivative to a path was taken, in its unit.
-
-        Parameters
-        ----------
-        path : str
-            One of `paths`.
-
-        Returns
-        -------
-        float
-        """
+        """Step over which the derivative to one of the paths was taken, in its unit."""
         return abs(self._stencils[self.paths.index(path)].step)
 
     def to_text(self, quantities: Sequence[str]) -> str:
-        """A table of derivatives of key figures, a row for each path and torque.
-
-        Parameters
-        ----------
-        quantities : sequence of str
-            Names of numbers in `Result.summary`.
-
-        Returns
-        -------
-        str
-        """
+        """A table of derivatives of numbers in `Result.summary`, a row for each path and torque."""
         columns = [self.derivative(quantity) for quantity in quantities]
         rows = [
             (path, f"{result.torque_Nm:g}", *(f"{column[k, t]:.4g}" for column in columns))

@@ -114,10 +114,7 @@ class Variable:
     def in_scene(self, scene: Scene) -> Variable:
         """Return the variable with its distribution by the tolerance class of a body.
 
-        Raises
-        ------
-        SceneError
-            If the class does not describe the key, or the body is beyond the standard.
+        Raises SceneError if the class does not describe the key or the body is beyond the standard.
         """
         if not isinstance(self.distribution, Quality):
             return self
@@ -137,17 +134,9 @@ class Variable:
         return [value for end, value in ends if np.isfinite(end)]
 
     def quantiles(self, probabilities: ArrayLike) -> list[Any]:
-        """Values that the distribution does not exceed with given probabilities.
+        """Values that the distribution does not exceed with probabilities (n, numbers) from 0 to 1.
 
-        Parameters
-        ----------
-        probabilities : (n, numbers) array, or (n,) if a draw needs one number
-            From 0 to 1.
-
-        Returns
-        -------
-        list of n numbers, or of n lists
-            Integers if the distribution is discrete.
+        One number per draw may be (n,). Values are numbers or lists; integers if it is discrete.
         """
         from scipy.stats import rv_discrete
 
@@ -162,26 +151,14 @@ class Variable:
 
 
 def variables_of(tree: Mapping[str, Any], key: str = "variables") -> tuple[Variable, ...]:
-    """Read variables.
+    """Read variables from a mapping by path; `key` is its name in error messages.
 
-    Parameters
-    ----------
-    tree : mapping
-        By path: a list of values, a table such as {"distribution": "uniform", "lower": 0,
-        "upper": 30} or {"distribution": "iso_1328", "class": 7}, or a frozen distribution of
-        scipy.stats. Tables of other keys are part of the path: {"load": {"torque_Nm": [100, 200]}}.
-    key : str
-        Its name in error messages.
+    A value is a list of values, a table such as {"distribution": "uniform", "lower": 0,
+    "upper": 30} or {"distribution": "iso_1328", "class": 7}, or a frozen distribution of
+    scipy.stats. Tables of other keys are part of the path: {"load": {"torque_Nm": [100, 200]}}.
 
-    Returns
-    -------
-    tuple of Variable
-
-    Raises
-    ------
-    SceneError
-        If there are none, if one has neither values nor a distribution, or if two have a path in
-        common.
+    Raises SceneError if there are none, if one has neither values nor a distribution, or if two
+    have a path in common.
     """
     if not isinstance(tree, Mapping) or not tree:
         refuse(key, "a table of paths with values or distributions", shown(tree) if tree else None)

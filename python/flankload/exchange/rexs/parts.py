@@ -80,11 +80,8 @@ class Form:
     def model(self, root: Tree) -> Model:
         """The checked model.
 
-        Raises
-        ------
-        SceneError
-            At the first part without its type or with an id that is no integer; if the version is
-            not 1, an id is used twice, or an id refers to no component.
+        Refused: a part without its type or with an id that is no integer, a version other than 1,
+        an id that is used twice or refers to no component.
         """
         spectrum = root.get("load_spectrum") or []
         cases = [

@@ -23,22 +23,10 @@ XML, JSON, ZIP = (".rexs", ".xml"), (".rexsj", ".json"), (".rexsz", ".zip")
 
 
 def read_model(path: str | Path) -> Model:
-    """Read a REXS file.
+    """Read a REXS file: .rexs (XML), .rexsj (JSON), .rexsz or .rexs.zip (ZIP with one of these).
 
-    Parameters
-    ----------
-    path : path
-        Suffix .rexs (XML), .rexsj (JSON), .rexsz or .rexs.zip (ZIP with one of these).
-
-    Returns
-    -------
-    Model
-
-    Raises
-    ------
-    SceneError
-        If the file cannot be read, is too large, is not well-formed, or is no REXS model of
-        version 1; if an id is used twice or a relation refers to a component that is missing.
+    Raises SceneError if the file cannot be read, is too large, is not well-formed, or is no REXS
+    model of version 1; if an id is used twice or a relation refers to a component that is missing.
     """
     path = Path(path)
     suffix = path.suffix.lower()

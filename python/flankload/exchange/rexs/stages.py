@@ -59,13 +59,7 @@ def _stage(model: Model, component: Component) -> Stage:
 
 
 def stage_rows(model: Model) -> list[tuple[str, ...]]:
-    """Table of the stages: id, ids and teeth of the gears, kind, name; the header first.
-
-    Raises
-    ------
-    SceneError
-        As `stage_of`.
-    """
+    """Table of the stages: id, ids and teeth of the gears, kind, name; the header first."""
     rows: list[tuple[str, ...]] = [("stage", "gears", "teeth", "kind", "name")]
     for part in _stages(model):
         stage = _stage(model, part)

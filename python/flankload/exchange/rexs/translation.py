@@ -57,24 +57,10 @@ class Translation:
 def scene_of_stage(
     model: Model, choices: Choices | None = None, *, file: Path | None = None
 ) -> Translation:
-    """Make a scene of a cylindrical gear stage.
+    """Make a scene of a cylindrical gear stage; its name is that of `file` if the stage has none.
 
-    Parameters
-    ----------
-    model : Model
-    choices : Choices, optional
-    file : Path, optional
-        File of the scene, for its name if the stage has none.
-
-    Returns
-    -------
-    Translation
-
-    Raises
-    ------
-    SceneError
-        If the stage does not exist or is ambiguous, a value is missing or invalid, or the scene
-        contradicts the rules of scenes.
+    Raises SceneError if the stage does not exist or is ambiguous, a value is missing or invalid, or
+    the scene contradicts the rules of scenes.
     """
     choices = choices or Choices()
     given = "load.torque_Nm" in choices.settings

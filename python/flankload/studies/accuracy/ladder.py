@@ -62,19 +62,10 @@ class Limit:
 
 
 def limit_of(sizes: Sequence[float], values: Sequence[Floats]) -> Limit:
-    """Limit of a sequence of refinements.
+    """Limit of a sequence of refinements, from its values at ascending sizes: the finest first.
 
-    Parameters
-    ----------
-    sizes : sequence of float
-        Ascending: the finest first.
-    values : sequence of arrays of one shape
-        In the same order; NaN if missing.
-
-    Returns
-    -------
-    Limit
-        The first three values count; fewer than three are not extrapolated.
+    The values are arrays of one shape, NaN if missing. The first three count; fewer than three are
+    not extrapolated.
     """
     finest = np.asarray(values[0], dtype=float)
     if len(values) < 2:

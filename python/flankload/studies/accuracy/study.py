@@ -117,17 +117,9 @@ class Study(Card):
         return tuple(sorted(known, key=lambda row: row.run.cpu_s))
 
     def front(self, *names: str) -> tuple[Row, ...]:
-        """Pareto front of CPU seconds and `within`, the cheapest row first.
+        """Pareto front of CPU seconds and `within`: seconds ascend, error bounds descend.
 
-        Parameters
-        ----------
-        *names : str
-            Errors to be limited; by default those of the study.
-
-        Returns
-        -------
-        tuple of Row
-            Seconds ascend, error bounds descend.
+        The names are those of the errors to be limited; by default those of the study.
         """
         best: list[Row] = []
         for row in self.candidates(*names):
@@ -136,18 +128,9 @@ class Study(Card):
         return tuple(best)
 
     def within(self, row: Row, *names: str) -> float:
-        """Upper bound of some errors of a row: the largest plus the uncertainty of the limit.
+        """Upper bound of some errors of a candidate: the largest plus the uncertainty of the limit.
 
-        Parameters
-        ----------
-        row : Row
-            One of the candidates.
-        *names : str
-            As in `front`.
-
-        Returns
-        -------
-        float
+        The names are as in `front`.
         """
         known = [name for name in names or self.measures if name in row.errors]
         return max(row.errors[name] + self.doubts.get(name, 0.0) for name in known)

@@ -63,16 +63,7 @@ DEFAULT_SECONDS = "default"
 
 
 def text_of(study: Study) -> str:
-    """Tables of parameter steps, contact models and combinations; the cheapest discretizations.
-
-    Parameters
-    ----------
-    study : Study
-
-    Returns
-    -------
-    str
-    """
+    """Tables of parameter steps, contact models and combinations; the cheapest discretizations."""
     return "\n".join(_lines(study))
 
 

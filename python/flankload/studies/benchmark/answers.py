@@ -57,21 +57,9 @@ class Answers(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def read_answers(path: Path) -> Answers:
-    """Read the answers of a program.
+    """Read the answers of a program: JSON, {"program": …, "values": {case: {identifier: value}}}.
 
-    Parameters
-    ----------
-    path : Path
-        JSON file: {"program": …, "values": {case: {identifier: value}}}.
-
-    Returns
-    -------
-    Answers
-
-    Raises
-    ------
-    SceneError
-        If the file cannot be read or does not follow the format.
+    Raises SceneError if the file cannot be read or does not follow the format.
     """
     try:
         found = msgspec.json.decode(path.read_bytes())
@@ -101,17 +89,7 @@ def _check_numbers(path: Path, found: Any) -> None:
 def check_answers(answers: Answers, cases: Sequence[Case], path: Path) -> None:
     """Refuse answers to cases or quantities that do not exist: they would seem to be missing.
 
-    Parameters
-    ----------
-    answers : Answers
-    cases : sequence of Case
-        All of the set.
-    path : Path
-        File of the answers, for the error.
-
-    Raises
-    ------
-    SceneError
+    The cases are all of the set; the path is that of the answers, for the error.
     """
     known = {case.name: list(case.quantities) for case in cases}
     for name, values in answers.values.items():
@@ -129,25 +107,9 @@ def _require_known(path: Path, key: str, name: str, known: list[str]) -> None:
 
 
 def answers_of(case: Case, folder: Path) -> tuple[dict[str, float], float]:
-    """Solve a case.
+    """Solve a case from the folder of all cases: values by identifier, and elapsed seconds.
 
-    Parameters
-    ----------
-    case : Case
-    folder : Path
-        Of all cases.
-
-    Returns
-    -------
-    values : dict of str to float
-        By identifier.
-    seconds : float
-        Elapsed time.
-
-    Raises
-    ------
-    SceneError
-        If a quantity is unknown; FlankloadError if there is no solution.
+    Raises SceneError if a quantity is unknown, FlankloadError if there is no solution.
     """
     began = perf_counter()
     if "form" in case.inputs:

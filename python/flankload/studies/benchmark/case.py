@@ -60,18 +60,7 @@ class Case(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def place_of(identifier: str) -> tuple[str, tuple[float, ...]]:
-    """Name and indices of a quantity.
-
-    Parameters
-    ----------
-    identifier : str
-        "name[index, …]".
-
-    Returns
-    -------
-    str
-    tuple of float
-    """
+    """Name and indices of a quantity by its identifier, "name[index, …]"."""
     found = IDENTIFIER.fullmatch(identifier)
     if found is None:
         raise ValueError(identifier)
@@ -79,23 +68,9 @@ def place_of(identifier: str) -> tuple[str, tuple[float, ...]]:
 
 
 def read_cases(folder: Path, names: Sequence[str] = ()) -> tuple[Case, ...]:
-    """Read cases of a benchmark set.
+    """Read the cases with these names, in this order, by default all; each has a folder.
 
-    Parameters
-    ----------
-    folder : Path
-        With a folder for each case, which has the file `case.json`.
-    names : sequence of str
-        Cases in this order; by default all.
-
-    Returns
-    -------
-    tuple of Case
-
-    Raises
-    ------
-    SceneError
-        If a case does not exist or its file does not follow the format.
+    Raises SceneError if a case does not exist or its file `case.json` does not follow the format.
     """
     known = sorted(path.parent.name for path in folder.glob("*/case.json"))
     if not known:

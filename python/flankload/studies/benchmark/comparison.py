@@ -84,16 +84,7 @@ class Comparison:
         return "\n".join([title, "", *text_table(table, left=1)])
 
     def case_text(self, name: str) -> str:
-        """A row per quantity of a case.
-
-        Parameters
-        ----------
-        name : str
-
-        Returns
-        -------
-        str
-        """
+        """A row per quantity of a case."""
         table: list[Sequence[str]] = [
             (name, "unit", "reference", "uncertainty", self.program, "ratio")
         ]
@@ -147,17 +138,7 @@ def _worst_cells(row: Row) -> tuple[str, str, str, str]:
 
 
 def compare(cases: Sequence[Case], answers: Answers) -> Comparison:
-    """Compare answers with the reference values.
-
-    Parameters
-    ----------
-    cases : sequence of Case
-    answers : Answers
-
-    Returns
-    -------
-    Comparison
-    """
+    """Compare answers with the reference values."""
     rows = {
         case.name: tuple(
             Row(identifier, quantity, answers.values.get(case.name, {}).get(identifier))

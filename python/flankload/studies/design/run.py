@@ -129,13 +129,8 @@ def _parts_of(study: bytes) -> Parts:
 def row_of(result: Result, names: tuple[str, ...], *, whole: bool = True) -> dict[str, Any]:
     """Plain numbers of a result: an entry of `Outcome.results`.
 
-    Parameters
-    ----------
-    result : Result
-    names : tuple of str
-        Curves that are wanted in addition to the summary.
-    whole : bool
-        False: only the key figures of the summary, if they and the curves are all that is wanted.
+    The names are those of curves that are wanted in addition to the summary; `whole` is False if
+    its key figures suffice, unless a name is none of them.
     """
     curves = curves_of(result)
     known = result.key_figures.keys() | curves.keys()

@@ -57,38 +57,15 @@ def run_designs(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> tuple[Row, ...]:
-    """Solve all designs that the store lacks.
+    """Solve all designs that the store lacks, by default with a thread for each processor.
 
     The first run is finished before others begin: it checks the names of the quantities, and
-    threads find the parts that it has solved.
+    threads find the parts that it has solved. `progress` is called as progress("designs", done,
+    total), and as progress("store", done, total) for a run that is in the store.
 
-    Parameters
-    ----------
-    scene : Scene
-    designs : Designs
-    names : tuple of str
-        Quantities.
-    store : Store
-    executor : Executor, optional
-        By default a pool with a thread for each processor.
-    progress : callable, optional
-        Called as progress("designs", done, total), and as progress("store", done, total) for a run
-        that is in the store.
-
-    Returns
-    -------
-    tuple of Row
-        In the order of the designs.
-
-    Raises
-    ------
-    SceneError
-        If the first result does not have a quantity.
-    FlankloadError
-        If a worker is lost.
-    KeyboardInterrupt
-        After an interrupt, with the number of finished designs as text; runs in flight are
-        stopped (threads) or finished (processes) and everything that is finished is stored.
+    Raises SceneError if the first result does not have a quantity, FlankloadError if a worker is
+    lost, and KeyboardInterrupt after an interrupt, with the number of finished designs as text:
+    runs in flight are stopped (threads) or finished (processes), all that is finished is stored.
     """
     runs = _Runs(scene, designs, names, store, progress)
     with nullcontext(executor) if executor else ThreadPoolExecutor(processors()) as pool:
@@ -225,12 +202,7 @@ class _Runs:
 
 
 def refuse_unknown(outcome: Outcome) -> None:
-    """Refuse quantities that a result does not have.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Refuse quantities that a result does not have."""
     if outcome.unknown:
         name = outcome.unknown[0]
         known = sorted(names_in(outcome) - set(outcome.unknown))

@@ -107,25 +107,7 @@ def run_study(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> DesignStudy:
-    """Solve given designs, with progress.
-
-    Parameters
-    ----------
-    scene, quantities, store, executor
-        As in `study`.
-    designs : Designs
-    progress : callable, optional
-        As in `run_designs`.
-
-    Returns
-    -------
-    DesignStudy
-
-    Raises
-    ------
-    SceneError, FlankloadError, KeyboardInterrupt
-        As `study`.
-    """
+    """Solve given designs as `study` does, with progress as of `run_designs`."""
     designs, names = checked(scene, designs, quantities)
     with closing(Store(None if store is None else Path(store))) as opened:
         rows = run_designs(scene, designs, names, opened, executor, progress)
@@ -138,10 +120,7 @@ def checked(
 ) -> tuple[Designs, tuple[str, ...]]:
     """Designs with the distributions of a scene, and names of quantities, once each.
 
-    Raises
-    ------
-    SceneError
-        If the study contradicts itself or its first design is no scene.
+    Raises SceneError if the study contradicts itself or its first design is no scene.
     """
     designs.check()
     designs = designs.in_scene(scene)
@@ -154,10 +133,7 @@ def checked(
 def check_first(scene: Scene, designs: Designs) -> None:
     """Refuse variables whose first values, or bounds, do not give a scene.
 
-    Raises
-    ------
-    SceneError
-        Its key is `variables.PATH` if it is that of a variable.
+    The key of the SceneError is `variables.PATH` if it is that of a variable.
     """
     for values in designs.first():
         try:

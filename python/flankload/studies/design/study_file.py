@@ -68,18 +68,7 @@ class StudyFile:
 def read_study(path: str | Path) -> StudyFile:
     """Read a study file and its scene.
 
-    Parameters
-    ----------
-    path : path
-
-    Returns
-    -------
-    StudyFile
-
-    Raises
-    ------
-    SceneError
-        If a file cannot be read, or the study or its first design is invalid.
+    Raises SceneError if a file cannot be read, or the study or its first design is invalid.
     """
     path = Path(path)
     tree = read_tables(path, "a study file")

@@ -109,13 +109,7 @@ class Evaluator:
             return None
 
     def solve_surely(self, x: Floats) -> Point:
-        """Solve a point.
-
-        Raises
-        ------
-        FlankloadError
-            If it is impossible.
-        """
+        """Solve a point; raises FlankloadError if it is impossible."""
         values = self.values_of(x)
         changes = changes_of(self.variables, values)
         found = sensitivity(

@@ -52,12 +52,9 @@ class Figure:
 
 
 def figure_of(name: str, result: Result, key: str) -> Figure:
-    """Find a key figure of a result by its name, which `key` gives.
+    """Find a key figure of a result by its name, which the key of a table gives.
 
-    Raises
-    ------
-    SceneError
-        If the summary of the result has no such number.
+    Raises SceneError if the summary of the result has no such number.
     """
     numbers = numbers_of(result.summary)
     if name not in numbers:

@@ -132,10 +132,7 @@ def best_step(point: Point, goals: Goals, low: Floats, high: Floats) -> Floats:
     least each objective, and e_c is the excess of limit c (R. Fletcher, Practical Methods of
     Optimization, 2nd ed., chapter 14).
 
-    Raises
-    ------
-    FlankloadError
-        If numbers are too large or too small for the linear program.
+    Raises FlankloadError if numbers are too large or too small for the linear program.
     """
     from scipy.optimize import linprog
 

@@ -109,10 +109,7 @@ def search_scene(scene: Scene) -> tuple[Scene, dict[str, Any]]:
     Error estimates and tangents are left out, elements do not follow the modifications, and the
     discretization and the positions are fixed.
 
-    Raises
-    ------
-    SceneError
-        If the scene leaves the choice of its effects to the plan.
+    Raises SceneError if the scene leaves the choice of its effects to the plan.
     """
     if scene.effects.choose is not None:
         expected = "no such key in an optimisation (name the effects)"
