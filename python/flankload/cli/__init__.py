@@ -11,12 +11,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from flankload.cli.body_files import compliance, mesh
 from flankload.cli.checking import check, schema
 from flankload.cli.designing import optimise, study
-from flankload.cli.importing import scene
 from flankload.cli.judging import accuracy, benchmark, verify
 from flankload.cli.solving import plan, report, run
+from flankload.cli.writing import compliance, mesh, scene
 from flankload.errors import FlankloadError, SceneError
 
 if TYPE_CHECKING:

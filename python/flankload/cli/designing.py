@@ -11,7 +11,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder, write_text
+from flankload.cli.outputs import STDOUT, check_apart, check_file, check_outputs, refuse, write_text
 from flankload.cli.solving import Progress
 from flankload.errors import FlankloadError, SceneError
 
@@ -32,23 +32,22 @@ PATIENCE_S = 10
 
 def study(arguments: Namespace) -> None:
     """Solve the designs of a study that its store lacks, write and print them."""
-    outputs = _outputs(arguments.outputs)
+    outputs = list(dict.fromkeys(arguments.outputs))
+    _check_suffixes(outputs)
+    places = check_outputs(
+        (("-o", path) for path in outputs), [("--plot", arguments.plot, "PNG files")]
+    )
     if arguments.workers is not None and arguments.workers < 1:
-        raise SceneError(key="--workers", expected="an integer > 0", found=arguments.workers)
+        refuse("--workers", "an integer > 0", arguments.workers)
     if arguments.workers is not None and arguments.scheduler is not None:
         expected = "no such option with --scheduler, which has its own workers"
-        raise SceneError(key="--workers", expected=expected, found=arguments.workers)
-    if arguments.plot is not None:
-        check_folder("--plot", arguments.plot, content="PNG files")
+        refuse("--workers", expected, arguments.workers)
     from flankload.studies.design import read_study, run_study
 
     asked = read_study(arguments.file)
     store = f"{asked.file}: store"
     check_file(store, asked.store)
-    places = [("the study", asked.file), (store, asked.store)]
-    places += [("-o", Path(path)) for path in outputs if path != STDOUT]
-    places += [("--plot", arguments.plot)] if arguments.plot is not None else []
-    check_apart(places, asked.scene)
+    check_apart([("the study", asked.file), (store, asked.store), *places], asked.scene)
     try:
         with (
             Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress,
@@ -98,19 +97,15 @@ class _Rate:
         self._progress.tell(words, done, total)
 
 
-def _outputs(paths: list[str]) -> list[str]:
-    """Output files; refused if they could not be written."""
+def _check_suffixes(paths: list[str]) -> None:
+    """Refuse output files of a kind that is not written."""
     for path in paths:
-        if path == STDOUT:
-            continue
         suffix = Path(path).suffix.lower()
-        if suffix not in (".csv", ".parquet"):
-            raise SceneError(key="-o", expected="a file ending in .csv or .parquet", found=path)
+        if path != STDOUT and suffix not in (".csv", ".parquet"):
+            refuse("-o", "a file ending in .csv or .parquet", path)
         if suffix == ".parquet" and find_spec("pyarrow") is None:
             expected = "a CSV file, since Parquet needs pyarrow: pip install 'flankload[parquet]'"
-            raise SceneError(key="-o", expected=expected, found=path)
-        check_file("-o", Path(path))
-    return list(dict.fromkeys(paths))
+            refuse("-o", expected, path)
 
 
 def _pictures(found: DesignStudy, folder: Path | None) -> list[str]:
@@ -150,7 +145,7 @@ def _dask(address: str) -> Iterator[Executor]:
     """Workers of a dask scheduler."""
     if find_spec("distributed") is None:
         expected = "the package distributed: pip install 'flankload[dask]'"
-        raise SceneError(key="--scheduler", expected=expected, found="no such package")
+        refuse("--scheduler", expected, "no such package")
     from distributed import Client
 
     try:
@@ -199,8 +194,5 @@ def _check_output(path: Path, scene: Scene, file: Path) -> None:
     check_file("-o", path)
     check_apart([("-o", path)], scene, {"the optimisation": file})
     if scene.files and path.resolve().parent != scene.folder.resolve():
-        raise SceneError(
-            key="-o",
-            expected=f"a file in the folder {scene.folder} of the scene, which names other files",
-            found=path,
-        )
+        expected = f"a file in the folder {scene.folder} of the scene, which names other files"
+        refuse("-o", expected, path)

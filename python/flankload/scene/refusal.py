@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from datetime import date, time
 from numbers import Real
+from pathlib import Path
 from typing import NoReturn
 
 from flankload.errors import SceneError
@@ -33,8 +34,8 @@ def refuse_absent(key: str, name: str, wanted: str, beside: str) -> NoReturn:
     refuse(f"{key}.{name}", f"{wanted}, since there is a {key}.{beside}", None)
 
 
-def refuse(key: str, expected: str, found: object) -> NoReturn:
-    """Refuse a key, of which `key` is the dotted path.
+def refuse(key: str, expected: str, found: object, file: str | Path | None = None) -> NoReturn:
+    """Refuse a key (of a file), of which `key` is the dotted path.
 
     A found string is used as it is; any other value is shown as the user wrote it; None: "nothing".
 
@@ -44,4 +45,4 @@ def refuse(key: str, expected: str, found: object) -> NoReturn:
     """
     if not isinstance(found, str):
         found = "nothing" if found is None else shown(found)
-    raise SceneError(key=key, expected=expected, found=found)
+    raise SceneError(key=key, expected=expected, found=found, file=file)

@@ -19,6 +19,7 @@ from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import bodies_of
 from flankload.scene import read_scene
 from flankload.scene.discretization import DEFAULT
+from flankload.scene.refusal import refuse
 from flankload.studies.benchmark.case import Case, place_of
 from flankload.studies.prepared import solve_scene
 
@@ -66,8 +67,7 @@ def read_answers(path: Path) -> Answers:
         _check_numbers(path, found)
         return msgspec.convert(found, Answers)
     except OSError as error:
-        expected, why = "a JSON file with answers to read", str(error.strerror).lower()
-        raise SceneError(file=path, key="file", expected=expected, found=why) from None
+        refuse("file", "a JSON file with answers to read", str(error.strerror).lower(), path)
     except msgspec.DecodeError as error:
         raise SceneError(file=path, key="answers", expected="answers", found=error) from None
 
@@ -78,12 +78,7 @@ def _check_numbers(path: Path, found: Any) -> None:
     for name, values in cases.items() if isinstance(cases, dict) else ():
         for identifier, value in values.items() if isinstance(values, dict) else ():
             if not is_number(value):
-                raise SceneError(
-                    file=path,
-                    key=f"values.{name}.{identifier}",
-                    expected="a number",
-                    found=repr(value),
-                )
+                refuse(f"values.{name}.{identifier}", "a number", repr(value), path)
 
 
 def check_answers(answers: Answers, cases: Sequence[Case], path: Path) -> None:
@@ -101,9 +96,7 @@ def check_answers(answers: Answers, cases: Sequence[Case], path: Path) -> None:
 def _require_known(path: Path, key: str, name: str, known: list[str]) -> None:
     if name not in known:
         near = get_close_matches(name, known, n=1) or known[:1]
-        raise SceneError(
-            file=path, key=key, expected=f"names of the set, such as {near[0]}", found=name
-        )
+        refuse(key, f"names of the set, such as {near[0]}", name, path)
 
 
 def answers_of(case: Case, folder: Path) -> tuple[dict[str, float], float]:
@@ -123,12 +116,7 @@ def answers_of(case: Case, folder: Path) -> tuple[dict[str, float], float]:
     for identifier in case.quantities:
         name, place = place_of(identifier)
         if name not in known:
-            raise SceneError(
-                file=folder / case.name / "case.json",
-                key="quantities",
-                expected=", ".join(known),
-                found=name,
-            )
+            refuse("quantities", ", ".join(known), name, folder / case.name / "case.json")
         values[identifier] = known[name](*place)
     return values, perf_counter() - began
 
@@ -136,12 +124,12 @@ def answers_of(case: Case, folder: Path) -> tuple[dict[str, float], float]:
 def _of_result(result: Result) -> dict[str, Value]:
     """Quantities of a scene: at a position, of a pair, at a place of the face width."""
 
+    sites = result.sites.tolist()
+
     def of_pair(array: NDArray[Any]) -> Value:
-        sites = result.sites.tolist()
         return lambda p, pair: float(array[int(p), sites.index(int(pair))])
 
     def of_slice(array: NDArray[Any]) -> Value:
-        sites = result.sites.tolist()
         return lambda p, pair, z: float(
             np.interp(z, result.slice_z_mm, array[int(p), sites.index(int(pair))])
         )
@@ -213,8 +201,5 @@ def _compliance(case: Case, folder: Path) -> Value:
     near = 0.5 * found.near.kernel * projected_potential(surface, MODES_S, MODES_Z - 1)
     response[0] += near / np.outer(norms, norms)
 
-    def value(tooth: float, a: float, c: float) -> float:
-        mode = int(a) * MODES_Z + int(c)
-        return float(1e6 * response[int(tooth), mode, mode])
-
-    return value
+    modes = 1e6 * np.einsum("tmm->tm", response)
+    return lambda tooth, a, c: float(modes[int(tooth), int(a) * MODES_Z + int(c)])

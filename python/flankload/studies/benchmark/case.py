@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
 
 from flankload.errors import SceneError
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -74,15 +75,10 @@ def read_cases(folder: Path, names: Sequence[str] = ()) -> tuple[Case, ...]:
     """
     known = sorted(path.parent.name for path in folder.glob("*/case.json"))
     if not known:
-        raise SceneError(
-            file=folder,
-            key="folder",
-            expected="a folder for each case, with case.json",
-            found="none",
-        )
+        refuse("folder", "a folder for each case, with case.json", "none", folder)
     for name in names:
         if name not in known:
-            raise SceneError(file=folder, key="case", expected=", ".join(known), found=name)
+            refuse("case", ", ".join(known), name, folder)
     return tuple(_read_case(folder / name / "case.json") for name in names or known)
 
 
@@ -92,22 +88,11 @@ def _read_case(path: Path) -> Case:
     except msgspec.DecodeError as error:
         raise SceneError(file=path, key="case", expected="a case", found=error) from None
     if case.name != path.parent.name:
-        raise SceneError(
-            file=path, key="name", expected=f"{path.parent.name}, as its folder", found=case.name
-        )
+        refuse("name", f"{path.parent.name}, as its folder", case.name, path)
     for identifier, quantity in case.quantities.items():
         if IDENTIFIER.fullmatch(identifier) is None:
-            raise SceneError(
-                file=path,
-                key="quantities",
-                expected='a name such as "force[0, 1]"',
-                found=identifier,
-            )
-        if not (isfinite(quantity.value) and 0.0 < quantity.uncertainty < float("inf")):
-            raise SceneError(
-                file=path,
-                key=f"quantities.{identifier}",
-                expected="a finite value and an uncertainty > 0",
-                found=f"{quantity.value} and {quantity.uncertainty}",
-            )
+            refuse("quantities", 'a name such as "force[0, 1]"', identifier, path)
+        if not (isfinite(quantity.value) and 0.0 < quantity.uncertainty < inf):
+            found = f"{quantity.value} and {quantity.uncertainty}"
+            refuse(f"quantities.{identifier}", "a finite value and an uncertainty > 0", found, path)
     return case

@@ -77,31 +77,19 @@ class Comparison:
                     MISSING if seconds is None else f"{seconds:.2f}",
                 )
             )
-        title = (
-            f"{self.program}: quantities within the uncertainty of the reference, and the largest "
-            "difference as a multiple of it"
-        )
+        title = f"{self.program}: quantities within the uncertainty of the reference, "
+        title += "and the largest difference as a multiple of it"
         return "\n".join([title, "", *text_table(table, left=1)])
 
     def case_text(self, name: str) -> str:
         """A row per quantity of a case."""
-        table: list[Sequence[str]] = [
-            (name, "unit", "reference", "uncertainty", self.program, "ratio")
-        ]
+        table = [(name, "unit", "reference", "uncertainty", self.program, "ratio")]
         for row in self.rows[name]:
             found = MISSING if row.found is None else f"{row.found:.6g}"
             ratio = MISSING if row.ratio is None else f"{row.ratio:.2f}"
-            reference = row.reference
-            table.append(
-                (
-                    row.identifier,
-                    reference.unit,
-                    f"{reference.value:.6g}",
-                    f"{reference.uncertainty:.2g}",
-                    found,
-                    ratio,
-                )
-            )
+            value, uncertainty = row.reference.value, row.reference.uncertainty
+            numbers = (f"{value:.6g}", f"{uncertainty:.2g}", found, ratio)
+            table.append((row.identifier, row.reference.unit, *numbers))
         return "\n".join(text_table(table, left=2))
 
     def as_dict(self) -> dict[str, Any]:
