@@ -15,13 +15,14 @@ from flankload.errors import SceneError
 from flankload.exchange.rexs.model import RENAMED, Attribute, Component, Model, Relation, Value
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from pathlib import Path
 
 #: Names under which an attribute has a value that a scene may need.
 SCALARS = ("floating_point", "integer", "boolean", "enum", "string", "reference_component")
 ARRAYS = ("floating_point_array", "integer_array")
 Tree = dict[str, Any]
-Item = TypeVar("Item", Component, Relation)
+Item = TypeVar("Item")
 
 
 class Builder(TreeBuilder):
@@ -99,7 +100,10 @@ class Form:
             version=version,
             components=self._by_id(components, "component"),
             relations=tuple(self._by_id(relations, "relation").values()),
-            load_cases=self._cases(cases),
+            load_cases={
+                number: self._by_id(parts, f"load_case {number}: component")
+                for number, parts in self._by_id(cases, "load_case").items()
+            },
         )
         self._check_references(model)
         return model
@@ -126,46 +130,39 @@ class Form:
             self.refuse(key, "a list of objects", _kind(found))
         return found
 
-    def _components(self, owner: Tree) -> list[Component]:
-        return [self._component(part) for part in self._objects(owner, "components")]
+    def _components(self, owner: Tree) -> list[tuple[int, Component]]:
+        """Components by their ids; refused if an attribute has no id or occurs twice."""
+        components = []
+        for part in self._objects(owner, "components"):
+            number = self._id(part.get("id"), "component")
+            attributes = self._objects(part, "attributes")
+            kind = self._text(part.get("type"), f"component {number}", "a type")
+            kind = RENAMED.get(kind, kind)
+            found: dict[str, Attribute] = {}
+            for item in attributes:
+                key = self._text(item.get("id"), f"{kind} {number}: attribute", "an id")
+                if key in found:
+                    self.refuse(f"{kind} {number}: {key}", "one attribute with this id", "two")
+                found[key] = Attribute(_text_of(item.get("unit")), _value(item))
+            name = " ".join((_text_of(part.get("name")) or "").split())
+            components.append((number, Component(number, kind, name, found)))
+        return components
 
-    def _component(self, part: Tree) -> Component:
-        """A component; refused if an attribute has no id or occurs twice."""
-        number = self._id(part.get("id"), "component")
-        attributes = self._objects(part, "attributes")
-        kind = self._text(part.get("type"), f"component {number}", "a type")
-        kind = RENAMED.get(kind, kind)
-        found: dict[str, Attribute] = {}
-        for item in attributes:
-            key = self._text(item.get("id"), f"{kind} {number}: attribute", "an id")
-            if key in found:
-                self.refuse(f"{kind} {number}: {key}", "one attribute with this id", "two")
-            found[key] = Attribute(_text_of(item.get("unit")), _value(item))
-        return Component(number, kind, " ".join((_text_of(part.get("name")) or "").split()), found)
-
-    def _relation(self, part: Tree) -> Relation:
+    def _relation(self, part: Tree) -> tuple[int, Relation]:
         number = self._id(part.get("id"), "relation")
         what, refs = f"relation {number}", self._objects(part, "refs")
         pairs = tuple(
             (self._text(ref.get("role"), what, "a role"), self._id(ref.get("id"), what))
             for ref in refs
         )
-        return Relation(number, self._text(part.get("type"), what, "a type"), pairs)
+        return number, Relation(number, self._text(part.get("type"), what, "a type"), pairs)
 
-    def _cases(self, cases: list[tuple[int, list[Component]]]) -> dict[int, dict[int, Component]]:
-        found: dict[int, dict[int, Component]] = {}
-        for number, parts in cases:
-            if number in found:
-                self.refuse(f"load_case {number}", "an id that is unique", "two of them")
-            found[number] = self._by_id(parts, f"load_case {number}: component")
-        return found
-
-    def _by_id(self, items: list[Item], what: str) -> dict[int, Item]:
+    def _by_id(self, items: Iterable[tuple[int, Item]], what: str) -> dict[int, Item]:
         found: dict[int, Item] = {}
-        for item in items:
-            if item.id in found:
-                self.refuse(f"{what} {item.id}", "an id that is unique", "two of them")
-            found[item.id] = item
+        for number, item in items:
+            if number in found:
+                self.refuse(f"{what} {number}", "an id that is unique", "two of them")
+            found[number] = item
         return found
 
     def _check_references(self, model: Model) -> None:
@@ -182,14 +179,9 @@ class Form:
 
 
 def _value(item: Tree) -> Value:
-    for name in SCALARS:
-        value = item.get(name)
-        if isinstance(value, str | int | float):
-            return value
-    for name in ARRAYS:
-        if isinstance(item.get(name), list):
-            return tuple(item[name])
-    return None
+    scalars = (item[name] for name in SCALARS if isinstance(item.get(name), str | int | float))
+    arrays = (tuple(item[name]) for name in ARRAYS if isinstance(item.get(name), list))
+    return next(scalars, next(arrays, None))
 
 
 def _text_of(value: object) -> str | None:

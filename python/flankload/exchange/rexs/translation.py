@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.errors import SceneError
 from flankload.exchange.rexs.body import body_of
-from flankload.exchange.rexs.load import model_of_case, torque_of
 from flankload.exchange.rexs.modifications import modifications_of
 from flankload.exchange.rexs.pair import pair_of
 from flankload.exchange.rexs.source import Stock
-from flankload.exchange.rexs.stages import Stage, stage_of
+from flankload.exchange.rexs.stages import Stage, model_of_case, stage_of, torque_of
 from flankload.scene import Scene
 from flankload.scene.tree import with_changes
 
