@@ -13,9 +13,10 @@ import numpy as np
 from flankload.base.arguments import require, require_path
 from flankload.base.card import Card
 from flankload.base.files import write_atomically
-from flankload.errors import OtherProgramError, SceneError
+from flankload.errors import OtherProgramError
 from flankload.mechanisms import run_once
 from flankload.scene import scene_of
+from flankload.scene.refusal import refuse
 from flankload.studies.plan import choose_effects
 from flankload.studies.tolerance import first_scene
 from flankload.studies.verification.calculix import JOB, Answer, find_program, run_deck
@@ -227,18 +228,13 @@ def _run(
 ) -> Answer:
     """Solution of CalculiX; the folder is deleted unless it is kept or there is no solution."""
     try:
-        found = find_program(program)
-    except OtherProgramError as error:
-        raise OtherProgramError(str(error), folder=folder) from None
-    try:
-        answer = run_deck(found, folder, deck, time_limit_s=time_limit_s)
-    except KeyboardInterrupt:
+        return run_deck(find_program(program, folder), folder, deck, time_limit_s=time_limit_s)
+    except OtherProgramError:
+        keep = True
+        raise
+    finally:
         if not keep:
             shutil.rmtree(folder)
-        raise
-    if not keep:
-        shutil.rmtree(folder)
-    return answer
 
 
 def _comparison(
@@ -307,14 +303,10 @@ def _solved(scene: Scene, position: int) -> tuple[Scene, Result]:
     scene, _ = choose_effects(first_scene(scene))
     check_bodies(scene)
     if not any(scene.torques_Nm):
-        raise SceneError(file=scene.file, key="load.torque_Nm", expected="a torque > 0", found="0")
+        refuse("load.torque_Nm", "a torque > 0", "0", scene.file)
     result = max(run_once(scene), key=lambda result: result.torque_Nm)
     count = result.position_rad.size
     if not 0 <= position < count:
-        raise SceneError(
-            file=scene.file,
-            key="position",
-            expected=f"an index from 0 to {count - 1}, since there are {count} positions",
-            found=f"{position}",
-        )
+        expected = f"an index from 0 to {count - 1}, since there are {count} positions"
+        refuse("position", expected, f"{position}", scene.file)
     return scene, result

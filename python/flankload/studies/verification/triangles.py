@@ -39,17 +39,9 @@ LEAST_JACOBIAN = 0.4
 class Border:
     """Sides that belong to one triangle; k of them.
 
-    Attributes
-    ----------
-    ends : (k, 2) array
-        Vertices; the material is on the left.
-    middles : (k, 2) array
-        Places, mm.
-    flank : (k,) array
-        Number of the flank curve of the side, -1 if none.
-    s : (k, 2) array
-        Arc lengths of both ends on that curve, mm; NaN if none.
-    held : (k,) bool array
+    `ends` (k, 2) are vertices, with the material on the left; `middles` (k, 2) places in mm;
+    `flank` (k,) is the number of the flank curve of a side, -1 if none; `s` (k, 2) are the arc
+    lengths of both ends on that curve in mm, NaN if none; `held` (k,) are the fixed sides.
     """
 
     ends: Numbers
@@ -61,16 +53,9 @@ class Border:
 
 @dataclass(frozen=True)
 class Triangles:
-    """A plane body in triangles.
+    """A plane body in triangles: vertices (n, 2) in mm, corners (m, 3) counter-clockwise.
 
-    Attributes
-    ----------
-    vertices : (n, 2) array
-        mm.
-    corners : (m, 3) array
-        Counter-clockwise.
-    curves : tuple of FlankCurve
-        The curves numbered by `border.flank`, at their places.
+    `curves` are the curves numbered by `border.flank`, at their places.
     """
 
     vertices: Floats
