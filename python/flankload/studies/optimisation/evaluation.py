@@ -16,29 +16,22 @@ from flankload.studies.prepared import solve_scene
 from flankload.studies.sensitivity import sensitivity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
+    from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.optimisation.model import Floats
-    from flankload.studies.optimisation.problem import Constraint, Objective, Variable
+    from flankload.studies.optimisation.problem import Constraint, Objective, Options, Variable
     from flankload.studies.sensitivity import Sensitivity
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One point of the search.
+    """One point of the search: values of the variables from a starting point, by its number.
 
-    Attributes
-    ----------
-    start : int
-        Number of the starting point.
-    values : tuple of float
-        Of the variables.
-    objective : float or None
-        None if the scene could not be solved.
-    excess : float
-        Largest relative amount by which a limit is exceeded; 0 if all are kept.
+    `objective` is None if the scene could not be solved; `excess` is the largest relative amount by
+    which a limit is exceeded, 0 if all are kept.
     """
 
     start: int
@@ -56,10 +49,10 @@ class Evaluator:
     scene : Scene
     variables, objective, constraints
         The problem.
-    margin : float
-        Relative distance that is kept from the limits.
-    on_evaluation : callable or None
-        Called with the number of evaluations.
+    options : Options
+        Their tolerance is the relative distance that is kept from the limits.
+    progress : callable or None
+        Called as progress("optimise", done, total).
     parts : Parts
         Bodies and compliances of all points.
     figures : tuple of Figure
@@ -77,8 +70,8 @@ class Evaluator:
     variables: Sequence[Variable]
     objective: Objective
     constraints: Sequence[Constraint]
-    margin: float
-    on_evaluation: Callable[[int], None] | None = None
+    options: Options
+    progress: Progress | None = None
     parts: Parts = field(default_factory=Parts)
     figures: tuple[Figure, ...] = ()
     goals: Goals = field(init=False)
@@ -141,8 +134,9 @@ class Evaluator:
 
     def _add(self, evaluation: Evaluation) -> None:
         self.history.append(evaluation)
-        if self.on_evaluation is not None:
-            self.on_evaluation(len(self.history))
+        if self.progress is not None:
+            most = self.options.starts * self.options.most_evaluations
+            self.progress("optimise", min(len(self.history), most), most)
 
     def _figures_of(self, result: Result) -> Iterator[Figure]:
         for name in self.objective.names:
@@ -182,5 +176,5 @@ class Evaluator:
         factors[: len(lines), : lines.shape[1]] = lines
         factors[len(lines) :, lines.shape[1] :] = np.eye(c)
         limits = np.repeat([float(constraint.at_most) for constraint in self.constraints], n)
-        limits -= self.margin * np.abs(limits)
-        return Goals(factors, len(lines), limits, self.margin)
+        margin = self.options.tolerance
+        return Goals(factors, len(lines), limits - margin * np.abs(limits), margin)

@@ -34,13 +34,9 @@ HARMONIC = re.compile(r"transmission_error_(mesh_)?harmonics_um\[(\d+)\]")
 class Figure:
     """A key figure: the sum of the largest entries of one or two arrays.
 
-    Attributes
-    ----------
-    name : str
-        As in `Result.summary`; parts of tables behind dots, entries of lists in brackets.
-    maxima : tuple of callables
-        Each returns an array of any shape for a result; values of positions and sites in its first
-        axes, in this order.
+    Its name is that in `Result.summary`; parts of tables behind dots, entries of lists in brackets.
+    Each of the maxima returns an array of any shape for a result; values of positions and sites in
+    its first axes, in this order.
     """
 
     name: str

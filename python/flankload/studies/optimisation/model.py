@@ -15,15 +15,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Maximum:
-    """Numbers of which the largest counts, at one torque.
+    """Numbers (k,) of which the largest counts, at one torque, with their gradients (k, n).
 
-    Attributes
-    ----------
-    row : int
-        Number of the goal to which it is added.
-    values : (k,) array
-    gradients : (k, n) array
-        With respect to the variables as parts of their ranges.
+    `row` is the number of the goal to which it is added; gradients are those with respect to the
+    variables as parts of their ranges.
     """
 
     row: int
@@ -98,15 +93,7 @@ class Goals:
 
 @dataclass(frozen=True)
 class Point:
-    """A solved point.
-
-    Attributes
-    ----------
-    x : (n,) array
-        Variables as parts of their ranges, 0 to 1.
-    maxima : tuple of Maximum
-    n_rows : int
-    """
+    """A solved point: the variables (n,) as parts of their ranges, 0 to 1, and its maxima."""
 
     x: Floats
     maxima: tuple[Maximum, ...]

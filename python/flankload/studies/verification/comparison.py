@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -67,8 +68,28 @@ class Layers:
         return float(summed.max() / mean) if mean > 0 else float("nan")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Verification(Card):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class SolvedPosition(Card):
+    """Values of flankload at a position, as `Verification` describes them."""
+
+    name: str
+    position: int
+    position_rad: float
+    torque_Nm: float
+    face_width_mm: float
+    reference_radius_mm: float
+    sites: Numbers
+    rotation_rad: float
+    site_force_N: Floats
+    peak_pressure_MPa: Floats
+    corner_contact: Flags
+    job_cpu_s: float
+    position_cpu_s: float
+    positions: int
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Verification(SolvedPosition):
     """One position by both programs; S pairs that may touch.
 
     Attributes
@@ -103,20 +124,6 @@ class Verification(Card):
         Layers of solid bodies; None in a plane scene.
     """
 
-    name: str
-    position: int
-    position_rad: float
-    torque_Nm: float
-    face_width_mm: float
-    reference_radius_mm: float
-    sites: Numbers
-    rotation_rad: float
-    site_force_N: Floats
-    peak_pressure_MPa: Floats
-    corner_contact: Flags
-    job_cpu_s: float
-    position_cpu_s: float
-    positions: int
     nodes: int
     elements: int
     finest_mm: float
@@ -201,13 +208,9 @@ def verify(
     require_path("folder", folder)
     scene, result = _solved(scene_of(scene), position)
     plane = result.slices is None
-    model = (model_of if plane else solid_model_of)(
-        scene,
-        result,
-        position,
-        elements_per_half_width=elements_per_half_width or (ELEMENTS if plane else SOLID_ELEMENTS),
-        large_displacement=large_displacement,
-    )
+    deck_of = partial(model_of if plane else solid_model_of, large_displacement=large_displacement)
+    elements = elements_per_half_width or (ELEMENTS if plane else SOLID_ELEMENTS)
+    model = deck_of(scene, result, position, elements_per_half_width=elements)
     path = _write(model.deck, folder)
     keep = folder is not None
     answer = _run(path.parent, model.deck, program, time_limit_s, keep=keep) if run else None
