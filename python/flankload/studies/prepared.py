@@ -53,18 +53,13 @@ class Prepared:
         Parameters
         ----------
         changes : mapping of str to object, optional
-            As of `Scene.replace`.
+            As of `Scene.replace`, as are its errors.
         progress : callable, optional
-            As of `solve`.
+            As of `solve`, as are its errors.
 
         Returns
         -------
         Result
-
-        Raises
-        ------
-        SceneError, FlankloadError
-            As `Scene.replace` and `solve`.
         """
         scene = self.scene if not changes else self.scene.replace(changes)
         return solve_scene(scene, progress, self.parts)

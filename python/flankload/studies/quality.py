@@ -89,9 +89,7 @@ def of_quality(scene: Scene, name: str, quality: Quality) -> JointNormal:
             helix_angle_deg=getattr(body, "helix_angle_deg", 0.0),
         )
     except SceneError as error:
-        raise SceneError(
-            key=f"{place}.{error.key}", expected=error.expected, found=error.found
-        ) from None
+        refuse(f"{place}.{error.key}", error.expected, error.found)
     if key == "pitch_errors_um":
         transverse = pi * body.module_mm / cos(body.helix_rad)
         factor = pitch_factor(limits, body.teeth) * (body.base_pitch_mm / transverse)

@@ -40,16 +40,9 @@ class StoppedError(Exception):
 class Task:
     """A run to be done; small, since it is sent to the worker.
 
-    Attributes
-    ----------
-    study : bytes
-        Digest of the scene that all designs change: parts are shared within it.
-    scene : Scene
-        With an absolute path of its file.
-    names : tuple of str
-        Quantities that are wanted.
-    whole : bool
-        Whether the whole summary is kept beside them, since others may be wanted later.
+    `study` is the digest of the scene that all designs change: parts are shared within it. The
+    scene has an absolute path of its file, `names` are the wanted quantities, and `whole` says
+    whether the whole summary is kept beside them, since others may be wanted later.
     """
 
     study: bytes

@@ -32,16 +32,10 @@ MOST_IN_FLIGHT = 1000
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """A design with its outcome.
+    """A design with its outcome, in which are the chosen quantities only.
 
-    Attributes
-    ----------
-    number : int
-        From 0, in the order of the designs.
-    values : dict
-        Values by name of the variable; variables that keep the value of the scene are missing.
-    outcome : Outcome
-        With the chosen quantities only.
+    `number` counts from 0 in the order of the designs; `values` has the values by name of the
+    variable, without those that keep the value of the scene.
     """
 
     number: int
@@ -94,13 +88,7 @@ def processors() -> int:
 
 @dataclass(eq=False)
 class _Runs:
-    """State of a study: runs in flight and finished rows.
-
-    Attributes
-    ----------
-    warm : bool
-        Whether a run has ended.
-    """
+    """State of a study: runs in flight and finished rows; `warm`: whether a run has ended."""
 
     scene: Scene
     designs: Designs

@@ -68,8 +68,7 @@ def study(
     seed : int
         Seed of these two; more designs of the same seed begin with the same ones.
     quantities : sequence of str
-        Names in `Result.summary` (entries of tables by dotted names) or arrays over the positions,
-        as "transmission_error_um".
+        Names in `Result.summary` (of tables: dotted) or arrays over the positions.
     store : path, optional
         SQLite file. Runs that it has are not solved again; each further run is written at once.
     executor : concurrent.futures.Executor, optional
@@ -78,7 +77,7 @@ def study(
     Returns
     -------
     DesignStudy
-        With a row for each design, including those that failed.
+        Failed designs included.
 
     Raises
     ------
@@ -93,8 +92,8 @@ def study(
     """
     scene = scene_of(scene)
     require_path("store", store)
-    able = executor is None or hasattr(executor, "submit")
-    require("executor", executor, "an Executor", fits=able)
+    fits = executor is None or hasattr(executor, "submit")
+    require("executor", executor, "an Executor", fits=fits)
     designs = Designs(variables_of(variables), design, n, seed)
     return run_study(scene, designs, quantities, store, executor)
 
@@ -142,9 +141,7 @@ def check_first(scene: Scene, designs: Designs) -> None:
             paths = [path for variable in designs.variables for path in variable.paths]
             for table, names in (("variables", paths), ("changes", designs.fixed)):
                 if any(error.key.startswith(path) for path in names):
-                    key = f"{table}.{error.key}"
-                    expected, found = error.expected, error.found
-                    raise SceneError(key=key, expected=expected, found=found) from None
+                    refuse(f"{table}.{error.key}", error.expected, error.found)
             raise
 
 

@@ -24,17 +24,10 @@ Names = Annotated[tuple[Text, ...], Meta(min_length=1)]
 
 
 class StudyKeys(Table, frozen=True, kw_only=True):
-    """Keys of a study file beside its tables [variables] and [changes].
+    """Keys of a study file beside its tables [variables] and [changes], as of `study`.
 
-    Attributes
-    ----------
-    scene : str
-        Scene file; paths are relative to the folder of the study.
-    design, n, seed
-        As in `Designs`.
-    quantities : tuple of str
-    store : str or None
-        By default the name of the study file with the suffix .sqlite.
+    The paths of the scene and the store are relative to the folder of the study; the store is by
+    default the name of the study file with the suffix .sqlite.
     """
 
     scene: Text
@@ -47,16 +40,7 @@ class StudyKeys(Table, frozen=True, kw_only=True):
 
 @dataclass(frozen=True)
 class StudyFile:
-    """A study as its file defines it.
-
-    Attributes
-    ----------
-    file : Path
-    scene : Scene
-    designs : Designs
-    quantities : tuple of str
-    store : Path
-    """
+    """A study as its file defines it."""
 
     file: Path
     scene: Scene
