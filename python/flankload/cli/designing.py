@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.cli.outputs import STDOUT, check_apart, check_file, check_outputs, refuse, write_text
 from flankload.cli.solving import Progress
-from flankload.errors import FlankloadError, SceneError
+from flankload.errors import FlankloadError
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -42,6 +42,7 @@ def study(arguments: Namespace) -> None:
     if arguments.workers is not None and arguments.scheduler is not None:
         expected = "no such option with --scheduler, which has its own workers"
         refuse("--workers", expected, arguments.workers)
+    from flankload.scene.refusal import in_file
     from flankload.studies.design import read_study, run_study
 
     asked = read_study(arguments.file)
@@ -50,19 +51,14 @@ def study(arguments: Namespace) -> None:
     check_apart([("the study", asked.file), (store, asked.store), *places], asked.scene)
     try:
         with (
+            in_file(asked.file),
             Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress,
             _executor(arguments) as executor,
         ):
+            tell = _Rate(progress).tell
             found = run_study(
-                asked.scene,
-                asked.designs,
-                asked.quantities,
-                asked.store,
-                executor,
-                _Rate(progress).tell,
+                asked.scene, asked.designs, asked.quantities, asked.store, executor, tell
             )
-    except SceneError as error:
-        raise (error if error.file else error.with_file(asked.file)) from None
     except KeyboardInterrupt as stop:
         said = str(stop) or "interrupted"
         raise KeyboardInterrupt(f"{said}; {arguments.line} resumes") from None
@@ -161,27 +157,23 @@ def optimise(arguments: Namespace) -> None:
     from flankload.scene import read_scene
     from flankload.scene.form import read_table
     from flankload.scene.reader import read_tables
+    from flankload.scene.refusal import in_file
     from flankload.studies.optimisation import OptimisationFile
     from flankload.studies.optimisation import optimise as optimum_of
 
     file: Path = arguments.file
     tree = read_tables(file, "a file of an optimisation")
     options = {key: value for key, value in tree.items() if key not in TABLES}
-    try:
+    with in_file(file):
         scene_path = file.parent / read_table(OptimisationFile, options, "").scene
-    except SceneError as error:
-        raise error.with_file(file) from None
     scene = read_scene(scene_path)
     if arguments.output is not None:
         _check_output(arguments.output, scene, file)
     del options["scene"]
     tables: dict[str, Any] = {"variables": (), "objective": {}, "constraints": ()}
     tables |= {key: tree[key] for key in TABLES if key in tree}
-    try:
-        with Progress(wanted=sys.stderr.isatty()) as progress:
-            optimum = optimum_of(scene, **tables, progress=progress.tell, **options)
-    except SceneError as error:
-        raise (error if error.file is not None else error.with_file(file)) from None
+    with in_file(file), Progress(wanted=sys.stderr.isatty()) as progress:
+        optimum = optimum_of(scene, **tables, progress=progress.tell, **options)
     if arguments.output is not None:
         from flankload.base.files import write_atomically
 

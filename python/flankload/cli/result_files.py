@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flankload.cli.outputs import STDOUT, check_outputs, refuse, write_text
-from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -82,6 +81,7 @@ def write_files(
     There is a result per torque; `listed`: the scene has a list of torques.
     """
     from flankload import result as forms
+    from flankload.scene.refusal import in_file
 
     form, said = csv_form(arguments.csv_format), []
     if arguments.json is not None:
@@ -92,10 +92,8 @@ def write_files(
         forms.results_to_xlsx(results, arguments.xlsx)
     tables = (arguments.stiffness_csv, arguments.modelica, arguments.fmu)
     if any(path is not None for path in tables):
-        try:
+        with in_file(scene.file or "scene"):
             said += _write_tables(arguments, forms.stiffness_table(results), form)
-        except SceneError as error:
-            raise error.with_file(scene.file or "scene") from None
     if arguments.vtu is not None:
         from flankload.export import write_vtu
 

@@ -25,16 +25,10 @@ MOST_NAMED = 8
 
 @dataclass(frozen=True)
 class Findings:
-    """Remarks on a run.
+    """Remarks on a run: violated premises of the model, and other warnings.
 
-    Attributes
-    ----------
-    violated, warnings : tuple of str
-        Violated premises of the model; other warnings.
-    uncertain : tuple of str
-        Positions with another status than solved, and quantities without an error estimate.
-    tolerance : tuple of str
-        Lines on the tolerance of the scene, if it names one.
+    `uncertain` are positions with another status than solved, and quantities without an error
+    estimate; `tolerance` are lines on the tolerance of the scene, if it names one.
     """
 
     violated: tuple[str, ...]

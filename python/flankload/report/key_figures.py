@@ -23,18 +23,9 @@ OF_SEVERAL = ("transmission_error_peak_to_peak_um",)
 
 @dataclass(frozen=True)
 class Cell:
-    """A number of a table.
+    """A number of a table: with all digits (text where it is no number) and as printed.
 
-    Attributes
-    ----------
-    value : float, int or str
-        The number with all digits; text where it is no number.
-    text : str
-        The number as printed.
-    error : float or None
-        Estimated relative error.
-    note : str
-        Text behind the number: where and on which pair.
+    `error` is its estimated relative error, `note` the text behind it: where and on which pair.
     """
 
     value: float | int | str
@@ -45,14 +36,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """A key figure.
-
-    Attributes
-    ----------
-    name, symbol, unit : str
-    cells : tuple of Cell or None
-        One per torque; None where the figure is unknown.
-    """
+    """A key figure, with a cell per torque; None where the figure is unknown."""
 
     name: str
     symbol: str

@@ -65,17 +65,7 @@ OFF = 2e-4
 
 @dataclass(frozen=True)
 class Plot:
-    """A plot of a section.
-
-    Attributes
-    ----------
-    name : str
-        Unique in a page.
-    picture : str
-        Name of the picture that it belongs to.
-    title : str
-    panel : Panel
-    """
+    """A plot of a section: its name, unique in a page, and that of its picture."""
 
     name: str
     picture: str

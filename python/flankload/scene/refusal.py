@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import date, time
 from numbers import Real
 from pathlib import Path
@@ -27,6 +28,17 @@ def shown(value: object) -> str:
         text = str(value) if isinstance(value, date | time) else repr(value)
     text = " ".join(text.split())
     return text if len(text) <= 80 else text[:77] + "..."
+
+
+@contextmanager
+def in_file(path: str | Path | None) -> Iterator[None]:
+    """Name the file of the keys in errors that name none."""
+    try:
+        yield
+    except SceneError as error:
+        if path is None or error.file is not None:
+            raise
+        raise error.with_file(path) from None
 
 
 def refuse_absent(key: str, name: str, wanted: str, beside: str) -> NoReturn:

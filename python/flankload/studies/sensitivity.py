@@ -24,7 +24,7 @@ from flankload.errors import InputError, SceneError
 from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.mechanisms.registry import require_flanks
 from flankload.result import Result
-from flankload.scene.refusal import refuse
+from flankload.scene.refusal import in_file, refuse
 from flankload.scene.schema import scene_paths
 from flankload.scene.tree import number_at
 
@@ -225,7 +225,7 @@ def _steps_of(scene: Scene, paths: Sequence[str]) -> list[float]:
     fits = isinstance(paths, Sequence) and not isinstance(paths, str) and bool(paths)
     fits = fits and all(isinstance(path, str) for path in paths)
     require("paths", paths, "a sequence of paths", fits=fits)
-    try:
+    with in_file(scene.file):
         require_flanks(scene)
         if scene.steers:
             expected = "no tolerance for derivatives: the discretization must not change"
@@ -234,8 +234,6 @@ def _steps_of(scene: Scene, paths: Sequence[str]) -> list[float]:
             expected = "named effects for derivatives: they must not change"
             refuse("effects.choose", expected, scene.effects.choose)
         return [_step_of(scene, path) for path in paths]
-    except SceneError as error:
-        raise (error if scene.file is None else error.with_file(scene.file)) from None
 
 
 def _step_of(scene: Scene, path: str) -> float:

@@ -29,19 +29,10 @@ DIGITS = 14
 
 @dataclass(frozen=True)
 class Entry:
-    """An attribute that is read.
+    """An attribute that is read, of components of some types.
 
-    Attributes
-    ----------
-    types : tuple of str
-        Types of components that have the attribute.
-    attribute : str
-    in_file : str
-        Unit in the database, for attributes to which the file gives no unit.
-    key : str
-        Key of the scene; `body` is `body_1` or `body_2`.
-    how : str
-        `PLAIN`, or the rule.
+    `in_file` is its unit in the database, for attributes to which the file gives no unit; `key` is
+    the key of the scene, in which `body` is `body_1` or `body_2`; `how` is `PLAIN`, or the rule.
     """
 
     types: tuple[str, ...]

@@ -24,18 +24,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Choices:
-    """What the user determines beside the file.
+    """What the user determines beside the file: ids of stage and load case (None: the only one).
 
-    Attributes
-    ----------
-    stage : int or None
-        Id of the stage; None: the only one.
-    load_case : int or None
-        Id of the load case; None: the only one.
-    flank : "left", "right" or None
-        Loaded flank of the gears for which the file does not define it.
-    settings : mapping
-        Keys of the scene by path, which replace those of the file.
+    `flank`, "left" or "right", is the loaded flank of the gears for which the file does not define
+    it; `settings` are keys of the scene by path, which replace those of the file.
     """
 
     stage: int | None = None

@@ -73,14 +73,8 @@ LADDERS_PART, LADDER_SWEEPS, LADDER_ELEMENTS, LADDER_DEGREES = 0.6, 20.0, 1.5, 3
 class Refinements:
     """Steps of each parameter of a scene by the names of `NamedDiscretization`, coarse steps first.
 
-    Attributes
-    ----------
-    ladders : dict of str to tuple
-    base : NamedDiscretization
-        The default parameters, named explicitly.
-    finest : NamedDiscretization
-    can_adapt : bool
-        Whether adaptive positions are possible.
+    `base` has the default parameters, named explicitly; `can_adapt`: whether adaptive positions are
+    possible.
     """
 
     ladders: dict[str, tuple[float, ...]]

@@ -37,21 +37,10 @@ SHARED_ABOVE_S = 0.4
 class Run:
     """A finished run.
 
-    Attributes
-    ----------
-    discretization : NamedDiscretization
-    cpu_s : float
-        CPU seconds of all its stages, including elements.
-    memory_bytes : int
-        Arrays of all stages, and the largest workspace.
-    values : Quantities or None
-        None if it has no solution.
-    failure : str or None
-        Reason for the missing solution.
-    stages : dict
-        CPU seconds by stage.
-    outside : tuple of str
-        Premises of the model that it violates.
+    `cpu_s` are the CPU seconds of all its stages, elements included, and `stages` those of each;
+    `memory_bytes` are the arrays of all stages and the largest workspace. `values` is None for a
+    run without a solution, whose reason is `failure`. `outside` names the premises of the model
+    that it violates.
     """
 
     discretization: NamedDiscretization

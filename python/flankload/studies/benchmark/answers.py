@@ -42,14 +42,8 @@ MODES_S, MODES_Z = 3, 5
 class Answers(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Answers of a program: the content of an answer file.
 
-    Attributes
-    ----------
-    program : str
-        Name and version.
-    values : dict
-        By case, values by identifier. Cases and quantities may be missing.
-    seconds : dict
-        By case, elapsed seconds; optional.
+    `program` is its name and version; `values` are by case and identifier, of which any may be
+    missing; `seconds` are the elapsed seconds by case, optional.
     """
 
     program: str

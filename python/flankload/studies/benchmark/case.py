@@ -20,14 +20,9 @@ IDENTIFIER = re.compile(r"(?P<name>[a-z_]+)\[(?P<place>-?[0-9.]+(, -?[0-9.]+)*)\
 
 
 class Quantity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A reference value.
+    """A reference value, with its uncertainty in the same unit.
 
-    Attributes
-    ----------
-    value : float
-    uncertainty : float
-        In the same unit; the difference of two converged programs of the same model is less.
-    unit : str
+    The difference of two converged programs of the same model is less than the uncertainty.
     """
 
     value: float
@@ -38,17 +33,10 @@ class Quantity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Case(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A case of the benchmark set: the content of its `case.json`.
 
-    Attributes
-    ----------
-    name : str
-        Name of its folder.
-    title : str
-    inputs : dict
-        All data of the problem, with units in the names.
-    conventions, source, uncertainty : str
-        Meaning of the quantities; where the values come from; basis of their uncertainties.
-    quantities : dict of str to Quantity
-        By identifier, "name[index, …]".
+    `name` is that of its folder; `inputs` are all data of the problem, with units in the names;
+    `conventions` are the meaning of the quantities, `source` says where the values come from,
+    `uncertainty` is the basis of their uncertainties; `quantities` are by identifier,
+    "name[index, …]".
     """
 
     name: str

@@ -19,15 +19,7 @@ MISSING = "-"
 
 @dataclass(frozen=True)
 class Row:
-    """A quantity with the answer of the program.
-
-    Attributes
-    ----------
-    identifier : str
-    reference : Quantity
-    found : float or None
-        None if the program gives no value.
-    """
+    """A quantity with the answer of the program; None if it gives no value."""
 
     identifier: str
     reference: Quantity
@@ -43,16 +35,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Answers of a program beside the reference values.
-
-    Attributes
-    ----------
-    program : str
-    rows : dict of str to tuple of Row
-        By case.
-    seconds : dict of str to float
-        By case, if known.
-    """
+    """Answers of a program beside the reference values, and its seconds if known, by case."""
 
     program: str
     rows: dict[str, tuple[Row, ...]]

@@ -44,26 +44,11 @@ class Evaluation:
 class Evaluator:
     """Solves a scene at values of the variables.
 
-    Attributes
-    ----------
-    scene : Scene
-    variables, objective, constraints
-        The problem.
-    options : Options
-        Their tolerance is the relative distance that is kept from the limits.
-    progress : callable or None
-        Called as progress("optimise", done, total).
-    parts : Parts
-        Bodies and compliances of all points.
-    figures : tuple of Figure
-        Of the objective, then of the constraints; known after the first point, like `goals`.
-    goals : Goals
-    history : list of Evaluation
-    states, continued_states : int
-        Solved states (positions times torques), and those that derivatives continue from known
-        contacts.
-    start : int
-        Number of the starting point.
+    The tolerance of the options is the relative distance that is kept from the limits. `parts` are
+    bodies and compliances of all points; `figures` are those of the objective, then of the
+    constraints, known after the first point, like `goals`; `start` is the number of the starting
+    point. `states` counts solved states (positions times torques), `continued_states` those that
+    derivatives continue from known contacts.
     """
 
     scene: Scene

@@ -42,22 +42,10 @@ class Maximum:
 class Goals:
     """The merit of a point: the worst objective plus a penalty on violated limits.
 
-    The sums of maxima (rows) of a point are multiplied by `factors`: one line for each objective
-    that could be the worst, one for each limit.
-
-    Attributes
-    ----------
-    factors : (o + c, r) array
-        o objectives, c limits, r rows.
-    n_objectives : int
-    limits : (c,) array
-        The margin is subtracted already.
-    margin : float
-        Relative distance of these from the limits that must be kept.
-    penalty : float
-        Merit of the violation of a limit by itself, in the scale of the objective.
-    scale : float
-        Magnitude of the objective.
+    The sums of maxima (r rows) of a point are multiplied by `factors` (o + c, r): one line for each
+    of o objectives that could be the worst, one for each of c limits. The margin is subtracted from
+    `limits` already, and is their relative distance from the limits that must be kept. `penalty` is
+    the merit of the violation of a limit by itself, in the `scale` of the objective.
     """
 
     factors: Floats

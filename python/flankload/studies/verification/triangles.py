@@ -10,7 +10,7 @@ curve.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,6 +49,10 @@ class Border:
     flank: Numbers
     s: Floats
     held: Flags
+
+    def at(self, rows: Flags) -> Border:
+        """Some of the sides."""
+        return Border(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
 @dataclass(frozen=True)
@@ -309,29 +313,24 @@ def _parts(corners: Numbers, new: Numbers) -> Numbers:
 
 def _halved_border(mesh: Triangles, new: Numbers) -> Border:
     """The border with bisected sides; `new` (k,) are the vertices on them, or -1."""
-    old = mesh.border
-    keep, part = new < 0, new >= 0
-    ends, s = old.ends[part], old.s[part]
-    at = new[part]
-    a, b, m = mesh.vertices[ends[:, 0]], mesh.vertices[ends[:, 1]], old.middles[part]
-    s_middle = s.mean(axis=1)
+    whole, old, at = mesh.border.at(new < 0), mesh.border.at(new >= 0), new[new >= 0]
+    (i, j), m = old.ends.T, old.middles
+    a, b = mesh.vertices[i], mesh.vertices[j]
+    s_middle = old.s.mean(axis=1)
     # at one and three quarters of the parabola through both ends and the middle
     first = 0.375 * a + 0.75 * m - 0.125 * b
     second = -0.125 * a + 0.75 * m + 0.375 * b
-    flank = old.flank[part]
     for k, curve in enumerate(mesh.curves):
-        on = flank == k
+        on = old.flank == k
         if on.any():
-            first[on] = curve.point(0.5 * (s[on, 0] + s_middle[on]))
-            second[on] = curve.point(0.5 * (s_middle[on] + s[on, 1]))
+            first[on] = curve.point(0.5 * (old.s[on, 0] + s_middle[on]))
+            second[on] = curve.point(0.5 * (s_middle[on] + old.s[on, 1]))
+    ends = [np.stack([i, at], 1), np.stack([at, j], 1)]
+    s = [np.stack([old.s[:, 0], s_middle], 1), np.stack([s_middle, old.s[:, 1]], 1)]
     return Border(
-        ends=np.concatenate(
-            [old.ends[keep], np.stack([ends[:, 0], at], 1), np.stack([at, ends[:, 1]], 1)]
-        ),
-        middles=np.concatenate([old.middles[keep], first, second]),
-        flank=np.concatenate([old.flank[keep], flank, flank]),
-        s=np.concatenate(
-            [old.s[keep], np.stack([s[:, 0], s_middle], 1), np.stack([s_middle, s[:, 1]], 1)]
-        ),
-        held=np.concatenate([old.held[keep], old.held[part], old.held[part]]),
+        ends=np.concatenate([whole.ends, *ends]),
+        middles=np.concatenate([whole.middles, first, second]),
+        flank=np.concatenate([whole.flank, old.flank, old.flank]),
+        s=np.concatenate([whole.s, *s]),
+        held=np.concatenate([whole.held, old.held, old.held]),
     )
