@@ -6,6 +6,7 @@ import signal
 import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
@@ -127,13 +128,10 @@ def _executor(arguments: Namespace) -> AbstractContextManager[Executor | None]:
 
         # processes that are forked from one with threads of OpenMP hang in their first sweep
         context = multiprocessing.get_context("spawn")
-        return ProcessPoolExecutor(workers, context, initializer=_ignore_interrupts)
+        # Ctrl-C is left to the process that has the store
+        ignore = partial(signal.signal, signal.SIGINT, signal.SIG_IGN)
+        return ProcessPoolExecutor(workers, context, initializer=ignore)
     return nullcontext() if arguments.workers is None else ThreadPoolExecutor(workers)
-
-
-def _ignore_interrupts() -> None:
-    """Leave Ctrl-C to the process that has the store."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @contextmanager

@@ -158,6 +158,8 @@ def _content(results: Sequence[Result], scene: Scene) -> dict[str, Any]:
     turned = turning(results)
     sheet = mechanism_of(scene).data_sheet(first_scene(scene))
     figures = key_rows(results)
+    rows: tuple[Any, ...] = (*sheet.bodies[0], *sheet.bodies[1], *sheet.pair, *figures)
+    orders = any("mesh order" in figure.name for figure in figures)
     torques = [f"{result.torque_Nm:g} N m" for result in results]
     stages = results[-1].cost.get("stages", {})  # for all torques together
     return {
@@ -177,7 +179,7 @@ def _content(results: Sequence[Result], scene: Scene) -> dict[str, Any]:
         "stages": [(name, one["wall_s"], one["cpu_s"]) for name, one in stages.items()],
         "sources": source_rows(results[-1]),
         "certificates": certificate_rows(results),
-        "terms": _terms(sheet, figures),
+        "terms": terms_of((row.symbol for row in rows), path=bool(sheet.path), orders=orders),
         "data": _json({"plots": curve_data(plots, torques), **turned.data}),
     }
 
@@ -213,12 +215,6 @@ def _merged(sheet: DataSheet) -> list[tuple[str, str, str, str]]:
             before = [other for other in list(two)[:k] if other in order]
             order.insert(order.index(before[-1]) + 1 if before else 0, key)
     return [(*key, one.get(key, "–"), two.get(key, "–")) for key in order]
-
-
-def _terms(sheet: DataSheet, figures: Sequence[Any]) -> tuple[tuple[str, str], ...]:
-    rows = (*sheet.bodies[0], *sheet.bodies[1], *sheet.pair, *figures)
-    orders = any("mesh order" in figure.name for figure in figures)
-    return terms_of((row.symbol for row in rows), path=bool(sheet.path), orders=orders)
 
 
 def _json(data: Mapping[str, Any]) -> Any:

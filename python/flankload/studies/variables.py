@@ -150,8 +150,8 @@ class Variable:
         return list(found.tolist())
 
 
-def variables_of(tree: Mapping[str, Any], key: str = "variables") -> tuple[Variable, ...]:
-    """Read variables from a mapping by path; `key` is its name in error messages.
+def variables_of(tree: Mapping[str, Any]) -> tuple[Variable, ...]:
+    """Read variables from a mapping by path.
 
     A value is a list of values, a table such as {"distribution": "uniform", "lower": 0,
     "upper": 30} or {"distribution": "iso_1328", "class": 7}, or a frozen distribution of
@@ -161,14 +161,15 @@ def variables_of(tree: Mapping[str, Any], key: str = "variables") -> tuple[Varia
     have a path in common.
     """
     if not isinstance(tree, Mapping) or not tree:
-        refuse(key, "a table of paths with values or distributions", shown(tree) if tree else None)
-    found = tuple(_variable(path, value, f"{key}.{path}") for path, value in paths_of(tree).items())
-    taken: dict[str, str] = {}
+        expected = "a table of paths with values or distributions"
+        refuse("variables", expected, shown(tree) if tree else None)
+    found = tuple(_variable(path, value) for path, value in paths_of(tree).items())
+    taken: set[str] = set()
     for variable in found:
         for path in variable.paths:
             if path in taken:
-                refuse(f"{key}.{variable.name}", "paths that no other variable has", path)
-            taken[path] = variable.name
+                refuse(f"variables.{variable.name}", "paths that no other variable has", path)
+            taken.add(path)
     return found
 
 
@@ -184,9 +185,9 @@ def paths_of(tree: Mapping[str, Any], before: str = "") -> dict[str, Any]:
     return found
 
 
-def _variable(path: str, value: Any, key: str) -> Variable:
+def _variable(path: str, value: Any) -> Variable:
     """Read one variable."""
-    value = _plain(value)
+    value, key = _plain(value), f"variables.{path}"
     if isinstance(value, Mapping) and KIND in value:
         if value[KIND] == BY_CLASS:
             for name in set(value) - {KIND, CLASS}:

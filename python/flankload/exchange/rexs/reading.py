@@ -101,7 +101,10 @@ def _json(path: Path, data: bytes) -> Model:
         _refuse(path, "JSON of a few levels", "too many levels")
     except ValueError as error:  # an integer of thousands of digits
         _refuse(path, "valid JSON", re.sub(r";.*", "", str(error)).lower())
-    return json_model(path, tree)
+    form = Form(path)
+    if not isinstance(tree, dict) or not isinstance(tree.get("model"), dict):
+        form.refuse("root", "an object with the object 'model'", _kind(tree))
+    return form.model(tree["model"])
 
 
 def _refuse(path: Path, expected: str, found: str) -> NoReturn:
@@ -142,14 +145,6 @@ def xml_model(path: Path, root: Element) -> Model:
             },
         }
     )
-
-
-def json_model(path: Path, tree: object) -> Model:
-    """The model of a JSON document, checked as by `Form.model`."""
-    form = Form(path)
-    if not isinstance(tree, dict) or not isinstance(tree.get("model"), dict):
-        form.refuse("root", "an object with the object 'model'", _kind(tree))
-    return form.model(tree["model"])
 
 
 @dataclass(frozen=True)

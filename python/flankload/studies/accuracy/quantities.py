@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.plain import plain
 from flankload.studies.accuracy.ladder import Limit, largest_of, limit_of
 
 if TYPE_CHECKING:
@@ -215,8 +216,7 @@ def _part(change: float, whole: float) -> float:
 
 def to_tree(run: Quantities) -> dict[str, Any]:
     """Data in the form of JSON: null for NaN."""
-    absent = np.array(None)
-    return {name: np.where(np.isfinite(x), x, absent).tolist() for name, x in run.items()}
+    return {name: plain(values) for name, values in run.items()}
 
 
 def from_tree(tree: Mapping[str, Any]) -> Quantities:

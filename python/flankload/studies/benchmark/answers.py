@@ -100,7 +100,7 @@ def answers_of(case: Case, folder: Path) -> tuple[dict[str, float], float]:
     """
     began = perf_counter()
     if "form" in case.inputs:
-        known = _of_state(_solve_contact_problem(case.inputs), case.inputs)
+        known = _of_contact_problem(case.inputs)
     elif any(place_of(identifier)[0] == "compliance" for identifier in case.quantities):
         known = {"compliance": _compliance(case, folder)}
     else:
@@ -148,16 +148,15 @@ def _of_result(result: Result) -> dict[str, Value]:
     return known
 
 
-def _solve_contact_problem(inputs: Mapping[str, Any]) -> ContactState:
+def _of_contact_problem(inputs: Mapping[str, Any]) -> dict[str, Value]:
+    """Quantities of a contact problem; the index 0 of a force and of a gap is the only position."""
     if inputs["form"] == "angles":
         names = ("influence_coefficients", "lever_arms", "gap_angles", "torque")
-        return solve_contact(*(inputs[name] for name in names))
-    names = ("compliance", "gaps", "motions", "loads")
-    return solve_contact_general(*(inputs[name] for name in names), load_rows=inputs["load_rows"])
-
-
-def _of_state(state: ContactState, inputs: Mapping[str, Any]) -> dict[str, Value]:
-    """Quantities of a contact problem; the index 0 of a force and of a gap is the only position."""
+        state = solve_contact(*(inputs[name] for name in names))
+    else:
+        names = ("compliance", "gaps", "motions", "loads")
+        given, rows = (inputs[name] for name in names), inputs["load_rows"]
+        state = solve_contact_general(*given, load_rows=rows)
     return {
         "rotation": lambda _: float(state.motions[0]),
         "pair_force": lambda _, i: float(state.normal_forces[int(i)]),

@@ -10,9 +10,8 @@ from threading import Event, Lock
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from flankload.base.blas_threads import one_blas_thread
+from flankload.base.plain import plain
 from flankload.errors import FlankloadError
 from flankload.mechanisms import Parts
 from flankload.result.quantities import curves_of
@@ -132,7 +131,7 @@ def row_of(result: Result, names: tuple[str, ...], *, whole: bool = True) -> dic
     found = {name: values for name, values in found.items() if values is not None}
     if found:
         found["position_rad"] = result.position_rad
-    quantities |= {name: _plain(values) for name, values in found.items()}
+    quantities |= {name: plain(values) for name, values in found.items()}
     errors = {
         name: value
         for name, value in (result.estimate or {}).items()
@@ -148,14 +147,5 @@ def _flat(tree: Mapping[str, Any], before: str = "") -> dict[str, Any]:
         if isinstance(value, Mapping):
             found |= _flat(value, f"{before}{name}.")
         else:
-            found[f"{before}{name}"] = _plain(value)
+            found[f"{before}{name}"] = plain(value)
     return found
-
-
-def _plain(value: Any) -> Any:
-    """Python numbers and lists; None in place of NaN and infinity."""
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return None if isinstance(value, float) and not isfinite(value) else value

@@ -95,7 +95,10 @@ class Evaluator:
         )
         n = len(found.results)
         if not self.figures:
-            self.figures = tuple(self._figures_of(found.results[0]))
+            names = [(name, "objective.quantity") for name in self.objective.names]
+            limited = enumerate(self.constraints)
+            names += [(one.quantity, f"constraints[{k}].quantity") for k, one in limited]
+            self.figures = tuple(figure_of(name, found.results[0], key) for name, key in names)
             self.goals = self._goals_of(n)
         point = Point(x, tuple(self._maxima_of(found)), n * len(self.figures))
         if not self.history:
@@ -122,12 +125,6 @@ class Evaluator:
         if self.progress is not None:
             most = self.options.starts * self.options.most_evaluations
             self.progress("optimise", min(len(self.history), most), most)
-
-    def _figures_of(self, result: Result) -> Iterator[Figure]:
-        for name in self.objective.names:
-            yield figure_of(name, result, "objective.quantity")
-        for k, constraint in enumerate(self.constraints):
-            yield figure_of(constraint.quantity, result, f"constraints[{k}].quantity")
 
     def _maxima_of(self, found: Sensitivity) -> Iterator[Maximum]:
         """All maxima; figure f at torque t is added to row f n_torques + t."""

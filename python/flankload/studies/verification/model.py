@@ -136,10 +136,15 @@ def model_of(
     )
     touch = min(place.gap_rad for place in places)
     start = touch + START_PART * (rotation - touch)
+    sites, size = tuple(place.site for place in places), _sizes(places)
+    distance = pair.pairing.center_distance_mm
     deck = Deck(
         title=f"{result.name}, position {position}",
-        parts=_parts(pair, places, turns, start),
-        sites=tuple(place.site for place in places),
+        parts=(
+            _part(pair.body_1, flanks_of(pair, 0, sites), (turns[0], start, 0.0), size),
+            _part(pair.body_2, flanks_of(pair, 1, sites), (turns[1], 0.0, distance), size),
+        ),
+        sites=sites,
         torque_Nmm=1000.0 * result.torque_Nm / result.face_width_mm,
         start_rad=start,
         plane=plane,
@@ -218,19 +223,6 @@ def _sizes(places: tuple[Place, ...]) -> Callable[[Floats], Floats]:
         return np.asarray(finest[nearest] + GROWTH * np.maximum(distance - finest[nearest], 0.0))
 
     return size_at
-
-
-def _parts(
-    pair: BodyPair, places: tuple[Place, ...], turns: tuple[float, float], start_rad: float
-) -> tuple[Part, Part]:
-    """Both bodies at the position; body 1 is rotated by the initial angle."""
-    size = _sizes(places)
-    distance = pair.pairing.center_distance_mm
-    sites = tuple(place.site for place in places)
-    return (
-        _part(pair.body_1, flanks_of(pair, 0, sites), (turns[0], start_rad, 0.0), size),
-        _part(pair.body_2, flanks_of(pair, 1, sites), (turns[1], 0.0, distance), size),
-    )
 
 
 def _part(

@@ -104,8 +104,9 @@ def solid_part(
     """A body of the deck, from its section in its own frame and the tooth of each of its flanks."""
     plane, triangles, border = quadratic(mesh)
     fine, coarse = layers.edges_mm, layers.edges_mm[layers.coarse]
-    corners = np.arange(len(plane)) < len(mesh.vertices)
-    near, far = (_used(triangles[rows], len(plane)) for rows in (layers.near, ~layers.near))
+    numbers = np.arange(len(plane))
+    near, far = (np.isin(numbers, triangles[rows]) for rows in (layers.near, ~layers.near))
+    corners = numbers < len(mesh.vertices)
     at_edge = np.tile(near, (fine.size, 1))
     at_edge[layers.coarse] |= far
     masks = (
@@ -135,12 +136,6 @@ def solid_part(
         material=body.material,
         ties=ties,
     )
-
-
-def _used(triangles: Numbers, count: int) -> Flags:
-    used = np.zeros(count, dtype=bool)
-    used[triangles] = True
-    return used
 
 
 def _middles(edges: Floats) -> Floats:

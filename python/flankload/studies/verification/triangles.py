@@ -186,12 +186,9 @@ def find_sides(ends: Numbers, wanted: Numbers, count: int) -> Numbers:
 def border_owners(mesh: Triangles) -> Numbers:
     """(k, 2) Triangle and side (0 to 2) that each side of the border belongs to."""
     numbers, ends = sides(mesh.corners)
-    owner = np.zeros((len(ends), 2), dtype=np.int64)
-    for side in range(3):
-        owner[numbers[:, side]] = np.stack(
-            [np.arange(len(numbers)), np.full(len(numbers), side)], axis=1
-        )
-    return owner[find_sides(ends, mesh.border.ends, len(mesh.vertices))]
+    first = np.unique(numbers, return_index=True)[1]
+    own = find_sides(ends, mesh.border.ends, len(mesh.vertices))
+    return np.stack(np.divmod(first[own], 3), axis=1)
 
 
 def held_nodes(mesh: Triangles, middles: Numbers) -> Numbers:
