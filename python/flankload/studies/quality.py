@@ -36,16 +36,10 @@ class Quality:
 
 @dataclass(frozen=True, eq=False)
 class JointNormal:
-    """Normal distribution of a number or of the entries of a list.
+    """Normal distribution of a number or of the k entries of a list, as `is_list` says.
 
-    Attributes
-    ----------
-    mean : (k,) array
-    factor : (k, m) array
-        The entries are mean + factor u, with independent standard normal numbers u (m,): their
-        covariance is factor factorᵀ.
-    is_list : bool
-        Whether the key has a list; otherwise k = 1.
+    The entries are `mean` (k,) + `factor` (k, m) u, with independent standard normal numbers u
+    (m,): their covariance is factor factorᵀ.
     """
 
     mean: Floats

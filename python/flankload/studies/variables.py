@@ -27,14 +27,9 @@ LEAST_PROBABILITY = 2.0**-53
 
 
 class Normal(Table, frozen=True, kw_only=True):
-    """Normal distribution, cut off at limits if they are given.
+    """Normal distribution, in the unit of the key; values beyond the limits do not occur.
 
-    Attributes
-    ----------
-    mean, standard_deviation : float
-        Of the distribution that is not cut off, in the unit of the key.
-    lower, upper : float or None
-        Values beyond these do not occur.
+    Mean and standard deviation are those of the distribution that is not cut off.
     """
 
     mean: float
@@ -56,13 +51,7 @@ class Normal(Table, frozen=True, kw_only=True):
 
 
 class Uniform(Table, frozen=True, kw_only=True):
-    """Uniform distribution.
-
-    Attributes
-    ----------
-    lower, upper : float
-        In the unit of the key.
-    """
+    """Uniform distribution, in the unit of the key."""
 
     lower: float
     upper: float
@@ -82,15 +71,10 @@ BY_CLASS, CLASS = "iso_1328", "class"
 
 @dataclass(frozen=True)
 class Variable:
-    """One or several keys of a scene with the values that they take.
+    """One or several keys of a scene with the values that they take, or with a distribution.
 
-    Attributes
-    ----------
-    name : str
-        Path of a key as in `Scene.replace`; several paths separated by commas have the same value.
-    values : tuple
-        Values in their order; empty if it has a distribution.
-    distribution : frozen distribution of scipy.stats, JointNormal, Quality, or None
+    `name` is the path of a key as in `Scene.replace`; several paths separated by commas have the
+    same value. A distribution is a frozen one of scipy.stats, a JointNormal, or a Quality.
     """
 
     name: str

@@ -39,9 +39,8 @@ class FirstOrder:
 
     Attributes
     ----------
-    mean : array
-        Value with all variables at their means.
-    standard_deviation : array
+    mean, standard_deviation : array
+        The mean is the value with all variables at their means.
     shares : dict of array
         By variable, the largest first: part of the variance.
     kinks : dict of array
@@ -55,16 +54,7 @@ class FirstOrder:
     kinks: dict[str, Floats]
 
     def percentile(self, percent: float) -> Floats:
-        """Value that is not exceeded with a probability in percent, if it is normally distributed.
-
-        Parameters
-        ----------
-        percent : float
-
-        Returns
-        -------
-        array
-        """
+        """Values that are not exceeded with a probability in percent, if normally distributed."""
         from scipy.special import ndtri
 
         return np.asarray(self.mean + ndtri(percent / 100.0) * self.standard_deviation)
