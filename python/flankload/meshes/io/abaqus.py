@@ -7,6 +7,7 @@ keywords are skipped.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -310,6 +311,8 @@ class Keyword:
 
     def numbers(self, row: Row) -> list[float]:
         """Values of a row as numbers, empty ones as 0; Fortran's exponents (D) are accepted."""
+        with suppress(ValueError):
+            return [float(word or 0) for word in row.words]
         try:
             return [float(word.upper().replace("D", "E") or 0) for word in row.words]
         except ValueError:
@@ -317,6 +320,10 @@ class Keyword:
 
     def integers(self, row: Row) -> list[int]:
         """Values of a row as whole numbers."""
+        with suppress(ValueError):
+            whole = [int(word) for word in row.words]
+            if max(map(abs, whole), default=0) <= LARGEST_NUMBER:
+                return whole
         values = self.numbers(row)
         if any(not value.is_integer() or abs(value) > LARGEST_NUMBER for value in values):
             raise row.refused(f"whole numbers after *{self.name}", row.text)
