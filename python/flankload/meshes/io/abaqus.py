@@ -116,7 +116,7 @@ class _Reader:
         numbers = []
         for row in keyword.data:
             values = keyword.numbers(row)
-            (number,) = keyword.integers(Row(row.line, row.words[:1]))
+            number = keyword.whole(Row(row.line, row.words[:1]), values[0])
             x, y, z = (*values[1:4], 0.0, 0.0, 0.0)[:3]
             if self.nodes.setdefault(number, (x, y, z)) != (x, y, z):
                 raise row.refused(f"node {number} once", "twice, at different places")
@@ -320,14 +320,13 @@ class Keyword:
 
     def integers(self, row: Row) -> list[int]:
         """Values of a row as whole numbers."""
-        with suppress(ValueError):
-            whole = [int(word) for word in row.words]
-            if max(map(abs, whole), default=0) <= LARGEST_NUMBER:
-                return whole
-        values = self.numbers(row)
-        if any(not value.is_integer() or abs(value) > LARGEST_NUMBER for value in values):
+        return [self.whole(row, value) for value in self.numbers(row)]
+
+    def whole(self, row: Row, value: float) -> int:
+        """A value of a row as a whole number."""
+        if not value.is_integer() or abs(value) > LARGEST_NUMBER:
             raise row.refused(f"whole numbers after *{self.name}", row.text)
-        return [int(value) for value in values]
+        return int(value)
 
     def whole_rows(self, size: int) -> Iterator[Row]:
         """Rows of `size` values each; a shorter row is continued by the following ones."""
