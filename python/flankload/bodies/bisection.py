@@ -45,9 +45,7 @@ def sign_change(function: Callable[[float], float], low: float, high: float) -> 
         part = min(max(part, least), 1.0 - least) if least < 0.5 else 0.5
 
 
-def _next_part(
-    points: tuple[float, float, float], values: tuple[float, float, float]
-) -> float:
+def _next_part(points: tuple[float, float, float], values: tuple[float, float, float]) -> float:
     """Part of the way from the last point to the other side at which the sign is found next.
 
     Inverse quadratic interpolation where it is safe, else the middle (Chandrupatla, Adv. Eng.
@@ -58,5 +56,6 @@ def _next_part(
     height = (at_one - at_three) / (at_two - at_three)
     if not (height**2 < place and (1.0 - height) ** 2 < 1.0 - place):
         return 0.5
-    along = (two - one) / (three - one) * at_one / (at_two - at_one) * at_three / (at_two - at_three)
+    along = (two - one) / (three - one) * at_one / (at_two - at_one)
+    along *= at_three / (at_two - at_three)
     return at_one / (at_three - at_one) * at_two / (at_three - at_two) + along

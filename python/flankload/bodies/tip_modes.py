@@ -27,8 +27,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander, poly2leg
+from numpy.polynomial.legendre import legvander, poly2leg
 from numpy.polynomial.polynomial import polypow
+
+from flankload.base.gauss import leggauss
 
 if TYPE_CHECKING:
     from collections.abc import Callable
