@@ -9,6 +9,7 @@ import pytest
 
 from flankload.analysis.adaptive_positions import Window
 from flankload.analysis.sampling_error import between_positions
+from flankload.contact.sweep import UnloadedStates
 from flankload.result.interpolant import curve_through, loaded_pair_changes
 from tests.support.tolerances import ROUND_OFF
 
@@ -169,7 +170,7 @@ def test_secant_stiffness_has_a_kink_where_another_pair_touches_without_torque(
     sites = [np.stack([x >= at, x < at], axis=1) for at in (kink, loaded)]
     part = SimpleNamespace(
         site_force_N=sites[1].astype(float),
-        unloaded_contact=sites[0],
+        unloaded=UnloadedStates(np.zeros(n), sites[0]),
         rotation_rad=3.0 + np.cos(2 * np.pi * x / PERIOD),
         turned_rad=1.0 / secant,
         tangent_rad_per_Nmm=np.full(n, -1.0),
