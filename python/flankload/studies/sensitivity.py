@@ -253,7 +253,7 @@ def sensitivity(
 def _require_steady(scene: Scene) -> None:
     """Refuse scenes whose discretization or effects follow from their results."""
     require_flanks(scene)
-    if scene.steers:
+    if scene.names_tolerance:
         expected = "no tolerance for derivatives: the discretization must not change"
         refuse("accuracy.tolerance", expected, scene.accuracy.tolerance)
     if scene.effects.choose is not None:
