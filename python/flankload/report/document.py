@@ -189,12 +189,10 @@ def _positions(result: Result) -> str:
     count = result.position_rad.size
     if result.stands_alike or count == 1:
         return "one position" if count == 1 else f"{count} positions, all alike"
-    over = "one turn of the cam" if result.has_cam else "one pitch"
-    if result.period_pitches > 1 and not result.has_cam:
-        over = f"{result.period_pitches} pitches"
+    over = f" over {result.engagement.period_in_words(result)}" if result.closed else ""
     rounds = result.cost.get("position_rounds", 1)
     adaptive = ", placed adaptively" if rounds > 1 else ""
-    return f"{count} positions" + (f" over {over}" if result.closed else "") + adaptive
+    return f"{count} positions" + over + adaptive
 
 
 def _digests(paths: Mapping[str, Path]) -> dict[str, str]:
