@@ -183,17 +183,10 @@ def _efficiency(result: Result) -> float | None:
     return None if efficiency is None else 100 * efficiency
 
 
-<<<<<<< HEAD
 def _transverse(result: Result) -> float | None:
-    alike = result.drive is not None or result.has_cam or result.whole_circle
-    return None if alike else result.transverse_load_factor or None
-=======
-def _transverse(result: Result) -> Cell | None:
-    factor = result.transverse_load_factor
-    if not factor or not result.engagement.has_load_factors:
+    if not result.engagement.has_load_factors:
         return None
-    return Cell(factor, f"{factor:.3f}")
->>>>>>> kinds
+    return result.transverse_load_factor or None
 
 
 def _root(result: Result, z: int, side: str) -> Cell | None:

@@ -86,13 +86,9 @@ def turning(results: Sequence[Result]) -> Turning:
         _outline(outline, teeth, OFF * size) + _hole(radius, _largest(outline))
         for outline, teeth, radius in islice(bodies, result.engagement.drawn_bodies)
     ]
-<<<<<<< HEAD
-    heads: tuple[str, ...] = (result.words_for_sites[0], "force, kN", "share, %")
-    if result.drive is None:
-        heads += ("pressure, MPa",)
-=======
     turns = (drawing.angle_1, drawing.angle_2)[: len(outlines)]
->>>>>>> kinds
+    pressure = ("pressure, MPa",) * result.engagement.has_pressures
+    heads = (result.words_for_sites[0], "force, kN", "share, %", *pressure)
     states = [[_state_at(one, p, _scales_of(results), size) for p in shown] for one in results]
     return Turning(
         f"{low[0]:.3f} {-high[1]:.3f} {high[0] - low[0]:.3f} {high[1] - low[1]:.3f}",
@@ -269,15 +265,6 @@ def _short(value: float) -> float | int:
     return int(rounded) if rounded.is_integer() else rounded
 
 
-<<<<<<< HEAD
-=======
-def _heads_of(result: Result) -> tuple[str, ...]:
-    """Heads of the columns of `pairs`."""
-    pressure = ("pressure, MPa",) * result.engagement.has_pressures
-    return result.words_for_sites[0], "force, kN", "share, %", *pressure
-
-
->>>>>>> kinds
 def _legend(result: Result) -> str:
     """Meaning of the red areas of the picture."""
     scale = "to scale with the largest of all positions"

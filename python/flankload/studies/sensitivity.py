@@ -220,7 +220,6 @@ def sensitivity(
     return Sensitivity(scene, tuple(paths), results, cost, stencils)
 
 
-<<<<<<< HEAD
 def _steps_of(scene: Scene, paths: Sequence[str]) -> list[float]:
     """Steps of keys; refuses scenes whose discretization or effects follow from their results."""
     fits = isinstance(paths, Sequence) and not isinstance(paths, str) and bool(paths)
@@ -228,24 +227,13 @@ def _steps_of(scene: Scene, paths: Sequence[str]) -> list[float]:
     require("paths", paths, "a sequence of paths", fits=fits)
     with in_file(scene.file):
         require_flanks(scene)
-        if scene.steers:
+        if scene.names_tolerance:
             expected = "no tolerance for derivatives: the discretization must not change"
             refuse("accuracy.tolerance", expected, scene.accuracy.tolerance)
         if scene.effects.choose is not None:
             expected = "named effects for derivatives: they must not change"
             refuse("effects.choose", expected, scene.effects.choose)
         return [_step_of(scene, path) for path in paths]
-=======
-def _require_steady(scene: Scene) -> None:
-    """Refuse scenes whose discretization or effects follow from their results."""
-    require_flanks(scene)
-    if scene.names_tolerance:
-        expected = "no tolerance for derivatives: the discretization must not change"
-        refuse("accuracy.tolerance", expected, scene.accuracy.tolerance)
-    if scene.effects.choose is not None:
-        expected = "named effects for derivatives: they must not change"
-        refuse("effects.choose", expected, scene.effects.choose)
->>>>>>> kinds
 
 
 def _step_of(scene: Scene, path: str) -> float:
