@@ -68,13 +68,13 @@ contains
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         real(wp) :: moved(6, pairs%n)
-        real(wp), allocatable :: recession(:, :)
+        real(wp), allocatable :: displacement(:, :)
 
-        allocate (recession(pairs%n, pairs%n))
+        allocate (displacement(pairs%n, pairs%n))
         moved = matmul(body%shaft%compliance, spread(pairs%friction(:pairs%n), 1, 6) &
             & *wrenches_of(body, body_1, zones, pairs, along=.true.))
-        call set_product(pairs%n, pairs%n, 6, wrenches, moved, pairs%n, recession)
-        matrix = matrix - recession
+        call set_product(pairs%n, pairs%n, 6, wrenches, moved, pairs%n, displacement)
+        matrix = matrix - displacement
     end subroutine slide_shaft
 
     !> Return unit forces along the normals of the pairs, or along flank 1, and their moments about
