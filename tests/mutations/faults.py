@@ -105,7 +105,7 @@ _FORTRAN = (
     *_in(
         "pair_influence.f90",
         "physics/test_friction_of_slices.py",
-        ("matrix = matrix - recession", "matrix = matrix + recession"),
+        ("matrix = matrix - displacement", "matrix = matrix + displacement"),
         ("[pairs%normal(2, i), -pairs%normal(1, i)]", "[-pairs%normal(2, i), pairs%normal(1, i)]"),
     ),
     *_in(
