@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.cost import Account
 from flankload.mechanisms import Earlier, Parts, mechanism_of, run_once
 from flankload.mechanisms import prepare as prepare_parts
-from flankload.result import result_of_torques
+from flankload.result import Result, result_of_torques
 from flankload.studies.tolerance import solve_to_tolerance
 
 if TYPE_CHECKING:
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.stage_clock import Kept, Progress
-    from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.plan import Plan
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,7 +10,7 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 from flankload.base.arguments import require_names, require_number, require_path
-from flankload.scene import scene_of
+from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.scene.refusal import refuse
 from flankload.studies.accuracy.combinations import search
@@ -34,10 +34,6 @@ from flankload.studies.accuracy.study_text import (
 from flankload.studies.plan import choose_effects
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from flankload.scene import Scene, SceneLike
-
     Progress = Callable[[str, int, int], None]
 
 #: Tolerances for which combinations are searched.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.base.files import write_atomically
 from flankload.cost import Account
 from flankload.errors import FlankloadError, PremiseError
-from flankload.mechanisms import run_once
+from flankload.mechanisms import Progress, run_once
 from flankload.scene.named_discretization import NamedDiscretization, scene_at
 from flankload.scene.refusal import refuse
 from flankload.studies.accuracy.quantities import Quantities, from_tree, quantities_of, to_tree
@@ -21,7 +21,6 @@ from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms import Progress
     from flankload.scene import Scene
 
     Kept = dict[int, tuple[BodyCompliance, Account]]

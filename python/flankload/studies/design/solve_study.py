@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +12,7 @@ from msgspec import Meta
 
 from flankload.base.arguments import require, require_path
 from flankload.errors import SceneError
-from flankload.scene import scene_of
+from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.form import read_table
 from flankload.scene.reader import read_scene, read_tables
 from flankload.scene.refusal import in_file, refuse, shown
@@ -25,11 +25,10 @@ from flankload.studies.design.store import Store
 from flankload.studies.variables import paths_of, variables_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
     from concurrent.futures import Executor
 
-    from flankload.scene import Scene, SceneLike
     from flankload.studies.design.run_designs import Progress
+
 
 #: Quantities of a study that names none.
 QUANTITIES = (

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from flankload.base.text_table import NONE, text_table
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.optimisation.evaluation import Evaluation

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.scene import scene_of
+from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.form import read_table
 from flankload.scene.refusal import refuse, shown
 from flankload.studies.optimisation.evaluation import Evaluator
@@ -16,6 +16,7 @@ from flankload.studies.optimisation.problem import (
     Constraint,
     Objective,
     Options,
+    Variable,
     changes_of,
     read_list,
     value_at,
@@ -30,13 +31,10 @@ from flankload.studies.optimisation.search import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
+    from flankload.base.arrays import Floats
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
-    from flankload.scene import Scene, SceneLike
-    from flankload.studies.optimisation.model import Floats, Point
-    from flankload.studies.optimisation.problem import Variable
+    from flankload.studies.optimisation.model import Point
 
 
 def optimise(

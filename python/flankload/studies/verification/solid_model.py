@@ -18,7 +18,7 @@ from flankload.studies.verification.model import (
     turns_of,
 )
 from flankload.studies.verification.solid import Layers, Stand, beyond, layers_of, solid_part
-from flankload.studies.verification.triangles import refined, whole_body, without
+from flankload.studies.verification.triangles import Triangles, refined, whole_body, without
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from flankload.pairing.slices import Slices
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.studies.verification.triangles import Triangles
 
 #: Element length of the coarse mesh along the flanks in modules: the coarsest that can be meshed.
 COARSE_PART = 5.0
