@@ -71,11 +71,7 @@ def scene_of_report(scene: Scene) -> Scene:
 
 
 def report_html(
-    results: Result | Sequence[Result],
-    scene: SceneLike,
-    *,
-    line: str = "",
-    day: date | None = None,
+    results: Result | Sequence[Result], scene: SceneLike, *, line: str = "", day: date | None = None
 ) -> str:
     """Return the report of a scene as one page without references to other files.
 

@@ -237,12 +237,7 @@ def _state_at(
 
 
 def _path_of_load(
-    result: Result,
-    table: PairTable,
-    p: int,
-    s: int,
-    scales: tuple[float, float],
-    reach_mm: float,
+    result: Result, table: PairTable, p: int, s: int, scales: tuple[float, float], reach_mm: float
 ) -> tuple[str, Floats, Floats]:
     """SVG path of the load of a pair, its tip and direction: pressure on the flank, or an arrow."""
     force = float(result.site_force_N[p, s]) / scales[0]

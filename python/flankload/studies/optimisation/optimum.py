@@ -152,10 +152,7 @@ class Optimum:
         percent = 100.0 / (abs(self.objective_before) or 1.0)
         end = f"gradient norm {percent * self.gradient_norm:.1f} % of the objective before"
         states = f"{self.states} solved states, {self.continued_states} continued for derivatives"
-        lines = [
-            f"{count}; {states}",
-            f"end of the search: {self.reason}; {end}",
-        ]
+        lines = [f"{count}; {states}", f"end of the search: {self.reason}; {end}"]
         if len(self.ends) > 1:
             ends = sorted(end for end in self.ends if end is not None)
             numbers = ", ".join(f"{end:.4g}" for end in ends)

@@ -22,13 +22,7 @@ from flankload.studies.optimisation.problem import (
     value_at,
     variables_of,
 )
-from flankload.studies.optimisation.search import (
-    Descent,
-    best_of,
-    descend,
-    gradient_norm,
-    rounded,
-)
+from flankload.studies.optimisation.search import Descent, best_of, descend, gradient_norm, rounded
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -141,10 +135,7 @@ def _searched(evaluator: Evaluator, values: Sequence[float]) -> list[Descent | N
 
 
 def _optimum(
-    scene: Scene,
-    evaluator: Evaluator,
-    ends: Sequence[Descent | None],
-    settings: Mapping[str, Any],
+    scene: Scene, evaluator: Evaluator, ends: Sequence[Descent | None], settings: Mapping[str, Any]
 ) -> Optimum:
     """Choose the best end, round it, and compare it with the given scene."""
     searched = [end for end in ends if end is not None]
