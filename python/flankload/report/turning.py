@@ -35,27 +35,16 @@ MOST_POINTS = 24
 class Turning:
     """Picture of both bodies that a page turns.
 
-    Attributes
-    ----------
-    view_box : str
-        Left, top, width and height, mm; y points down, as in SVG.
-    outlines : tuple of str
-        SVG path of each body in its own frame, y upwards.
-    center_mm : float
-        Place of the axis of body 2 on the x axis.
-    letter_mm : float
-        Height of the numbers of the pairs.
-    start : int
-        Position that is shown at first.
-    heads : tuple of str
-        Heads of the columns of the pairs.
-    legend : str
-        Meaning of the red areas.
-    data : dict
-        For the script: `deg` (P,) angles of the positions; `turn` of both bodies (2, P), deg;
-        `torques` (T,); `states` (T, P) of transmission error in um, rows of pairs (number, force in
-        kN, share in %, pressure in MPa if there is one, or "corner") and loads of the pairs (path,
-        x and y of the pair's number).
+    `view_box` is left, top, width and height in mm, y down as in SVG; `outlines` are the SVG paths
+    of the bodies in their own frames, y upwards; `center_mm` is the place of the axis of body 2 on
+    the x axis; `letter_mm` the height of the numbers of the pairs; `start` the position that is
+    shown at first; `heads` are those of the columns of the pairs; `legend` is the meaning of the
+    red areas.
+
+    `data` is for the script: `deg` (P,) angles of the positions; `turn` of both bodies (2, P), deg;
+    `torques` (T,); `states` (T, P) of transmission error in um, rows of pairs (number, force in kN,
+    share in %, pressure in MPa if there is one, or "corner") and loads of the pairs (path, x and y
+    of the pair's number).
     """
 
     view_box: str

@@ -21,13 +21,7 @@ if TYPE_CHECKING:
 
 
 class Prepared:
-    """A scene with its bodies and compliances, for similar scenes; from `prepare`.
-
-    Attributes
-    ----------
-    scene : Scene
-    parts : Parts
-    """
+    """A scene with its bodies and compliances, its parts, for similar scenes; from `prepare`."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene

@@ -36,20 +36,12 @@ ROUNDING = 1e-8
 class Limit:
     """Limit of a sequence of refinements.
 
-    Attributes
-    ----------
-    value : array
-        Extrapolated; the finest value if the sequence does not converge monotonically.
-    order : float or None
-        Fitted order; None without extrapolation.
-    monotone, slow : bool
-        Whether the changes keep their sign and decrease, or are roundoff; whether convergence is
-        too slow for a reliable limit.
-    doubt : float
-        Largest difference of finest value and limit; without an order the last change.
-    left : array
-        Possible error of `value` itself: a part of the extrapolation, or the last change, or for
-        slow convergence the correction from the fitted order, up to twice the last change.
+    `value` is extrapolated, with the fitted `order`, or the finest value if the sequence does not
+    converge monotonically. `monotone`: whether the changes keep their sign and decrease, or are
+    roundoff. `doubt` is the largest difference of finest value and limit, without an order the last
+    change. `slow`: whether convergence is too slow for a reliable limit. `left` is the possible
+    error of `value` itself: a part of the extrapolation, or the last change, or for slow
+    convergence the correction from the fitted order, up to twice the last change.
     """
 
     value: Floats

@@ -41,16 +41,9 @@ ELEMENTS, SOLID_ELEMENTS = 6.0, 1.0
 class Layers:
     """Layers of solid bodies over the common width, and the load in each; S pairs, L layers.
 
-    Attributes
-    ----------
-    edges_mm : (L + 1,) array
-        Their ends along the axes.
-    line_load_N_per_mm : (S, L) array
-        Of flankload: mean over the parts of its slices that lie in a layer.
-    unknowns : int
-        Independent displacements of the deck.
-    half_width_mm : float
-        Half-width of the widest contact, by flankload.
+    `edges_mm` (L + 1,) are their ends along the axes; `line_load_N_per_mm` (S, L), of flankload, is
+    the mean over the parts of its slices that lie in a layer; `unknowns` counts the independent
+    displacements of the deck; `half_width_mm` is that of the widest contact, by flankload.
     """
 
     edges_mm: Floats
