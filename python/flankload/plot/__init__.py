@@ -1,36 +1,28 @@
 """Plots for a report; the only package that imports matplotlib.
 
 Figures are created as objects (no pyplot, no global state) and drawn on the Agg canvas, so they are
-the same with and without a screen. Each plot is a pair: `draw_…(axes, results)` draws on any Axes,
-`plot_…(results)` returns a figure with title and margins; `results` is a result or a sequence of
-results, one per torque. Both are made by the decorators of `picture.py`.
+the same with and without a screen. Each plot is a pair: `draw_NAME(axes, results)` draws on any
+Axes, `plot_NAME(results)` returns a figure with title and margins; `results` is a result or a
+sequence of results, one per torque. The decorator `picture` lists them in `DRAWINGS` and
+`PICTURES`, whose functions are attributes of this package and methods of `Result.plot`.
 """
 
 from __future__ import annotations
 
+from inspect import Parameter, signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flankload.base.arguments import is_index, refuse_argument, require
-from flankload.plot.curves import (
-    draw_flank_forces,
-    draw_follower_motion,
-    draw_load_sharing,
-    draw_peak_pressure,
-    draw_stiffness,
-    draw_torque_sweep,
-    draw_transmission_error,
-    draw_transmission_error_spectrum,
-    plot_flank_forces,
-    plot_follower_motion,
-    plot_load_sharing,
-    plot_peak_pressure,
-    plot_stiffness,
-    plot_torque_sweep,
-    plot_transmission_error,
-    plot_transmission_error_spectrum,
-    spectrum,
+from flankload.plot import (
+    curves,
+    involutes,
+    load_maps,
+    loaded_pair,
+    root_stress,
+    whole_circle,
+    wrapped,
 )
 from flankload.plot.design_study import (
     draw_bands,
@@ -43,54 +35,11 @@ from flankload.plot.design_study import (
     write_study,
 )
 from flankload.plot.figures import as_results, fit
-from flankload.plot.involutes import (
-    draw_pressure_over_diameter,
-    draw_profile_deviation,
-    path_on_flank,
-    plot_pressure_over_diameter,
-    plot_profile_deviation,
-)
-from flankload.plot.load_maps import (
-    draw_contact_pattern,
-    draw_line_load,
-    draw_line_load_map,
-    draw_load_map,
-    plot_contact_pattern,
-    plot_line_load,
-    plot_line_load_map,
-    plot_load_map,
-)
-from flankload.plot.loaded_pair import draw_loaded_pair, plot_loaded_pair
 from flankload.plot.picture import DRAWINGS, PICTURES
-from flankload.plot.root_stress import (
-    draw_root_stress,
-    draw_root_stress_over_width,
-    plot_root_stress,
-    plot_root_stress_over_width,
-)
 from flankload.plot.style import FORMATS, SIZE, file_of, png_of, write_pictures
-from flankload.plot.whole_circle import (
-    draw_flank_pressure,
-    draw_load_per_tooth,
-    plot_flank_pressure,
-    plot_load_per_tooth,
-)
-from flankload.plot.wrapped import (
-    draw_belt_on_pulley,
-    draw_chain_on_sprocket,
-    draw_force_through_wrap,
-    draw_load_around_wrap,
-    draw_tension_around_wrap,
-    draw_tensions,
-    plot_belt_on_pulley,
-    plot_chain_on_sprocket,
-    plot_force_through_wrap,
-    plot_load_around_wrap,
-    plot_tensions,
-)
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from matplotlib.axes import Axes
@@ -102,70 +51,24 @@ __all__ = [
     "FORMATS",
     "PICTURES",
     "draw_bands",
-    "draw_belt_on_pulley",
-    "draw_chain_on_sprocket",
-    "draw_contact_pattern",
     "draw_curve",
-    "draw_flank_forces",
-    "draw_flank_pressure",
-    "draw_follower_motion",
-    "draw_force_through_wrap",
     "draw_histogram",
-    "draw_line_load",
-    "draw_line_load_map",
-    "draw_load_around_wrap",
-    "draw_load_map",
-    "draw_load_per_tooth",
-    "draw_load_sharing",
-    "draw_loaded_pair",
     "draw_map",
     "draw_on",
     "draw_over_torque",
     "draw_pareto",
-    "draw_peak_pressure",
-    "draw_pressure_over_diameter",
-    "draw_profile_deviation",
-    "draw_root_stress",
-    "draw_root_stress_over_width",
-    "draw_stiffness",
-    "draw_tension_around_wrap",
-    "draw_tensions",
-    "draw_torque_sweep",
-    "draw_transmission_error",
-    "draw_transmission_error_spectrum",
     "file_of",
+    "method_of",
     "pictures_of",
     "plot_all",
-    "plot_belt_on_pulley",
-    "plot_chain_on_sprocket",
-    "plot_contact_pattern",
-    "plot_flank_forces",
-    "plot_flank_pressure",
-    "plot_follower_motion",
-    "plot_force_through_wrap",
-    "plot_line_load",
-    "plot_line_load_map",
-    "plot_load_around_wrap",
-    "plot_load_map",
-    "plot_load_per_tooth",
-    "plot_load_sharing",
-    "plot_loaded_pair",
-    "plot_peak_pressure",
-    "plot_pressure_over_diameter",
-    "plot_profile_deviation",
-    "plot_root_stress",
-    "plot_root_stress_over_width",
-    "plot_stiffness",
-    "plot_tensions",
-    "plot_torque_sweep",
-    "plot_transmission_error",
-    "plot_transmission_error_spectrum",
     "png_of",
     "study_figures",
     "suited",
     "write_study",
 ]
 
+#: Modules with the functions of `PICTURES` and `DRAWINGS`.
+MODULES = (curves, involutes, load_maps, loaded_pair, root_stress, whole_circle, wrapped)
 MM_PER_INCH = 25.4
 
 
@@ -260,6 +163,38 @@ def draw_on(
     return PICTURES[name](shown, **options).axes[0]
 
 
+def method_of(name: str, results: Sequence[Result]) -> Callable[..., Axes]:
+    """`draw_on` for a plot of `PICTURES`, with its docstring, its options and optional Axes."""
+    options = [*signature(PICTURES[name]).parameters.values()][1:]
+    shown = signature(PICTURES[name]).replace(
+        parameters=[
+            Parameter("ax", Parameter.POSITIONAL_OR_KEYWORD, default=None),
+            *(option.replace(kind=Parameter.KEYWORD_ONLY) for option in options),
+        ],
+        return_annotation="Axes",
+    )
+
+    def method(*given: Any, **named: Any) -> Axes:
+        arguments = shown.bind(*given, **named).arguments
+        axes = arguments.pop("ax", None)
+        wanted = {key: value for key, value in arguments.items() if value is not None}
+        return draw_on(name, results, axes, **wanted)
+
+    method.__name__ = method.__qualname__ = name
+    method.__doc__ = (DRAWINGS[name].__doc__ or "").partition("\n\nParameters\n")[0]
+    method.__signature__ = shown  # type: ignore[attr-defined]
+    return method
+
+
+def __getattr__(name: str) -> Callable[..., Any]:
+    kind, _, picture = name.partition("_")
+    functions: dict[str, Mapping[str, Callable[..., Any]]] = {"draw": DRAWINGS, "plot": PICTURES}
+    listed = functions.get(kind, {})
+    if picture not in listed:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return listed[picture]
+
+
 def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
     """Names of the plots that suit the results.
 
@@ -283,48 +218,10 @@ def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
         root_stress_over_width), torque_sweep for several torques.
     """
     shown = as_results(results)
-    found = {name: None for result in shown for name in _names(result)}
+    found = {name: None for one in shown for name in one.engagement.pictures(one)}
     return (*found, *["torque_sweep"] * (len(shown) > 1))
 
 
 def suited(name: str, results: Sequence[Result]) -> Sequence[Result]:
     """The results that a plot shows: with load for a stiffness, for instance."""
-    return [result for result in results if name in _names(result)] or results
-
-
-def _names(result: Result) -> tuple[str, ...]:
-    """Plots of one result, without those of several torques."""
-    own = result.drive.pictures(result) if result.drive is not None else _of_flanks(result)
-    several = result.position_rad.size > 1
-    stressed = any(stress is not None for stress in result.root_stress)
-    turns = "transmission_error" in own and not (result.whole_circle or result.has_cam)
-    return (
-        *own,
-        *["transmission_error_spectrum"] * (turns and spectrum(result)[0].size > 0),
-        *["load_map"] * (several and not result.has_cam),
-        *["root_stress"] * stressed,
-        *["root_stress_over_width"] * (stressed and result.slices is not None),
-    )
-
-
-def _of_flanks(result: Result) -> tuple[str, ...]:
-    """Plots of a flank pair."""
-    several = result.position_rad.size > 1
-    if result.whole_circle:
-        along = "flank_pressure" if result.slices is None else "line_load_map"
-        names = ("load_per_tooth", along, "loaded_pair")
-        return (*names, *["transmission_error"] * several)
-    loaded = result.torque_Nm > 0
-    profiles = any(profile is not None for profile in result.drawing.profiles)
-    path = several and loaded and path_on_flank(result, 1) is not None
-    return (
-        "transmission_error",
-        "follower_motion" if result.has_cam else "load_sharing",
-        "peak_pressure",
-        *["pressure_over_diameter"] * path,
-        "loaded_pair",
-        *["flank_forces"] * (result.coast is not None),
-        *["stiffness"] * loaded,
-        *["profile_deviation"] * profiles,
-        *["line_load", "line_load_map", "contact_pattern"] * (result.slices is not None and loaded),
-    )
+    return [one for one in results if name in one.engagement.pictures(one)] or results
