@@ -25,12 +25,7 @@ from flankload.studies.accuracy.refinements import (
 )
 from flankload.studies.accuracy.runs import Run, Runs
 from flankload.studies.accuracy.study import Row, Study
-from flankload.studies.accuracy.study_text import (
-    corner_notes,
-    failure_notes,
-    file_notes,
-    limit_notes,
-)
+from flankload.studies.accuracy.study_text import notes_of
 from flankload.studies.plan import choose_effects
 
 if TYPE_CHECKING:
@@ -239,12 +234,7 @@ class _StudyRuns:
             limits=reference.limits,
             knobs=self.refinements,
             doubts=reference.doubts,
-            notes=(
-                *limit_notes(rows),
-                *corner_notes(steps.get("strips_per_half_width", ())),
-                *file_notes(self.scene),
-                *failure_notes(rows),
-            ),
+            notes=notes_of(self.scene, rows, steps.get("strips_per_half_width", ())),
             stopped=stopped,
             interrupted=interrupted,
         )

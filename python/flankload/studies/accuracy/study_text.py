@@ -230,6 +230,11 @@ def _why_none(study: Study, tolerance: float) -> str:
     return f"not reached ({IN_DOUBT}): the uncertainty of the limit is {size}"
 
 
+def notes_of(scene: Scene, rows: Sequence[Row], cells: Sequence[Row]) -> tuple[str, ...]:
+    """All notes of a study; `cells` are the steps of the number of cells."""
+    return *limit_notes(rows), *corner_notes(cells), *file_notes(scene), *failure_notes(rows)
+
+
 def limit_notes(rows: Sequence[Row]) -> tuple[str, ...]:
     """Note on errors that are not included: violated premises of the model."""
     names = sorted({name for row in rows for name in row.run.outside})

@@ -82,7 +82,7 @@ def study(
     Returns
     -------
     DesignStudy
-        Failed designs included.
+        With a row for each design, including those that failed.
 
     Raises
     ------
@@ -90,10 +90,8 @@ def study(
         Before anything is solved, if the study contradicts itself, the first design or one at the
         end of a bounded distribution is no scene, or the store is another file; after the first
         run, if it does not have a quantity.
-    FlankloadError
-        If a worker is lost; finished runs are in the store.
-    KeyboardInterrupt
-        After Ctrl-C; finished runs are in the store.
+    FlankloadError, KeyboardInterrupt
+        If a worker is lost, after Ctrl-C; finished runs are in the store.
     """
     scene = scene_of(scene)
     require_path("store", store)
