@@ -60,12 +60,9 @@ def scene_of_report(scene: Scene) -> Scene:
     three-dimensional bodies, whose positions cost more, and splines on common axes.
     """
     named = {key for key in scene.named_discretization_keys if key.startswith("positions.")}
-    if (
-        named - {"positions.driver"}
-        or scene.names_tolerance
-        or scene.is_drive
-        or scene.is_concentric
-    ):
+    if named - {"positions.driver"} or scene.names_tolerance:
+        return scene
+    if scene.is_drive or scene.is_concentric:
         return scene
     if not scene.body_2.has_teeth or three_dimensional_key(scene) is not None:
         return scene
