@@ -18,6 +18,7 @@ import numpy as np
 
 from flankload.analysis.adaptive_positions import HARMONICS, LEAST_HARMONIC
 from flankload.analysis.error_rules import RemainingError
+from flankload.base.rounding import round_down
 from flankload.elasticity.near_field import mode_values, projected_near_field
 from flankload.elasticity.nodal_loads import linear_values, linear_widths
 
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 
 #: Additional quantity if the positions close.
 HARMONICS_KEY = "transmission_error_harmonics"
-#: Positions less than this part of a pitch before the next pitch belong to that.
-SAME = 1e-6
 #: Teeth whose compliances differ by less than this part of the tolerance are alike; meshes that are
 #: not the same at all teeth differ by less.
 ALIKE = 0.25
@@ -108,7 +107,7 @@ class OtherTeeth:
                 by_tooth = self._work(found, z)
                 total += (by_tooth - by_tooth[0])[steps[z] * number % self.teeth[z]]
         pitch = (position - position[0]) / self.window.pitch_rad
-        total[number[:, None] + np.floor(pitch + SAME) >= self.pitches] = np.nan
+        total[number[:, None] + round_down(pitch) >= self.pitches] = np.nan
         return total / (self.face_width_mm * found.torque_Nmm)
 
     def _work(self, found: Sweep, z: int) -> Floats:

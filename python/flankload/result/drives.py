@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from flankload.base.card import Card
+from flankload.base.rounding import TIE
 from flankload.base.text_table import number, text_table
 from flankload.result.engagement import Engagement
 
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
 
 #: Suffix of the row of a land that lifts.
 HERE = "the land lifts here"
-#: Forces below this part of the tight tension count as zero.
-ROUNDING = 1e-9
 
 
 class Drive(Card, Engagement):
@@ -139,7 +138,7 @@ class BeltDrive(Drive):
     @property
     def lifting(self) -> Flags:
         """(P, S + 1) Lands that lift as a whole, or would lift if they were not fixed."""
-        least = ROUNDING * self.tight_tension_N[:, None]
+        least = TIE * self.tight_tension_N[:, None]
         lift = np.column_stack([self.land_lift_um, self.last_land_lift_um])
         return np.asarray((self.lands_N < -least) | ((self.lands_N < least) & (lift > 0)))
 

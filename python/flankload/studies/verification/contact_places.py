@@ -24,7 +24,7 @@ SAMPLES = 600
 #: Size of the zone of fine elements, in half-widths of a contact that carries the load.
 ZONE_HALF_WIDTHS = 1.6
 #: Least force for the mesh of a flank that is unloaded in flankload, as part of the whole load.
-LEAST_PART = 0.25
+LEAST_FORCE_PART = 0.25
 #: Largest length of fine elements as part of a flank's length.
 LARGEST_PART = 1.0 / 24.0
 
@@ -76,7 +76,7 @@ def contact_places(
     if not found:
         raise FlankloadError("no flanks meet at this position")
     touch = min(meeting.gap_rad for meeting in found)
-    least = LEAST_PART * sum(force_N_per_mm.values()) / len(force_N_per_mm)
+    least = LEAST_FORCE_PART * sum(force_N_per_mm.values()) / len(force_N_per_mm)
     return tuple(
         meeting.place(
             compliance * max(force_N_per_mm.get(meeting.site, 0.0), least), elements_per_half_width
