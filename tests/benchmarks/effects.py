@@ -155,13 +155,13 @@ def _case(name: str, changes: Mapping[str, Mapping[str, Any]]) -> Case:
     for table, keys in merged(plain, changes).items():
         tables.setdefault(table, {}).update(keys)
     scene = fl.Scene.from_dict(tables)
-    door = _core.flankload_sweep
-    names = door.__doc__.partition("(")[2].partition(")")[0].split(",")
+    procedure = _core.flankload_sweep
+    names = procedure.__doc__.partition("(")[2].partition(")")[0].split(",")
     calls: list[dict[str, Any]] = []
 
     def watched(*arguments: Any) -> Any:
         calls.append(deepcopy(dict(zip(names, arguments, strict=True))))
-        return door(*arguments)
+        return procedure(*arguments)
 
     with patch.object(_core, "flankload_sweep", watched):
         fl.solve(scene)

@@ -197,5 +197,5 @@ def test_every_procedure_has_a_program() -> None:
     """But for the tests of numbers (the examples)."""
     said = "".join(SOURCES.values()).lower()
     said += "flankload_double_vector flankload_integer_vector"
-    door = [name for name in dir(_core) if name.startswith("flankload_")]
-    assert [name for name in door if not re.search(rf"{name}(?![a-z])", said)] == []
+    listed = [name for name in dir(_core) if name.startswith("flankload_")]
+    assert [name for name in listed if not re.search(rf"{name}(?![a-z])", said)] == []

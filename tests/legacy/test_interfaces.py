@@ -1,4 +1,4 @@
-"""A call that does not fit the door does not compile, whatever way a program names the door."""
+"""A call that does not fit the interface does not compile, whatever way a program names it."""
 
 from __future__ import annotations
 

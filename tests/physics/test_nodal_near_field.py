@@ -151,7 +151,7 @@ def test_nodes_stand_a_fifth_of_the_half_width_apart_by_themselves() -> None:
         assert 0.15 * half_width < apart.min() <= apart.max() < 0.21 * half_width
 
 
-def test_one_position_is_that_of_the_plain_door(nodes: fl.Result) -> None:
+def test_one_position_is_that_of_the_plain_interface(nodes: fl.Result) -> None:
     """The same tables and nodes through `flankload_position` and the contact loop.
 
     There the flanks are splines through the nodes.
