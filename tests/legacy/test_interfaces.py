@@ -1,4 +1,4 @@
-"""A call that does not fit the interface does not compile, whatever way a program names it."""
+"""A call with wrong arguments does not compile, whichever interface a program names."""
 
 from __future__ import annotations
 

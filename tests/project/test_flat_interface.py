@@ -148,8 +148,8 @@ def test_the_module_shows_the_whole_interface() -> None:
     include = (FORTRAN / "flat" / "flankload.inc").read_text(encoding="ascii")
     numbers = re.findall(r"(fl_\w+)=", include)
     assert len(numbers) == 12 + len(PARTS)
-    listed = [name for name in shown if name.startswith(("flankload_", "fl_"))]
-    assert sorted(listed) == sorted([*FOR_FORTRAN, *numbers])
+    interface = [name for name in shown if name.startswith(("flankload_", "fl_"))]
+    assert sorted(interface) == sorted([*FOR_FORTRAN, *numbers])
 
 
 def named_numbers() -> tuple[dict[str, int], dict[str, int]]:

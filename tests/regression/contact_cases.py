@@ -218,7 +218,7 @@ def _several_torques(seed: int) -> Case:
 
 
 def _with_rows_exchanged(seed: int) -> Case:
-    """The last loop, with elimination that exchanges rows: only the flat interface offers it."""
+    """Loop of elimination with row exchanges: only the flat interface offers it."""
     rng = np.random.default_rng(seed)
     problem = gear_like(rng)
     while problem.gap_angles.size < 40 or problem.friction == 0:

@@ -37,7 +37,7 @@ FIRST_ROOM = 256
 #: The same for contact on all teeth, per site and cell between its middle and the edge of its zone:
 #: two sides, finer cells at the ends of conforming flanks (2.8 in all), and a reserve.
 ROOM_OF_CELL = 3.2
-#: Cells in slices: of a slice beside those in its zone, and flanks with as many cells as slices.
+#: Cells of a flank or a slice beside those in its zone; in slices, flanks with as many cells.
 LEAST_CELLS, MESHING_FLANKS = 8, 4
 
 
@@ -345,7 +345,7 @@ def _first_room(contact: FlankContact) -> int:
         return slices.count * (2 * sites if contact.level == "lumped" else of_cells)
     if not pairing.whole_circle:
         return sides * FIRST_ROOM
-    return sides * max(FIRST_ROOM, int(ROOM_OF_CELL * cells * sites))
+    return sides * max(FIRST_ROOM, int(ROOM_OF_CELL * (cells + LEAST_CELLS) * sites))
 
 
 def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:

@@ -1,28 +1,35 @@
 """Plots for a report; the only package that imports matplotlib.
 
 Figures are created as objects (no pyplot, no global state) and drawn on the Agg canvas, so they are
-the same with and without a screen. Each plot is a pair: `draw_NAME(axes, results)` draws on any
-Axes, `plot_NAME(results)` returns a figure with title and margins; `results` is a result or a
-sequence of results, one per torque. The decorator `picture` lists them in `DRAWINGS` and
-`PICTURES`, whose functions are attributes of this package and methods of `Result.plot`.
+the same with and without a screen. Each plot is a pair: `draw_…(axes, results)` draws on any Axes,
+`plot_…(results)` returns a figure with title and margins; `results` is a result or a sequence of
+results, one per torque. Both are made by the decorators of `picture.py`.
 """
 
 from __future__ import annotations
 
-from inspect import Parameter, signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flankload.base.arguments import is_index, refuse_argument, require
-from flankload.plot import (
-    curves,
-    involutes,
-    load_maps,
-    loaded_pair,
-    root_stress,
-    whole_circle,
-    wrapped,
+from flankload.plot.curves import (
+    draw_flank_forces,
+    draw_follower_motion,
+    draw_load_sharing,
+    draw_peak_pressure,
+    draw_stiffness,
+    draw_torque_sweep,
+    draw_transmission_error,
+    draw_transmission_error_spectrum,
+    plot_flank_forces,
+    plot_follower_motion,
+    plot_load_sharing,
+    plot_peak_pressure,
+    plot_stiffness,
+    plot_torque_sweep,
+    plot_transmission_error,
+    plot_transmission_error_spectrum,
 )
 from flankload.plot.design_study import (
     draw_bands,
@@ -35,11 +42,53 @@ from flankload.plot.design_study import (
     write_study,
 )
 from flankload.plot.figures import as_results, fit
+from flankload.plot.involutes import (
+    draw_pressure_over_diameter,
+    draw_profile_deviation,
+    plot_pressure_over_diameter,
+    plot_profile_deviation,
+)
+from flankload.plot.load_maps import (
+    draw_contact_pattern,
+    draw_line_load,
+    draw_line_load_map,
+    draw_load_map,
+    plot_contact_pattern,
+    plot_line_load,
+    plot_line_load_map,
+    plot_load_map,
+)
+from flankload.plot.loaded_pair import draw_loaded_pair, plot_loaded_pair
 from flankload.plot.picture import DRAWINGS, PICTURES
+from flankload.plot.root_stress import (
+    draw_root_stress,
+    draw_root_stress_over_width,
+    plot_root_stress,
+    plot_root_stress_over_width,
+)
 from flankload.plot.style import FORMATS, SIZE, file_of, png_of, write_pictures
+from flankload.plot.whole_circle import (
+    draw_flank_pressure,
+    draw_load_per_tooth,
+    plot_flank_pressure,
+    plot_load_per_tooth,
+)
+from flankload.plot.wrapped import (
+    draw_belt_on_pulley,
+    draw_chain_on_sprocket,
+    draw_force_through_wrap,
+    draw_load_around_wrap,
+    draw_tension_around_wrap,
+    draw_tensions,
+    plot_belt_on_pulley,
+    plot_chain_on_sprocket,
+    plot_force_through_wrap,
+    plot_load_around_wrap,
+    plot_tensions,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Sequence
     from pathlib import Path
 
     from matplotlib.axes import Axes
@@ -51,24 +100,70 @@ __all__ = [
     "FORMATS",
     "PICTURES",
     "draw_bands",
+    "draw_belt_on_pulley",
+    "draw_chain_on_sprocket",
+    "draw_contact_pattern",
     "draw_curve",
+    "draw_flank_forces",
+    "draw_flank_pressure",
+    "draw_follower_motion",
+    "draw_force_through_wrap",
     "draw_histogram",
+    "draw_line_load",
+    "draw_line_load_map",
+    "draw_load_around_wrap",
+    "draw_load_map",
+    "draw_load_per_tooth",
+    "draw_load_sharing",
+    "draw_loaded_pair",
     "draw_map",
     "draw_on",
     "draw_over_torque",
     "draw_pareto",
+    "draw_peak_pressure",
+    "draw_pressure_over_diameter",
+    "draw_profile_deviation",
+    "draw_root_stress",
+    "draw_root_stress_over_width",
+    "draw_stiffness",
+    "draw_tension_around_wrap",
+    "draw_tensions",
+    "draw_torque_sweep",
+    "draw_transmission_error",
+    "draw_transmission_error_spectrum",
     "file_of",
-    "method_of",
     "pictures_of",
     "plot_all",
+    "plot_belt_on_pulley",
+    "plot_chain_on_sprocket",
+    "plot_contact_pattern",
+    "plot_flank_forces",
+    "plot_flank_pressure",
+    "plot_follower_motion",
+    "plot_force_through_wrap",
+    "plot_line_load",
+    "plot_line_load_map",
+    "plot_load_around_wrap",
+    "plot_load_map",
+    "plot_load_per_tooth",
+    "plot_load_sharing",
+    "plot_loaded_pair",
+    "plot_peak_pressure",
+    "plot_pressure_over_diameter",
+    "plot_profile_deviation",
+    "plot_root_stress",
+    "plot_root_stress_over_width",
+    "plot_stiffness",
+    "plot_tensions",
+    "plot_torque_sweep",
+    "plot_transmission_error",
+    "plot_transmission_error_spectrum",
     "png_of",
     "study_figures",
     "suited",
     "write_study",
 ]
 
-#: Modules with the functions of `PICTURES` and `DRAWINGS`.
-MODULES = (curves, involutes, load_maps, loaded_pair, root_stress, whole_circle, wrapped)
 MM_PER_INCH = 25.4
 
 
@@ -161,38 +256,6 @@ def draw_on(
         DRAWINGS[name](axes, shown, **options)
         return axes
     return PICTURES[name](shown, **options).axes[0]
-
-
-def method_of(name: str, results: Sequence[Result]) -> Callable[..., Axes]:
-    """`draw_on` for a plot of `PICTURES`, with its docstring, its options and optional Axes."""
-    options = [*signature(PICTURES[name]).parameters.values()][1:]
-    shown = signature(PICTURES[name]).replace(
-        parameters=[
-            Parameter("ax", Parameter.POSITIONAL_OR_KEYWORD, default=None),
-            *(option.replace(kind=Parameter.KEYWORD_ONLY) for option in options),
-        ],
-        return_annotation="Axes",
-    )
-
-    def method(*given: Any, **named: Any) -> Axes:
-        arguments = shown.bind(*given, **named).arguments
-        axes = arguments.pop("ax", None)
-        wanted = {key: value for key, value in arguments.items() if value is not None}
-        return draw_on(name, results, axes, **wanted)
-
-    method.__name__ = method.__qualname__ = name
-    method.__doc__ = (DRAWINGS[name].__doc__ or "").partition("\n\nParameters\n")[0]
-    method.__signature__ = shown  # type: ignore[attr-defined]
-    return method
-
-
-def __getattr__(name: str) -> Callable[..., Any]:
-    kind, _, picture = name.partition("_")
-    functions: dict[str, Mapping[str, Callable[..., Any]]] = {"draw": DRAWINGS, "plot": PICTURES}
-    listed = functions.get(kind, {})
-    if picture not in listed:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return listed[picture]
 
 
 def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:

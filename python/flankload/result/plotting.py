@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.result.quantities import torques_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Sequence
     from pathlib import Path
 
     from flankload.result.forms import ResultForms
@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 class Plots:
     """Methods that draw the plots of results of one scene, one per torque.
 
-    Each plot of `flankload.plot.PICTURES` is a method with the name of the file that
-    `flankload run --plot` writes, for example `transmission_error(ax=None)` or
-    `loaded_pair(ax=None, *, position=None)`; `help` describes it. It draws on the given
+    Each method has the name of the file that `flankload run --plot` writes. It draws on the given
     `matplotlib.axes.Axes`, without a title, or on those of a new figure with title and margins, and
     returns the Axes. The state of `matplotlib.pyplot` is neither used nor changed. A new figure can
     be written by `axes.figure.savefig`. Plots of one torque show the largest one.
@@ -35,16 +33,6 @@ class Plots:
 
     def __init__(self, results: ResultForms | Sequence[Result]) -> None:
         self._results = torques_of(results)
-
-    def __getattr__(self, name: str) -> Callable[..., Any]:
-        # names with an underscore are those that Python and notebooks look for in any object
-        if name.startswith("_") or name not in _plot().PICTURES:
-            raise AttributeError(f"plot: expected one of dir(result.plot), found {name!r}")
-        method: Callable[..., Any] = _plot().method_of(name, self._results)
-        return method
-
-    def __dir__(self) -> Iterable[str]:
-        return [*super().__dir__(), *_plot().PICTURES]
 
     def names(self) -> tuple[str, ...]:
         """Names of the plots that suit the results."""
@@ -65,6 +53,106 @@ class Plots:
         tuple of Path
         """
         return tuple(_plot().plot_all(self._results, folder, **options))
+
+    def _draw(self, name: str, ax: Any, **options: Any) -> Any:
+        named = {key: value for key, value in options.items() if value is not None}
+        return _plot().draw_on(name, self._results, ax, **named)
+
+    def transmission_error(self, ax: Any = None) -> Any:
+        """Transmission error over the positions."""
+        return self._draw("transmission_error", ax)
+
+    def transmission_error_spectrum(self, ax: Any = None) -> Any:
+        """Amplitudes of the transmission error over the mesh orders."""
+        return self._draw("transmission_error_spectrum", ax)
+
+    def load_sharing(self, ax: Any = None) -> Any:
+        """Load share of each pair over the positions."""
+        return self._draw("load_sharing", ax)
+
+    def peak_pressure(self, ax: Any = None) -> Any:
+        """Peak pressure of each pair over the positions."""
+        return self._draw("peak_pressure", ax)
+
+    def pressure_over_diameter(self, ax: Any = None, *, body: int | None = None) -> Any:
+        """Peak pressure over the diameter of a body, with points A to E."""
+        return self._draw("pressure_over_diameter", ax, body=body)
+
+    def load_map(self, ax: Any = None) -> Any:
+        """Force of each pair at each position."""
+        return self._draw("load_map", ax)
+
+    def loaded_pair(self, ax: Any = None, *, position: int | None = None) -> Any:
+        """Teeth in mesh at a position, with pressures and forces."""
+        return self._draw("loaded_pair", ax, position=position)
+
+    def flank_forces(self, ax: Any = None) -> Any:
+        """Forces on working and coast flanks over the positions."""
+        return self._draw("flank_forces", ax)
+
+    def stiffness(self, ax: Any = None) -> Any:
+        """Stiffness over the positions."""
+        return self._draw("stiffness", ax)
+
+    def torque_sweep(self, ax: Any = None, *, quantity: str | None = None) -> Any:
+        """A key figure over the torque."""
+        return self._draw("torque_sweep", ax, quantity=quantity)
+
+    def profile_deviation(self, ax: Any = None, *, body: int | None = None) -> Any:
+        """Deviation of a body from its involute."""
+        return self._draw("profile_deviation", ax, body=body)
+
+    def follower_motion(self, ax: Any = None) -> Any:
+        """Angle of a follower on its cam, and the contact force."""
+        return self._draw("follower_motion", ax)
+
+    def load_per_tooth(self, ax: Any = None, *, position: int | None = None) -> Any:
+        """Force on each tooth of a spline."""
+        return self._draw("load_per_tooth", ax, position=position)
+
+    def flank_pressure(self, ax: Any = None, *, position: int | None = None) -> Any:
+        """Pressure on the most loaded flank of a spline."""
+        return self._draw("flank_pressure", ax, position=position)
+
+    def root_stress(self, ax: Any = None) -> Any:
+        """Stress in the tooth roots on the way of a tooth."""
+        return self._draw("root_stress", ax)
+
+    def root_stress_over_width(self, ax: Any = None) -> Any:
+        """Stress in the most stressed tooth roots over the face width."""
+        return self._draw("root_stress_over_width", ax)
+
+    def line_load(self, ax: Any = None, *, position: int | None = None) -> Any:
+        """Line load over the face width."""
+        return self._draw("line_load", ax, position=position)
+
+    def line_load_map(self, ax: Any = None) -> Any:
+        """Line load of a tooth over its way and the face width."""
+        return self._draw("line_load_map", ax)
+
+    def contact_pattern(self, ax: Any = None, *, body: int | None = None) -> Any:
+        """Largest pressure at each place of a flank."""
+        return self._draw("contact_pattern", ax, body=body)
+
+    def belt_on_pulley(self, ax: Any = None, *, position: int | None = None) -> Any:
+        """Belt, pulley and the forces on the teeth."""
+        return self._draw("belt_on_pulley", ax, position=position)
+
+    def load_around_wrap(self, ax: Any = None, *, position: int | None = None) -> Any:
+        """Forces of the teeth of a belt around the wrap."""
+        return self._draw("load_around_wrap", ax, position=position)
+
+    def force_through_wrap(self, ax: Any = None) -> Any:
+        """Force of a tooth of a belt on its way through the wrap."""
+        return self._draw("force_through_wrap", ax)
+
+    def chain_on_sprocket(self, ax: Any = None, *, position: int | None = None) -> Any:
+        """Chain, sprocket and the forces on the rollers."""
+        return self._draw("chain_on_sprocket", ax, position=position)
+
+    def tensions(self, ax: Any = None) -> Any:
+        """Tension of the links of a chain around the wrap."""
+        return self._draw("tensions", ax)
 
 
 def _plot() -> Any:

@@ -280,7 +280,7 @@ def test_hundreds_of_pairs_meet_every_row() -> None:
     assert rubbed.info.backward_error <= 10 * EPS
 
 
-def test_the_interface_doubles_a_vector() -> None:
+def test_the_door_doubles_a_vector() -> None:
     """An interface that maps reals to C float would not."""
     vector = np.array([np.pi, 1e-300, -7.25])
     doubled, info = _core.flankload_double_vector(vector)
@@ -288,7 +288,7 @@ def test_the_interface_doubles_a_vector() -> None:
     assert doubled.tolist() == (2 * vector).tolist()
 
 
-def test_the_interface_doubles_integers() -> None:
+def test_the_door_doubles_integers() -> None:
     doubled, info = _core.flankload_integer_vector(np.array([-1, -7, 1000], dtype=np.int32))
     assert info == 0
     assert doubled.tolist() == [-2, -14, 2000]
