@@ -183,7 +183,7 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
         for name, (attribute, unit) in arrays.items()
     ]
     chains, belts = (
-        group(drive.along, "(P,)", drive) + group(drive.over_sites, "(P, S)", drive)
+        group(drive.units("P"), "(P,)", drive) + group(drive.units("PS"), "(P, S)", drive)
         for drive in (ChainDrive, BeltDrive)
     )
     return [

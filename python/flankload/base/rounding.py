@@ -14,8 +14,9 @@ import numpy as np
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
 
-#: A quotient within this distance of a whole number counts as that number: far above rounding
-#: errors, far below any difference that matters.
+#: A quotient within this distance of a whole number counts as that number, and quantities that
+#: differ by less than this part of their scale are equal: far above rounding errors, far below any
+#: difference that matters.
 TIE = 1e-9
 
 

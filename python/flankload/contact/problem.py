@@ -24,7 +24,7 @@ METHODS = {
     "cascade": 6,
     "primal": 7,
 }
-RUNGS = {number: name for name, number in METHODS.items()} | {5: "single_pivoted"}
+METHOD_NAMES = {number: name for name, number in METHODS.items()} | {5: "single_pivoted"}
 
 # properties of K that are passed to the core
 GENERAL, SYMMETRIC, DEFINITE, DEFINITE_PART = range(4)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
-from flankload.contact.problem import DEFINITE, RUNGS, ContactProblem
+from flankload.contact.problem import DEFINITE, METHOD_NAMES, ContactProblem
 from flankload.contact.status import Status
 from flankload.errors import (
     ContactError,
@@ -181,7 +181,7 @@ def state_of(
         raise failure(problem, loads, answer)
     unique = bool(answer.counters[2])
     info = ContactInfo(
-        rung=RUNGS[int(answer.counters[3])],
+        rung=METHOD_NAMES[int(answer.counters[3])],
         pivots=int(answer.counters[0]),
         refactorisations=int(answer.counters[1]),
         condition=float(answer.certificate[0]),

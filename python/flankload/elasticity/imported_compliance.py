@@ -18,7 +18,7 @@ from flankload.elasticity.near_field import (
     mode_values,
     projected_near_field,
 )
-from flankload.elasticity.nodal_loads import hat_values, hat_widths
+from flankload.elasticity.nodal_loads import linear_values, linear_widths
 from flankload.elasticity.sector_closure import made_symmetric
 from flankload.errors import ComplianceFileError
 
@@ -196,7 +196,7 @@ def _tables(body: Body, given: NodalCompliance, plane: str) -> BodyCompliance:
     nodes = given.arc_length_mm[:: 2 if given.quadratic else 1]
 
     def pressures(s: Floats) -> Floats:
-        return hat_values(s, nodes) / hat_widths(nodes)
+        return linear_values(s, nodes) / linear_widths(nodes)
 
     if given.of_pressures:
         loads = pressures(given.arc_length_mm)

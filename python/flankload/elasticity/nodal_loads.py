@@ -31,7 +31,7 @@ def nodes_of(mesh: SectorMesh | WholeMesh) -> Floats:
     return flank_nodes(mesh.flanks[0])
 
 
-def hat_values(s: Floats, nodes: Floats) -> Floats:
+def linear_values(s: Floats, nodes: Floats) -> Floats:
     """Values (k, n) of the linear shape functions of the nodes at places s (k,).
 
     Beyond the first and the last node they keep their end values.
@@ -45,13 +45,13 @@ def hat_values(s: Floats, nodes: Floats) -> Floats:
     return values
 
 
-def hat_widths(nodes: Floats) -> Floats:
+def linear_widths(nodes: Floats) -> Floats:
     """Integrals of the linear shape functions of the nodes, mm."""
     around = np.concatenate([nodes[:1], nodes, nodes[-1:]])
     return np.asarray(0.5 * (around[2:] - around[:-2]))
 
 
-def hat_loads(
+def linear_loads(
     flank: SectorMesh | MeshedFlank,
     nodes: Floats,
     *,
@@ -62,10 +62,10 @@ def hat_loads(
     Consistent, per mm of width, degree of freedom 2*node + component; arc lengths of the nodes are
     the same on every flank of a body, mm.
     """
-    widths = hat_widths(nodes)
+    widths = linear_widths(nodes)
     return consistent_loads(
         flank,
-        lambda s: hat_values(s, nodes) / widths,
+        lambda s: linear_values(s, nodes) / widths,
         count=nodes.size,
         along=along,
         edges=carrying_edges(flank),
@@ -79,4 +79,4 @@ def every_second(nodes: Floats) -> tuple[Floats, Floats]:
     replace the unit force at each of these, and sum to 1.
     """
     fewer = nodes[::2] if nodes.size % 2 else np.append(nodes[::2], nodes[-1])
-    return fewer, hat_values(nodes, fewer) * hat_widths(nodes)[:, None] / hat_widths(fewer)
+    return fewer, linear_values(nodes, fewer) * linear_widths(nodes)[:, None] / linear_widths(fewer)

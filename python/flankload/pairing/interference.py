@@ -32,7 +32,7 @@ PLACES = 6
 
 #: Least overlap relative to the flank's length (1 um for a gear of module 4.5 mm): smaller ones are
 #: below the accuracy of profiles and closed by any torque.
-LEAST_PART = 1e-4
+LEAST_OVERLAP = 1e-4
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def overlaps_of(
     for part in (True, False):
         chosen = np.where(at_tips == part, depth, -np.inf)
         i, j = np.unravel_index(np.argmax(chosen), chosen.shape)
-        if chosen[i, j] > LEAST_PART * body_1.curve.length_mm:
+        if chosen[i, j] > LEAST_OVERLAP * body_1.curve.length_mm:
             yield Overlap(float(chosen[i, j]), float(r_1[i]), float(r_2[j]), part)
 
 

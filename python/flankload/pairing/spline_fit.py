@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rotation import turned
+from flankload.base.rounding import TIE
 from flankload.errors import SceneError
-from flankload.pairing.interference import along
+from flankload.pairing.interference import LEAST_OVERLAP, along
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -26,15 +27,9 @@ if TYPE_CHECKING:
     from flankload.pairing.slices import Slices
 
 
-#: Modules, angles and widths that differ by less are equal up to rounding errors.
-ROUNDING = 1e-9
-
 #: Largest interference of tooth and space in base pitches; a larger one is not a press fit.
 LARGEST_OVERLAP = 0.01
 
-#: Least overlap of tip and fillet relative to the flank's length (0.3 um for a spline of module
-#: 2 mm).
-LEAST_PART = 1e-4
 
 #: Points in each interval of a flank's curve.
 PLACES = 12
@@ -109,8 +104,8 @@ def _check_teeth(shaft: Body, hub: Body) -> None:
     )
     for key, one, two, tolerance in (
         ("teeth", shaft.teeth, hub.teeth, 0.0),
-        ("module_mm", module_1, module_2, ROUNDING * module_1),
-        ("pressure_angle_deg", angle_1, angle_2, ROUNDING),
+        ("module_mm", module_1, module_2, TIE * module_1),
+        ("pressure_angle_deg", angle_1, angle_2, TIE),
     ):
         if abs(two - one) > tolerance:
             raise SceneError(
@@ -132,7 +127,7 @@ def _room(one: Involute, two: Involute, teeth: int, *, coast_flanks: bool) -> fl
             f"({LARGEST_OVERLAP:g} of the base pitch), even with effects.coast_flank",
             found=f"{wider:.4f} mm",
         )
-    if room < -ROUNDING and not coast_flanks:
+    if room < -TIE and not coast_flanks:
         raise SceneError(
             key="body_1.profile_shift",
             expected="at most that of body_2, so that the tooth is no wider than the space (or "
@@ -181,7 +176,7 @@ def _check_roots(shaft: Body, hub: Body, fit: SplineFit) -> None:
     gap = np.interp(radius, r_2, angle_2) + fit.turn_rad - np.interp(radius, r_1, angle_1)
     depth = -gap * radius
     worst = int(np.argmax(depth))
-    if depth[worst] <= LEAST_PART * shaft.curve.length_mm:
+    if depth[worst] <= LEAST_OVERLAP * shaft.curve.length_mm:
         return
     at_hub_tip = radius[worst] < 0.5 * (low + high)
     (key, tip), mate = (("body_2", low), shaft) if at_hub_tip else (("body_1", high), hub)

@@ -18,7 +18,7 @@ from flankload.elasticity.near_field import (
     projected_sign,
     to_coefficients,
 )
-from flankload.elasticity.nodal_loads import hat_loads
+from flankload.elasticity.nodal_loads import linear_loads
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
@@ -145,7 +145,7 @@ class NodeLoads:
         self, flank: SectorMesh | MeshedFlank, along: Literal["normal", "tangent"]
     ) -> Floats:
         """Nodal forces (2 N, n) of unit forces along the normal or the tangent of a flank."""
-        return hat_loads(flank, self.nodes, along=along)
+        return linear_loads(flank, self.nodes, along=along)
 
     def settle(self, response: Floats, own: Numbers, account: Account) -> None:
         """Count the unit forces; the response is left as it is (see `ModeLoads.settle`)."""

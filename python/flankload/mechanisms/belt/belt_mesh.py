@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.rounding import TIE
 from flankload.mechanisms.belt.belt import Round
 from flankload.meshes.blocks import BlockMesh, coons, even_breaks, with_middles
 
@@ -30,8 +31,6 @@ FLANK_ELEMENTS = 6
 LEAST_ROWS = 2
 #: Round tips touch nothing; this part of the arc over half a tooth is meshed.
 TIP_BULGE = 0.6
-#: Angles that differ by less are equal, rad.
-SAME = 1e-10
 #: Meshed length of the strands, in half pitches from the first and the last tooth: up to the middle
 #: of the land behind the next tooth.
 STRAND = 3
@@ -92,7 +91,7 @@ def coarser(strip: Strip, flank_elements: int) -> tuple[Strip, int]:
     coarser, which shows little of the discretization error.
     """
     radii = _radii(strip, 1.5 * _tooth_size(strip)[0] / flank_elements)[::2]
-    below = int(np.searchsorted(radii, strip.pitch_radius_mm - SAME))
+    below = int(np.searchsorted(radii, strip.pitch_radius_mm - TIE))
     rows = max(1, below // 2), max(1, (radii.size - 1 - below) // 2)
     return replace(strip, rows=rows), max(1, flank_elements // 2)
 
@@ -167,7 +166,7 @@ class _Maker:
         nodes, turns = self._straightened(np.concatenate(self._blocks.places))
         cord, angles = _joined(self._cord), _joined(self._cord_angles)
         middles = angles[1::2]
-        tight, slack = (cord[np.flatnonzero(np.abs(angles - end) < SAME)] for end in self._ends)
+        tight, slack = (cord[np.flatnonzero(np.abs(angles - end) < TIE)] for end in self._ends)
         return BeltMesh(
             nodes=nodes,
             turns_rad=turns,
@@ -184,7 +183,7 @@ class _Maker:
 
     def _add_land(self, number: int, breaks: Floats) -> None:
         """Add half a land; an element boundary lies where a strand begins."""
-        inside = [a for a in self._ends if breaks[0] + SAME < a < breaks[-1] - SAME]
+        inside = [a for a in self._ends if breaks[0] + TIE < a < breaks[-1] - TIE]
         parts = [breaks]
         for end in inside:
             size = breaks[1] - breaks[0]

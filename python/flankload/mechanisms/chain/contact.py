@@ -54,7 +54,7 @@ LONGEST_STEP, STANDS = 0.02, 1e-10
 #: Largest number of passes.
 MOST_PASSES = 200
 #: Least and largest part of a step, and the pass from which the least part is used.
-LEAST_PART, LARGEST_PART, STEADY_FROM = 0.25, 1.5, 60
+LEAST_STEP, LARGEST_STEP, STEADY_FROM = 0.25, 1.5, 60
 #: Least torque relative to that of the slack strand: below it the rotation between planes is not
 #: unique, so smaller torques are replaced by this one.
 LEAST_TORQUE = 1e-4
@@ -304,7 +304,7 @@ def _follow(
         problem = replace(problem, tight_N=step.tight_N)
         step = problem.solved(place, chain.tensions(place), step.bend, planes)
         passes, pivots = passes + 1, pivots + step.state.info.pivots
-        part = _part(part, step.move, last) if passes < STEADY_FROM else LEAST_PART
+        part = _part(part, step.move, last) if passes < STEADY_FROM else LEAST_STEP
         last, moves = step.move, float(np.abs(step.move).max())
         taken = min(part, longest / max(moves, 1e-3 * longest))
         place, turned = place + taken * step.move, turned + taken * step.turn
@@ -323,7 +323,7 @@ def _part(part: float, move: Floats, last: Floats) -> float:
     size = float((change**2).sum())
     if size == 0.0 or not last.any():
         return part
-    return float(np.clip(-part * (last * change).sum() / size, LEAST_PART, LARGEST_PART))
+    return float(np.clip(-part * (last * change).sum() / size, LEAST_STEP, LARGEST_STEP))
 
 
 def _curvature_stiffness(rollers: int, planes: Planes, on_planes_N: Floats) -> Floats:

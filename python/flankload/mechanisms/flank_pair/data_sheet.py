@@ -32,7 +32,7 @@ STRAIGHT = 1e-9
 #: Larger differences between the profile shift of the flank and that of the scene are allowances.
 ALLOWANCE = 1e-6
 #: Deviations from the involute below this, um, are roundoff.
-ROUNDING_UM = 1e-6
+LEAST_DEVIATION_UM = 1e-6
 
 
 def data_sheet(scene: Scene) -> DataSheet:
@@ -223,7 +223,7 @@ def _rows_of_flank(body: Body, spec: BodySpec) -> Iterator[SheetRow]:
             symbol = "d_Ca" if name == "relief" else "d_Fa"
             yield SheetRow(f"start of the {name}", symbol, _mm(diameter))
     largest = float(-profile.deviation_um.min())
-    if keys is None and largest > ROUNDING_UM:
+    if keys is None and largest > LEAST_DEVIATION_UM:
         yield SheetRow("largest deviation from the involute", "", f"{largest:.2f} µm")
 
 

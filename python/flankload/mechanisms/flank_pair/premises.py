@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rounding import TIE
 from flankload.errors import ContactError, NoContactState
 from flankload.mechanisms.premises import (
     Broken,
@@ -37,9 +38,7 @@ PARTS = tuple(0.25**k for k in range(1, 9))
 #: by 9 %.
 LEAN = 0.8
 #: Coast flanks that overlap by less are separated except for rounding, um.
-ROUNDING_UM = 1e-3
-#: A contact ratio below 1 by at most this amount counts as 1.
-ROUNDING = 1e-9
+LEAST_OVERLAP_UM = 1e-3
 
 
 #: With less, a tip corner carries the load alone at some positions, with unbounded pressure.
@@ -63,7 +62,7 @@ PRESSURE = Premise(
 def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
     """Premises that are violated independent of the load."""
     mesh = pair.pairing.mesh
-    if mesh is None or mesh.contact_ratio >= CONTACT_RATIO.limit - ROUNDING:
+    if mesh is None or mesh.contact_ratio >= CONTACT_RATIO.limit - TIE:
         return
     yield Broken(
         CONTACT_RATIO,
@@ -108,7 +107,7 @@ def broken_by_load(
     # without torque there is no contact force: the rotation is that of the working flanks by
     # definition
     overlap_um = coast_overlap_um(pair, geometry, found) if found.torque_Nmm > 0.0 else 0.0
-    if overlap_um > ROUNDING_UM:
+    if overlap_um > LEAST_OVERLAP_UM:
         yield Broken(
             BACKLASH,
             _key_of_backlash(scene),

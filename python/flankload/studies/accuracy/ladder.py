@@ -29,7 +29,7 @@ IN_DOUBT = 0.5
 #: fitted to almost equal steps would give more, but are not reliable.
 MOST_LEFT = 2.0
 #: Changes below this part of the value are roundoff.
-ROUNDING = 1e-8
+LEAST_CHANGE = 1e-8
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def limit_of(sizes: Sequence[float], values: Sequence[Floats]) -> Limit:
         return Limit(finest, None, False, float("nan"), np.full_like(finest, np.nan))
     last = finest - np.asarray(values[1], dtype=float)
     doubt = largest_of(last)
-    if doubt <= ROUNDING * largest_of(finest):
+    if doubt <= LEAST_CHANGE * largest_of(finest):
         return Limit(finest, None, True, doubt, last)
     if len(values) < 3:
         return Limit(finest, None, False, doubt, last)

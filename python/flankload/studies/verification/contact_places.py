@@ -26,7 +26,7 @@ SAMPLES = 600
 #: Size of the zone of fine elements, in half-widths of a contact that carries the load.
 ZONE_HALF_WIDTHS = 1.6
 #: Least force for the mesh of a flank that is unloaded in flankload, as part of the whole load.
-LEAST_PART = 0.25
+LEAST_FORCE_PART = 0.25
 #: Largest length of fine elements as part of a flank's length.
 LARGEST_PART = 1.0 / 24.0
 
@@ -69,7 +69,7 @@ def contact_places(
     compliance = sum(
         logarithm_strength(body.material, plane) for body in (pair.body_1, pair.body_2)
     )
-    least = LEAST_PART * sum(force_N_per_mm.values()) / len(force_N_per_mm)
+    least = LEAST_FORCE_PART * sum(force_N_per_mm.values()) / len(force_N_per_mm)
     places = []
     for meeting in meetings(pair, turns):
         force = max(force_N_per_mm.get(meeting.site, 0.0), least)
