@@ -118,7 +118,7 @@ _FORTRAN = (
         "slice_coupling.f90",
         "physics/test_shafts.py",
         ("& -body_1%compliance%twist*zones(k)%lever]", "& body_1%compliance%twist*zones(k)%lever]"),
-        ("[place%point_1 - body%origin, middle_of", "[place%point_1, middle_of"),
+        ("r = [point - body%origin, z", "r = [point, z"),
         ("wrenches_on(body_2, body_1, &", "wrenches_on(body_1, body_1, &"),
     ),
     *_in(
@@ -371,7 +371,7 @@ _FORTRAN = (
         "unit/contact/test_sweep.py unit/mechanisms/test_tip_contact.py "
         "regression/test_regression.py::test_reference[scene_cam]",
         ("weight = room**2/sum(room**2)", "weight = room/sum(room)"),
-        ("angle = normal%turning(body)*", "angle = 2.0_wp*normal%turning(body)*"),
+        ("normal%turning(body)*(s_1", "2.0_wp*normal%turning(body)*(s_1"),
     ),
     *_in(
         "gap_shift.f90",
