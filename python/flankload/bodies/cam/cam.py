@@ -16,7 +16,7 @@ from flankload.bodies.body import Body, Material, WholeMesh
 from flankload.bodies.plane import across
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
-from flankload.flank.fit import TOLERANCE
+from flankload.flank.fit import FIT_TOLERANCE
 from flankload.meshes.blocks import (
     MOST_NODES,
     MOST_PARTS,
@@ -166,7 +166,7 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
     pieces = [CurvePiece("flank", place, angle[-1], angle[0], knots=angle[-2:0:-1])]
     _check_kinks(place, angle, name)
     # the length is that of a whole turn; the radius is closer to the size of a flank
-    curve = fit_flank_curve(pieces, tolerance_mm=TOLERANCE * float(radius.max()))
+    curve = fit_flank_curve(pieces, tolerance_mm=FIT_TOLERANCE * float(radius.max()))
     radii = np.hypot(*curve.point(np.linspace(0.0, curve.length_mm, 8 * len(curve.labels) + 1)).T)
     least, largest = float(radii.min()), float(radii.max())
     if 0.5 * spec.bore_diameter_mm > (1 - LEAST_WALL) * least:
