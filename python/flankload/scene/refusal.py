@@ -1,4 +1,4 @@
-"""The error line of an invalid key: what was expected and what was found."""
+"""The error line of an invalid key, with the expected and the found value."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flankload.errors import SceneError
 
 
 def shown(value: object) -> str:
-    """A value as the user wrote it, shortened to one short line."""
+    """A value as in a scene file, shortened to one line."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -29,14 +29,14 @@ def shown(value: object) -> str:
 
 
 def refuse_absent(key: str, name: str, wanted: str, beside: str) -> NoReturn:
-    """Refuse the table `key` without a key that another one of the table requires."""
+    """Refuse the table `key`, which lacks the key `name` that its key `beside` requires."""
     refuse(f"{key}.{name}", f"{wanted}, since there is a {key}.{beside}", None)
 
 
 def refuse(key: str, expected: str, found: object) -> NoReturn:
-    """Refuse a key, of which `key` is the dotted path.
+    """Refuse the key with the dotted path `key`.
 
-    A found string is used as it is; any other value is shown as the user wrote it; None: "nothing".
+    A string `found` is printed unchanged, any other value as in a scene file; None: "nothing".
 
     Raises
     ------
