@@ -246,7 +246,7 @@ _FORTRAN = (
         "unit/elasticity/test_free_corner.py",
         ("across / (w - np.sin(w))", "across / (w + np.sin(w))"),
         ("- 3 * mesh.nodes[node]", "- 2 * mesh.nodes[node]"),
-        ("SMOOTH - LEAST_TURN", "SMOOTH + LEAST_TURN"),
+        ("STRAIGHT_ANGLE - LEAST_CORNER_TURN", "STRAIGHT_ANGLE + LEAST_CORNER_TURN"),
     ),
     *_in(
         "finite_influence.f90",

@@ -1,4 +1,4 @@
-"""Sign change of a function by bisection to machine precision, without importing SciPy."""
+"""Root of a function by bisection to machine precision, without importing SciPy."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ if TYPE_CHECKING:
 
 
 def sign_change(function: Callable[[float], float], low: float, high: float) -> float:
-    """Point at which a continuous function of opposite signs at both ends changes its sign.
-
-    It is exactly an end if the function is 0 there.
+    """Root of a continuous function with opposite signs at both ends, or an end with the value 0.
 
     Raises
     ------

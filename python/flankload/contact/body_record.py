@@ -167,7 +167,7 @@ def _slice_parts(body: Body, compliance: BodyCompliance, slices: Slices, z: int)
     parts: list[Part] = [("slices", slices.edges_mm)] if z == 0 else []
     shaft = None if body.axial is None else body.axial.shaft
     # a rigid body keeps its shaft straight
-    if shaft is not None and (shaft.carrying is None or body.rigid):
+    if shaft is not None and (shaft.flexible is None or body.rigid):
         parts.append(("shaft", np.append(shaft.compliance.ravel(), shaft.z_mm)))
     axial = compliance.modes.axial
     if axial is None:  # refused by the core

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.bodies.free_corner import corner_angles
-from flankload.bodies.imported.given import CORNER_ANGLES
+from flankload.bodies.imported.compliance import CORNER_ANGLES
 from flankload.bodies.imported.modal_file import FORMAT, INVOLUTE
 
 if TYPE_CHECKING:

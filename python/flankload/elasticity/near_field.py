@@ -24,7 +24,14 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
 
 from flankload.bodies.body import MeshedFlank
-from flankload.bodies.tip_modes import Tip, joined, joined_image, on_tip, tip_modes, tip_values
+from flankload.bodies.tip_modes import (
+    Tip,
+    image_with_tip,
+    on_tip,
+    projected_with_tip,
+    tip_modes,
+    tip_values,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -335,10 +342,10 @@ def projected_near_field(
     """
     if tip is not None:
         span = (0.0, length_mm)
-        near = joined(projected_logarithm, np.log, n_modes, span, tip)
+        near = projected_with_tip(projected_logarithm, np.log, n_modes, span, tip)
         if wedge[0]:
             image = projected_image(n_modes - tip_modes(n_modes), length_mm, at_high_end=False)
-            near = near + wedge[0] * joined_image(image, n_modes, span, tip)
+            near = near + wedge[0] * image_with_tip(image, n_modes, span, tip)
         return near
     near = projected_logarithm(n_modes, length_mm, closed=closed)
     for psi, at_high_end in zip(wedge, (False, True), strict=True):
@@ -355,7 +362,7 @@ def projected_sign(n_modes: int, length_mm: float, *, tip: Tip | None = None) ->
     `projected_near_field`.
     """
     if tip is not None:
-        return joined(
+        return projected_with_tip(
             projected_sign, lambda x: -np.ones_like(x), n_modes, (0.0, length_mm), tip, mirror=-1.0
         )
     n = np.arange(n_modes - 1)

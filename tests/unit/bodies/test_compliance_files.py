@@ -18,7 +18,7 @@ import pytest
 import flankload as fl
 from flankload.bodies.body import Material
 from flankload.bodies.flank_elements import gauss_places, mass_matrix
-from flankload.bodies.imported.given import NodalCompliance
+from flankload.bodies.imported.compliance import NodalCompliance
 from flankload.bodies.plane import sketched_tooth
 from flankload.cli import main
 from flankload.elasticity.compliance import job
@@ -247,7 +247,7 @@ def test_file_made_from_a_file_is_the_same_but_for_its_kind(folder: Path, tmp_pa
 # --- rigid bodies ---------------------------------------------------------------------------------
 def test_rigid_body_from_a_file_is_a_curve(folder: Path) -> None:
     rigid = {**FROM_FILE_1, "rigid": True}
-    assert build_bodies(scene_of(folder, body_1=rigid)).body_1.given is None
+    assert build_bodies(scene_of(folder, body_1=rigid)).body_1.imported is None
     found = solved(folder, body_1=rigid, body_2=FROM_FILE_2)
     assert_no_elements(found)
     assert_same(found, solved(body_1={**ONE, "rigid": True}))
@@ -415,7 +415,7 @@ def test_projection_is_exact_where_the_elements_are(quadratic: bool, of_pressure
         asymmetry=0.0,
     )
     body = SimpleNamespace(
-        given=given, teeth=5, mode_range_mm=span, material=Material(206000.0, 0.3)
+        imported=given, teeth=5, mode_range_mm=span, material=Material(206000.0, 0.3)
     )
     found = given_compliance(body, modes=degree + 1, default_modes=9, plane="stress")  # type: ignore[arg-type]
     norms = mode_norms(span, degree + 1)

@@ -34,7 +34,7 @@ POINTS = 12
 
 def has_turned_forces(body: Body) -> bool:
     """Whether the flank ends in a sharp tip, over which forces turn."""
-    return body.given is None and image_strength(tip_angle(body)) > 0.0
+    return body.imported is None and image_strength(tip_angle(body)) > 0.0
 
 
 def turned_columns(body: Body, flank: int) -> Floats:

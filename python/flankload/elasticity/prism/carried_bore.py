@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Complexes, Floats
     from flankload.bodies.body import SectorMesh
-    from flankload.bodies.shaft import CarryingShaft
+    from flankload.bodies.shaft import FlexibleShaft
     from flankload.elasticity.prism.axial_basis import AxialBasis, AxialFunctions
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
     from flankload.elasticity.sector_closure import CondensedSector
@@ -67,7 +67,7 @@ class CarriedBore:
         Part of a sector in the motions of the shaft beyond both ends, by the motions of its bore.
     """
 
-    shaft: CarryingShaft
+    shaft: FlexibleShaft
     teeth: int
     columns: Floats
     stiffness: Floats
@@ -77,7 +77,7 @@ class CarriedBore:
     @classmethod
     def of(
         cls,
-        shaft: CarryingShaft,
+        shaft: FlexibleShaft,
         section: SectionStiffness,
         functions: AxialFunctions,
         mesh: SectorMesh,
@@ -233,7 +233,7 @@ def _bore_columns(
 
 
 def _face_loads(
-    shaft: CarryingShaft,
+    shaft: FlexibleShaft,
     mesh: SectorMesh,
     motions: Floats,
     regions: Sequence[int],
@@ -272,7 +272,7 @@ def _face_loads(
     return loads * (1.0 - shares) / whole, shares
 
 
-def beam_stiffness(shaft: CarryingShaft, basis: AxialBasis, degree: int, twist: float) -> Floats:
+def beam_stiffness(shaft: FlexibleShaft, basis: AxialBasis, degree: int, twist: float) -> Floats:
     """Beam in the bore, and the bearings there, Eq. (B2): (6 (q_b + 1), 6 (q_b + 1)).
 
     By d, motion; N/mm, rotations times R. `basis` are the functions of the bore over its width,

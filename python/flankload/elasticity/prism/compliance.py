@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.root_fillet import RootFillets
-    from flankload.bodies.shaft import CarryingShaft
+    from flankload.bodies.shaft import FlexibleShaft
     from flankload.elasticity.prism.flank_surface import FlankSurface
     from flankload.elasticity.sector_closure import CondensedSector
 
@@ -93,7 +93,7 @@ class Prism:
     cut_degree: int = 4
     screening: bool = False
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
-    shaft: CarryingShaft | None = None
+    shaft: FlexibleShaft | None = None
 
     def check(self) -> None:
         """Raise a SceneError for degrees that do not resolve each other."""

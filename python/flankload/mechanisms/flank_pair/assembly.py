@@ -12,7 +12,7 @@ import numpy as np
 from msgspec import structs
 
 from flankload.bodies import Body, build_body
-from flankload.bodies.imported.given import ModalCompliance
+from flankload.bodies.imported.compliance import ModalCompliance
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.bodies.root_fillet import RootFillets, root_fillets
 from flankload.contact.sweep import FlankContact, sweep
@@ -238,7 +238,7 @@ def _with_file(error: SceneError, scene: Scene) -> SceneError:
 
 def _check_nodes(body: Body, key: str) -> None:
     """Refuse nodal forces for a body with imported pressure modes: its file has no nodal tables."""
-    if isinstance(body.given, ModalCompliance):
+    if isinstance(body.imported, ModalCompliance):
         raise SceneError(
             key="effects.near_field",
             expected=f"'analytic', since {key}.file holds pressure modes: nodes that carry forces "

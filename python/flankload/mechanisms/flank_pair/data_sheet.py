@@ -98,8 +98,8 @@ def _rows_of_body(body: Body, scene: Scene) -> Iterator[SheetRow]:
         inside = body.bore_radius_mm < np.hypot(*body.outline.T).max()
         around = "diameter of the bore, held" if inside else "outer diameter, held"
         yield SheetRow(around, "", _mm(2 * body.bore_radius_mm))
-    if body.given is not None:
-        yield SheetRow("compliance", "", body.given.description)
+    if body.imported is not None:
+        yield SheetRow("compliance", "", body.imported.description)
     if body.rigid:
         yield SheetRow("material", "", "rigid")
         return

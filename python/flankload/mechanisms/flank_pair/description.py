@@ -33,7 +33,7 @@ def describe(scene: Scene) -> Description:
     """Describe bodies, pairing and effects; raises a SceneError if they are impossible."""
     pair = build_bodies(scene)
     for body in pair.bodies:
-        if body.given is not None:
+        if body.imported is not None:
             compliance_of(body, scene)  # detects errors in its file at negligible cost
     switches = switches_of(scene)
     has_teeth = pair.pairing.motion is None
@@ -64,7 +64,7 @@ def mesh_files(scene: Scene) -> Iterator[MeshFile]:
     for z, body in enumerate(pair.bodies):
         name, turn = f"body_{z + 1}", pair.pairing.turns_at_zero_rad[z]
         if body.mesh is None:
-            why = "its compliance comes from a file" if body.given is not None else "rigid"
+            why = "its compliance comes from a file" if body.imported is not None else "rigid"
             yield MeshFile(name, None, f"{why}, so it has no mesh")
             continue
         part = f"one of {body.teeth} sectors"
@@ -102,8 +102,8 @@ def _rows_of_body(body: Body) -> list[tuple[str, str]]:
         ]
     else:
         rows.append(("reference radius", f"{body.reference_radius_mm:g} mm"))
-    if body.given is not None:
-        return [*rows, ("compliance", body.given.description)]
+    if body.imported is not None:
+        return [*rows, ("compliance", body.imported.description)]
     if body.mesh is None:
         return [*rows, ("mesh", "none: rigid")]
     return [*rows, *_rows_of_mesh(body)]

@@ -45,7 +45,7 @@ def with_iso_factor(result: Result, scene: Scene, pair: BodyPair) -> Result:
     Unchanged without a shaft that bends and twists under the teeth.
     """
     axials = (pair.body_1.axial, pair.body_2.axial)
-    if result.shafts is None or not any(axial and axial.carrying for axial in axials):
+    if result.shafts is None or not any(axial and axial.flexible for axial in axials):
         return result
     factor = k_h_beta_iso(scene, pair, result.torque_Nm)
     if isinstance(factor, str):

@@ -277,7 +277,7 @@ def field_bodies(scene: Scene) -> dict[str, FieldBody | SolidBody | str]:
     found: dict[str, FieldBody | SolidBody | str] = {}
     for z, body in enumerate(bodies):
         name = f"body_{z + 1}"
-        if body.given is not None:
+        if body.imported is not None:
             found[name] = "its compliance comes from a file, so it has no elements and no fields"
         elif body.mesh is None or not elastic[z]:
             found[name] = "rigid, so it has no fields"

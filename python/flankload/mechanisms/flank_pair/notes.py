@@ -112,7 +112,7 @@ def notes_of_result(result: Result, pair: BodyPair) -> Iterator[str]:
 
 def _wanted_elements(body: Body, modes: int) -> int:
     """Flank elements that the modes need; cam profiles are closed or have many elements anyway."""
-    if body.modes_part > 1.0 or body.curve.closed:
+    if body.modes_factor > 1.0 or body.curve.closed:
         return 2 * (modes - 1)
     return elements_for_modes(modes)
 
@@ -120,8 +120,8 @@ def _wanted_elements(body: Body, modes: int) -> int:
 def _beside_unnamed(pair: BodyPair, found: Sweep) -> list[int]:
     """Pairs that carry load although a neighbouring pair is not part of the model."""
     sites = pair.pairing.sites
-    carrying = sites[(found.site_force_N > 0).any(axis=0)]
-    return [int(j) for j in carrying if not np.isin([j - 1, j + 1], sites).all()]
+    loaded = sites[(found.site_force_N > 0).any(axis=0)]
+    return [int(j) for j in loaded if not np.isin([j - 1, j + 1], sites).all()]
 
 
 def _wind_up_rad(result: Result) -> NDArray[np.float64]:

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.bodies import Body
-    from flankload.bodies.shaft import CarryingShaft
+    from flankload.bodies.shaft import FlexibleShaft
     from flankload.elasticity.job_log import JobCost
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.toggles import Toggle
@@ -90,7 +90,7 @@ class Variant:
     """
 
     spatial: bool = False
-    shaft: CarryingShaft | None = None
+    shaft: FlexibleShaft | None = None
     sectors: int | None = None
     growth: Growth | None = None
 
@@ -154,7 +154,7 @@ class PairModels:
         """A body as another scene has it; its elements stay, if its curve is another one."""
         body, spec = self._pair.bodies[z], (scene.body_1, scene.body_2)[z]
         mine = (self._scene.body_1, self._scene.body_2)[z]
-        if body.mesh is None and body.given is None and not spec.rigid:
+        if body.mesh is None and body.imported is None and not spec.rigid:
             if z not in self._meshes:
                 (self._meshes[z],) = bodies_of(scene, self._pair.discretization, (z,))
             body = replace(body, mesh=self._meshes[z].mesh)
@@ -166,7 +166,7 @@ class PairModels:
             (built,) = bodies_of(rigid, self._pair.discretization, (z,))
             body = replace(built, mesh=body.mesh)
         own = getattr(spec, "pitch_errors_um", ())
-        if body.given is not None:  # a file has its own
+        if body.imported is not None:  # a file has its own
             own = own or body.pitch_errors_um
         ends = replace(body, active_range_mm=None) if tip_contact else without_ends(body)
         return replace(ends, rigid=spec.rigid, pitch_errors_um=tuple(own))
@@ -179,7 +179,7 @@ class PairModels:
         spatial = [scene for scene in asked if is_spatial(scene).on]
         if not self._pair.effects.three_dimensions:
             self._solve_plane_elements(z, [scene for scene in asked if scene not in spatial])
-        on_shafts: dict[CarryingShaft | None, Scene] = {}
+        on_shafts: dict[FlexibleShaft | None, Scene] = {}
         for scene in spatial:
             on_shafts.setdefault(self._variant(scene, z).shaft, scene)
         for scene in on_shafts.values():
@@ -256,8 +256,8 @@ class PairModels:
         pair = self.assembly(scene)
         axial, growth = pair.bodies[z].axial, pair.growth[z]
         grows = growth if growth is not None and growth.needs_elements else None
-        carrying = None if axial is None else axial.carrying
-        return Variant(is_spatial(scene).on, carrying, scene.sectors, grows)
+        flexible = None if axial is None else axial.flexible
+        return Variant(is_spatial(scene).on, flexible, scene.sectors, grows)
 
     def sections(self, pair: BodyPair) -> Compliances:
         """Plane compliances on the elements of coarse three-dimensional bodies."""
@@ -332,7 +332,7 @@ def coarse_compliance(
         cut_degree=CUT_DEGREE,
         screening=True,
         regions=body.axial.regions,
-        shaft=body.axial.carrying,
+        shaft=body.axial.flexible,
     )
     modes = modes_of(body, scene, COARSE_PRISM)
     return body, prism_compliance(body, prism, n_modes=modes, friction=friction)

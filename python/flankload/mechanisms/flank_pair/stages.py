@@ -77,7 +77,7 @@ def elements_call(
         )
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
-    if own.given is not None:
+    if own.imported is not None:
         return partial(
             given_compliance,
             own,
@@ -140,7 +140,7 @@ def _in_scene(
     found: BodyCompliance, body: Body, scene: Scene, growth: Growth | None
 ) -> BodyCompliance:
     """Apply uniform expansion, modified flanks and coupling, which need no elements."""
-    if growth is not None and (body.given is not None or not growth.needs_elements):
+    if growth is not None and (body.imported is not None or not growth.needs_elements):
         found = replace(found, expansion=Expansion(growth.strain))
     if body.elements is not None:
         found = found.on_flank(body)
@@ -266,7 +266,7 @@ def prism_of(body: Body, scene: Scene) -> Prism:
         degree=degree,
         load_degree=load_degree,
         regions=axial.regions,
-        shaft=axial.carrying,
+        shaft=axial.flexible,
     )
 
 
@@ -279,8 +279,8 @@ def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
     if scene.effects.near_field == "nodes" and body.mesh is not None:
         return nodes_of(body.mesh).size
     asked, wanted = scene.accuracy.modes, discretization.modes
-    if body.modes_part > 1.0:
-        asked, wanted = None, round(body.modes_part * (asked or wanted))
+    if body.modes_factor > 1.0:
+        asked, wanted = None, round(body.modes_factor * (asked or wanted))
     if asked is not None or body.mesh is None:
         return asked or 0
     count = max(2, min(wanted, body.mesh.flank_elements // 2 + 1))

@@ -240,7 +240,9 @@ def unseen_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:
     unknown = [
         f"body_{z + 1}"
         for z, (body, compliance) in enumerate(zip(pair.bodies, compliances, strict=True))
-        if body.given is not None and compliance.missed is None and compliance.modes.nodes is None
+        if body.imported is not None
+        and compliance.missed is None
+        and compliance.modes.nodes is None
     ]
     if not unknown:
         return ()
