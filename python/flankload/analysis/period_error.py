@@ -19,7 +19,7 @@ import numpy as np
 from flankload.analysis.adaptive_positions import HARMONICS, LEAST_HARMONIC
 from flankload.analysis.error_rules import RemainingError
 from flankload.elasticity.near_field import mode_values, projected_near_field
-from flankload.elasticity.nodal_loads import hat_values, hat_widths
+from flankload.elasticity.nodal_loads import linear_shapes, shape_widths
 
 if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
@@ -67,7 +67,7 @@ def _of_even_pressure(compliance: BodyCompliance) -> Floats:
     low, high = compliance.modes.range_mm
     length, f = high - low, len(compliance.flanks)
     if compliance.modes.nodes is not None:
-        evenly = hat_widths(compliance.modes.nodes) / length
+        evenly = shape_widths(compliance.modes.nodes) / length
         return np.asarray(evenly @ compliance.smooth @ evenly)
     moved = compliance.smooth[:, 0, 0].copy()
     near = projected_near_field(1, length, wedge=compliance.near.wedge)[0, 0]
@@ -141,7 +141,7 @@ def _loads(
     end = high if compliance.modes.tip is None else compliance.modes.tip.end_mm
     s = np.clip(pairs.column(f"s_{z + 1}"), low, end)
     if compliance.modes.nodes is not None:
-        values = hat_values(s, compliance.modes.nodes)
+        values = linear_shapes(s, compliance.modes.nodes)
     else:
         values = mode_values(
             s,

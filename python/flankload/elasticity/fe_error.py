@@ -66,7 +66,7 @@ class _Element:
     weights: Floats
 
 
-def missed_compliance(
+def compliance_error(
     nodes: Floats, cells: Cells, material: Material, plane: str, moved: Floats
 ) -> Floats:
     """Estimated error (p, p) of the compliance between p loads, positive semidefinite.
@@ -91,7 +91,7 @@ def missed_compliance(
     p = moved.shape[1]
     displaced = moved.reshape(len(nodes), 2 * p)
     smoothed = recovered_strains(nodes, cells, moved)
-    missed = np.zeros((p, p))
+    fe_error = np.zeros((p, p))
     for kind, connectivity in cells:
         element = _element(kind)
         for block in _blocks(len(connectivity), p):
@@ -102,14 +102,14 @@ def missed_compliance(
             change = ((root @ elastic) @ change).reshape(own.shape)
             change *= np.sqrt(element.weights * area / element.part)[:, :, None]
             flat = change.reshape(-1, p)
-            missed += flat.T @ flat
-    return missed
+            fe_error += flat.T @ flat
+    return fe_error
 
 
 def recovered_strains(nodes: Floats, cells: Cells, moved: Floats) -> Floats:
     """Strains at the nodes: those at the superconvergent points, extrapolated and averaged.
 
-    Arguments as of `missed_compliance`; (N, 3 p): e_xx, e_yy and twice e_xy, each of all p loads.
+    Arguments as of `compliance_error`; (N, 3 p): e_xx, e_yy and twice e_xy, each of all p loads.
     """
     p = moved.shape[1]
     displaced = moved.reshape(len(nodes), 2 * p)

@@ -127,7 +127,7 @@ def linear_edges(nodes: Floats, cells: Cells) -> csc_array:
     return coo_array((weights, degrees), shape=(2 * len(nodes),) * 2).tocsc()
 
 
-def place_load(nodes: Floats, cells: Cells, *, lumped: bool = False) -> Floats:
+def centrifugal_load(nodes: Floats, cells: Cells, *, lumped: bool = False) -> Floats:
     """Consistent nodal loads of a force per area equal to the coordinates: centrifugal force.
 
     Integral of N_q x, (2N,), mm³; times density and the square of the speed a force per mm of

@@ -18,7 +18,7 @@ from flankload.elasticity.near_field import (
     mode_values,
     projected_near_field,
 )
-from flankload.elasticity.nodal_loads import hat_values, hat_widths
+from flankload.elasticity.nodal_loads import linear_shapes, shape_widths
 from flankload.elasticity.sector_closure import made_symmetric
 from flankload.errors import ComplianceFileError
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 LARGEST_ASYMMETRY = 1e-6
 
 
-def given_compliance(
+def imported_compliance(
     body: Body,
     *,
     modes: int | None,
@@ -198,7 +198,7 @@ def _tables(body: Body, imported: NodalCompliance, plane: str) -> BodyCompliance
     nodes = imported.arc_length_mm[:: 2 if imported.quadratic else 1]
 
     def pressures(s: Floats) -> Floats:
-        return hat_values(s, nodes) / hat_widths(nodes)
+        return linear_shapes(s, nodes) / shape_widths(nodes)
 
     if imported.of_pressures:
         loads = pressures(imported.arc_length_mm)

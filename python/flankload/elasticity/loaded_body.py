@@ -24,7 +24,7 @@ from flankload.elasticity.finite_elements import (
     lame_parameters,
     stiffness,
 )
-from flankload.elasticity.near_field import carrying_edges, mirrored_loads
+from flankload.elasticity.near_field import loaded_edges, mirrored_loads
 from flankload.elasticity.sector_closure import CondensedSector, ring_displacements
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Body, WholeMesh
 
 #: Largest distance of fixed nodes on both cuts, relative to the size of the mesh.
-SAME_CUT = 1e-6
+CUT_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,8 +104,8 @@ class LoadedBody:
         assert mesh is not None
         if not isinstance(mesh, SectorMesh):
             flank = next(flank for flank in mesh.flanks if flank.tooth == tooth)
-            return carrying_edges(flank)
-        edges, s = carrying_edges(mesh)
+            return loaded_edges(flank)
+        edges, s = loaded_edges(mesh)
         if coast:
             edges, of_sector = self._coast_edges(mesh, edges)
             tooth -= of_sector
@@ -168,7 +168,7 @@ def ring_of(mesh: SectorMesh) -> tuple[Floats, Cells, Numbers]:
     pitch = 2 * np.pi / z
     fixed = mesh.nodes[mesh.fixed_nodes]
     apart = np.linalg.norm(turned(fixed, pitch)[:, None] - fixed, axis=2)
-    left, right = np.nonzero(apart < SAME_CUT * float(np.abs(mesh.nodes).max()))
+    left, right = np.nonzero(apart < CUT_TOLERANCE * float(np.abs(mesh.nodes).max()))
     left = np.concatenate([mesh.left_nodes, mesh.fixed_nodes[left]])
     right = np.concatenate([mesh.right_nodes, mesh.fixed_nodes[right]])
     own = np.setdiff1d(np.arange(n), right)

@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Material, SectorMesh
 
 #: Distance between a node and the mirror image of another one, relative to the size of the mesh.
-SAME_NODE = 1e-9
+MIRROR_TOLERANCE = 1e-9
 #: Gauss points for ln(1 + t) on [0, 1], beyond those for the modes: each reduces the error by 30.
-MORE_POINTS = 14
+LOGARITHM_POINTS = 14
 
 
 def logarithm_strength(material: Material, plane: str) -> float:
@@ -162,12 +162,12 @@ def mode_loads(
         along=along,
         turn=turn,
         gauss_points=max(6, n_modes // 2 + 4),
-        edges=None if tip is None else carrying_edges(mesh),
+        edges=None if tip is None else loaded_edges(mesh),
         twist=twist,
     )
 
 
-def carrying_edges(flank: SectorMesh | MeshedFlank) -> tuple[Numbers, Floats]:
+def loaded_edges(flank: SectorMesh | MeshedFlank) -> tuple[Numbers, Floats]:
     """Nodes (m, 3) and arc lengths (mm) of the loaded edges, including those of tip roundings."""
     edges, s = flank.flank_edges, flank.flank_arc_length[flank.flank_edges]
     if isinstance(flank, MeshedFlank) or not flank.tip_edges.size:
@@ -254,7 +254,7 @@ def mirrored_loads(mesh: SectorMesh, loads: Floats, center_rad: float) -> tuple[
     # node by node: to import a tree for this search takes longer than the search
     image = np.array([np.argmin(((mesh.nodes - place) ** 2).sum(axis=1)) for place in images])
     apart = np.hypot(*(mesh.nodes[image] - images).T)
-    if apart.max() > SAME_NODE * float(np.abs(mesh.nodes).max()):
+    if apart.max() > MIRROR_TOLERANCE * float(np.abs(mesh.nodes).max()):
         raise ValueError("mesh: expected a sector whose halves are mirror images")
     mirrored = np.zeros((len(mesh.nodes), 2, loads.shape[1]))
     mirrored[image] = np.einsum("ij,njp->nip", mirror, loads.reshape(mirrored.shape)[nodes])
@@ -307,7 +307,7 @@ def projected_image(n_modes: int, length_mm: float, *, at_high_end: bool) -> Flo
     x += 0.5
     of_log = np.where(degree > 0, -((-1.0) ** degree) / np.maximum(degree * (degree + 1), 1), -1.0)
     log_weights = weights * (legvander(2 * x - 1, 2 * n_modes - 1) @ ((2 * degree + 1) * of_log))
-    t, t_weights = (0.5 * part for part in leggauss(n_modes + MORE_POINTS))
+    t, t_weights = (0.5 * part for part in leggauss(n_modes + LOGARITHM_POINTS))
     t += 0.5
     sign = -1.0 if at_high_end else 1.0
     near = legvander(sign * (2 * x - 1), n_modes - 1)

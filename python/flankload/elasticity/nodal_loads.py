@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from flankload.bodies.body import MeshedFlank, WholeMesh
-from flankload.elasticity.near_field import carrying_edges, consistent_loads
+from flankload.elasticity.near_field import consistent_loads, loaded_edges
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 def flank_nodes(flank: SectorMesh | MeshedFlank) -> Floats:
     """Arc lengths (n,) of the ends of a flank's edges, which carry unit loads, ascending, mm."""
-    _, s = carrying_edges(flank)
+    _, s = loaded_edges(flank)
     return np.append(s[:, 0], s[-1, 1])
 
 
@@ -31,7 +31,7 @@ def nodes_of(mesh: SectorMesh | WholeMesh) -> Floats:
     return flank_nodes(mesh.flanks[0])
 
 
-def hat_values(s: Floats, nodes: Floats) -> Floats:
+def linear_shapes(s: Floats, nodes: Floats) -> Floats:
     """Values (k, n) of the linear shape functions of the nodes at places s (k,).
 
     Beyond the first and the last node they keep their end values.
@@ -45,13 +45,13 @@ def hat_values(s: Floats, nodes: Floats) -> Floats:
     return values
 
 
-def hat_widths(nodes: Floats) -> Floats:
+def shape_widths(nodes: Floats) -> Floats:
     """Integrals of the linear shape functions of the nodes, mm."""
     around = np.concatenate([nodes[:1], nodes, nodes[-1:]])
     return np.asarray(0.5 * (around[2:] - around[:-2]))
 
 
-def hat_loads(
+def nodal_unit_loads(
     flank: SectorMesh | MeshedFlank,
     nodes: Floats,
     *,
@@ -62,21 +62,21 @@ def hat_loads(
     Consistent, per mm of width, degree of freedom 2*node + component; arc lengths of the nodes are
     the same on every flank of a body, mm.
     """
-    widths = hat_widths(nodes)
+    widths = shape_widths(nodes)
     return consistent_loads(
         flank,
-        lambda s: hat_values(s, nodes) / widths,
+        lambda s: linear_shapes(s, nodes) / widths,
         count=nodes.size,
         along=along,
-        edges=carrying_edges(flank),
+        edges=loaded_edges(flank),
     )
 
 
-def every_second(nodes: Floats) -> tuple[Floats, Floats]:
+def every_second_node(nodes: Floats) -> tuple[Floats, Floats]:
     """Half as many nodes (m,), and their unit forces as sums of those of all nodes (n,).
 
     Every second node and the last remain; the columns (n, m) are the forces at all nodes that
     replace the unit force at each of these, and sum to 1.
     """
     fewer = nodes[::2] if nodes.size % 2 else np.append(nodes[::2], nodes[-1])
-    return fewer, hat_values(nodes, fewer) * hat_widths(nodes)[:, None] / hat_widths(fewer)
+    return fewer, linear_shapes(nodes, fewer) * shape_widths(nodes)[:, None] / shape_widths(fewer)

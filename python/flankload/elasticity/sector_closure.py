@@ -156,7 +156,7 @@ def ring_displacements(sector: CondensedSector, teeth: int) -> Floats:
     return np.concatenate([left.T, right.reshape(teeth, -1).T])
 
 
-def alike_response(sector: CondensedSector, teeth: int) -> Floats:
+def uniform_response(sector: CondensedSector, teeth: int) -> Floats:
     """Response (r, p) of any tooth of a ring under the same loads on all teeth: harmonic 0.
 
     The sum over the teeth of `close_ring`.

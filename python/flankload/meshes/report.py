@@ -30,7 +30,7 @@ SMALL_MM, LARGE_MM = 1.0, 1e4
 RADIUS_TOLERANCE = 1e-6
 #: Limits of the scaled Jacobian, the sine of the worst angle. The error of an element is inversely
 #: proportional to it: twice that of a square at the first limit, five times at the second.
-GOOD_SHAPE, USABLE_SHAPE = 0.5, 0.2
+GOOD, USABLE = 0.5, 0.2
 #: Largest distance of the number of sectors in a turn from a whole number.
 SECTOR_COUNT_TOLERANCE = 1e-3
 
@@ -54,10 +54,10 @@ def quality_rows(nodes: Floats, cells: Cells) -> Rows:
 
 def verdict(scaled_jacobian: float) -> str:
     """Verdict on the least scaled Jacobian of a mesh."""
-    if scaled_jacobian >= GOOD_SHAPE:
+    if scaled_jacobian >= GOOD:
         return "good"
-    if scaled_jacobian >= USABLE_SHAPE:
-        return f"usable: errors of the worst element up to {1 / USABLE_SHAPE:g} times those of a square"
+    if scaled_jacobian >= USABLE:
+        return f"usable: errors of the worst element up to {1 / USABLE:g} times those of a square"
     if scaled_jacobian > 0:
         return "poor: the worst element nearly collapses; expect wrong stresses and estimates there"
     return "invalid: an element folds over"

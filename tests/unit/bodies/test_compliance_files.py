@@ -22,7 +22,7 @@ from flankload.bodies.imported.compliance import NodalCompliance
 from flankload.bodies.plane import sketched_tooth
 from flankload.cli import main
 from flankload.elasticity.compliance import job
-from flankload.elasticity.imported_compliance import given_compliance
+from flankload.elasticity.imported_compliance import imported_compliance
 from flankload.elasticity.near_field import mode_norms, mode_values, projected_logarithm
 from flankload.errors import ComplianceFileError, SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -417,7 +417,7 @@ def test_projection_is_exact_where_the_elements_are(quadratic: bool, of_pressure
     body = SimpleNamespace(
         imported=given, teeth=5, mode_range_mm=span, material=Material(206000.0, 0.3)
     )
-    found = given_compliance(body, modes=degree + 1, default_modes=9, plane="stress")  # type: ignore[arg-type]
+    found = imported_compliance(body, modes=degree + 1, default_modes=9, plane="stress")  # type: ignore[arg-type]
     norms = mode_norms(span, degree + 1)
     response = found.smooth * norms[:, None] * norms
     response[0] -= found.near.kernel * projected_logarithm(degree + 1, 2.0)

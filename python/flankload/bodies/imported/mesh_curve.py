@@ -83,7 +83,7 @@ def fit_flank(source: MeshSource, edges: Numbers) -> FlankFit:
         fit = _through_nodes(source, key, on_profile)
     else:
         fit = _on_profile(source, spec.profile, on_profile)
-    edges, s = carrying_edges(source, key, fit.curve, fit.mode_range_mm, edges)
+    edges, s = edges_between(source, key, fit.curve, fit.mode_range_mm, edges)
     low, high = fit.mode_range_mm
     snap = SNAP_TOLERANCE * (high - low)
     low = low if abs(s[0] - low) < snap else float(s[0])
@@ -98,7 +98,7 @@ def fit_flank(source: MeshSource, edges: Numbers) -> FlankFit:
     return replace(fit, edges=edges, s=s, mode_range_mm=(low, high), notes=notes)
 
 
-def carrying_edges(
+def edges_between(
     source: MeshSource, key: str, curve: FlankCurve, span: tuple[float, float], edges: Numbers
 ) -> tuple[Numbers, Floats]:
     """Edges (k, 3) of a flank between two arc lengths, and arc lengths (2 k + 1,) of their nodes.

@@ -12,7 +12,7 @@ import numpy as np
 
 from flankload.base.rotation import turned
 from flankload.bodies.body import MeshedFlank, WholeMesh
-from flankload.bodies.imported.mesh_curve import carrying_edges, fitted_turn
+from flankload.bodies.imported.mesh_curve import edges_between, fitted_turn
 from flankload.bodies.imported.mesh_source import faces_clockwise, in_order, middles_are_straight
 from flankload.meshes.plane_mesh import boundary_edges, chain
 
@@ -120,7 +120,7 @@ def _turn_of(
             f"{name!r}, up to {worst:.3g} mm beside the first one turned onto it",
         )
     span = (float(fit.s[0]), float(fit.s[-1]))
-    edges, s = carrying_edges(source, key, fit.curve.rotated(turn), span, edges)
+    edges, s = edges_between(source, key, fit.curve.rotated(turn), span, edges)
     beside = max(abs(s[0] - fit.s[0]), abs(s[-1] - fit.s[-1]))
     if beside > END_TOLERANCE * fit.curve.length_mm + allowed:
         expected = "flanks that end at the same places"

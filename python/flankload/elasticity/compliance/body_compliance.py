@@ -18,14 +18,14 @@ from flankload.elasticity.compliance.parts import (
 )
 from flankload.elasticity.job_log import JobCost
 from flankload.elasticity.near_field import mode_products
-from flankload.elasticity.nodal_loads import every_second
+from flankload.elasticity.nodal_loads import every_second_node
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body
-    from flankload.pairing.expansion import Growth
+    from flankload.pairing.expansion import BodyLoad
 
     Blocks = Callable[[Floats], Floats]
 
@@ -72,7 +72,7 @@ class BodyCompliance:
     coast: CoastCompliance | None = None
     expansion: Expansion = field(default_factory=Expansion)
     root: RootResponse | None = None
-    missed: Floats | None = None
+    fe_error: Floats | None = None
     job: JobCost = field(default_factory=JobCost)
 
     @property
@@ -179,7 +179,7 @@ class BodyCompliance:
         turn has two modes. Tables between nodes are reduced to half as many nodes.
         """
         if self.modes.nodes is not None:
-            half, parts = every_second(self.modes.nodes)
+            half, parts = every_second_node(self.modes.nodes)
             halved = self.with_blocks(lambda table: parts.T @ table @ parts)
             return replace(halved, modes=replace(self.modes, nodes=half))
         n, each, tip = self.smooth.shape[1], self.modes_per_place, self.modes.tip
@@ -205,7 +205,7 @@ class BodyCompliance:
         return replace(
             self.with_blocks(projected),
             expansion=replace(self.expansion, shifts=shifts),
-            missed=None,
+            fe_error=None,
         )
 
     def fewer_axial_modes(self, fewer: int = 2) -> BodyCompliance:
@@ -217,22 +217,22 @@ class BodyCompliance:
         return replace(
             self.with_blocks(lambda blocks: blocks[:, kept[:, None], kept]),
             modes=replace(self.modes, axial=replace(axial, degree=axial.degree - fewer)),
-            missed=None,
+            fe_error=None,
         )
 
-    def with_missed(self, times: float) -> BodyCompliance:
+    def with_fe_error(self, times: float) -> BodyCompliance:
         """The same plus a multiple of the estimated error of its elements."""
-        if self.missed is None:
+        if self.fe_error is None:
             return self
         p = self.smooth.shape[1]
         smooth, tangential = self.smooth.copy(), self.tangential
-        smooth[self.own_blocks] += times * self.missed[:, :, :p]
+        smooth[self.own_blocks] += times * self.fe_error[:, :, :p]
         if tangential is not None:
             tangential = tangential.copy()
-            tangential[self.own_blocks] += times * self.missed[:, :, p:]
-        return replace(self, smooth=smooth, tangential=tangential, missed=None)
+            tangential[self.own_blocks] += times * self.fe_error[:, :, p:]
+        return replace(self, smooth=smooth, tangential=tangential, fe_error=None)
 
-    def unyielding(self) -> BodyCompliance:
+    def without_elasticity(self) -> BodyCompliance:
         """The same body, deformed by the loads of its expansion only."""
         modes = self.smooth.shape[1] if self.expansion.shifts else 1
         return replace(
@@ -242,10 +242,10 @@ class BodyCompliance:
             turned=None,
             tangential=None,
             coast=None,
-            missed=None,
+            fe_error=None,
         )
 
-    def grown(self) -> BodyCompliance:
+    def expanded(self) -> BodyCompliance:
         """The same body after its uniform expansion: its modes end on the larger curve."""
         low, high = self.modes.range_mm
         larger, tip, axial = 1.0 + self.expansion.strain, self.modes.tip, self.modes.axial
@@ -294,13 +294,13 @@ def _only(blocks: Floats, kept: Numbers) -> Floats:
     return alone
 
 
-def no_compliance(body: Body, growth: Growth | None = None) -> BodyCompliance:
+def no_compliance(body: Body, body_load: BodyLoad | None = None) -> BodyCompliance:
     """Compliance of a rigid body, or of one without load: no finite elements."""
     return BodyCompliance(
         np.zeros((1, 1, 1)),
         NearField(0.0),
         FlankModes(body.mode_range_mm, axial=_whole_width(body)),
-        expansion=Expansion(0.0 if growth is None else growth.strain),
+        expansion=Expansion(0.0 if body_load is None else body_load.strain),
     )
 
 

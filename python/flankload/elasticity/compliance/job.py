@@ -29,11 +29,11 @@ from flankload.elasticity.compliance.turned import (
     turned_coefficients,
     turned_columns,
 )
-from flankload.elasticity.fe_error import missed_compliance
+from flankload.elasticity.fe_error import compliance_error
 from flankload.elasticity.finite_elements import (
+    centrifugal_load,
     linear_cells,
     linear_edges,
-    place_load,
     stiffness,
 )
 from flankload.elasticity.job_log import JobLog
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body, SectorMesh
     from flankload.bodies.root_fillet import RootFillets
-    from flankload.pairing.expansion import Growth
+    from flankload.pairing.expansion import BodyLoad
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ def flank_compliance(
     options: JobOptions,
     *,
     sectors: int | None = None,
-    growth: Growth | None = None,
+    body_load: BodyLoad | None = None,
     matrix: csc_array | None = None,
 ) -> BodyCompliance:
     """Compliance of the flanks of a body from one finite-element job.
@@ -111,22 +111,22 @@ def flank_compliance(
     matrix : csc_array, optional
         Stiffness matrix of the mesh, if available.
     """
-    return flank_compliances(body, ((sectors, growth),), options, matrix)[0]
+    return flank_compliances(body, ((sectors, body_load),), options, matrix)[0]
 
 
 def flank_compliances(
     body: Body,
-    variants: Sequence[tuple[int | None, Growth | None]],
+    variants: Sequence[tuple[int | None, BodyLoad | None]],
     options: JobOptions,
     matrix: csc_array | None = None,
 ) -> tuple[BodyCompliance, ...]:
     """Compliances of a body that differ in sectors and expansion, from one job.
 
-    `variants` are `sectors` and `growth` of each; these and the other arguments are those of
+    `variants` are `sectors` and `body_load` of each; these and the other arguments are those of
     `flank_compliance`. The counters, bytes and seconds of each are those of the whole job.
     """
     if body.rigid or body.mesh is None:
-        return tuple(no_compliance(body, growth) for _, growth in variants)
+        return tuple(no_compliance(body, body_load) for _, body_load in variants)
     prepared = _prepared(body, variants, options, matrix)
     job, mesh = prepared.job, prepared.mesh
     if isinstance(mesh, WholeMesh):
@@ -137,17 +137,17 @@ def flank_compliances(
         )
     compliances = {n: _compliance(job, found, options) for n, found in responses.items()}
     expansions = []
-    for n, growth in variants:
-        moved = _by_name(prepared.growing, growth, responses[n].by_force)
-        expansions.append(Expansion(*_growth_of_flanks(body, growth, job.loads.count, moved)))
+    for n, body_load in variants:
+        moved = _by_name(prepared.load_vectors, body_load, responses[n].by_force)
+        expansions.append(Expansion(*_flank_expansion(body, body_load, job.loads.count, moved)))
     job.log.end_step("ring")
     modes, errors, miss = job.loads, job.log.errors, None
     if errors and isinstance(modes, ModeLoads):
-        miss = modes.missed(np.stack(errors))
+        miss = modes.fe_error(np.stack(errors))
     seconds = job.log.seconds()
     return tuple(
-        replace(found, expansion=grown, missed=miss, job=replace(found.job, seconds=seconds))
-        for found, grown in zip((compliances[n] for n, _ in variants), expansions, strict=True)
+        replace(found, expansion=expansion, fe_error=miss, job=replace(found.job, seconds=seconds))
+        for found, expansion in zip((compliances[n] for n, _ in variants), expansions, strict=True)
     )
 
 
@@ -157,12 +157,12 @@ class _Prepared:
 
     job: Job
     mesh: SectorMesh | WholeMesh
-    growing: dict[Growth | None, dict[str, Floats]]
+    load_vectors: dict[BodyLoad | None, dict[str, Floats]]
 
 
 def _prepared(
     body: Body,
-    variants: Sequence[tuple[int | None, Growth | None]],
+    variants: Sequence[tuple[int | None, BodyLoad | None]],
     options: JobOptions,
     matrix: csc_array | None,
 ) -> _Prepared:
@@ -172,7 +172,7 @@ def _prepared(
     mesh, nodes, cells = body.mesh, body.mesh.nodes, body.mesh.cells
 
     def estimate(moved: Floats) -> Floats:
-        return missed_compliance(nodes, cells, body.material, plane, moved)
+        return compliance_error(nodes, cells, body.material, plane, moved)
 
     log = JobLog(estimate=estimate if options.estimate and not options.nodal else None)
     loads = _loads(body, options)
@@ -184,10 +184,11 @@ def _prepared(
         onto = linear_edges(nodes, cells)
         mesh = _of_corners(mesh, onto)
     log.account.workspace_bytes += _sparse_bytes(matrix)
-    growing = {
-        growth: _growth_loads(matrix, mesh, growth, lumped=options.linear) for _, growth in variants
+    load_vectors = {
+        body_load: _load_vectors(matrix, mesh, body_load, lumped=options.linear)
+        for _, body_load in variants
     }
-    forces = [load for named in growing.values() for load in named.values()]
+    forces = [load for named in load_vectors.values() for load in named.values()]
     job = Job(
         body=body,
         matrix=matrix,
@@ -198,7 +199,7 @@ def _prepared(
         log=log,
         onto=onto,
     )
-    return _Prepared(job, mesh, growing)
+    return _Prepared(job, mesh, load_vectors)
 
 
 def _loads(body: Body, options: JobOptions) -> ModeLoads | NodeLoads:
@@ -244,7 +245,7 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
         root = RootResponse(options.fillets.points, below[:, :places])
     if not options.nodal and has_turned_forces(body):
         turned = turned_coefficients(body, below[:, places, :n_modes], found.own, options.plane)
-    loads.settle(response, found.own, job.log.account)
+    loads.subtract_near_field(response, found.own, job.log.account)
     response, asymmetry = made_symmetric(response, found.across)
     coast, across = None, found.coast
     if across is not None:
@@ -266,15 +267,21 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
 
 
 def _by_name(
-    growing: dict[Growth | None, dict[str, Floats]], growth: Growth | None, by_force: Floats
+    load_vectors: dict[BodyLoad | None, dict[str, Floats]],
+    body_load: BodyLoad | None,
+    by_force: Floats,
 ) -> dict[str, Floats]:
     """Response (f, p) to each load of an expansion, from the response (f, k, p) to all."""
-    known = [(each, name) for each, named in growing.items() for name in named]
-    return {name: by_force[:, k] for k, (each, name) in enumerate(known) if each == growth}
+    known = [(each, name) for each, named in load_vectors.items() for name in named]
+    return {name: by_force[:, k] for k, (each, name) in enumerate(known) if each == body_load}
 
 
-def _growth_loads(
-    matrix: csc_array, mesh: SectorMesh | WholeMesh, growth: Growth | None, *, lumped: bool = False
+def _load_vectors(
+    matrix: csc_array,
+    mesh: SectorMesh | WholeMesh,
+    body_load: BodyLoad | None,
+    *,
+    lumped: bool = False,
 ) -> dict[str, Floats]:
     """Nodal loads (2N,) of an expansion relative to the support, N per mm of width, by cause.
 
@@ -283,18 +290,20 @@ def _growth_loads(
     strain of 1 in the plane. The body expands freely along its axis, in plane strain as well.
     """
     loads: dict[str, Floats] = {}
-    if growth is None:
+    if body_load is None:
         return loads
-    if growth.strain != growth.held_strain:
-        loads["temperature"] = (growth.strain - growth.held_strain) * (matrix @ mesh.nodes.ravel())
-    if growth.speed_rad_per_s > 0.0:
-        pull = growth.density_Ns2_per_mm4 * growth.speed_rad_per_s**2
-        loads["speed"] = pull * place_load(mesh.nodes, mesh.cells, lumped=lumped)
+    if body_load.strain != body_load.held_strain:
+        loads["temperature"] = (body_load.strain - body_load.held_strain) * (
+            matrix @ mesh.nodes.ravel()
+        )
+    if body_load.speed_rad_per_s > 0.0:
+        pull = body_load.density_Ns2_per_mm4 * body_load.speed_rad_per_s**2
+        loads["speed"] = pull * centrifugal_load(mesh.nodes, mesh.cells, lumped=lumped)
     return loads
 
 
-def _growth_of_flanks(
-    body: Body, growth: Growth | None, n_modes: int, moved: Mapping[str, Floats]
+def _flank_expansion(
+    body: Body, body_load: BodyLoad | None, n_modes: int, moved: Mapping[str, Floats]
 ) -> tuple[float, dict[str, Floats]]:
     """Uniform expansion of a body, and the displacements of its flanks beyond that.
 
@@ -302,14 +311,14 @@ def _growth_of_flanks(
     tip that moves outwards touches its mate elsewhere. Most of the expansion of a tooth is uniform:
     the strain that fits all flanks best, by least squares, scales the whole body.
 
-    `moved` are the readings (f, p) of the modes on each of f flanks under each of `_growth_loads`,
+    `moved` are the readings (f, p) of the modes on each of f flanks under each of `_load_vectors`,
     pressure modes first, mm². Returns the strain, and by load mode coefficients (f, n_modes), mm.
     """
-    if growth is None:
+    if body_load is None:
         return 0.0, {}
     mesh, closed = body.mesh, body.curve.closed
     if mesh is None or not moved:
-        return growth.held_strain, {}
+        return body_load.held_strain, {}
     span, tip = body.mode_range_mm, body.tip
     read = [mode_loads(flank, span, n_modes, closed=closed, tip=tip) for flank in mesh.flanks]
 
@@ -322,7 +331,7 @@ def _growth_of_flanks(
     square = float(np.sum(evenly * unit))
     parts = {name: float(np.sum(evenly * shift)) / square for name, shift in shifts.items()}
     left = {name: shift - parts[name] * unit for name, shift in shifts.items()}
-    return growth.held_strain + sum(parts.values()), left
+    return body_load.held_strain + sum(parts.values()), left
 
 
 def _of_corners(mesh: SectorMesh | WholeMesh, onto: csc_array) -> SectorMesh | WholeMesh:

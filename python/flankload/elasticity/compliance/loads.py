@@ -18,7 +18,7 @@ from flankload.elasticity.near_field import (
     projected_sign,
     to_coefficients,
 )
-from flankload.elasticity.nodal_loads import hat_loads
+from flankload.elasticity.nodal_loads import nodal_unit_loads
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
@@ -78,7 +78,7 @@ class ModeLoads:
         ]
         return np.concatenate(found).swapaxes(0, 1)
 
-    def settle(self, response: Floats, own: Numbers, account: Account) -> None:
+    def subtract_near_field(self, response: Floats, own: Numbers, account: Account) -> None:
         """Subtract the near field from a response and convert it to mode coefficients, in place.
 
         The response (k, p, p) is projected on the modes; `own` are the indices of the responses of
@@ -106,9 +106,9 @@ class ModeLoads:
         rows = self.coefficients(moments)
         return self.coefficients(rows.swapaxes(1, 2)).swapaxes(1, 2)
 
-    def missed(self, missed: Floats) -> Floats:
+    def fe_error(self, fe_error: Floats) -> Floats:
         """Estimated error of the elements along the normal, as a map between coefficients."""
-        return self.between(missed[:, : self.count])
+        return self.between(fe_error[:, : self.count])
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,9 +145,9 @@ class NodeLoads:
         self, flank: SectorMesh | MeshedFlank, along: Literal["normal", "tangent"]
     ) -> Floats:
         """Nodal forces (2 N, n) of unit forces along the normal or the tangent of a flank."""
-        return hat_loads(flank, self.nodes, along=along)
+        return nodal_unit_loads(flank, self.nodes, along=along)
 
-    def settle(self, response: Floats, own: Numbers, account: Account) -> None:
-        """Count the unit forces; the response is left as it is (see `ModeLoads.settle`)."""
+    def subtract_near_field(self, response: Floats, own: Numbers, account: Account) -> None:
+        """Count the unit forces; the response includes the near field and is unchanged."""
         assert self.body.mesh is not None
         account.count(unit_loads_nodal=response.shape[2] * len(self.body.mesh.flanks))

@@ -12,11 +12,11 @@ from flankload.elasticity.finite_elements import degrees_of, factored
 from flankload.elasticity.near_field import mirrored_loads
 from flankload.elasticity.sector_closure import (
     CondensedSector,
-    alike_response,
     close_ring,
     condense,
     segment_response,
     tooth_response,
+    uniform_response,
 )
 
 if TYPE_CHECKING:
@@ -175,7 +175,7 @@ def of_sector(
         across = None
         if coast_flanks:
             assert isinstance(job.loads, ModeLoads)
-            response, across = _coast_taken(response, job.loads, tooth)
+            response, across = _split_coast(response, job.loads, tooth)
         responses[number] = Response(
             response,
             own=np.zeros(1, dtype=np.int64),
@@ -198,13 +198,13 @@ def _built(
         return response, job.no_forces
     by_force = job.no_forces
     if job.forces is not None:
-        by_force = alike_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
+        by_force = uniform_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
     if sectors is None:
         return close_ring(sector, mesh.teeth), by_force
     return segment_response(sector, mesh.teeth, sectors), by_force
 
 
-def _coast_taken(response: Floats, modes: ModeLoads, tooth: int) -> tuple[Floats, Floats]:
+def _split_coast(response: Floats, modes: ModeLoads, tooth: int) -> tuple[Floats, Floats]:
     """Response (z, r - n, p) without the readings of the coast flank, and those (z, n, p).
 
     The readings follow those of the working flank; `tooth` is the tooth of this coast flank. They
@@ -212,12 +212,12 @@ def _coast_taken(response: Floats, modes: ModeLoads, tooth: int) -> tuple[Floats
     displacements on the coast flank of tooth t.
     """
     first, n = response.shape[2], modes.count
-    crossing = modes.between(np.roll(response[:, first : first + n], tooth, axis=0))
+    cross_compliance = modes.between(np.roll(response[:, first : first + n], tooth, axis=0))
     # reciprocity (Betti): exchanging load and reading gives a load on the coast flank, which
     # is the mirror image of a load on the working flank
-    pressures = crossing[..., :n]
-    crossing[..., :n] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
-    return np.delete(response, slice(first, first + n), axis=1), crossing
+    pressures = cross_compliance[..., :n]
+    cross_compliance[..., :n] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
+    return np.delete(response, slice(first, first + n), axis=1), cross_compliance
 
 
 def _nonzero(columns: Floats) -> tuple[Numbers, Floats]:

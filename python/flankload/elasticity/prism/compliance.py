@@ -38,10 +38,10 @@ from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearFi
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import jump_strength, logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of, mode_norms_z
-from flankload.elasticity.prism.carried_bore import CarriedBore
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.flank_potential import projected_potential, projected_tangential
 from flankload.elasticity.prism.flank_surface import flank_surface
+from flankload.elasticity.prism.flexible_bore import FlexibleBore
 from flankload.elasticity.prism.recovery import Recovery
 from flankload.elasticity.prism.root_surface import root_surface_stress
 from flankload.elasticity.prism.section_stiffness import section_stiffness
@@ -122,7 +122,7 @@ def prism_compliance(
 ) -> BodyCompliance:
     """Compliance of a body's flanks in three dimensions; a rigid body has none.
 
-    The fixed nodes of the sector are held over all their width or follow a shaft (`carried_bore`).
+    The fixed nodes of the sector are held over all their width or follow a shaft (`flexible_bore`).
     The degree of the pressure modes along s should be at most half the number of flank elements; a
     tip rounding or chamfer has half as many more. With friction as many loads along the profile are
     solved. Stress is read in `fillets`; `estimate` is that of the error of the plane elements.
@@ -154,10 +154,10 @@ def prism_compliance(
     log.account.count(fe_unknowns=unknowns, fe_solutions=response.shape[1])
     log.count_loads(response.shape[1], friction=friction)
     log.end_step("near field")
-    missed = None
+    fe_error = None
     if estimate:
         options = JobOptions(n_modes=modes_s, plane="strain", friction=friction, estimate=True)
-        missed = _missed(body, options, surface, prism.load_degree, log)
+        fe_error = _fe_error(body, options, surface, prism.load_degree, log)
     axial = AxialModes(
         prism.range_mm, prism.load_degree, prism.twist, surface.cos_base_helix, surface.end
     )
@@ -167,7 +167,7 @@ def prism_compliance(
         modes=FlankModes(body.mode_range_mm, tip=body.tip, axial=axial),
         tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
         root=None if fillets is None else _of_roots(fillets, of_roots, surface, n_modes, prism),
-        missed=missed,
+        fe_error=fe_error,
         job=log.cost(asymmetry, unknowns),
     )
 
@@ -213,10 +213,10 @@ def _to_coefficients(
     return np.asarray(np.kron(np.eye(1 + friction), inverse))
 
 
-def _missed(
+def _fe_error(
     body: Body, options: JobOptions, surface: FlankSurface, load_degree: int, log: JobLog
 ) -> Floats:
-    """Estimated error of the response of a flank to loads on itself: `BodyCompliance.missed`.
+    """Estimated error of the response of a flank to loads on itself: `BodyCompliance.fe_error`.
 
     The elements of the section miss the same part of the deformation under a flank in every slice:
     the error varies within a few elements, over which the load hardly changes along the axis.
@@ -224,15 +224,15 @@ def _missed(
     load over P_b(z) is one line load per length.
     """
     section = flank_compliance(body, options, sectors=1)
-    assert section.missed is not None
+    assert section.fe_error is not None
     counted = ("fe_factorisations", "fe_solutions")
     log.account.count(**{name: section.job.counters[name] for name in counted})
     along = np.diag(1.0 / mode_norms_z(surface.width_mm, load_degree))
     cosine = surface.cos_base_helix
-    missed = cosine**2 * np.kron(section.missed[0], along)
-    missed[:, len(missed) :] /= cosine  # loads along the profile lie in the section
+    fe_error = cosine**2 * np.kron(section.fe_error[0], along)
+    fe_error[:, len(fe_error) :] /= cosine  # loads along the profile lie in the section
     log.end_step("estimate")
-    return np.asarray(missed[None])
+    return np.asarray(fe_error[None])
 
 
 def _of_roots(
@@ -267,7 +267,7 @@ def _ring_response(
     loads = _prism_loads(np.hstack(in_plane), axial.load_vectors(prism.load_degree))
     count, bore = loads.shape[2], None
     if prism.shaft is not None:
-        bore = CarriedBore.of(prism.shaft, section, functions, mesh, prism.twist, numbers)
+        bore = FlexibleBore.of(prism.shaft, section, functions, mesh, prism.twist, numbers)
         loads = np.concatenate([loads, bore.columns], axis=2)
     recovery = None if fillets is None else Recovery(fillets.on_elements.nodes)
     log.end_step("assembly")

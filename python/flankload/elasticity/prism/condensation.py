@@ -85,12 +85,12 @@ def condense_prism(
     for unknowns in _independent(axial.count, coupled=twisted or not axial.symmetric):
         of_cut = unknowns[unknowns < per_cut]
         columns = np.flatnonzero(loads[:, unknowns].any(axis=(0, 1)))
-        pencil = _Pencil(section, products, unknowns, of_cut, position)
+        pair_blocks = _PairBlocks(section, products, unknowns, of_cut, position)
         at = (np.arange(cut.size)[:, None] * per_cut + of_cut).ravel()
         at = np.append(at, size + columns)
         own = loads[:, unknowns][:, :, columns]
         kept = None if recovery is None else recovery.part(fronts, unknowns, of_cut, columns)
-        whole[np.ix_(at, at)] += _eliminated(fronts, pencil, own, cut.size, account, kept)
+        whole[np.ix_(at, at)] += _eliminated(fronts, pair_blocks, own, cut.size, account, kept)
     if recovery is not None:
         account.workspace_bytes += recovery.bytes
     on_cut = loads[cut][:, :per_cut].reshape(size, count)
@@ -112,7 +112,7 @@ def _independent(functions: int, *, coupled: bool) -> list[Numbers]:
     return [unknowns[odd == part] for part in (0, 1)]
 
 
-class _Pencil:
+class _PairBlocks:
     """Blocks of the stiffness between nodes, expanded from those of the section front by front."""
 
     def __init__(
@@ -134,7 +134,7 @@ class _Pencil:
         """Pairs of nodes, row not before column, whose columns have these positions."""
         return self._pairs[self._first[first] : self._first[last]]
 
-    def alike(self, pairs: Numbers) -> Iterator[Flags]:
+    def of_one_kind(self, pairs: Numbers) -> Iterator[Flags]:
         """Pairs with one set of axial matrices, in turn: different pairs of nodes each time."""
         number = self._number[pairs]
         for one in np.unique(number):
@@ -166,7 +166,7 @@ class _Remainder:
 
 def _eliminated(
     fronts: list[Front],
-    pencil: _Pencil,
+    pair_blocks: _PairBlocks,
     loads: Floats,
     cuts: int,
     account: Account,
@@ -180,7 +180,7 @@ def _eliminated(
     bytes_held = most = 0
     for number, front in enumerate(fronts):
         parts = [left.pop(part) for part in front.parts]
-        left[number], factor, below = _front_remainder(front, parts, pencil, loads)
+        left[number], factor, below = _front_remainder(front, parts, pair_blocks, loads)
         if kept is not None:
             kept.keep(number, front, factor, below)
         bytes_held += left[number].matrix.nbytes
@@ -189,25 +189,25 @@ def _eliminated(
     account.count(fe_factorisations=1)
     account.workspace_bytes += most
     (last,) = left.values()
-    n, first = pencil.of_cut.size, int(pencil.position.max()) + 1 - cuts
+    n, first = pair_blocks.of_cut.size, int(pair_blocks.position.max()) + 1 - cuts
     matrix = np.zeros((cuts * n + loads.shape[2],) * 2)
-    place = (pencil.position[last.front.rest] - first)[:, None] * n + np.arange(n)
+    place = (pair_blocks.position[last.front.rest] - first)[:, None] * n + np.arange(n)
     at = np.append(place.ravel(), cuts * n + np.arange(loads.shape[2]))
     matrix[np.ix_(at, at)] = last.matrix
-    pairs = pencil.pairs(first, first + cuts)
-    row, column = (pencil.position[part] - first for part in pencil.ends(pairs))
+    pairs = pair_blocks.pairs(first, first + cuts)
+    row, column = (pair_blocks.position[part] - first for part in pair_blocks.ends(pairs))
     between = matrix[: cuts * n, : cuts * n].reshape(cuts, n, cuts, n)
-    for some in pencil.alike(pairs):
-        blocks = pencil.blocks(pairs[some], pencil.of_cut, pencil.of_cut)
+    for some in pair_blocks.of_one_kind(pairs):
+        blocks = pair_blocks.blocks(pairs[some], pair_blocks.of_cut, pair_blocks.of_cut)
         between[row[some], :, column[some]] += blocks
     return np.tril(matrix) + np.tril(matrix, -1).T
 
 
 def _front_remainder(
-    front: Front, parts: list[_Remainder], pencil: _Pencil, loads: Floats
+    front: Front, parts: list[_Remainder], pair_blocks: _PairBlocks, loads: Floats
 ) -> tuple[_Remainder, Floats, Floats]:
     """Assemble a front, eliminate its own nodes: what is left, their factor, the rows below it."""
-    n, m = pencil.unknowns.size, pencil.of_cut.size
+    n, m = pair_blocks.unknowns.size, pair_blocks.of_cut.size
     width = loads.shape[2] if front.loaded else 0
     own = front.own.size * n
     sizes = np.where(np.arange(front.rest.size) < front.inner, n, m)
@@ -216,7 +216,7 @@ def _front_remainder(
     below = np.zeros((rest, own), order="F")
     remainder = np.zeros((rest, rest), order="F")
     if front.own.size:
-        _assemble(front, pencil, pivot, below)
+        _assemble(front, pair_blocks, pivot, below)
         if front.loaded:
             below[rest - width :] = loads[front.own].reshape(own, width).T
     for part in parts:
@@ -231,31 +231,31 @@ def _front_remainder(
     return _Remainder(front, sizes, remainder), pivot, below
 
 
-def _assemble(front: Front, pencil: _Pencil, pivot: Floats, below: Floats) -> None:
+def _assemble(front: Front, pair_blocks: _PairBlocks, pivot: Floats, below: Floats) -> None:
     """Stiffness of the front's own nodes and between them and its boundary."""
-    n, m, count = pencil.unknowns.size, pencil.of_cut.size, front.own.size
-    first = int(pencil.position[front.own[0]])
-    pairs = pencil.pairs(first, first + count)
-    rows, columns = pencil.ends(pairs)
-    column = pencil.position[columns] - first
-    row = pencil.position[rows] - first
-    place = np.full(pencil.position.size, -1)
+    n, m, count = pair_blocks.unknowns.size, pair_blocks.of_cut.size, front.own.size
+    first = int(pair_blocks.position[front.own[0]])
+    pairs = pair_blocks.pairs(first, first + count)
+    rows, columns = pair_blocks.ends(pairs)
+    column = pair_blocks.position[columns] - first
+    row = pair_blocks.position[rows] - first
+    place = np.full(pair_blocks.position.size, -1)
     place[front.rest] = np.arange(front.rest.size)
     at, inner = place[rows], front.inner
     own = pivot.reshape((n, count, n, count), order="F")
     later = below[: inner * n].reshape((n, inner, n, count), order="F")
     cuts = front.rest.size - inner
     kept = below[inner * n : inner * n + cuts * m].reshape((m, cuts, n, count), order="F")
-    alike = list(pencil.alike(pairs))
+    of_one_kind = list(pair_blocks.of_one_kind(pairs))
     for target, goal, chosen, unknowns in (
-        (own, row, row < count, pencil.unknowns),
-        (later, at, (row >= count) & (at < inner), pencil.unknowns),
-        (kept, at - inner, (row >= count) & (at >= inner), pencil.of_cut),
+        (own, row, row < count, pair_blocks.unknowns),
+        (later, at, (row >= count) & (at < inner), pair_blocks.unknowns),
+        (kept, at - inner, (row >= count) & (at >= inner), pair_blocks.of_cut),
     ):
-        for some in alike:
+        for some in of_one_kind:
             both = some & chosen
             if both.any():
-                blocks = pencil.blocks(pairs[both], unknowns, pencil.unknowns)
+                blocks = pair_blocks.blocks(pairs[both], unknowns, pair_blocks.unknowns)
                 target[:, goal[both], :, column[both]] += blocks
 
 

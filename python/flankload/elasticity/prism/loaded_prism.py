@@ -19,7 +19,7 @@ from flankload.bodies.body import SectorMesh
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import lame_parameters
 from flankload.elasticity.loaded_body import node_widths, on_edges, ring_of
-from flankload.elasticity.near_field import carrying_edges
+from flankload.elasticity.near_field import loaded_edges
 from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.recovery import Recovery
@@ -120,13 +120,13 @@ class LoadedPrism:
 
     def on_flank(self, s_mm: Floats) -> tuple[Numbers, Floats]:
         """Nodes (n, 3) of a sector beside places of its flank, and their shape functions there."""
-        edges, s = carrying_edges(self.mesh)
+        edges, s = loaded_edges(self.mesh)
         at, shapes = on_edges(s, s_mm)
         return edges[at], shapes
 
     def flank_widths(self) -> tuple[Numbers, Floats]:
         """Nodes (k,) of the flank of a sector, and the area (k,) of each per mm along z, mm."""
-        nodes, widths = node_widths(*carrying_edges(self.mesh))
+        nodes, widths = node_widths(*loaded_edges(self.mesh))
         return nodes, widths * np.hypot(1.0, self.prism.twist * self.body.normal_lever_mm)
 
     def displacements(

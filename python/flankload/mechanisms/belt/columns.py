@@ -15,7 +15,7 @@ from scipy.sparse import csc_array, hstack
 
 from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import assembled, degrees_of
-from flankload.elasticity.nodal_loads import hat_values
+from flankload.elasticity.nodal_loads import linear_shapes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -184,7 +184,7 @@ def _on_edges(places: Floats) -> tuple[Floats, Floats, Floats]:
     line = np.arange(len(places), dtype=np.float64)
     at, weight = gauss_points(line[::2])
     shapes, slopes = quadratic(at, line)
-    return shapes, hat_values(at, line[::2]), weight[:, None] * (slopes @ places)
+    return shapes, linear_shapes(at, line[::2]), weight[:, None] * (slopes @ places)
 
 
 def gauss_points(breaks: Floats) -> tuple[Floats, Floats]:

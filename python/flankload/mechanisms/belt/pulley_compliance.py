@@ -30,7 +30,7 @@ from scipy.linalg import lu_factor, lu_solve
 from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.job_log import JobLog
-from flankload.elasticity.nodal_loads import hat_values
+from flankload.elasticity.nodal_loads import linear_shapes
 from flankload.elasticity.sector_closure import close_ring, condense
 from flankload.mechanisms.belt.columns import gauss_points, quadratic
 from flankload.mechanisms.belt.pulley_mesh import PulleyMesh, fractions
@@ -207,7 +207,7 @@ def flank_forces(mesh: PulleyMesh, flank: Floats, rows: int) -> Floats:
     own = fractions(mesh.sector.nodes[mesh.flank])
     parts = fractions(flank)
     at, weight = gauss_points(_breaks(parts[::2], own[::2]))
-    hats = hat_values(at, parts[::2])
+    hats = linear_shapes(at, parts[::2])
     along = weight[:, None] * (quadratic(at, parts)[1] @ flank)
     out = np.column_stack([-along[:, 1], along[:, 0]])
     lengths = hats.T @ np.linalg.norm(along, axis=1)
@@ -229,7 +229,7 @@ def land_forces(mesh: PulleyMesh, ends_rad: Floats, rows: int) -> tuple[Floats, 
     ends = np.clip(ends_rad, nodes[0], nodes[-1])
     at, weight = gauss_points(_breaks(ends, nodes[::2]))
     weight = weight * mesh.pulley.land_radius_mm
-    hats = hat_values(at, ends)
+    hats = linear_shapes(at, ends)
     spread = quadratic(at, nodes)[0].T @ (weight[:, None] * hats)
     held = np.zeros((rows, ends.size))
     held[first:last] = np.linalg.solve(hats.T @ (weight[:, None] * hats), spread.T).T

@@ -23,7 +23,7 @@ from flankload.mechanisms.parts import made_once
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.toggles import without_modifications
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.expansion import growth_notes, growth_of
+from flankload.pairing.expansion import body_load_notes, body_loads_of
 from flankload.pairing.friction import friction_notes, friction_of
 from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
@@ -156,7 +156,7 @@ def build_bodies(
         notes=(),
         friction=friction,
         fillets=fillets,
-        growth=growth_of(scene, pairing),
+        body_loads=body_loads_of(scene, pairing),
         slices=_slices(scene, (one, two), pairing),
     )
     return replace(pair, notes=_notes(scene, pair, window.notes))
@@ -183,7 +183,7 @@ def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple
         *([] if slices is None else tilt_notes(pair.pairing.fit, slices)),
         *window_notes,
         *friction_notes(pair.friction, pair.pairing),
-        *growth_notes(scene),
+        *body_load_notes(scene),
         *(
             f"body_{z}: rigid, so there is no stress in its roots"
             for z, body in enumerate(pair.bodies, start=1)
@@ -203,13 +203,13 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
     angles = scene.pair.inclination_um_per_mm, scene.pair.deviation_um_per_mm
     misalignment = 0.0
     if any(angles):
-        if pairing.mesh is None:
+        if pairing.gear_geometry is None:
             raise SceneError(
                 key="pair.inclination_um_per_mm" if angles[0] else "pair.deviation_um_per_mm",
                 expected="nothing, since a body without a profile has no pressure angle",
                 found=angles[0] or angles[1],
             )
-        misalignment = gap_by_misalignment(*angles, pairing.mesh.pressure_angle_rad)
+        misalignment = gap_by_misalignment(*angles, pairing.gear_geometry.pressure_angle_rad)
     graded = scene.effects.contact == "pairs"
     return slices_of((one, two), scene.accuracy.slices, misalignment, graded=graded)
 
@@ -360,7 +360,7 @@ def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPai
         f"as the files stand, the flanks {apart} {1000 * abs(gap_mm):.3g} um at the first "
         "position; rotation and transmission error count from there"
     )
-    return replace(pair, standing_note=note)
+    return replace(pair, flank_distance_note=note)
 
 
 def _blame_flank(scene: Scene, pair: BodyPair, stand: str) -> None:

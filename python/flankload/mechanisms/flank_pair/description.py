@@ -15,7 +15,7 @@ from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.protocol import Description, MeshFile
 from flankload.meshes.report import quality_rows
-from flankload.pairing.gear_pair import describe_mesh
+from flankload.pairing.gear_pair import describe_gears
 from flankload.pairing.spline_fit import describe_fit
 from flankload.scene.effects import EFFECTS, switches_of
 
@@ -49,11 +49,11 @@ def describe(scene: Scene) -> Description:
 
 
 def _rows_of_pair(scene: Scene, pair: BodyPair) -> list[tuple[str, str]]:
-    mesh, fit = pair.pairing.mesh, pair.pairing.fit
+    gears, fit = pair.pairing.gear_geometry, pair.pairing.fit
     return [
         ("offset" if fit else "centre distance", f"{scene.pair.axes_apart_mm:g} mm"),
         ("face width", f"{scene.pair.face_width_mm:g} mm"),
-        *(describe_mesh(mesh) if mesh is not None else ()),
+        *(describe_gears(gears) if gears is not None else ()),
         *(describe_fit(fit) if fit is not None else ()),
     ]
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from flankload.contact.sweep import CoastSweep, SliceStates, Sweep
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.pairing.body_pair import BodyPair
-    from flankload.pairing.gear_pair import Mesh
+    from flankload.pairing.gear_pair import GearGeometry
     from flankload.pairing.slices import Slices
     from flankload.result.geometry import PairGeometry
     from flankload.scene import Scene
@@ -62,7 +62,7 @@ def result_of(
     width = peak_width = scene.pair.face_width_mm
     if pair.slices is not None:
         width, peak_width = float(pair.slices.width_mm.sum()), 1.0
-    standing = (*pair.notes, *([pair.standing_note] if pair.standing_note else []))
+    standing = (*pair.notes, *([pair.flank_distance_note] if pair.flank_distance_note else []))
     result = Result(
         name=scene.name,
         torque_Nm=found.torque_Nmm / 1000.0,
@@ -304,7 +304,7 @@ def _drawing(pair: BodyPair) -> PairDrawing:
         bore_radius_2_mm=pair.body_2.bore_radius_mm,
         profiles=profiles,
         cam_turns_clockwise=pair.body_2.turns_clockwise if pair.pairing.motion else None,
-        active_roll_mm=_active_roll_mm(pair.pairing.mesh, pair.pairing.ratio, profiles),
+        active_roll_mm=_active_roll_mm(pair.pairing.gear_geometry, pair.pairing.ratio, profiles),
         axial=(pair.body_1.axial, pair.body_2.axial),
         tilted=pair.slices is not None
         and pair.slices.conforming is not None
@@ -313,7 +313,7 @@ def _drawing(pair: BodyPair) -> PairDrawing:
 
 
 def _active_roll_mm(
-    mesh: Mesh | None,
+    mesh: GearGeometry | None,
     ratio: float,
     profiles: tuple[ProfileDeviation | None, ProfileDeviation | None],
 ) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:

@@ -59,7 +59,7 @@ def k_h_beta_iso(scene: Scene, pair: BodyPair, torque_Nm: float) -> float | str:
     from flankload.scene.gear import Gear
 
     one, two = scene.body_1, scene.body_2
-    mesh = pair.pairing.mesh
+    mesh = pair.pairing.gear_geometry
     if not (isinstance(one, Gear) and isinstance(two, Gear)) or mesh is None or pair.slices is None:
         return "the formula is for two external gears"
     number = 0 if one.teeth <= two.teeth else 1

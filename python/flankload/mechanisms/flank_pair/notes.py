@@ -106,7 +106,7 @@ def _notes_of_body(
 def notes_of_result(result: Result, pair: BodyPair) -> Iterator[str]:
     """Warnings about the rotation and gaps of a result."""
     yield from _large_wind_up(result)
-    if result.coast is None and any(growth is not None for growth in pair.growth):
+    if result.coast is None and any(growth is not None for growth in pair.body_loads):
         yield from _overlaps(result)
 
 

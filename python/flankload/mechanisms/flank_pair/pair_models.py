@@ -39,7 +39,7 @@ from flankload.mechanisms.flank_pair.assembly import bodies_of, build_bodies, wi
 from flankload.mechanisms.flank_pair.stages import compliance_of, modes_of
 from flankload.mechanisms.toggles import with_keys, with_rigid
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.expansion import growth_of
+from flankload.pairing.expansion import body_loads_of
 from flankload.pairing.friction import friction_of
 from flankload.pairing.pairing import coast_sites
 from flankload.scene.axial import degrees_of
@@ -55,11 +55,11 @@ if TYPE_CHECKING:
     from flankload.elasticity.job_log import JobCost
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.toggles import Toggle
-    from flankload.pairing.expansion import Growth
+    from flankload.pairing.expansion import BodyLoad
     from flankload.scene import Scene
 
     #: With friction or not, influence numbers, expansion.
-    _FileVariant = tuple[bool, str, Growth | None]
+    _FileVariant = tuple[bool, str, BodyLoad | None]
 
 #: Modes and cells of the screening; its mesh is that of the run.
 COARSE = Discretization(flank_element_parts=1.0, modes=3, grid=Grid(1.0, 3.0))
@@ -85,14 +85,14 @@ class Variant:
         What the bore follows.
     sectors : int or None
         Number of teeth of a segment.
-    growth : Growth or None
+    growth : BodyLoad or None
         Expansion, where it needs the elements.
     """
 
     spatial: bool = False
     shaft: FlexibleShaft | None = None
     sectors: int | None = None
-    growth: Growth | None = None
+    growth: BodyLoad | None = None
 
 
 class PairModels:
@@ -147,7 +147,7 @@ class PairModels:
             ),
             friction=friction_of(scene, body_1, pairing),
             fillets=pair.fillets if effects.root_stress else (None, None),
-            growth=growth_of(scene, pairing),
+            body_loads=body_loads_of(scene, pairing),
         )
 
     def _body(self, scene: Scene, z: int, *, tip_contact: bool) -> Body:
@@ -247,14 +247,14 @@ class PairModels:
 
     def _needs_elements(self, scene: Scene, z: int) -> bool:
         pair = self.assembly(scene)
-        growth = pair.growth[z]
+        growth = pair.body_loads[z]
         elastic = pair.elastic[z]
         return elastic or (growth is not None and growth.needs_elements)
 
     def _variant(self, scene: Scene, z: int) -> Variant:
         """What is built of the elements of a body for a scene."""
         pair = self.assembly(scene)
-        axial, growth = pair.bodies[z].axial, pair.growth[z]
+        axial, growth = pair.bodies[z].axial, pair.body_loads[z]
         grows = growth if growth is not None and growth.needs_elements else None
         flexible = None if axial is None else axial.flexible
         return Variant(is_spatial(scene).on, flexible, scene.sectors, grows)
@@ -271,7 +271,7 @@ class PairModels:
 
     def compliance(self, scene: Scene, pair: BodyPair, z: int) -> BodyCompliance:
         """Compliance of a body, before it grows as a whole."""
-        body, growth = pair.bodies[z], pair.growth[z]
+        body, growth = pair.bodies[z], pair.body_loads[z]
         if not self._needs_elements(scene, z):
             return no_compliance(body, growth)
         found = self._jobs[z].get(self._variant(scene, z)) or self._from_file(scene, body, z)
@@ -283,12 +283,12 @@ class PairModels:
 
     def _from_file(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
         """Compliance that a body has from its file."""
-        growth = self.assembly(scene).growth[z]
+        growth = self.assembly(scene).body_loads[z]
         key = scene.has_friction, scene.effects.influence, growth
         if key not in self._of_files[z]:
             plain = with_keys(scene, tooth_coupling=True)
             self._of_files[z][key] = compliance_of(
-                body, plain, self._pair.discretization, growth=growth
+                body, plain, self._pair.discretization, body_load=growth
             )
         return self._of_files[z][key]
 

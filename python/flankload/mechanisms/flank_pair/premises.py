@@ -62,7 +62,7 @@ PRESSURE = Premise(
 # --- before elements are solved -------------------------------------------------------------------
 def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
     """Premises that are violated independent of the load."""
-    mesh = pair.pairing.mesh
+    mesh = pair.pairing.gear_geometry
     if mesh is None or mesh.contact_ratio >= CONTACT_RATIO.limit - ROUNDING:
         return
     yield Broken(
@@ -187,8 +187,8 @@ def _may_close(pair: BodyPair) -> bool:
     """Whether anything can remove more than the backlash; keys that only remove metal never do."""
     if pair.effects.coast_flanks:
         return False
-    bodies, mesh, fit = pair.bodies, pair.pairing.mesh, pair.pairing.fit
-    if any(growth is not None for growth in pair.growth) or any(
+    bodies, mesh, fit = pair.bodies, pair.pairing.gear_geometry, pair.pairing.fit
+    if any(growth is not None for growth in pair.body_loads) or any(
         body.flank_turns_rad for body in bodies
     ):
         return True

@@ -73,7 +73,7 @@ SPATIAL = "three_dimensions"
 OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
 #: The elements of a coarse three-dimensional pair take about these CPU seconds; they are solved for
 #: a plane run that probably takes so many times as long.
-RUNG_S, RUNGS = 0.3, 6.0
+RUNG_S, LOOP_NAMES = 0.3, 6.0
 #: Evaluation points in the root fillets of a tooth.
 PLACES = 40
 #: Part of the wind-up per half-width of node spacing: largest at a position, and mean.
@@ -149,7 +149,7 @@ class FlankPairScreening(Screening):
         """The toggle; without a scene if it adds a dimension to a short run."""
         if name != SPATIAL or toggle.scene is None or self._pair.slices is not None or dimension:
             return toggle
-        if duration_of(self._scene, self._pair).seconds > RUNGS * RUNG_S:
+        if duration_of(self._scene, self._pair).seconds > LOOP_NAMES * RUNG_S:
             return toggle
         return Toggle(
             None, skipped=f"not screened, which takes about {RUNG_S:g} s (--dimension does it)"

@@ -17,12 +17,12 @@ from flankload.elasticity.compliance import (
     flank_compliance,
     no_compliance,
 )
-from flankload.elasticity.imported_compliance import given_compliance
+from flankload.elasticity.imported_compliance import imported_compliance
 from flankload.elasticity.nodal_loads import nodes_of
 from flankload.elasticity.prism import Prism, prism_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.expansion import grown, grown_slices
+from flankload.pairing.expansion import expanded, expanded_slices
 from flankload.scene.axial import degrees_of
 from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import effects_of
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.stage_clock import Kept, StageClock
-    from flankload.pairing.expansion import Growth
+    from flankload.pairing.expansion import BodyLoad
     from flankload.scene import Scene
     from flankload.scene.discretization import Grid
 
@@ -57,7 +57,7 @@ def elements_call(
     discretization: Discretization,
     *,
     fillets: RootFillets | None = None,
-    growth: Growth | None = None,
+    body_load: BodyLoad | None = None,
     estimate: bool = False,
 ) -> partial[BodyCompliance]:
     """The call that computes the compliance of an elastic body; its arguments determine it.
@@ -79,7 +79,7 @@ def elements_call(
     tangential = effects.friction or effects.finite_influence
     if own.imported is not None:
         return partial(
-            given_compliance,
+            imported_compliance,
             own,
             modes=scene.accuracy.modes,
             default_modes=discretization.modes,
@@ -101,7 +101,7 @@ def elements_call(
             estimate=estimate,
         ),
         sectors=scene.sectors,
-        growth=growth if growth is not None and growth.needs_elements else None,
+        body_load=body_load if body_load is not None and body_load.needs_elements else None,
     )
 
 
@@ -111,7 +111,7 @@ def compliance_of(
     discretization: Discretization | None = None,
     *,
     fillets: RootFillets | None = None,
-    growth: Growth | None = None,
+    body_load: BodyLoad | None = None,
     estimate: bool = False,
 ) -> BodyCompliance:
     """Compliance of one elastic body: from its finite elements, or imported.
@@ -131,17 +131,17 @@ def compliance_of(
     """
     discretization = discretization or choose_discretization(scene)
     call = elements_call(
-        body, scene, discretization, fillets=fillets, growth=growth, estimate=estimate
+        body, scene, discretization, fillets=fillets, body_load=body_load, estimate=estimate
     )
-    return _in_scene(call(), body, scene, growth)
+    return _in_scene(call(), body, scene, body_load)
 
 
 def _in_scene(
-    found: BodyCompliance, body: Body, scene: Scene, growth: Growth | None
+    found: BodyCompliance, body: Body, scene: Scene, body_load: BodyLoad | None
 ) -> BodyCompliance:
     """Apply uniform expansion, modified flanks and coupling, which need no elements."""
-    if growth is not None and (body.imported is not None or not growth.needs_elements):
-        found = replace(found, expansion=Expansion(growth.strain))
+    if body_load is not None and (body.imported is not None or not body_load.needs_elements):
+        found = replace(found, expansion=Expansion(body_load.strain))
     if body.elements is not None:
         found = found.on_flank(body)
     return found if scene.effects.tooth_coupling else found.without_coupling()
@@ -157,9 +157,9 @@ def compliances_of(
     """
     found, elastic = [], pair.elastic
     for z, body in enumerate(pair.bodies):
-        growth = pair.growth[z]
-        if not elastic[z] and (growth is None or not growth.needs_elements):
-            found.append(no_compliance(body, growth))
+        body_load = pair.body_loads[z]
+        if not elastic[z] and (body_load is None or not body_load.needs_elements):
+            found.append(no_compliance(body, body_load))
             continue
         stage = f"compliance body {z + 1}"
         if z in kept:
@@ -172,19 +172,19 @@ def compliances_of(
             scene,
             pair.discretization,
             fillets=pair.fillets[z],
-            growth=growth,
+            body_load=body_load,
             estimate=scene.accuracy.estimate and elastic[z],
         )
         key, held = (None, None) if parts is None else parts.find(call)
         if held is not None:
-            found.append(_in_scene(held, body, scene, growth))
+            found.append(_in_scene(held, body, scene, body_load))
             continue
         with clock.stage(stage) as account:
             solved = call()
-            compliance = _in_scene(solved, body, scene, growth)
+            compliance = _in_scene(solved, body, scene, body_load)
             account.count(**compliance.job.counters)
             # the estimate includes the discretization error of the elements
-            account.bytes += held_bytes(replace(compliance, missed=None))
+            account.bytes += held_bytes(replace(compliance, fe_error=None))
             account.workspace_bytes += compliance.job.workspace_bytes
             found.append(compliance)
         if parts is not None and key is not None:
@@ -205,7 +205,7 @@ def with_compliance_period(scene: Scene, pair: BodyPair, compliances: Compliance
     if (one, two) == (1, 1):
         return pair
     longer = build_bodies(scene, pair.discretization, bodies=pair.bodies, groups=(one, two))
-    return replace(longer, standing_note=pair.standing_note)
+    return replace(longer, flank_distance_note=pair.flank_distance_note)
 
 
 def grown_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, Compliances]:
@@ -216,14 +216,14 @@ def grown_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, Comp
     strains, slices = (one.expansion.strain, two.expansion.strain), pair.slices
     shapes = pair.body_1.axial, pair.body_2.axial
     if slices is not None and shapes[0] is not None and shapes[1] is not None:
-        slices = grown_slices(slices, (shapes[0], shapes[1]), strains)
+        slices = expanded_slices(slices, (shapes[0], shapes[1]), strains)
     pair = replace(
         pair,
-        body_1=grown(pair.body_1, strains[0]),
-        body_2=grown(pair.body_2, strains[1]),
+        body_1=expanded(pair.body_1, strains[0]),
+        body_2=expanded(pair.body_2, strains[1]),
         slices=slices,
     )
-    return pair, (one.grown(), two.grown())
+    return pair, (one.expanded(), two.expanded())
 
 
 def contact_of(

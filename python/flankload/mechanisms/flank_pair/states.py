@@ -193,7 +193,7 @@ def error_estimates(
             for t, estimate in zip(loaded, estimated, strict=True):
                 estimates[t] = estimate.as_dict(positions=states.position_errors[t])
     for z, compliance in enumerate(compliances):
-        account.bytes += held_bytes(compliance.missed)
+        account.bytes += held_bytes(compliance.fe_error)
         clock.move(compliance.job.seconds, f"compliance body {z + 1}", "estimate")
     return estimates
 
@@ -241,7 +241,7 @@ def unseen_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:
         f"body_{z + 1}"
         for z, (body, compliance) in enumerate(zip(pair.bodies, compliances, strict=True))
         if body.imported is not None
-        and compliance.missed is None
+        and compliance.fe_error is None
         and compliance.modes.nodes is None
     ]
     if not unknown:

@@ -11,8 +11,8 @@ import pytest
 from flankload.bodies.shaft import CarryingShaft
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis
-from flankload.elasticity.prism.carried_bore import CarriedBore, beam_stiffness
 from flankload.elasticity.prism.condensation import condense_prism
+from flankload.elasticity.prism.flexible_bore import FlexibleBore, beam_stiffness
 from flankload.elasticity.prism.section_stiffness import SectionStiffness, section_stiffness
 from flankload.elasticity.sector_closure import CondensedSector, close_ring
 from tests.support.plain_prism import product_loads, whole_stiffness
@@ -59,8 +59,8 @@ def _section(twist: float) -> SectionStiffness:
     return section_stiffness(MESH.nodes, MESH.cells, STEEL, twist)
 
 
-def _bore(twist: float, carrying: CarryingShaft) -> tuple[CarriedBore, np.ndarray]:
-    return CarriedBore.of(carrying, _section(twist), AXIAL, MESH, twist), _loads(twist)
+def _bore(twist: float, carrying: CarryingShaft) -> tuple[FlexibleBore, np.ndarray]:
+    return FlexibleBore.of(carrying, _section(twist), AXIAL, MESH, twist), _loads(twist)
 
 
 def _sector(twist: float, loads: np.ndarray) -> CondensedSector:
@@ -85,7 +85,7 @@ def _response(twist: float, carrying: CarryingShaft | None) -> np.ndarray:
 # the ring closure
 
 
-def _meshed_ring(mesh, axial: AxialBasis, twist: float, bore: CarriedBore, loads: np.ndarray):
+def _meshed_ring(mesh, axial: AxialBasis, twist: float, bore: FlexibleBore, loads: np.ndarray):
     """Readings (z, p, p) of the loads on tooth 0 by the stiffness of the whole ring, dense."""
     teeth, count = mesh.teeth, len(mesh.nodes)
     turns = []
@@ -190,7 +190,7 @@ def test_a_rigid_motion_of_the_face_is_that_of_the_shaft() -> None:
     axial = AxialBasis((0.0, 8.0), 2)
     carrying = shaft((0.0, 8.0), 10.0, end_radii_mm=(19.0, 24.0))
     section = section_stiffness(mesh.nodes, mesh.cells, STEEL, 0.0)
-    bore = CarriedBore.of(carrying, section, axial, mesh, 0.0)
+    bore = FlexibleBore.of(carrying, section, axial, mesh, 0.0)
     size = len(bore.stiffness)
     motions = np.zeros((len(mesh.nodes), 3, 6))
     motions[:, [0, 1, 2], [0, 1, 2]] = 1.0

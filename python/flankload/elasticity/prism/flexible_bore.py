@@ -51,7 +51,7 @@ FACE_DEGREE = 8
 
 
 @dataclass(frozen=True, eq=False)
-class CarriedBore:
+class FlexibleBore:
     """The bore of a sector whose sections follow a shaft.
 
     Attributes
@@ -83,7 +83,7 @@ class CarriedBore:
         mesh: SectorMesh,
         twist: float,
         regions: Sequence[int] = (),
-    ) -> CarriedBore:
+    ) -> FlexibleBore:
         """The bore of a sector; `twist` is kappa, rad/mm, `regions` as in `section_stiffness`."""
         bases, of_node = functions.of_nodes(np.arange(len(mesh.nodes)))
         basis = bases[of_node[mesh.fixed_nodes[0]]]  # the bore belongs to one region
@@ -166,12 +166,12 @@ class CarriedBore:
         """
         identity = np.eye(len(self.stiffness) // MOTIONS)
         if k == 1:
-            return np.kron(identity, TURNING)
+            return np.kron(identity, LATERAL_MOTIONS)
         without_mean = null_space(identity[:1])
         along = identity if self.shaft.axially_held else without_mean
         turned = without_mean if self.shaft.torque_end == "even" else identity
         return np.hstack(
-            [np.kron(part, STRAIGHT[:, [j]]) for j, part in enumerate((along, turned))]
+            [np.kron(part, AXIAL_MOTIONS[:, [j]]) for j, part in enumerate((along, turned))]
         )
 
     def _springs(self, k: int) -> tuple[Complexes, Floats]:
@@ -180,7 +180,7 @@ class CarriedBore:
         A compliance of 0: the section where the torque enters does not turn.
         """
         forces, compliances = [], []
-        own = TURNING if k == 1 else STRAIGHT
+        own = LATERAL_MOTIONS if k == 1 else AXIAL_MOTIONS
         scale = _scale(self.shaft.radius_mm)
         for end, (name, springs) in enumerate(zip(("I", "II"), self.shaft.beyond, strict=True)):
             stiffness = scale[:, None] * _round_spring(*springs) * scale
@@ -196,8 +196,8 @@ class CarriedBore:
 
 
 #: Motions of harmonic 0 (u_z, t_z) and of harmonic 1 (u and t that turn with the sectors).
-STRAIGHT = np.eye(MOTIONS, dtype=complex)[:, [2, 5]]
-TURNING = np.sqrt(0.5) * np.kron(np.eye(2), np.array([[1.0], [1.0j], [0.0]]))
+AXIAL_MOTIONS = np.eye(MOTIONS, dtype=complex)[:, [2, 5]]
+LATERAL_MOTIONS = np.sqrt(0.5) * np.kron(np.eye(2), np.array([[1.0], [1.0j], [0.0]]))
 
 
 def _motions(places: Floats, radius_mm: float) -> Floats:
