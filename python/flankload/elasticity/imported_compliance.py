@@ -46,22 +46,22 @@ def imported_compliance(
     Parameters
     ----------
     modes : int or None
-        Number of pressure modes set by the scene; at most that of a file with modes.
+        Number of pressure modes of the scene; at most that of a file with modes.
     default_modes : int
-        Number otherwise, for a matrix between nodes, limited by the number of nodes; a file with
-        modes gives all of them.
+        Default number for a matrix between nodes, limited by the number of nodes; the default for a
+        file with modes is their number.
     plane : {"strain", "stress"}
         Plane state of the scene, which must be that of the file.
     tangential : str, optional
-        Key of the scene that needs the response to loads along the flank.
+        Key of the scene that requires the response to tangential loads.
     nodal : bool
         Tables between the nodes of the file instead of pressure modes.
 
     Raises
     ------
     ComplianceFileError
-        If the file's plane is another one, the compliance is not symmetric and positive, or the
-        response to loads along the flank is wanted and the file has none.
+        If the plane state differs, the compliance is not symmetric and positive definite, or the
+        response to tangential loads is required but missing.
     """
     imported = body.imported
     assert imported is not None
@@ -94,7 +94,7 @@ def imported_compliance(
 def _of_modes(
     body: Body, imported: ModalCompliance, n_modes: int, *, friction: bool
 ) -> BodyCompliance:
-    """Modes of the file, checked for symmetry and positive definiteness, or the lower ones."""
+    """Compliance from modes, checked for symmetry and positive definiteness."""
     smooth, f = imported.smooth, len(imported.flanks)
     own = np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
     across = np.arange(f * f).reshape(f, f).T.ravel() if f else -np.arange(len(smooth))
@@ -148,18 +148,18 @@ def _of_modes(
 
 
 def _least_eigenvalue(whole: Floats, flanks: int) -> float:
-    """Least eigenvalue of the matrix of all flanks, from blocks by tooth or by pairs of flanks."""
+    """Least eigenvalue of the matrix of all flanks, from blocks by tooth or by pair of flanks."""
     if flanks:
         p = whole.shape[1]
         matrix = whole.reshape(flanks, flanks, p, p).transpose(0, 2, 1, 3)
         return float(np.linalg.eigvalsh(matrix.reshape(flanks * p, -1)).min())
-    # equal teeth: the matrix is block-circulant, and a Fourier transform over the teeth splits it
+    # a Fourier transform over the equal teeth decouples the block-circulant matrix
     waves = np.fft.fft(whole, axis=0)
     return float(np.linalg.eigvalsh(0.5 * (waves + waves.conj().transpose(0, 2, 1))).min())
 
 
 def _of_nodes(body: Body, imported: NodalCompliance, n_modes: int, plane: str) -> BodyCompliance:
-    """Projection of nodal forces on the pressure modes, without the near field.
+    """Compliance from a matrix between nodes, projected on pressure modes without the near field.
 
     With the consistent nodal forces B_qa = integral of N_q P_a ds of the modes, the response is
     B' C B, with their nodal pressures P' M C P; without the logarithm and as coefficients,
@@ -184,7 +184,7 @@ def _of_nodes(body: Body, imported: NodalCompliance, n_modes: int, plane: str) -
 
 
 def _responses(body: Body, imported: NodalCompliance, loads: Floats) -> Floats:
-    """Response (z, p, p) of all teeth to p loads on tooth 0, read by the same loads."""
+    """Response (z, p, p) of all teeth to p loads on tooth 0, with readings by the same loads."""
     response = np.zeros((body.teeth, loads.shape[1], loads.shape[1]))
     for offset, block in zip(imported.offsets.tolist(), imported.matrix, strict=True):
         response[offset] = loads.T @ block @ loads
@@ -194,7 +194,7 @@ def _responses(body: Body, imported: NodalCompliance, loads: Floats) -> Floats:
 
 
 def _tables(body: Body, imported: NodalCompliance, plane: str) -> BodyCompliance:
-    """Tables between nodes; of quadratic elements only the ends of edges (see `nodal_loads`)."""
+    """Compliance as tables between nodes; for quadratic elements, ends of edges (`nodal_loads`)."""
     nodes = imported.arc_length_mm[:: 2 if imported.quadratic else 1]
 
     def pressures(s: Floats) -> Floats:
@@ -215,11 +215,11 @@ def _tables(body: Body, imported: NodalCompliance, plane: str) -> BodyCompliance
 def nodal_mode_forces(
     imported: NodalCompliance, mode_range_mm: tuple[float, float], n_modes: int
 ) -> Floats:
-    """Consistent nodal forces (n, n_modes) of the pressure modes along the normal, mm."""
+    """Consistent normal nodal forces (n, n_modes) of the pressure modes, mm."""
     return consistent_forces(imported, lambda s: mode_values(s, mode_range_mm, n_modes))
 
 
 def consistent_forces(imported: NodalCompliance, pressures: Callable[[Floats], Floats]) -> Floats:
-    """Consistent nodal forces (n, p) along the normal of p pressures over the arc length."""
+    """Consistent normal nodal forces (n, p) of p pressures over the arc length."""
     places, weights, shapes = gauss_places(imported.arc_length_mm, quadratic=imported.quadratic)
     return np.asarray(shapes.T @ (weights[:, None] * pressures(places)))

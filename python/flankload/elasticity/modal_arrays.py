@@ -1,4 +1,4 @@
-"""Contents of a flankload compliance file (read by `bodies.imported.modal_file`)."""
+"""Arrays of a flankload compliance file, which `bodies.imported.modal_file` reads."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def modal_arrays(
 
 
 def _version(compliance: BodyCompliance) -> int:
-    """Lowest version of the format that holds a compliance."""
+    """Lowest version of the format for a compliance."""
     if any(compliance.near.wedge) or compliance.modes.tip is not None:
         return 3
     return 1 if compliance.tangential is None else 2

@@ -1,9 +1,8 @@
 """The finite-element job of a body: compliances of its flanks from one factorisation.
 
-A body that is meshed as a whole has all its flanks loaded one after the other. A body of z equal
-sectors needs the mesh of one: the stiffness matrix of the sector is factorised once, with the
-pressure modes of the flank and the unknowns of the cuts as right-hand sides
-(`sector_closure`).
+The flanks of a whole mesh are loaded one after the other. For a body of equal sectors, the
+stiffness matrix of one sector is factorised once, with the pressure modes of the flank and the
+unknowns of the cuts as right-hand sides (`sector_closure`).
 """
 
 from __future__ import annotations
@@ -59,23 +58,23 @@ class JobOptions:
     Attributes
     ----------
     n_modes : int
-        Number of pressure modes of a flank; their degree should be at most half the number of
-        flank elements. A tip rounding or chamfer has two more. Ignored with `nodal`.
+        Number of pressure modes of a flank, without those of a tip; their degree should be at most
+        half the number of flank elements. Ignored with `nodal`.
     plane : {"strain", "stress"}
     friction : bool
-        Loads along the flank are solved, as many as along the normal.
+        As many tangential loads as normal ones are solved.
     along : bool
-        Displacements along the flank under these loads are returned.
+        Tangential displacements under these loads are returned.
     nodal : bool
         The loads are unit forces at the nodes of the flank instead of modes.
     coast_flanks : bool
-        Displacements of the coast flanks are read; of a sector mesh only.
+        Displacements of the coast flanks are returned; for sector meshes only.
     fillets : RootFillets or None
-        Places where the stress is read.
+        Points at which the stress is returned.
     estimate : bool
         The discretization error of the elements is estimated; with modes only.
     linear : bool
-        Edges of elements are straight: a quarter of the unknowns, a few percent too stiff.
+        Linear elements: a quarter of the unknowns, a few percent too stiff.
     """
 
     n_modes: int
@@ -104,10 +103,10 @@ def flank_compliance(
     body : Body
         With a mesh, or rigid.
     sectors : int, optional
-        Only a segment of an odd number of equal sectors with both ends held; 1: a single tooth.
-        By default the whole body; a body meshed as a whole has no segments.
-    growth : Growth, optional
-        Expansion of the body; a single tooth expands uniformly only.
+        Odd number of equal sectors of a segment with both ends fixed; 1: a single tooth. Default:
+        the whole body; not for whole meshes.
+    body_load : BodyLoad, optional
+        Causes of the expansion of the body; a single tooth expands uniformly only.
     matrix : csc_array, optional
         Stiffness matrix of the mesh, if available.
     """
@@ -120,10 +119,10 @@ def flank_compliances(
     options: JobOptions,
     matrix: csc_array | None = None,
 ) -> tuple[BodyCompliance, ...]:
-    """Compliances of a body that differ in sectors and expansion, from one job.
+    """Compliances of a body that differ in sectors and body loads, from one job.
 
-    `variants` are `sectors` and `body_load` of each; these and the other arguments are those of
-    `flank_compliance`. The counters, bytes and seconds of each are those of the whole job.
+    `variants`: `sectors` and `body_load` of each; arguments as of `flank_compliance`. The counters,
+    bytes and seconds of each are those of the whole job.
     """
     if body.rigid or body.mesh is None:
         return tuple(no_compliance(body, body_load) for _, body_load in variants)
@@ -153,7 +152,7 @@ def flank_compliances(
 
 @dataclass(frozen=True, eq=False)
 class _Prepared:
-    """The job of a body, its mesh, and the loads of each expansion by name."""
+    """The job of a body, its mesh, and the vectors of each body load by name."""
 
     job: Job
     mesh: SectorMesh | WholeMesh
@@ -166,7 +165,7 @@ def _prepared(
     options: JobOptions,
     matrix: csc_array | None,
 ) -> _Prepared:
-    """Matrix, loads and readings of a job, before anything is solved."""
+    """Matrix, loads and readings of a job."""
     plane, onto = options.plane, None
     assert body.mesh is not None
     mesh, nodes, cells = body.mesh, body.mesh.nodes, body.mesh.cells
@@ -214,7 +213,7 @@ def _loads(body: Body, options: JobOptions) -> ModeLoads | NodeLoads:
 def _readings(
     body: Body, options: JobOptions, size: int, onto: csc_array | None
 ) -> Callable[[int], dict[str, Floats]]:
-    """Columns that only read, by counter: stress in the roots, a sharp tip along its flank.
+    """Columns for readings, by counter: root stress, tangential displacement of a sharp tip.
 
     Stress at a free surface is the strain along it times E, in plane strain E/(1 - nu²).
     """
@@ -235,7 +234,7 @@ def _readings(
 
 
 def _compliance(job: Job, found: Response, options: JobOptions) -> BodyCompliance:
-    """Response without the near field, as mode coefficients."""
+    """Compliance from the response of the elements, without the near field."""
     body, loads, friction = job.body, job.loads, options.friction
     p, n_modes = found.response.shape[2], loads.count
     response, below = found.response[:, :p], found.response[:, p:]
@@ -271,7 +270,7 @@ def _by_name(
     body_load: BodyLoad | None,
     by_force: Floats,
 ) -> dict[str, Floats]:
-    """Response (f, p) to each load of an expansion, from the response (f, k, p) to all."""
+    """Response (f, p) to each vector of a body load, from the response (f, k, p) to all."""
     known = [(each, name) for each, named in load_vectors.items() for name in named]
     return {name: by_force[:, k] for k, (each, name) in enumerate(known) if each == body_load}
 
@@ -283,11 +282,11 @@ def _load_vectors(
     *,
     lumped: bool = False,
 ) -> dict[str, Floats]:
-    """Nodal loads (2N,) of an expansion relative to the support, N per mm of width, by cause.
+    """Nodal loads (2N,) of a body load relative to the support, N per mm of width, by cause.
 
-    The displacement is e_s x plus the response to these loads with the held surface at rest. The
-    stiffness matrix (2N, 2N), per mm of width, times the coordinates of the nodes is the load of a
-    strain of 1 in the plane. The body expands freely along its axis, in plane strain as well.
+    The displacement is e_s x plus the response to these loads with a fixed support. The stiffness
+    matrix (2N, 2N), per mm of width, times the coordinates of the nodes is the load for a strain of
+    1 in the plane. Axial expansion is free, also in plane strain.
     """
     loads: dict[str, Floats] = {}
     if body_load is None:
@@ -305,14 +304,12 @@ def _load_vectors(
 def _flank_expansion(
     body: Body, body_load: BodyLoad | None, n_modes: int, moved: Mapping[str, Floats]
 ) -> tuple[float, dict[str, Floats]]:
-    """Uniform expansion of a body, and the displacements of its flanks beyond that.
+    """Uniform strain of a body, and the displacements of its flanks beyond it.
 
-    Displacements are known along the normal only, as gaps require; at an edge this is not enough: a
-    tip that moves outwards touches its mate elsewhere. Most of the expansion of a tooth is uniform:
-    the strain that fits all flanks best, by least squares, scales the whole body.
-
-    `moved` are the readings (f, p) of the modes on each of f flanks under each of `_load_vectors`,
-    pressure modes first, mm². Returns the strain, and by load mode coefficients (f, n_modes), mm.
+    Normal displacements do not describe the motion of a tip corner, which touches its mate
+    elsewhere. Therefore the strain that fits all flanks best, by least squares, scales the whole
+    body. `moved`: readings (f, p) of the modes on each of f flanks under each of `_load_vectors`,
+    pressure modes first, mm². Returns the strain, and mode coefficients (f, n_modes) by load, mm.
     """
     if body_load is None:
         return 0.0, {}
@@ -335,7 +332,7 @@ def _flank_expansion(
 
 
 def _of_corners(mesh: SectorMesh | WholeMesh, onto: csc_array) -> SectorMesh | WholeMesh:
-    """The mesh with its corners alone free to move."""
+    """The mesh of linear elements, whose middle nodes are fixed."""
     middles = np.flatnonzero(np.diff(onto.indptr)[::2] == 0)
     fixed = np.union1d(mesh.fixed_nodes, middles)
     if isinstance(mesh, WholeMesh):

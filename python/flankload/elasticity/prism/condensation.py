@@ -1,17 +1,17 @@
-"""A sector of a prism condensed to its loads and cuts, front by front on LAPACK.
+"""Condensation of a sector of a prism to its loads and cuts by a multifrontal method on LAPACK.
 
-Each node of the plane mesh carries 3 (p + 1) unknowns, by axial function, then component, so that
-the cuts, which keep the axial degrees up to q alone, keep the first 3 (q + 1) of each node. Kept
-unknowns and loads stay in the fronts to the end: what is left of
+Each node of the plane mesh has 3 (p + 1) unknowns, by axial function, then component. Cuts have the
+axial degrees up to q, i.e. the first 3 (q + 1) unknowns of each node. Kept unknowns and loads
+remain in the fronts to the end: the remainder of
 
     [[K_ii, K_ic, F_i], [K_ci, K_cc, F_c], [F_i', F_c', 0]]
 
-is [[S, G], [G', -C_loc]], all that the ring closure needs. The eliminated part is positive
-definite: no pivots are exchanged.
+is [[S, G], [G', -C_loc]], the input of the ring closure. The eliminated part is positive definite,
+so that no pivoting is needed.
 
-Without twist, displacements in the section of even axial degree meet only axial ones of odd degree
-and the other way round: two problems of half the size. So it is where regions of different widths
-have one middle plane.
+Without twist, displacements in the section of even (odd) axial degree are coupled to axial ones of
+odd (even) degree only: two problems of half the size. This includes regions of different widths
+with a common middle plane.
 """
 
 from __future__ import annotations
@@ -51,19 +51,19 @@ def condense_prism(
     account: Account | None = None,
     recovery: Recovery | None = None,
 ) -> CondensedSector:
-    """Condense a sector to its loads and cuts; the fixed nodes are held over their whole width.
+    """Condense a sector to its loads and cuts, with nodes that are fixed over their whole width.
 
     Parameters
     ----------
     loads : (N, 3 (p + 1), r) array
-        Columns by node and unknown; they read, too.
+        Columns by node and unknown, which are also readings.
     cut_degree : int
-        q <= p: the displacements of the cuts are polynomials of this degree in z. Their unknowns
-        are by node, axial function, component.
+        Degree q <= p of the displacements of the cuts in z. Their unknowns are by node, axial
+        function, component.
     twisted : bool
-        False allows the two problems of half the size if the functions of z are even or odd.
+        False: two problems of half the size if the functions of z are even or odd.
     recovery : Recovery, optional
-        Keeps the fronts for displacements inside the sector.
+        Stores the fronts for displacements inside the sector.
     """
     account = Account() if account is None else account
     cut = np.concatenate([mesh.left_nodes, mesh.right_nodes])
@@ -103,7 +103,7 @@ def condense_prism(
 
 
 def _independent(functions: int, *, coupled: bool) -> list[Numbers]:
-    """Unknowns of a node in sets that do not meet each other."""
+    """Sets of unknowns of a node that are not coupled to each other."""
     unknowns = np.arange(COMPONENTS * functions)
     if coupled:
         return [unknowns]
@@ -113,7 +113,7 @@ def _independent(functions: int, *, coupled: bool) -> list[Numbers]:
 
 
 class _PairBlocks:
-    """Blocks of the stiffness between nodes, expanded from those of the section front by front."""
+    """Blocks of the stiffness between pairs of nodes, expanded from those of the section."""
 
     def __init__(
         self,
@@ -131,11 +131,11 @@ class _PairBlocks:
         self._first = np.searchsorted(column[self._pairs], np.arange(position.max() + 2))
 
     def pairs(self, first: int, last: int) -> Numbers:
-        """Pairs of nodes, row not before column, whose columns have these positions."""
+        """Pairs of nodes in the lower triangle whose columns are in a range of positions."""
         return self._pairs[self._first[first] : self._first[last]]
 
     def of_one_kind(self, pairs: Numbers) -> Iterator[Flags]:
-        """Pairs with one set of axial matrices, in turn: different pairs of nodes each time."""
+        """Groups of pairs with the same axial matrices."""
         number = self._number[pairs]
         for one in np.unique(number):
             yield number == one
@@ -145,7 +145,7 @@ class _PairBlocks:
         return self._section.rows[pairs], self._section.columns[pairs]
 
     def blocks(self, pairs: Numbers, rows: Numbers, columns: Numbers) -> Floats:
-        """Stiffness (n, rows, columns) between these unknowns of pairs that are alike."""
+        """Stiffness (n, rows, columns) between unknowns of pairs with the same axial matrices."""
         (a, c), (b, d) = (np.divmod(part, COMPONENTS) for part in (rows, columns))
         of_section = self._section.blocks[pairs]
         weights = self._terms[self._number[pairs[0]]][:, a[:, None], b]
@@ -157,7 +157,7 @@ class _PairBlocks:
 
 @dataclass(frozen=True, eq=False)
 class _Remainder:
-    """What a front leaves: lower triangle of its boundary's matrix, loads behind the nodes."""
+    """Remainder of a front: lower triangle of the matrix of its boundary nodes, then loads."""
 
     front: Front
     sizes: Numbers
@@ -172,10 +172,7 @@ def _eliminated(
     account: Account,
     kept: Independent | None = None,
 ) -> Floats:
-    """So many kept nodes, in their order, and the loads after the elimination of all inner nodes.
-
-    Symmetric (m, m).
-    """
+    """Symmetric matrix (m, m) of `cuts` kept nodes, in their order, and loads after elimination."""
     left: dict[int, _Remainder] = {}
     bytes_held = most = 0
     for number, front in enumerate(fronts):
@@ -206,7 +203,7 @@ def _eliminated(
 def _front_remainder(
     front: Front, parts: list[_Remainder], pair_blocks: _PairBlocks, loads: Floats
 ) -> tuple[_Remainder, Floats, Floats]:
-    """Assemble a front, eliminate its own nodes: what is left, their factor, the rows below it."""
+    """Assemble a front and eliminate its nodes: remainder, factor, rows below the factor."""
     n, m = pair_blocks.unknowns.size, pair_blocks.of_cut.size
     width = loads.shape[2] if front.loaded else 0
     own = front.own.size * n
@@ -232,7 +229,7 @@ def _front_remainder(
 
 
 def _assemble(front: Front, pair_blocks: _PairBlocks, pivot: Floats, below: Floats) -> None:
-    """Stiffness of the front's own nodes and between them and its boundary."""
+    """Stiffness of the nodes of a front, and between them and its boundary."""
     n, m, count = pair_blocks.unknowns.size, pair_blocks.of_cut.size, front.own.size
     first = int(pair_blocks.position[front.own[0]])
     pairs = pair_blocks.pairs(first, first + count)
@@ -262,7 +259,7 @@ def _assemble(front: Front, pair_blocks: _PairBlocks, pivot: Floats, below: Floa
 def _extend(
     front: Front, sizes: Numbers, n: int, part: _Remainder, target: tuple[Floats, Floats, Floats]
 ) -> None:
-    """Add what a part leaves, run by run of unknowns that are neighbours in both."""
+    """Add the remainder of a part, in blocks of unknowns that are adjacent in both."""
     pivot, below, remainder = target
     nodes = part.front.rest
     own = len(pivot)
@@ -272,7 +269,7 @@ def _extend(
     ends = np.cumsum(part.sizes)
     runs: list[list[int]] = []  # first in the part, first in the front, length
     goal = [at[node] for node in nodes.tolist()]
-    if part.sizes.size > nodes.size:  # loads stand last
+    if part.sizes.size > nodes.size:  # loads are last
         goal.append(int(start[-1]))
     for first, last, place in zip(ends - part.sizes, ends, goal, strict=True):
         if runs and runs[-1][1] + runs[-1][2] == place and (place != own):
