@@ -149,6 +149,10 @@ def beside_plan(
     return found
 
 
+#: Types that hold no array.
+PLAIN = (str, float, int)
+
+
 def held_bytes(*things: object) -> int:
     """Bytes of all distinct arrays in objects: in dataclasses, sequences and mappings.
 
@@ -166,17 +170,18 @@ def held_bytes(*things: object) -> int:
     left, seen = list(things), set()
     while left:
         thing = left.pop()
-        if isinstance(thing, str | float | int) or id(thing) in seen:
+        if thing is None or isinstance(thing, PLAIN) or id(thing) in seen:
             continue
         seen.add(id(thing))
         if isinstance(thing, np.ndarray):
             while isinstance(thing.base, np.ndarray):
                 thing = thing.base
             owners[id(thing)] = thing.nbytes
-        elif is_dataclass(thing) and hasattr(thing, "nbytes"):
-            owners[id(thing)] = thing.nbytes
         elif is_dataclass(thing):
-            left += [getattr(thing, item.name) for item in fields(thing)]
+            if hasattr(thing, "nbytes"):
+                owners[id(thing)] = thing.nbytes
+            else:
+                left += [getattr(thing, item.name) for item in fields(thing)]
         elif isinstance(thing, Mapping):
             left += thing.values()
         elif isinstance(thing, list | tuple):

@@ -263,6 +263,10 @@ _FORTRAN = (
         "lumped_hertz.f90",
         "core",
         ("sqrt(2.0_wp*max(force, 0.0_wp)*kernel", "sqrt(4.0_wp*max(force, 0.0_wp)*kernel"),
+    ),
+    *_in(
+        "lumped_estimate.f90",
+        "core",
         ("kernel(i)*(0.5_wp + log(2.0_wp/near))", "kernel(i)*log(2.0_wp/near)"),
     ),
     *_in(

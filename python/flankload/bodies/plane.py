@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,14 +35,26 @@ def line(start: Floats, direction: Floats) -> Place:
     return place
 
 
+@dataclass(frozen=True)
+class Circle:
+    """A circle; a negative radius: its points are opposite to their angles.
+
+    Fits of a method of a dataclass are held for other bodies with the same circle.
+    """
+
+    center_mm: tuple[float, float]
+    radius_mm: float
+
+    def place(self, angle: Floats) -> tuple[Floats, Floats, Floats]:
+        """Points at polar angles (m,) about the centre, with two derivatives: (m, 2) each."""
+        out, radius = directions(angle), self.radius_mm
+        return self.center_mm + radius * out, radius * across(out), -radius * out
+
+
 def circle(center: Floats, radius: float) -> Place:
-    """A circle, parametrised by the polar angle; with a negative radius, by that angle plus pi."""
-
-    def place(angle: Floats) -> tuple[Floats, Floats, Floats]:
-        out = directions(angle)
-        return center + radius * out, radius * across(out), -radius * out
-
-    return place
+    """A circle, parametrised by its polar angle; with a negative radius, by that angle plus pi."""
+    x, y = center.tolist()
+    return Circle((x, y), radius).place
 
 
 def sketched_tooth(flank: Floats, teeth: int) -> Floats:

@@ -22,11 +22,15 @@ image of the corner behind the tip.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander, poly2leg
+from numpy.polynomial.legendre import legvander, poly2leg
 from numpy.polynomial.polynomial import polypow
+
+from flankload.base.gauss import leggauss
+from flankload.base.read_only import frozen
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -85,13 +89,19 @@ def tip_values(s: Floats, high: float, tip: Tip, count: int) -> Floats:
 
 def on_tip(n_modes: int, tip: Tip) -> Floats:
     """Legendre coefficients (q + 1, n_modes) of all modes on the tip, q of which are its own."""
+    return _on_tip(n_modes, tip.power)
+
+
+@cache
+def _on_tip(n_modes: int, least_power: int) -> Floats:
+    """Coefficients of all modes on a tip with this least power of its own modes; read-only."""
     own = tip_modes(n_modes)
     parts = np.zeros((own + 1, n_modes))
     parts[0, : n_modes - own] = 1.0
     for k in range(own):
-        power = tip.power + k
+        power = least_power + k
         parts[: power + 1, n_modes - own + k] = poly2leg(polypow([0.5, 0.5], power))
-    return parts
+    return frozen(parts)
 
 
 def projected_with_tip(

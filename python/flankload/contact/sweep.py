@@ -36,8 +36,7 @@ INITIAL_PAIRS = 256
 #: The same for contact on all teeth, per site and cell between the middle and the edge of its zone:
 #: 2.8 for two sides and finer cells at the ends of conforming flanks, and a reserve.
 PAIRS_PER_CELL = 3.2
-#: Cells in slices: further cells of a slice besides those of its zone, and number of flanks in
-#: mesh.
+#: Further cells of a flank or slice besides those of its zone; in slices, number of flanks in mesh.
 LEAST_CELLS, MESHING_FLANKS = 8, 4
 
 
@@ -326,7 +325,7 @@ def _initial_capacity(contact: FlankContact) -> int:
         return slices.count * (2 * sites if contact.level == "lumped" else of_cells)
     if not pairing.whole_circle:
         return sides * INITIAL_PAIRS
-    return sides * max(INITIAL_PAIRS, int(PAIRS_PER_CELL * cells * sites))
+    return sides * max(INITIAL_PAIRS, int(PAIRS_PER_CELL * (cells + LEAST_CELLS) * sites))
 
 
 def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:

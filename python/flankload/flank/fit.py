@@ -121,13 +121,13 @@ def fit_tolerance_mm(pieces: Sequence[CurvePiece]) -> float:
     float
         Proportional to the length of the curve.
     """
-    ends = [np.array([[piece.u_start, piece.u_end]]) for piece in pieces]
-    length = sum(_arc_lengths(piece, at)[0] for piece, at in zip(pieces, ends, strict=True))
-    far = max(
-        float(np.linalg.norm(piece.place(at[0])[0], axis=1).max())
-        for piece, at in zip(pieces, ends, strict=True)
-    )
-    return max(FIT_TOLERANCE * float(length), ROUNDING_LIMIT * far)
+    length = far = 0.0
+    for piece in pieces:
+        lengths, (end, _, _) = _lengths_and_ends(piece, _intervals(piece))
+        start, _, _ = piece.place(np.array([piece.u_start]))
+        length += float(lengths.sum())
+        far = max(far, float(np.linalg.norm(np.concatenate([start, end]), axis=1).max()))
+    return max(FIT_TOLERANCE * length, ROUNDING_LIMIT * far)
 
 
 def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
@@ -152,8 +152,7 @@ def _fit_cached(
 
 def _fit(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
     """Fit of a piece, as from `_fit_piece`."""
-    marks = np.concatenate([[piece.u_start], piece.knots, [piece.u_end]])
-    ends = np.stack([marks[:-1], marks[1:]], axis=1)
+    ends = _intervals(piece)
     done: list[tuple[Floats, Floats, Floats]] = []
     lengths = _arc_lengths(piece, ends)
     for _ in range(_MOST_HALVINGS):
@@ -178,6 +177,12 @@ def _fit(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
         np.concatenate([part[1] for part in done])[order],
         np.concatenate([part[2] for part in done])[order],
     )
+
+
+def _intervals(piece: CurvePiece) -> Floats:
+    """Both ends (m, 2) of the intervals of a piece between its knots."""
+    marks = np.concatenate([[piece.u_start], piece.knots, [piece.u_end]])
+    return np.stack([marks[:-1], marks[1:]], axis=1)
 
 
 def _halves(ends: Floats) -> Floats:

@@ -89,6 +89,9 @@ def turning(results: Sequence[Result]) -> Turning:
             strict=False,
         )
     ]
+    heads: tuple[str, ...] = (result.words_for_sites[0], "force, kN", "share, %")
+    if result.drive is None:
+        heads += ("pressure, MPa",)
     states = [[_state_at(one, p, _scales_of(results), size) for p in shown] for one in results]
     return Turning(
         f"{low[0]:.3f} {-high[1]:.3f} {high[0] - low[0]:.3f} {high[1] - low[1]:.3f}",
@@ -96,7 +99,7 @@ def turning(results: Sequence[Result]) -> Turning:
         drawing.center_distance_mm,
         round(LETTER * size, 3),
         int(np.argmin(np.abs(np.array(shown) - _start(result)))),
-        _heads_of(result),
+        heads,
         _legend(result),
         {
             "deg": [_short(degrees(result.position_rad[p])) for p in shown],
@@ -283,14 +286,6 @@ def _short(value: float) -> float | int:
     """Four significant digits; an integer where the rest is 0."""
     rounded = float(f"{float(value):.4g}")
     return int(rounded) if rounded.is_integer() else rounded
-
-
-def _heads_of(result: Result) -> tuple[str, ...]:
-    """Heads of the columns of `pairs`."""
-    name = result.words_for_sites[0]
-    if result.drive is not None:
-        return name, "force, kN", "share, %"
-    return name, "force, kN", "share, %", "pressure, MPa"
 
 
 def _legend(result: Result) -> str:

@@ -177,9 +177,7 @@ class LoadedPrism:
         )
         places = self.nodes[part.nodes]
         columns = np.zeros((len(places), 2, v[0].size))
-        columns[:, 0] = v.reshape(
-            len(places), -1
-        )  # in x: e_xx and 2 e_xy are its derivatives
+        columns[:, 0] = v.reshape(len(places), -1)  # in x: e_xx and 2 e_xy are its derivatives
         strains = recovered_strains(places, part.cells, columns.reshape(2 * len(places), -1))
         slopes = strains.reshape(len(places), 3, *v.shape[1:])
         by_x, by_y = slopes[:, 0], slopes[:, 2]

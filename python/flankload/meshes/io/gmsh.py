@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from flankload.base.arrays import Numbers
 from flankload.meshes.io.parts import BadFile, FileMesh, disjoint_groups
 
+Number = TypeVar("Number", int, float)
 #: Types of numbers in a file.
 INT, SIZE, REAL = "i4", "u8", "f8"
 #: Element type number in gmsh → name in meshio and number of nodes.
@@ -159,18 +160,19 @@ class _Reader:
     def _read_elements_2(self) -> None:
         stream = self._stream
         count = stream.one(INT) if stream.text else stream.count_line()
-        by_group: dict[tuple[str, int, int], list[Numbers]] = {}
+        by_group: dict[tuple[str, int, int], list[Any]] = {}
         while count > 0:
             # a header per element in text, per sequence of elements of one type in binary files
             if stream.text:
-                _, number, n_tags = (int(word) for word in stream.read(INT, 3))
-                together = 1
+                _, number, n_tags = stream.whole(3)
+                kind, size = _element(number)
+                rows: Any = [stream.whole(n_tags + size)]
             else:
                 number, together, n_tags = (int(word) for word in stream.read(INT, 3))
-            kind, size = _element(number)
-            width = n_tags + size + (0 if stream.text else 1)
-            rows = stream.read(INT, width * together).reshape(together, width)[:, -n_tags - size :]
-            count -= together
+                kind, size = _element(number)
+                width = n_tags + size + 1
+                rows = stream.read(INT, width * together).reshape(together, width)[:, 1:]
+            count -= len(rows)
             for row in rows:
                 group = abs(int(row[0])) if n_tags else 0
                 by_group.setdefault((kind, _dimension(kind), group), []).append(row[n_tags:])
@@ -272,23 +274,33 @@ class Stream:
     def read(self, kind: str, count: int) -> Any:
         """Read the next numbers of the section, (count,)."""
         if self.text:
-            words = self._words[self._next : self._next + count]
-            self._next += count
-            if len(words) < count:
-                raise self._cut_off()
-            try:
-                return np.array(words, dtype=REAL if kind == REAL else np.int64)
-            except ValueError:
-                raise BadFile(
-                    f"numbers in section ${self.section}",
-                    " ".join(word.decode("ascii", "replace") for word in words[:8]),
-                ) from None
+            if kind == REAL:
+                return np.array(self._parsed(float, count), dtype=REAL)
+            return np.array(self.whole(count), dtype=np.int64)
         size = np.dtype(kind).itemsize * count
         part = self._content[self._at : self._at + size]
         if len(part) < size:
             raise self._cut_off()
         self._at += size
         return np.frombuffer(part, dtype=kind)
+
+    def whole(self, count: int) -> list[int]:
+        """Read the next whole numbers of a section in text."""
+        return self._parsed(int, count)
+
+    def _parsed(self, number: type[Number], count: int) -> list[Number]:
+        """Next words of a section in text as numbers."""
+        words = self._words[self._next : self._next + count]
+        self._next += count
+        if len(words) < count:
+            raise self._cut_off()
+        try:
+            return [number(word) for word in words]
+        except ValueError:
+            raise BadFile(
+                f"numbers in section ${self.section}",
+                " ".join(word.decode("ascii", "replace") for word in words[:8]),
+            ) from None
 
     def count_line(self) -> int:
         """Read a number on a separate line of a binary section."""

@@ -68,8 +68,9 @@ class NamedArrays:
         if max(member.shape, default=0) > MOST_ROWS:
             self.refuse(name, f"at most {MOST_ROWS} entries along an axis", f"{member.shape}")
         result = self._read(name).astype(np.float64)
-        invalid = np.argwhere(~(np.abs(result) <= LARGEST))
-        if len(invalid):
+        good = np.abs(result) <= LARGEST
+        if not good.all():
+            invalid = np.argwhere(~good)
             place = f"[{', '.join(map(str, invalid[0]))}]" if result.ndim else ""
             value = result[tuple(invalid[0])]
             wanted = f"numbers of at most {LARGEST:g}" if np.isfinite(value) else "finite numbers"

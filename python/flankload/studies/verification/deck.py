@@ -39,14 +39,9 @@ FLANKS, SOLID_SUPPORTS = "FLANKS", ("HELD_1, 3, 3", "HELD_2, 1, 3")
 
 @dataclass(frozen=True)
 class Ties:
-    """Nodes of thin layers that move as a face of a thick layer does; k of them.
+    """Nodes (k,) of thin layers that move as a face of a thick layer does.
 
-    Attributes
-    ----------
-    nodes : (k,) array
-    masters : (k, 8) array
-    weights : (k, 8) array
-        0 for entries that are not used.
+    They have masters (k, 8) with weights (k, 8); 0 for entries that are not used.
     """
 
     nodes: Numbers
@@ -64,19 +59,10 @@ class Ties:
 
 @dataclass(frozen=True)
 class Part:
-    """One body of a deck.
+    """One body of a deck, at its place: nodes (N, 2) or (N, 3) in mm, cells (m, 6) or (m, 15).
 
-    Attributes
-    ----------
-    nodes : (N, 2) or (N, 3) array
-        mm, at the place of the body.
-    cells : (m, 6) or (m, 15) array
-    held : array
-        Fixed nodes.
-    flanks : tuple of (k, 2) arrays
-        Element and side (1 to 3), or face (3 to 5), of the surfaces of each pair, layer by layer.
-    ties : Ties or None
-        Of solid bodies.
+    `flanks` are arrays (k, 2) of element and side (1 to 3), or face (3 to 5), of the surfaces of
+    each pair, layer by layer. Solid bodies have ties.
     """
 
     nodes: Floats
@@ -91,14 +77,9 @@ class Part:
 class DeckFriction:
     """Friction of a deck: flanks slide to the position so that friction acts as in motion.
 
-    Attributes
-    ----------
-    coefficients : tuple of float
-        Coefficient of each pair of the deck.
-    center_distance_mm : float
-        Distance to the axis of body 2.
-    back_rad : float
-        Rotation of body 2 from the requested position to the previous one, at which sliding begins.
+    Each pair of the deck has a coefficient; `center_distance_mm` is the distance to the axis of
+    body 2, `back_rad` its rotation from the requested position to the previous one, at which
+    sliding begins.
     """
 
     coefficients: tuple[float, ...]

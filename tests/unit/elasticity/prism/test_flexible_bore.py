@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from flankload.bodies.shaft import CarryingShaft
+from flankload.bodies.shaft import FlexibleShaft
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis
 from flankload.elasticity.prism.condensation import condense_prism
@@ -24,10 +24,10 @@ E, G = 206000.0, 206000.0 / 2.6
 SPRINGS = ((3e4, 2e5, -4e6, 2e8), (0.0, 3e5, 5e6, 1e8))
 
 
-def shaft(range_mm: tuple[float, float], radius: float, **changes) -> CarryingShaft:
+def shaft(range_mm: tuple[float, float], radius: float, **changes) -> FlexibleShaft:
     """A solid steel shaft on springs, as thick as the bore."""
     area, moment = np.pi * radius**2, 0.25 * np.pi * radius**4
-    return CarryingShaft(
+    return FlexibleShaft(
         **{
             "range_mm": range_mm,
             "radius_mm": radius,
@@ -59,7 +59,7 @@ def _section(twist: float) -> SectionStiffness:
     return section_stiffness(MESH.nodes, MESH.cells, STEEL, twist)
 
 
-def _bore(twist: float, carrying: CarryingShaft) -> tuple[FlexibleBore, np.ndarray]:
+def _bore(twist: float, carrying: FlexibleShaft) -> tuple[FlexibleBore, np.ndarray]:
     return FlexibleBore.of(carrying, _section(twist), AXIAL, MESH, twist), _loads(twist)
 
 
@@ -69,7 +69,7 @@ def _sector(twist: float, loads: np.ndarray) -> CondensedSector:
 
 
 @cache
-def _response(twist: float, carrying: CarryingShaft | None) -> np.ndarray:
+def _response(twist: float, carrying: FlexibleShaft | None) -> np.ndarray:
     """(z, p, p) of modes on the ring, its bore held or on a shaft."""
     loads = _loads(twist)
     if carrying is None:
@@ -155,7 +155,7 @@ def _meshed_ring(mesh, axial: AxialBasis, twist: float, bore: FlexibleBore, load
     return np.array([column.T @ moved[:-1] for column in columns])
 
 
-def _shares(shaft: CarryingShaft, end: int) -> np.ndarray:
+def _shares(shaft: FlexibleShaft, end: int) -> np.ndarray:
     """Part of a solid shaft's forces and moments within the bore."""
     ratio = min(1.0, shaft.radius_mm / shaft.end_radii_mm[end])
     return np.repeat([ratio**2, ratio**4], 3)
