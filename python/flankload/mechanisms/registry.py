@@ -18,8 +18,8 @@ OTHERS = "flank_pair"
 
 def mechanism_of(scene: Scene) -> Mechanism:
     """Kind of drive of a scene."""
-    room = REGISTRY.get(scene.body_2.kind, OTHERS)
-    mechanism: Mechanism = import_module(f"flankload.mechanisms.{room}.mechanism").MECHANISM
+    package = REGISTRY.get(scene.body_2.kind, OTHERS)
+    mechanism: Mechanism = import_module(f"flankload.mechanisms.{package}.mechanism").MECHANISM
     return mechanism
 
 

@@ -31,7 +31,7 @@ LEAST_ROWS = 2
 #: Round tips touch nothing; this part of the arc over half a tooth is meshed.
 TIP_BULGE = 0.6
 #: Angles that differ by less are equal, rad.
-SAME = 1e-10
+ANGLE_TOLERANCE = 1e-10
 #: Meshed length of the strands, in half pitches from the first and the last tooth: up to the middle
 #: of the land behind the next tooth.
 STRAND = 3
@@ -92,7 +92,7 @@ def coarser(strip: Strip, flank_elements: int) -> tuple[Strip, int]:
     coarser, which shows little of the discretization error.
     """
     radii = _radii(strip, 1.5 * _tooth_size(strip)[0] / flank_elements)[::2]
-    below = int(np.searchsorted(radii, strip.pitch_radius_mm - SAME))
+    below = int(np.searchsorted(radii, strip.pitch_radius_mm - ANGLE_TOLERANCE))
     rows = max(1, below // 2), max(1, (radii.size - 1 - below) // 2)
     return replace(strip, rows=rows), max(1, flank_elements // 2)
 
@@ -110,7 +110,7 @@ def mesh_strip(
     land. The piece lies between two places in half pitches; by default it is the whole belt with
     the strands of `STRAND`.
     """
-    maker = _Maker(strip, flank_elements, ends_rad)
+    maker = _StripBuilder(strip, flank_elements, ends_rad)
     for place in range(*(places or (-STRAND, 2 * strip.wrapped_teeth - 2 + STRAND))):
         maker.add(place)
     return maker.mesh()
@@ -124,7 +124,7 @@ def _tooth_size(strip: Strip) -> tuple[float, float]:
     return tooth.height_mm, tooth.width_mm
 
 
-class _Maker:
+class _StripBuilder:
     """Assembly of half pitches; nodes are radius and angle, as if all lay on the pulley."""
 
     def __init__(self, strip: Strip, flank_elements: int, ends_rad: tuple[float, float]) -> None:
@@ -167,7 +167,9 @@ class _Maker:
         nodes, turns = self._straightened(np.concatenate(self._blocks.places))
         cord, angles = _joined(self._cord), _joined(self._cord_angles)
         middles = angles[1::2]
-        tight, slack = (cord[np.flatnonzero(np.abs(angles - end) < SAME)] for end in self._ends)
+        tight, slack = (
+            cord[np.flatnonzero(np.abs(angles - end) < ANGLE_TOLERANCE)] for end in self._ends
+        )
         return BeltMesh(
             nodes=nodes,
             turns_rad=turns,
@@ -184,7 +186,9 @@ class _Maker:
 
     def _add_land(self, number: int, breaks: Floats) -> None:
         """Add half a land; an element boundary lies where a strand begins."""
-        inside = [a for a in self._ends if breaks[0] + SAME < a < breaks[-1] - SAME]
+        inside = [
+            a for a in self._ends if breaks[0] + ANGLE_TOLERANCE < a < breaks[-1] - ANGLE_TOLERANCE
+        ]
         parts = [breaks]
         for end in inside:
             size = breaks[1] - breaks[0]

@@ -33,15 +33,15 @@ if TYPE_CHECKING:
 
 #: Remaining element error, relative to the change between elements of double length and those of
 #: the run.
-LEFT = 2.0
+REMAINING_ERROR = 2.0
 #: Relative error of the largest load share, divided by that of the rotation: if teeth and cord are
 #: both too stiff, the load sharing hardly changes, and the change of shares may vanish.
-SHARES = 0.25
+SHARE_ERROR = 0.25
 #: Positions closer than this part of a pitch are equal.
-SAME = 1e-9
+POSITION_TOLERANCE = 1e-9
 #: Uncertainty of a linear extrapolation, relative to its amount, in addition to the bends; the
 #: whole amount if there are only two positions.
-DOUBT = 0.25
+EXTRAPOLATION_ERROR = 0.25
 
 
 def estimate_belt(
@@ -58,7 +58,9 @@ def estimate_belt(
     rotation = np.array([state.rotation_rad for state in states])
     by_source: dict[str, dict[str, float]] = {}
     for source, pairs in compared:
-        left = {name: LEFT * error for name, error in _of_elements(pairs, rotation).items()}
+        left = {
+            name: REMAINING_ERROR * error for name, error in _of_elements(pairs, rotation).items()
+        }
         before = by_source.get(source, left)
         by_source[source] = {name: max(before[name], error) for name, error in left.items()}
     if phases is not None and rotation.size > 1:
@@ -90,7 +92,7 @@ def _of_elements(
     largest = _over(float(np.abs(turned).max()), float(np.abs(rotation).max()))
     return {
         "transmission_error": largest,
-        "load_share": max(_of_shares(one, two, SHARES * largest) for one, two in pairs),
+        "load_share": max(_of_shares(one, two, SHARE_ERROR * largest) for one, two in pairs),
         "transmission_error_mean": mean,
         "transmission_error_peak_to_peak": _over(float(np.ptp(turned)), float(np.ptp(rotation))),
         "stiffness_secant": mean,
@@ -113,7 +115,7 @@ def between_places(phases: Floats, rotation: Floats, tangent: Floats) -> dict[st
     repeat these.
     """
     order = np.argsort(phases, kind="stable")
-    once = order[np.diff(phases[order], prepend=-np.inf) > SAME]
+    once = order[np.diff(phases[order], prepend=-np.inf) > POSITION_TOLERANCE]
     if once.size < 2:
         return {}
     places = phases[once]
@@ -142,7 +144,7 @@ def _of_peak_to_peak(places: Floats, values: Floats) -> float:
 
 
 def _doubt(values: Floats, error: float, bend: float) -> float:
-    return abs(error) if values.size == 2 else float(hypot(DOUBT * error, bend))
+    return abs(error) if values.size == 2 else float(hypot(EXTRAPOLATION_ERROR * error, bend))
 
 
 def _to_the_breaks(places: Floats, values: Floats) -> tuple[Floats, Floats]:

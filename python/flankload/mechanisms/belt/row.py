@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.belt.belt_mesh import BeltMesh
 
 #: Parts of a land that are shorter than this part of an element are omitted.
-SLIVER = 0.3
+LEAST_LENGTH_RATIO = 0.3
 
 
 @dataclass(frozen=True)
@@ -274,7 +274,7 @@ def strand_ends(strip: Strip, flank_elements: int, on_rad: float) -> tuple[float
     def near(end: float) -> float:
         # avoid very thin elements
         for known in (-edge, 0.0, edge):
-            if abs(end - known) < SLIVER * element:
+            if abs(end - known) < LEAST_LENGTH_RATIO * element:
                 return known
         return end
 

@@ -42,19 +42,19 @@ if TYPE_CHECKING:
 SEAT_PLANES = 17
 #: Compliance of each plane by itself, relative to that of the contact: without it the forces on
 #: several planes of the same roller would not be unique.
-OWN_PART = 1e-4
+PLANE_COMPLIANCE_RATIO = 1e-4
 #: Parts of the torque by which it is changed to find the derivative of the rotation: for a linear
 #: state, whose seats have corners, and for the iteration.
 TORQUE_STEP = {False: 0.05, True: 1e-3}
 #: A support against rotation of the sprocket is weak if its compliance exceeds the remaining one by
 #: this factor.
-WEAK = 1e-5
+WEAK_SUPPORT_RATIO = 1e-5
 #: Largest motion of a roller in a pass, in pitches, and the motion below which it has converged.
-LONGEST_STEP, STANDS = 0.02, 1e-10
+LONGEST_STEP, CONVERGED = 0.02, 1e-10
 #: Largest number of passes.
 MOST_PASSES = 200
 #: Least and largest part of a step, and the pass from which the least part is used.
-LEAST_PART, LARGEST_PART, STEADY_FROM = 0.25, 1.5, 60
+LEAST_STEP_FACTOR, LARGEST_STEP_FACTOR, STEADY_FROM = 0.25, 1.5, 60
 #: Least torque relative to that of the slack strand: below it the rotation between planes is not
 #: unique, so smaller torques are replaced by this one.
 LEAST_TORQUE = 1e-4
@@ -224,7 +224,7 @@ class _Problem:
         )
         base, dragged, moved = solved[:, 0] + known, solved[:, 1], solved[:, 2:]
         same = planes.roller[:, None] == planes.roller[None, :]
-        alike = planes.normal @ planes.normal.T + OWN_PART * np.eye(planes.gap.size)
+        alike = planes.normal @ planes.normal.T + PLANE_COMPLIANCE_RATIO * np.eye(planes.gap.size)
         matrix = rows @ moved + same * alike / chain.contact_stiffness_N_per_mm
         levers = cross(place[planes.roller], planes.normal) - rows @ dragged
         state, turn = _solve_turning(
@@ -304,11 +304,11 @@ def _follow(
         problem = replace(problem, tight_N=step.tight_N)
         step = problem.solved(place, chain.tensions(place), step.bend, planes)
         passes, pivots = passes + 1, pivots + step.state.info.pivots
-        part = _part(part, step.move, last) if passes < STEADY_FROM else LEAST_PART
+        part = _part(part, step.move, last) if passes < STEADY_FROM else LEAST_STEP_FACTOR
         last, moves = step.move, float(np.abs(step.move).max())
-        taken = min(part, longest / max(moves, 1e-3 * longest))
-        place, turned = place + taken * step.move, turned + taken * step.turn
-        if moves < STANDS * chain.pitch_mm:
+        factor = min(part, longest / max(moves, 1e-3 * longest))
+        place, turned = place + factor * step.move, turned + factor * step.turn
+        if moves < CONVERGED * chain.pitch_mm:
             moves = 0.0
             break
     return _Followed(step, place, turned, passes, pivots, moves)
@@ -323,7 +323,9 @@ def _part(part: float, move: Floats, last: Floats) -> float:
     size = float((change**2).sum())
     if size == 0.0 or not last.any():
         return part
-    return float(np.clip(-part * (last * change).sum() / size, LEAST_PART, LARGEST_PART))
+    return float(
+        np.clip(-part * (last * change).sum() / size, LEAST_STEP_FACTOR, LARGEST_STEP_FACTOR)
+    )
 
 
 def _curvature_stiffness(rollers: int, planes: Planes, on_planes_N: Floats) -> Floats:
@@ -354,7 +356,7 @@ def _solve_turning(
     M/s, and the rotation is no unknown any more. The contact loop requires a motion: a separate
     pair fixes it.
     """
-    if support * np.abs(matrix).max() <= WEAK * np.abs(levers).max() ** 2:
+    if support * np.abs(matrix).max() <= WEAK_SUPPORT_RATIO * np.abs(levers).max() ** 2:
         state = solve_contact_general(
             matrix, gaps, levers[:, None], [torque], method="single", positive_definite=True
         )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.errors import ContactError, NoContactState, SceneError
-from flankload.mechanisms.chain.contact import STANDS, WrapState, solve_wrap, work_of
+from flankload.mechanisms.chain.contact import CONVERGED, WrapState, solve_wrap, work_of
 from flankload.mechanisms.chain.sprocket import Sprocket, build_sprocket
 from flankload.mechanisms.chain.wrap import Chain, Wrap, wrap_at
 from flankload.mechanisms.wrapped import WrappedAssembly, positions_of, slack_of
@@ -79,7 +79,7 @@ def error_estimate(
     The iteration stops at a part of a pitch, which is its own error. Its work is counted.
     """
     if scene.effects.large_displacement:
-        left = {"transmission_error": STANDS, "load_share": STANDS}
+        left = {"transmission_error": CONVERGED, "load_share": CONVERGED}
         return {**left, "by_source": {"passes": left}}
     turn, share = 0.0, 0.0
     scale = max(abs(state.rotation_rad) for state in states)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from flankload.scene import Sprocket as SprocketKeys
 
 #: ISO 606: least and largest roller seating radius, r_i = 0.505 d1 (+ 0.069 d1^(1/3)).
-SEAT_PART, SEAT_ROOT = 0.505, 0.069
+SEAT_RATIO, SEAT_ROOT = 0.505, 0.069
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,9 @@ def _proportions(spec: SprocketKeys) -> Sprocket:
     """Sprocket from its keys and from ISO 606 where they are missing, unchecked."""
     d, z = spec.roller_diameter_mm, spec.teeth
     wide = spec.seat == "wide"
-    seat = spec.roller_seat_radius_mm or SEAT_PART * d + (SEAT_ROOT * d ** (1 / 3) if wide else 0.0)
+    seat = spec.roller_seat_radius_mm or SEAT_RATIO * d + (
+        SEAT_ROOT * d ** (1 / 3) if wide else 0.0
+    )
     flank = spec.flank_radius_mm or (0.008 * d * (z**2 + 180) if wide else 0.12 * d * (z + 2))
     angle = radians(spec.seating_angle_deg or 120.0 - 90.0 / z)
     pitch_diameter = spec.pitch_mm / sin(pi / z)

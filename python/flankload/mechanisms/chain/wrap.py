@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.chain.sprocket import Sprocket
 
 #: Number of planes beside that of the nearest point, and their least distance from it, rad.
-BESIDE, APART = 5, 0.05
+NEIGHBOURS, LEAST_ANGLE = 5, 0.05
 
 
 @dataclass(frozen=True)
@@ -203,7 +203,7 @@ def nearest_planes(wrap: Wrap, place: Floats, turned: float) -> Planes:
     nearest = np.arctan2(-away[:, 0], -away[:, 1])
     flank_normals, flank_gaps = sprocket.flank_gaps(local)
     roller, normal, gap, curvature = [], [], [], []
-    fan = np.linspace(-half, half, BESIDE)
+    fan = np.linspace(-half, half, NEIGHBOURS)
     for i in range(len(place)):
         for side in (0, 1):
             roller.append(i)
@@ -212,7 +212,7 @@ def nearest_planes(wrap: Wrap, place: Floats, turned: float) -> Planes:
             curvature.append(-1.0 / (flank_gaps[side, i] + sprocket.flank_radius_mm))
         if abs(nearest[i]) > half:
             continue
-        angles = np.append(fan[np.abs(fan - nearest[i]) > APART], nearest[i])
+        angles = np.append(fan[np.abs(fan - nearest[i]) > LEAST_ANGLE], nearest[i])
         planes, gaps = sprocket.seat_planes(angles, local[i : i + 1])
         roller += [i] * angles.size
         normal += list(planes)

@@ -43,7 +43,7 @@ from flankload.scene.usual import question_notes
 
 #: Largest distance between such flanks, as part of the pitch: a larger one means another tooth or
 #: another centre distance.
-LARGEST_STANDING_GAP = 0.25
+LARGEST_FLANK_DISTANCE = 0.25
 #: Flanks from files that deviate from their involute by at most this amount are unmodified.
 LEAST_DEVIATION_UM = 1e-3
 
@@ -333,7 +333,7 @@ def _is_modified_file(body: Body) -> bool:
 
 
 # --- flanks whose places come from files ----------------------------------------------------------
-def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPair:
+def with_flank_distance(scene: Scene, pair: BodyPair, account: Account) -> BodyPair:
     """Add a note on the distance between the flanks if the files give their places.
 
     The state without load is counted in the account. Raises a SceneError if the flanks are too far
@@ -348,7 +348,7 @@ def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPai
     radius = pair.body_1.reference_radius_mm
     gap_mm = float(unloaded.rotation_rad[0]) * radius
     apart = "overlap by" if gap_mm < 0 else "stand apart by"
-    if abs(gap_mm) > LARGEST_STANDING_GAP * pair.pairing.pitch_rad * radius:
+    if abs(gap_mm) > LARGEST_FLANK_DISTANCE * pair.pairing.pitch_rad * radius:
         _blame_flank(scene, pair, f"{apart} {abs(gap_mm):.3f} mm")
         raise SceneError(
             file=scene.file,
@@ -363,7 +363,7 @@ def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPai
     return replace(pair, flank_distance_note=note)
 
 
-def _blame_flank(scene: Scene, pair: BodyPair, stand: str) -> None:
+def _blame_flank(scene: Scene, pair: BodyPair, distance: str) -> None:
     """Refuse a mesh flank that faces clockwise if that of its mate faces counter-clockwise."""
     if pair.body_1.mirrored == pair.body_2.mirrored:
         return
@@ -377,5 +377,5 @@ def _blame_flank(scene: Scene, pair: BodyPair, stand: str) -> None:
         expected="the other flank of the tooth: one that faces counter-clockwise about the axis of "
         "its body, as that of the mate does",
         found=f"{(sets or (spec.flank_set,))[0]!r}, which faces clockwise: in their "
-        f"mirror image the flanks {stand}",
+        f"mirror image the flanks {distance}",
     )

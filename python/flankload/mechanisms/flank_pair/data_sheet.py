@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from flankload.scene import BodySpec, Scene
 
 #: Helix angles below this, rad, are those of spur teeth.
-STRAIGHT = 1e-9
+LEAST_HELIX = 1e-9
 #: Larger differences between the profile shift of the flank and that of the scene are allowances.
 ALLOWANCE = 1e-6
 #: Deviations from the involute below this, um, are roundoff.
-ROUNDING_UM = 1e-6
+LEAST_DEVIATION_UM = 1e-6
 
 
 def data_sheet(scene: Scene) -> DataSheet:
@@ -142,7 +142,7 @@ def _rows_of_involute(body: Body, involute: Involute, spec: BodySpec) -> Iterato
     normal = atan(tan(transverse) * cos(helix))
     module = 2 * reference / body.teeth
     yield SheetRow("number of teeth", "z", f"{body.teeth}")
-    if abs(helix) > STRAIGHT:
+    if abs(helix) > LEAST_HELIX:
         yield SheetRow("normal module", "m_n", f"{module * cos(helix):.6g} mm")
         yield SheetRow("transverse module", "m_t", f"{module:.6g} mm")
         yield SheetRow("normal pressure angle", "α_n", _deg(normal))
@@ -223,7 +223,7 @@ def _rows_of_flank(body: Body, spec: BodySpec) -> Iterator[SheetRow]:
             symbol = "d_Ca" if name == "relief" else "d_Fa"
             yield SheetRow(f"start of the {name}", symbol, _mm(diameter))
     largest = float(-profile.deviation_um.min())
-    if keys is None and largest > ROUNDING_UM:
+    if keys is None and largest > LEAST_DEVIATION_UM:
         yield SheetRow("largest deviation from the involute", "", f"{largest:.2f} µm")
 
 
@@ -278,7 +278,7 @@ def _gear_rows(pair: BodyPair, gears: GearGeometry, width_mm: float) -> Iterator
         text = f"{gears.usable_contact_ratio:.4f}"
         yield SheetRow("part of it with both flanks involutes", "", text)
     helix = _helix_rad(one)
-    if abs(helix) > STRAIGHT and one.involute is not None:
+    if abs(helix) > LEAST_HELIX and one.involute is not None:
         axial_pitch = 2 * pi * one.involute.reference_radius_mm / one.teeth / tan(abs(helix))
         overlap = width_mm / axial_pitch
         yield SheetRow("overlap ratio", "ε_β", f"{overlap:.4f}")

@@ -62,7 +62,7 @@ def result_of(
     width = peak_width = scene.pair.face_width_mm
     if pair.slices is not None:
         width, peak_width = float(pair.slices.width_mm.sum()), 1.0
-    standing = (*pair.notes, *([pair.flank_distance_note] if pair.flank_distance_note else []))
+    pair_notes = (*pair.notes, *([pair.flank_distance_note] if pair.flank_distance_note else []))
     result = Result(
         name=scene.name,
         torque_Nm=found.torque_Nmm / 1000.0,
@@ -83,7 +83,7 @@ def result_of(
         face_width_mm=width,
         estimate=estimate,
         cost=_cost(found, compliances),
-        warnings=(*standing, *notes, *notes_of_sweep(pair, compliances, found, width)),
+        warnings=(*pair_notes, *notes, *notes_of_sweep(pair, compliances, found, width)),
         drawing=_drawing(pair),
         geometry=geometry,
         root_readings=(
@@ -251,10 +251,10 @@ def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoad
         axis = np.array([z * pair.pairing.center_distance_mm, 0.0, shaft.z_mm])
         bearings[z] = np.zeros((count, len(shaft.bearing_loads), 3))
         for p in range(count):
-            points, normal, rubbing = _contacts(pair, slices, pairs, p)
+            points, normal, friction = _contacts(pair, slices, pairs, p)
             if not normal.any():
                 continue
-            force = sign * (normal + rubbing)
+            force = sign * (normal + friction)
             wrench = np.concatenate([force.sum(axis=0), np.cross(points - axis, force).sum(axis=0)])
             turned = (shaft.compliance @ wrench)[3:]
             across = normal[:, :2].sum(axis=0)
@@ -274,12 +274,12 @@ def _contacts(
     slope = _slope(pair, column)
     normals = np.column_stack([across, up, slope]) / np.hypot(1.0, slope)[:, np.newaxis]
     force = column["force"][:, np.newaxis]
-    rubbing = np.zeros_like(normals)
+    friction = np.zeros_like(normals)
     if "friction" in column:  # against the tangent: the normal turned backward
         along = np.column_stack([-up, across, np.zeros_like(up)])
-        rubbing = column["friction"][:, np.newaxis] * force * along
+        friction = column["friction"][:, np.newaxis] * force * along
     z_mm = slices.z_mm[pairs.slices_at(p)]
-    return np.column_stack([column["x"], column["y"], z_mm]), force * normals, rubbing
+    return np.column_stack([column["x"], column["y"], z_mm]), force * normals, friction
 
 
 def _slope(pair: BodyPair, column: Mapping[str, Floats]) -> Floats:

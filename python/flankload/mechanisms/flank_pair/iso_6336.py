@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
 #: K' of a pinion between two bearings, beside their middle on the side where the torque enters (the
 #: negative on the other): of a pinion that stiffens the shaft, and of one that does not.
-STIFFENING, PLAIN = 0.48, 0.8
+K_STIFFENING, K_PLAIN = 0.48, 0.8
 #: A pinion stiffens its shaft if it is so much larger.
-STIFFENS = 1.15
+STIFFENING_RATIO = 1.15
 #: Largest distance from the middle between the bearings, parts of their distance.
 LARGEST_OFFSET = 0.3
 #: E of the standard's steel, MPa.
@@ -107,7 +107,7 @@ def _bending(shaft: Shaft, diameter: float) -> float | str:
             f"{LARGEST_OFFSET:g} of the bearing distance from its middle"
         )
     of_shaft = _equal_diameter(shaft, one, two)
-    factor = STIFFENING if diameter >= STIFFENS * of_shaft else PLAIN
+    factor = K_STIFFENING if diameter >= STIFFENING_RATIO * of_shaft else K_PLAIN
     towards = offset if shaft.torque_end == "II" else -offset
     return factor * span * towards / diameter**2 * (diameter / of_shaft) ** 4
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from flankload.result.result import Result
 
 #: Value in place of a body number at a corner: a lumped contact that no parabola approximates.
-OTHER_SHAPE = -2
+NOT_PARABOLIC = -2
 #: Part of a pitch (of a radian for drives without pitches) by which body 1 can wind up before
 #: deformations are no longer small. Finite elements with large displacements on the FZG type C pair
 #: in softer materials rotate further than those with small ones: by 0.3 % at 0.0067 of a pitch, 0.7
@@ -35,7 +35,7 @@ SMALL_WIND_UP = 0.02
 #: gears and rings with 6 modes on 10 elements instead of 12, and 7 on 14 instead of 18, had errors
 #: of 0.83 and 0.73 % in nine of ten peak pressures; 0.80 and 0.75 % with the full number; 1.1 and
 #: 1.2 % with still fewer.
-FEWER_DO = 1.2
+ELEMENT_RESERVE = 1.2
 
 
 def notes_of_sweep(
@@ -54,7 +54,7 @@ def notes_of_sweep(
             "splines in three dimensions: pressures are means over the common height of the "
             "flanks, without the peaks at its ends (a plane scene has them)"
         )
-    shaped = np.count_nonzero((found.site_corner == OTHER_SHAPE).any(axis=1))
+    shaped = np.count_nonzero((found.site_corner == NOT_PARABOLIC).any(axis=1))
     if shaped:
         yield (
             f"at {shaped} of {found.status.size} positions a kink, a rounding or an end lies "
@@ -79,13 +79,13 @@ def _notes_of_body(
     body = pair.bodies[z]
     modes = compliance.flank_modes if compliance.modes.nodes is None else 0
     wanted = _wanted_elements(body, modes)
-    if body.mesh is not None and wanted > FEWER_DO * body.mesh.flank_elements:
+    if body.mesh is not None and wanted > ELEMENT_RESERVE * body.mesh.flank_elements:
         yield (
             f"{modes} pressure modes on the {body.mesh.flank_elements} flank elements of "
             f"body_{z + 1}: {wanted} bear them, far fewer make the result "
             "worse, first of all pressures at tip roundings"
         )
-    alone = _beside_unnamed(pair, found) if body.named_teeth else []
+    alone = _beside_absent_teeth(pair, found) if body.named_teeth else []
     if alone:
         yield (
             f"pairs {', '.join(map(str, alone))} carry beside teeth of body_{z + 1} that have "
@@ -117,7 +117,7 @@ def _wanted_elements(body: Body, modes: int) -> int:
     return elements_for_modes(modes)
 
 
-def _beside_unnamed(pair: BodyPair, found: Sweep) -> list[int]:
+def _beside_absent_teeth(pair: BodyPair, found: Sweep) -> list[int]:
     """Pairs that carry load although a neighbouring pair is not part of the model."""
     sites = pair.pairing.sites
     loaded = sites[(found.site_force_N > 0).any(axis=0)]

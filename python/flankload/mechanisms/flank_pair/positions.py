@@ -48,7 +48,7 @@ def positions_of(
     geometric = period_of(*bodies, by_tooth=coefficients_by_tooth(scene, bodies[0]))
     whole = geometric.with_compliance(groups)
     pitches = _pitches(wanted, _reached(geometric, groups, bodies))
-    period = geometric if _stands_for_all(wanted, pitches, geometric) else whole
+    period = geometric if _represents_all(wanted, pitches, geometric) else whole
     closed = pitches is not None and pitches % period.pitches == 0
     position_rad = _positions(wanted, period.pitch_rad, pitches, closed=closed)
     notes: tuple[str, ...] = ()
@@ -95,7 +95,7 @@ def _positions(
     return pitch_rad * np.arange(wanted.count * pitches + last) / wanted.count
 
 
-def _stands_for_all(wanted: Positions, pitches: int | None, period: Period) -> bool:
+def _represents_all(wanted: Positions, pitches: int | None, period: Period) -> bool:
     """Whether teeth that differ only in compliance count as equal.
 
     This holds for positions within one period of the geometry; more positions are only needed to
@@ -132,7 +132,7 @@ def _beyond_teeth(
     if groups == (1, 1) or pitches is None or pitches % whole.pitches == 0:
         return
     unlike = [z for z in (0, 1) if groups[z] > 1]
-    yielding = " and ".join(
+    compliances_differ = " and ".join(
         f"that of body_{z + 1} after {groups[z]} of {bodies[z].teeth} teeth" for z in unlike
     )
     cure = "positions.pitches = 'hunting' for all"
@@ -141,7 +141,7 @@ def _beyond_teeth(
             cure = f"name the flanks of all teeth of body_{z + 1}, then {cure}"
     window = "one" if pitches == 1 else f"{pitches}"
     yield (
-        f"the compliance does not repeat with the tooth, {yielding}: the curves repeat after "
+        f"the compliance does not repeat with the tooth, {compliances_differ}: the curves repeat after "
         f"{whole.pitches} pitches, these positions run over {window}; their mean, peak to peak "
         f"and harmonics are not those of all teeth ({cure})"
     )

@@ -208,7 +208,7 @@ def with_compliance_period(scene: Scene, pair: BodyPair, compliances: Compliance
     return replace(longer, flank_distance_note=pair.flank_distance_note)
 
 
-def grown_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, Compliances]:
+def expanded_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, Compliances]:
     """Apply the expansion of whole bodies to both; later stages are independent of its origin."""
     if not any(compliance.expansion.strain for compliance in compliances):
         return pair, compliances

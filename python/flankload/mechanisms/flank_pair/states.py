@@ -227,7 +227,7 @@ def _sources(
     return sources
 
 
-def unseen_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:
+def incomplete_estimate_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:
     """Notes on bodies whose discretization error the estimate does not include."""
     if pair.slices is not None:
         jumps = any(body.axial and body.axial.regions for body in pair.bodies)
