@@ -62,8 +62,10 @@ def scene_of_report(scene: Scene) -> Scene:
     positions, or if its bodies have no adaptive positions: belts and chains, cams,
     three-dimensional bodies, whose positions cost more, and splines on common axes.
     """
-    named = {key for key in scene.named_knobs if key.startswith("positions.")}
-    if named - {"positions.driver"} or scene.steers or scene.is_drive or scene.is_concentric:
+    named = {key for key in scene.named_discretization_keys if key.startswith("positions.")}
+    if named - {"positions.driver"} or scene.names_tolerance:
+        return scene
+    if scene.is_drive or scene.is_concentric:
         return scene
     if not scene.body_2.has_teeth or three_dimensional_key(scene) is not None:
         return scene
@@ -189,12 +191,10 @@ def _positions(result: Result) -> str:
     count = result.position_rad.size
     if result.stands_alike or count == 1:
         return "one position" if count == 1 else f"{count} positions, all alike"
-    over = "one turn of the cam" if result.has_cam else "one pitch"
-    if result.period_pitches > 1 and not result.has_cam:
-        over = f"{result.period_pitches} pitches"
+    over = f" over {result.engagement.period_in_words(result)}" if result.closed else ""
     rounds = result.cost.get("position_rounds", 1)
     adaptive = ", placed adaptively" if rounds > 1 else ""
-    return f"{count} positions" + (f" over {over}" if result.closed else "") + adaptive
+    return f"{count} positions" + over + adaptive
 
 
 def _digests(paths: Mapping[str, Path]) -> dict[str, str]:

@@ -114,15 +114,13 @@ def _beyond(result: Result) -> bool:
 
 
 def _of_contact(results: Sequence[Result]) -> Iterator[Figure]:
-    circle = all(result.whole_circle for result in results)
-    loaded = "teeth that carry" if circle else f"loaded {results[0].words_for_sites[1]}"
-    yield loaded, "", "", _loaded
+    yield f"loaded {results[0].words_for_sites[1]}", "", "", _loaded
     ratio = _entry("contact_ratio_under_load", ".3f", positive=True)
     yield "contact ratio under load", "", "", ratio
     key = "peak_pressure_off_corners"
     pressure = _entry(f"{key}_MPa", ".0f", error="peak_pressure", place=key, positive=True)
     yield "largest pressure", "p_max", "MPa", pressure
-    if results[0].drive is None:
+    if results[0].engagement.has_pressures:
         key = "peak_line_load"
         line_load = _entry(f"{key}_N_per_mm", ".1f", place=key, positive=True)
         yield "largest line load", "w_max", "N/mm", line_load
@@ -186,8 +184,9 @@ def _efficiency(result: Result) -> float | None:
 
 
 def _transverse(result: Result) -> float | None:
-    alike = result.drive is not None or result.has_cam or result.whole_circle
-    return None if alike else result.transverse_load_factor or None
+    if not result.engagement.has_load_factors:
+        return None
+    return result.transverse_load_factor or None
 
 
 def _root(result: Result, z: int, side: str) -> Cell | None:

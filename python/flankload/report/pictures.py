@@ -135,7 +135,7 @@ def _swept(results: Sequence[Result]) -> dict[str, str]:
     found = {"transmission_error_mean": "Mean transmission error over the torque"}
     if last.position_rad.size > 1:
         found["transmission_error_peak_to_peak"] = "Peak to peak over the torque"
-    if last.drive is None:
+    if last.engagement.has_pressures:
         found["peak_pressure"] = "Peak pressure over the torque"
     else:
         found["tooth_force"] = "Largest force over the torque"

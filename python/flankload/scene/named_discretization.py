@@ -173,7 +173,7 @@ def with_discretization(scene: Scene, discretization: NamedDiscretization) -> Sc
         positions=structs.replace(scene.positions, **(even | discretization.position_keys)),
         effects=structs.replace(scene.effects, **discretization.effect_keys),
         named_effects=scene.named_effects.union(discretization.effect_keys),
-        named_knobs=scene.named_knobs.union(
+        named_discretization_keys=scene.named_discretization_keys.union(
             {f"accuracy.{key}" for key in discretization.accuracy_keys},
             {f"positions.{key}" for key in discretization.position_keys},
         ),

@@ -55,7 +55,9 @@ def scene_tree(scene: Scene, *, implied: bool) -> Tree:
     if not (scene.is_drive and scene.pair == NO_PAIR):
         tree["pair"] = tree_of(scene.pair)
     tree["load"] = tree_of(scene.load)
-    set_keys = scene.named_knobs.union(f"effects.{key}" for key in scene.named_effects)
+    set_keys = scene.named_discretization_keys.union(
+        f"effects.{key}" for key in scene.named_effects
+    )
     for name in ("positions", "effects", "accuracy"):
         named = {key.partition(".")[2] for key in set_keys if key.startswith(f"{name}.")}
         found = tree_of(getattr(scene, name), frozenset(named))

@@ -33,7 +33,7 @@ class Prepared:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.parts = Parts()
-        if not scene.steers and scene.effects.choose is None:
+        if not scene.names_tolerance and scene.effects.choose is None:
             prepare_parts(scene, self.parts)
 
     def __repr__(self) -> str:
@@ -80,7 +80,7 @@ def solve_scene(
     is one of this scene, whose predictions are shown beside what is spent; `on_duration` is called
     once with the predicted duration. The result has an axis of torques if the scene has a list.
     """
-    if not scene.steers:
+    if not scene.names_tolerance:
         found = _solve_chosen(scene, {}, progress, parts, (plan, on_duration))
         return result_of_torques(found, listed=scene.has_torque_list)
     firsts = iter([(plan, on_duration)])  # they concern the first run

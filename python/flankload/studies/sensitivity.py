@@ -227,7 +227,7 @@ def _steps_of(scene: Scene, paths: Sequence[str]) -> list[float]:
     require("paths", paths, "a sequence of paths", fits=fits)
     with in_file(scene.file):
         require_flanks(scene)
-        if scene.steers:
+        if scene.names_tolerance:
             expected = "no tolerance for derivatives: the discretization must not change"
             refuse("accuracy.tolerance", expected, scene.accuracy.tolerance)
         if scene.effects.choose is not None:

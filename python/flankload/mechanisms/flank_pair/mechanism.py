@@ -22,8 +22,8 @@ from flankload.mechanisms.flank_pair.states import (
     continued_states,
     error_estimates,
     flank_states,
-    position_notes,
     incomplete_estimate_notes,
+    position_notes,
 )
 from flankload.pairing.body_pair import BodyPair
 

@@ -132,7 +132,7 @@ def _beyond_teeth(
     if groups == (1, 1) or pitches is None or pitches % whole.pitches == 0:
         return
     unlike = [z for z in (0, 1) if groups[z] > 1]
-    compliances_differ = " and ".join(
+    repetitions = " and ".join(
         f"that of body_{z + 1} after {groups[z]} of {bodies[z].teeth} teeth" for z in unlike
     )
     cure = "positions.pitches = 'hunting' for all"
@@ -141,7 +141,7 @@ def _beyond_teeth(
             cure = f"name the flanks of all teeth of body_{z + 1}, then {cure}"
     window = "one" if pitches == 1 else f"{pitches}"
     yield (
-        f"the compliance does not repeat with the tooth, {compliances_differ}: the curves repeat after "
+        f"the compliance does not repeat with the tooth, {repetitions}: the curves repeat after "
         f"{whole.pitches} pitches, these positions run over {window}; their mean, peak to peak "
         f"and harmonics are not those of all teeth ({cure})"
     )

@@ -115,7 +115,7 @@ def search_scene(scene: Scene) -> tuple[Scene, dict[str, Any]]:
     settings: dict[str, Any] = {
         f"accuracy.{key}": x for key, x in wanted.items() if getattr(accuracy, key) is not x
     }
-    if scene.steers:
+    if scene.names_tolerance:
         settings["accuracy.tolerance"] = None
     if scene.positions.adaptive:
         settings |= {"positions.adaptive": None, "positions.max_count": None}

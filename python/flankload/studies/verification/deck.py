@@ -91,26 +91,12 @@ class DeckFriction:
 class Deck:
     """Content of the input file.
 
-    Attributes
-    ----------
-    parts : two Part
-        Body 1 rotates about the origin; body 2 is fixed.
-    sites : tuple of int
-        Pair number of each flank of the parts.
-    torque_Nmm : float
-        On the width of the deck.
-    start_rad : float
-        Initial rotation of body 1; its total rotation is this plus that of its axis.
-    large_displacement : bool
-        Whether the geometry follows the deformation.
-    plane : {"strain", "stress"} or None
-        None for solid bodies.
-    friction : DeckFriction or None
-        Of plane bodies.
-    edges_mm : (L + 1,) array or None
-        Ends of the layers of solid bodies over the common width.
-    width_mm : float
-        Width by which the answer divides forces and torque.
+    Body 1, the first of the parts, rotates about the origin; body 2 is fixed. `sites` are the pair
+    numbers of the flanks of the parts; `torque_Nmm` acts on the width of the deck; `start_rad` is
+    the initial rotation of body 1, whose total rotation is this plus that of its axis. Plane bodies
+    have `plane` ("strain" or "stress") and perhaps friction; solid ones have `edges_mm` (L + 1,),
+    the ends of the layers over the common width. The answer divides forces and torque by
+    `width_mm`.
     """
 
     title: str
