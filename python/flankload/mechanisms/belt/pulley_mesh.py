@@ -54,7 +54,7 @@ class PulleyMesh:
 
 
 def mesh_pulley(pulley: ElasticPulley, flank_elements: int = FLANK_ELEMENTS) -> PulleyMesh:
-    """Mesh of one sector, with as many elements beside a belt's tooth as on it.
+    """Mesh of one sector, with the same number of flank elements as the belt.
 
     Raises SceneError if no valid mesh can be made.
     """
@@ -111,7 +111,7 @@ def _grooved(pulley: ElasticPulley, land: Floats, flank_elements: int, size: flo
 
 
 def _flank(pulley: ElasticPulley, flank_elements: int, size: float) -> tuple[Floats, int]:
-    """Places of the working flank from the land on, and the number that a tooth touches."""
+    """Points of the working flank from the land on, and the number in the contact part."""
     parts = with_middles(np.linspace(0.0, 1.0, flank_elements + 1))
     flank = pulley.flank(parts)
     if not pulley.flank_goes_on:

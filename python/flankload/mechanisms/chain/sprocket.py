@@ -90,7 +90,7 @@ class Sprocket:
 
     @property
     def tooth_top_mm(self) -> float:
-        """Radius at which both flanks of a tooth meet, or at which they stop rising before that."""
+        """Radius at which both flanks of a tooth meet, or their largest radius before that."""
         x, y = self.flank_centers[1] + [0.0, self.pitch_radius_mm]
         radius = self.flank_radius_mm - 0.5 * self.roller_diameter_mm
         distance, beyond = float(np.hypot(x, y)), float(np.arctan2(x, y)) - self.half_pitch_rad
@@ -103,7 +103,7 @@ class Sprocket:
     @property
     def highest_roller_mm(self) -> float:
         """Largest outward motion of a roller along a flank before it reaches the tip."""
-        # there the line from the flank's centre through the roller meets the tip circle
+        # the line from the flank's centre through that roller meets the tip circle
         center = self.flank_centers[0] + [0.0, self.pitch_radius_mm]
         inner = self.flank_radius_mm - 0.5 * self.roller_diameter_mm
         distance = float(np.hypot(*center))

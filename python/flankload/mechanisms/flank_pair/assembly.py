@@ -41,10 +41,10 @@ from flankload.scene.effects import Effects, effects_of
 from flankload.scene.effects.rules import check_coast_kinds
 from flankload.scene.usual import question_notes
 
-#: Largest distance between such flanks, as part of the pitch: a larger one means another tooth or
-#: another centre distance.
+#: Largest distance between flanks with angles from files, relative to the pitch; a larger distance
+#: indicates another tooth or centre distance.
 LARGEST_FLANK_DISTANCE = 0.25
-#: Flanks from files that deviate from their involute by at most this amount are unmodified.
+#: Least deviation from the involute of a modified flank from a file, um.
 LEAST_DEVIATION_UM = 1e-3
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def bodies_of(
     element_mm = scene.accuracy.flank_element_mm
     try:
         if effects_of(scene).nodal_near_field:
-            # named, or from the contact width of the curves
+            # from the scene, or from the contact width
             nodes_mm = element_mm or spacing_for_loads(
                 (made(0), made(1)), scene.torques_Nm, scene.pair.face_width_mm
             )
@@ -137,7 +137,7 @@ def build_bodies(
             position_rad=reached_positions(window.position_rad, one),
             coast_flanks=effects.coast_flanks,
         )
-        # coefficients may differ from tooth to tooth
+        # influence coefficients may differ between teeth
         pairing = replace(pairing, period=window.period)
         friction = friction_of(scene, one, pairing)
         fillets = (_fillets(one, "body_1", effects), _fillets(two, "body_2", effects))
@@ -248,7 +248,7 @@ def _check_nodes(body: Body, key: str) -> None:
 
 
 def _nodes_of_modes(body: Body, scene: Scene, z: int) -> float | None:
-    """Distance of flank nodes that the named number of modes needs; None if they are so fine."""
+    """Spacing of flank nodes for the given number of modes; None if the mesh is fine enough."""
     assert scene.accuracy.modes is not None
     wanted = elements_for_modes(scene.accuracy.modes)
     parametric = hasattr((scene.body_1, scene.body_2)[z], "module_mm")
@@ -285,12 +285,12 @@ def _body(
         return made_once(call, parts)
 
     errors_um = () if spec.from_file else spec.pitch_errors_um
-    if errors_um:  # they place the teeth of a body and change nothing else: others share it
+    if errors_um:  # they only shift the teeth, so bodies with other errors share the rest
         spec = structs.replace(spec, pitch_errors_um=())
     plain = without_modifications(spec) if scene.accuracy.unmodified_elements else spec
     if plain == spec or spec.rigid:
         own = built(spec)
-    else:  # the flank alone: a rigid body has no mesh
+    else:  # a rigid body is made without a mesh
         own, elements = built(structs.replace(spec, rigid=True)), built(plain)
         own = replace(own, rigid=False, mesh=elements.mesh, elements=elements)
     return replace(own, pitch_errors_um=tuple(errors_um)) if errors_um else own
@@ -306,7 +306,7 @@ def _stamps(scene: Scene, key: str) -> tuple[tuple[int, int], ...]:
     stamps = []
     for name, path in scene.files.items():
         if name.startswith(f"{key}."):
-            with suppress(OSError, ValueError):  # whoever reads the file says what is wrong
+            with suppress(OSError, ValueError):  # reading the file raises the error
                 stat = path.stat()
                 stamps.append((stat.st_mtime_ns, stat.st_size))
     return tuple(stamps)
@@ -332,12 +332,11 @@ def _is_modified_file(body: Body) -> bool:
     )
 
 
-# --- flanks whose places come from files ----------------------------------------------------------
+# --- flanks with positions from files -------------------------------------------------------------
 def with_flank_distance(scene: Scene, pair: BodyPair, account: Account) -> BodyPair:
-    """Add a note on the distance between the flanks if the files give their places.
+    """Add a note on the distance between flanks whose positions come from files.
 
-    The state without load is counted in the account. Raises a SceneError if the flanks are too far
-    apart.
+    The unloaded state is counted in the account. Raises SceneError if the flanks are too far apart.
     """
     if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known:
         return pair

@@ -1,4 +1,4 @@
-"""Drawing data of bodies that touch on flanks: computed from the bodies, not from the keys.
+"""Drawing data of bodies that touch on flanks, computed from the bodies, not from the keys.
 
 Symbols after ISO 21771; modules, angles and profile shifts follow from the radii and the tooth
 thickness of the flanks that are solved.
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from flankload.pairing.spline_fit import SplineFit
     from flankload.scene import BodySpec, Scene
 
-#: Helix angles below this, rad, are those of spur teeth.
+#: Least helix angle of helical teeth, rad.
 LEAST_HELIX = 1e-9
-#: Larger differences between the profile shift of the flank and that of the scene are allowances.
+#: Least difference of the flank's profile shift from that of the scene if there is an allowance.
 ALLOWANCE = 1e-6
-#: Deviations from the involute below this, um, are roundoff.
+#: Least deviation from the involute above roundoff, um.
 LEAST_DEVIATION_UM = 1e-6
 
 
@@ -77,7 +77,7 @@ def _rows_of_profile(body: Body, spec: BodySpec) -> Iterator[SheetRow]:
 
 
 def _active(path: tuple[PathPoint, ...], z: int) -> Iterator[SheetRow]:
-    """Ends of the active profile: body 1 meets from its root to its tip, body 2 from its tip."""
+    """Ends of the active profile: contact moves from root to tip on body 1, reversed on body 2."""
     if path:
         root, tip = (path[0], path[-1]) if z == 0 else (path[-1], path[0])
         yield SheetRow("active tip diameter", "d_Na", _mm(tip.diameters_mm[z]))

@@ -34,7 +34,7 @@ def describe(scene: Scene) -> Description:
     pair = build_bodies(scene)
     for body in pair.bodies:
         if body.imported is not None:
-            compliance_of(body, scene)  # detects errors in its file at negligible cost
+            compliance_of(body, scene)  # checks the file at negligible cost
     switches = switches_of(scene)
     has_teeth = pair.pairing.motion is None
     effects = [row for row in EFFECTS if has_teeth or not row.of_teeth]

@@ -64,7 +64,7 @@ class FlankPair:
         return premises.broken_by_geometry(assembly)
 
     def work(self, scene: Scene, assembly: BodyPair) -> Counted:
-        """Counters of a run by stage, as far as they are known before it."""
+        """Counters by stage that are known before a run."""
         return predicted_work(scene, assembly)
 
     def sweeps(self, scene: Scene) -> int:
@@ -160,7 +160,7 @@ class FlankPair:
         return duration_of(scene, assembly)
 
     def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
-        """Solve a scene on a coarse discretization, as it is and with each effect switched."""
+        """Solve a scene on a coarse discretization, unchanged and with each effect switched."""
         from flankload.mechanisms.flank_pair.screening import FlankPairScreening
 
         return FlankPairScreening(scene, levels=levels, dimension=dimension)

@@ -24,17 +24,15 @@ if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.result import Result
 
-#: Value in place of a body number at a corner: a lumped contact that no parabola approximates.
+#: Value of a corner contact for a lumped contact whose gap is not parabolic.
 NOT_PARABOLIC = -2
-#: Part of a pitch (of a radian for drives without pitches) by which body 1 can wind up before
-#: deformations are no longer small. Finite elements with large displacements on the FZG type C pair
-#: in softer materials rotate further than those with small ones: by 0.3 % at 0.0067 of a pitch, 0.7
-#: % at 0.016, 1.1 % at 0.031, 1.9 % at 0.061.
+#: Largest rotation of body 1 under load for small deformations, in pitches, or in radians without
+#: pitches. On FZG type C pairs of softer materials, finite elements with large displacements rotate
+#: further than with small ones by 0.3 % at 0.0067, 0.7 % at 0.016, 1.1 % at 0.031, 1.9 % at 0.061.
 SMALL_WIND_UP = 0.02
-#: Modes are equally accurate on this factor fewer elements than `elements_for_modes` gives. 56
-#: gears and rings with 6 modes on 10 elements instead of 12, and 7 on 14 instead of 18, had errors
-#: of 0.83 and 0.73 % in nine of ten peak pressures; 0.80 and 0.75 % with the full number; 1.1 and
-#: 1.2 % with still fewer.
+#: Ratio of `elements_for_modes` to the number of elements that suffices. On 56 gears and rings, 6
+#: modes on 10 elements instead of 12, and 7 on 14 instead of 18, had errors of 0.83 and 0.73 % in
+#: nine of ten peak pressures; 0.80 and 0.75 % with the full number, 1.1 and 1.2 % with fewer still.
 ELEMENT_RESERVE = 1.2
 
 
@@ -111,14 +109,14 @@ def notes_of_result(result: Result, pair: BodyPair) -> Iterator[str]:
 
 
 def _wanted_elements(body: Body, modes: int) -> int:
-    """Flank elements that the modes need; cam profiles are closed or have many elements anyway."""
+    """Flank elements required by the modes; cam profiles always have enough."""
     if body.modes_factor > 1.0 or body.curve.closed:
         return 2 * (modes - 1)
     return elements_for_modes(modes)
 
 
 def _beside_absent_teeth(pair: BodyPair, found: Sweep) -> list[int]:
-    """Pairs that carry load although a neighbouring pair is not part of the model."""
+    """Loaded pairs next to a pair that is not modelled."""
     sites = pair.pairing.sites
     loaded = sites[(found.site_force_N > 0).any(axis=0)]
     return [int(j) for j in loaded if not np.isin([j - 1, j + 1], sites).all()]
@@ -151,7 +149,7 @@ def _large_wind_up(result: Result) -> Iterator[str]:
 
 
 def _overlaps(result: Result) -> Iterator[str]:
-    """Warn if expansion makes coast flanks overlap before there is any torque."""
+    """Warn if expansion makes coast flanks overlap without torque."""
     gap_um = result.coast_flank_gap_um
     if gap_um is None:
         return

@@ -1,4 +1,4 @@
-"""Positions of a scene, the periods that they cover, and notes on what lies outside."""
+"""Positions of a scene, the periods that they cover, and notes on uncovered teeth."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def _positions(
 
 
 def _represents_all(wanted: Positions, pitches: int | None, period: Period) -> bool:
-    """Whether teeth that differ only in compliance count as equal.
+    """Whether the positions are to represent teeth that differ only in compliance.
 
     This holds for positions within one period of the geometry; more positions are only needed to
     resolve the differences.
@@ -108,7 +108,7 @@ def _represents_all(wanted: Positions, pitches: int | None, period: Period) -> b
 
 
 def _reached(period: Period, groups: tuple[int, int], bodies: tuple[Body, Body]) -> Period:
-    """Period that positions can cover: teeth without a flank in their file never carry load."""
+    """Period that positions can cover; teeth without a flank in their file carry no load."""
     one, two = (
         1 if body.named_teeth else group for body, group in zip(bodies, groups, strict=True)
     )

@@ -29,22 +29,21 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 
-#: Parts of a torque without a solution that are tried until one of them has a solution.
+#: Fractions of a torque without a solution, tried until one has a solution.
 TORQUE_RATIOS = tuple(0.25**k for k in range(1, 9))
-#: Loaded teeth, and their coast flanks with them, bend back by this part of the rotation under
-#: load: on the FZG type C pair under 30 to 900 N m, coast flanks that overlap by 0.14 of that
-#: rotation before there is torque carry no load; 0.19 changes the transmission error by 0.5 %, 0.43
-#: by 9 %.
+#: Ratio of the bending of loaded teeth, which moves their coast flanks, to the rotation under load.
+#: On the FZG type C pair under 30 to 900 N m, an overlap of coast flanks without torque of 0.14 of
+#: that rotation carries no load; 0.19 changes the transmission error by 0.5 %, 0.43 by 9 %.
 BENDING_RATIO = 0.8
-#: Coast flanks that overlap by less are separated except for rounding, um.
+#: Least overlap of coast flanks above roundoff, um.
 GAP_TOLERANCE_UM = 1e-3
-#: A contact ratio below 1 by at most this amount counts as 1.
+#: Roundoff of a contact ratio.
 CONTACT_RATIO_TOLERANCE = 1e-9
 
 
-#: With less, a tip corner carries the load alone at some positions, with unbounded pressure.
+#: Below it, a tip corner carries all the load at some positions, with unbounded pressure.
 CONTACT_RATIO = Premise("contact_ratio", 1.0, "a contact ratio of at least 1")
-#: Coast flanks that overlap carry load, too.
+#: Overlapping coast flanks carry load.
 BACKLASH = Premise(
     "backlash",
     0.0,
@@ -61,7 +60,7 @@ PRESSURE = Premise(
 
 # --- before elements are solved -------------------------------------------------------------------
 def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
-    """Premises that are violated independent of the load."""
+    """Premises that are violated at any load."""
     mesh = pair.pairing.gear_geometry
     if mesh is None or mesh.contact_ratio >= CONTACT_RATIO.limit - CONTACT_RATIO_TOLERANCE:
         return
@@ -105,8 +104,7 @@ def broken_by_load(
     if softer and pressure > PRESSURE.limit * min(softer):
         amount = f"{pressure / min(softer):.3g} of {min(softer):g} MPa"
         yield torque.broken(PRESSURE, amount)
-    # without torque there is no contact force: the rotation is that of the working flanks by
-    # definition
+    # without torque there is no contact force: the working flanks define the rotation
     overlap_um = coast_overlap_um(pair, geometry, found) if found.torque_Nmm > 0.0 else 0.0
     if overlap_um > GAP_TOLERANCE_UM:
         yield Broken(
@@ -184,7 +182,7 @@ def _key_of_backlash(scene: Scene) -> str:
 
 
 def _may_close(pair: BodyPair) -> bool:
-    """Whether anything can remove more than the backlash; keys that only remove metal never do."""
+    """Whether anything can remove the whole backlash; keys that only remove metal cannot."""
     if pair.effects.coast_flanks:
         return False
     bodies, mesh, fit = pair.bodies, pair.pairing.gear_geometry, pair.pairing.fit

@@ -43,9 +43,8 @@ if TYPE_CHECKING:
     from flankload.scene.discretization import Grid
 
 Compliances = tuple[BodyCompliance, BodyCompliance]
-#: Number of linear steps of each force for finite influence coefficients. For coefficients that
-#: increase in proportion to the force, 10 steps have 5 % more of that increase than infinitely many
-#: steps, 3 steps 14 %.
+#: Number of load steps for finite influence coefficients. For coefficients proportional to the
+#: force, 10 steps overestimate their increase by 5 %, 3 steps by 14 %.
 FINITE_STEPS = 10
 #: Effects that need loads along the flanks.
 FRICTION, FINITE = "effects.friction_coefficient", "effects.influence = 'finite'"
@@ -196,7 +195,7 @@ def compliances_of(
 
 
 def with_compliance_period(scene: Scene, pair: BodyPair, compliances: Compliances) -> BodyPair:
-    """Add the positions that teeth of different compliance need."""
+    """Add the positions required by teeth of different compliance."""
     part = ALIKE * scene.accuracy.tolerance
     one, two = (
         teeth_until_alike(compliance, body.teeth, part)
@@ -256,7 +255,7 @@ def swept(
 
 
 def prism_of(body: Body, scene: Scene) -> Prism:
-    """How a three-dimensional body extends along its axis, with the degrees of a scene."""
+    """Axial extension of a three-dimensional body, with the polynomial degrees of a scene."""
     axial = body.axial
     assert axial is not None
     degree, load_degree = degrees_of(scene.accuracy)
