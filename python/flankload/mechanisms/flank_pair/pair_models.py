@@ -83,7 +83,7 @@ class Variant:
     ----------
     spatial : bool
         Whether they are solved in three dimensions.
-    shaft : CarryingShaft or None
+    shaft : FlexibleShaft or None
         What the bore follows.
     sectors : int or None
         Number of teeth of a segment.
