@@ -37,10 +37,7 @@ def line(start: Floats, direction: Floats) -> Place:
 
 @dataclass(frozen=True)
 class Circle:
-    """A circle; a negative radius: its points are opposite to their angles.
-
-    Fits of a method of a dataclass are held for other bodies with the same circle.
-    """
+    """A circle; a dataclass, so that bodies with the same circle share cached fits."""
 
     center_mm: tuple[float, float]
     radius_mm: float

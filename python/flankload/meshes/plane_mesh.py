@@ -71,7 +71,7 @@ def boundary_edges(cells: Cells) -> Numbers:
 
 
 def pair_numbers(pairs: Numbers) -> Numbers:
-    """A number (m,) for each pair (m, 2) of nodes, equal for equal pairs and in their order."""
+    """Numbers (m,) of pairs (m, 2) of nodes: equal for equal pairs, and in the same order."""
     one, two = pairs.T
     return np.asarray(one * (two.max(initial=0) + 1) + two)
 

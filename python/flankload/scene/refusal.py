@@ -32,7 +32,7 @@ def shown(value: object) -> str:
 
 @contextmanager
 def in_file(path: str | Path | None) -> Iterator[None]:
-    """Name the file of the keys in errors that name none."""
+    """Add the file to errors that name none."""
     try:
         yield
     except SceneError as error:

@@ -30,8 +30,8 @@ FLANK_ELEMENTS = 6
 LEAST_ROWS = 2
 #: Meshed fraction of the arc over half a round tooth, whose tip has no contact.
 TIP_BULGE = 0.6
-#: Roundoff of angles, rad.
-ANGLE_TOLERANCE = 1e-10
+#: Roundoff of angles, rad, and radii, mm.
+ROUNDOFF = 1e-10
 #: Meshed length of the strands, in half pitches from the first and the last tooth: up to the middle
 #: of the land behind the next tooth.
 STRAND = 3
@@ -91,7 +91,7 @@ def coarser(strip: Strip, flank_elements: int) -> tuple[Strip, int]:
     At least one row remains. Coarser flanks alone would show little of the discretization error.
     """
     radii = _radii(strip, 1.5 * _tooth_size(strip)[0] / flank_elements)[::2]
-    below = int(np.searchsorted(radii, strip.pitch_radius_mm - ANGLE_TOLERANCE))
+    below = int(np.searchsorted(radii, strip.pitch_radius_mm - ROUNDOFF))
     rows = max(1, below // 2), max(1, (radii.size - 1 - below) // 2)
     return replace(strip, rows=rows), max(1, flank_elements // 2)
 
@@ -166,9 +166,7 @@ class _StripBuilder:
         nodes, turns = self._straightened(np.concatenate(self._blocks.places))
         cord, angles = _joined(self._cord), _joined(self._cord_angles)
         middles = angles[1::2]
-        tight, slack = (
-            cord[np.flatnonzero(np.abs(angles - end) < ANGLE_TOLERANCE)] for end in self._ends
-        )
+        tight, slack = (cord[np.flatnonzero(np.abs(angles - end) < ROUNDOFF)] for end in self._ends)
         return BeltMesh(
             nodes=nodes,
             turns_rad=turns,
@@ -185,9 +183,7 @@ class _StripBuilder:
 
     def _add_land(self, number: int, breaks: Floats) -> None:
         """Add half a land; an element boundary lies where a strand begins."""
-        inside = [
-            a for a in self._ends if breaks[0] + ANGLE_TOLERANCE < a < breaks[-1] - ANGLE_TOLERANCE
-        ]
+        inside = [a for a in self._ends if breaks[0] + ROUNDOFF < a < breaks[-1] - ROUNDOFF]
         parts = [breaks]
         for end in inside:
             size = breaks[1] - breaks[0]

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 #: Remaining element error, relative to the change between elements of double length and those of
 #: the run.
-REMAINING_ERROR = 2.0
+REMAINING = 2.0
 #: Least relative error of the largest load share, divided by that of the rotation: the change of
 #: shares may vanish if teeth and cord are both too stiff.
 SHARE_ERROR = 0.25
@@ -57,9 +57,7 @@ def estimate_belt(
     rotation = np.array([state.rotation_rad for state in states])
     by_source: dict[str, dict[str, float]] = {}
     for source, pairs in compared:
-        left = {
-            name: REMAINING_ERROR * error for name, error in _of_elements(pairs, rotation).items()
-        }
+        left = {name: REMAINING * error for name, error in _of_elements(pairs, rotation).items()}
         before = by_source.get(source, left)
         by_source[source] = {name: max(before[name], error) for name, error in left.items()}
     if phases is not None and rotation.size > 1:

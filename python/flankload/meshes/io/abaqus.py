@@ -251,7 +251,7 @@ class _Reader:
 
 
 def _nodes_of(keyword: Keyword) -> Iterator[tuple[Row, int, tuple[float, float, float]]]:
-    """Number and place of each node of *NODE, with its row."""
+    """Row, number and position of each node of *NODE."""
     table = keyword.table()
     if table is not None and _are_whole(table[:, 0]):
         places = np.zeros((len(table), 3))
@@ -266,7 +266,7 @@ def _nodes_of(keyword: Keyword) -> Iterator[tuple[Row, int, tuple[float, float, 
 
 
 def _are_whole(values: Floats) -> bool:
-    """Whether numbers are whole and credible."""
+    """Whether all numbers are integers of at most `LARGEST_NUMBER`."""
     return bool(((values == np.round(values)) & (np.abs(values) <= LARGEST_NUMBER)).all())
 
 
@@ -331,7 +331,7 @@ class Keyword:
         return value
 
     def table(self) -> Floats | None:
-        """All rows as numbers (n, k); None if they differ in length or any is no plain number."""
+        """All rows as numbers (n, k); None if lengths differ or a value is not a plain number."""
         rows = [row.content for row in self.data]
         if len({row.count(",") for row in rows}) != 1:
             return None

@@ -285,11 +285,11 @@ class Stream:
         return np.frombuffer(part, dtype=kind)
 
     def whole(self, count: int) -> list[int]:
-        """Read the next whole numbers of a section in text."""
+        """Read the next integers of a text section."""
         return self._parsed(int, count)
 
     def _parsed(self, number: type[Number], count: int) -> list[Number]:
-        """Next words of a section in text as numbers."""
+        """Read the next words of a text section as numbers."""
         words = self._words[self._next : self._next + count]
         self._next += count
         if len(words) < count:

@@ -328,7 +328,7 @@ def switches_of(scene: Scene) -> dict[str, Switch]:
 
 
 def excluded_by(effect: Effect) -> tuple[str, ...]:
-    """All effects that cannot be combined with one, whichever of the two is refused."""
+    """All effects that cannot be combined with this one."""
     return tuple(
         other.name
         for other in EFFECTS
