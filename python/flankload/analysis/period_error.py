@@ -20,7 +20,7 @@ from flankload.analysis.adaptive_positions import HARMONICS, LEAST_HARMONIC
 from flankload.analysis.error_rules import RemainingError
 from flankload.base.rounding import round_down
 from flankload.elasticity.near_field import mode_values, projected_near_field
-from flankload.elasticity.nodal_loads import linear_values, linear_widths
+from flankload.elasticity.nodal_loads import linear_shapes, shape_widths
 
 if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
@@ -66,7 +66,7 @@ def _of_even_pressure(compliance: BodyCompliance) -> Floats:
     low, high = compliance.modes.range_mm
     length, f = high - low, len(compliance.flanks)
     if compliance.modes.nodes is not None:
-        evenly = linear_widths(compliance.modes.nodes) / length
+        evenly = shape_widths(compliance.modes.nodes) / length
         return np.asarray(evenly @ compliance.smooth @ evenly)
     moved = compliance.smooth[:, 0, 0].copy()
     near = projected_near_field(1, length, wedge=compliance.near.wedge)[0, 0]
@@ -140,7 +140,7 @@ def _loads(
     end = high if compliance.modes.tip is None else compliance.modes.tip.end_mm
     s = np.clip(pairs.column(f"s_{z + 1}"), low, end)
     if compliance.modes.nodes is not None:
-        values = linear_values(s, compliance.modes.nodes)
+        values = linear_shapes(s, compliance.modes.nodes)
     else:
         values = mode_values(
             s,

@@ -1,8 +1,7 @@
 """Rounding of quotients that are whole numbers in exact arithmetic.
 
-Examples: a flank is exactly three elements long, a position is exactly half a pitch away, a strand
-ends exactly where a land ends. Rounding errors decide on which side of the whole number such a
-quotient falls; the number of elements, sites or teeth must not depend on that.
+Example: a flank is exactly three elements long. Rounding errors put such a quotient just above or
+below the whole number; the number of elements, sites or teeth must not depend on them.
 """
 
 from __future__ import annotations

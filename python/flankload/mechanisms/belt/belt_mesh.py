@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 FLANK_ELEMENTS = 6
 #: Least number of element rows from the land to the cord, and from the cord to the back.
 LEAST_ROWS = 2
-#: Round tips touch nothing; this part of the arc over half a tooth is meshed.
+#: Meshed fraction of the arc over half a round tooth, whose tip has no contact.
 TIP_BULGE = 0.6
 #: Meshed length of the strands, in half pitches from the first and the last tooth: up to the middle
 #: of the land behind the next tooth.
@@ -87,8 +87,7 @@ def half_land(strip: Strip, flank_elements: int) -> Floats:
 def coarser(strip: Strip, flank_elements: int) -> tuple[Strip, int]:
     """The strip with half as many rows, or fewer, and half as many elements on a flank.
 
-    At least one row remains. With elements that are already long, only the flanks would become
-    coarser, which shows little of the discretization error.
+    At least one row remains. Coarser flanks alone would show little of the discretization error.
     """
     radii = _radii(strip, 1.5 * _tooth_size(strip)[0] / flank_elements)[::2]
     below = int(np.searchsorted(radii, strip.pitch_radius_mm - TIE))
@@ -109,10 +108,10 @@ def mesh_strip(
     land. The piece lies between two places in half pitches; by default it is the whole belt with
     the strands of `STRAND`.
     """
-    maker = _Maker(strip, flank_elements, ends_rad)
+    builder = _StripBuilder(strip, flank_elements, ends_rad)
     for place in range(*(places or (-STRAND, 2 * strip.wrapped_teeth - 2 + STRAND))):
-        maker.add(place)
-    return maker.mesh()
+        builder.add(place)
+    return builder.mesh()
 
 
 def _tooth_size(strip: Strip) -> tuple[float, float]:
@@ -123,7 +122,7 @@ def _tooth_size(strip: Strip) -> tuple[float, float]:
     return tooth.height_mm, tooth.width_mm
 
 
-class _Maker:
+class _StripBuilder:
     """Assembly of half pitches; nodes are radius and angle, as if all lay on the pulley."""
 
     def __init__(self, strip: Strip, flank_elements: int, ends_rad: tuple[float, float]) -> None:
@@ -215,7 +214,7 @@ class _Maker:
     def _add_ring(self, breaks: Floats) -> Numbers:
         """Add a part of the strip above a land or tooth from the nodes of its lower edge."""
         angles = with_middles(breaks)
-        # columns run against the rotation, so that a block with outward rows is right-handed
+        # with columns against the rotation, a block with outward rows is right-handed
         grid = np.stack(np.meshgrid(self._rows, angles[::-1], indexing="ij"), axis=-1)
         numbers = self._blocks.add(grid, self._known)[:, ::-1]
         self._known = {"right": numbers[:, -1]}

@@ -15,7 +15,7 @@ from scipy.sparse import csc_array, hstack
 from flankload.base.gauss import leggauss
 from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import assembled, degrees_of
-from flankload.elasticity.nodal_loads import linear_values
+from flankload.elasticity.nodal_loads import linear_shapes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.belt_mesh import BeltMesh
 
-#: Moments below this part of a shape function's own moment are roundoff.
+#: Roundoff of moments, relative to the moment of a shape function with itself.
 NO_MOMENT = 1e-12
-#: Gauss points between two breaks: the integrands are cubic, on round flanks approximately.
+#: Gauss points between two breaks; the integrands are cubic, on round flanks approximately.
 GAUSS_POINTS = 4
 
 
@@ -116,9 +116,9 @@ class Lands:
     angle_rad : (h,) array
         Angle of the end node of each shape function.
     degrees : (h,) array
-        Degrees of freedom that `basis` replaces by the displacements of the shape functions.
+        Degrees of freedom replaced by the displacements of the shape functions.
     basis : (2N, 2N) csc_array
-        Displacements of the nodes by the other degrees of freedom and by these displacements.
+        Nodal displacements from the other degrees of freedom and from these displacements.
     forces : (2N, h) csc_array
         Nodal loads of a unit circumferential force on each shape function.
     """
@@ -133,11 +133,10 @@ class Lands:
 def land_columns(mesh: BeltMesh) -> Lands:
     """Shape functions on all lands, and the radial displacements of lands in terms of them.
 
-    The radial displacement w of a land is the linear function whose moments with all shape
-    functions φ equal those of the displacements u there, ∫ φ u = ∫ φ w. A land fixed in this sense
-    is held by pressures that its shape functions can represent, and no single node is held further.
-    The quadratic functions at the ends of an edge have a moment with their own shape function only,
-    so the land displacements replace the displacements there.
+    The radial displacement of a land is the linear function whose moments with all shape functions
+    equal those of the nodal displacements u, ∫ h u = ∫ h w. Pressures that the shape functions can
+    represent fix such a land; no node is fixed individually. The quadratic functions at the ends
+    of an edge have a moment with one shape function only, so w replaces the displacements there.
     """
     size = 2 * len(mesh.nodes)
     numbers, degrees, entries = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], []
@@ -154,14 +153,14 @@ def land_columns(mesh: BeltMesh) -> Lands:
         numbers.append(np.full(ends.size, number))
         degrees.append(ends)
         forces.append(_at_nodes(moments.T / weighted.sum(axis=0), 2 * nodes + 1, mesh))
-    ways = np.concatenate(degrees)
-    others = np.setdiff1d(np.arange(size), ways)
+    replaced = np.concatenate(degrees)
+    others = np.setdiff1d(np.arange(size), replaced)
     entries.append((others, others, np.ones(others.size)))
     rows, columns, values = (np.concatenate(part) for part in zip(*entries, strict=True))
     return Lands(
         np.concatenate(numbers),
-        mesh.turns_rad[ways // 2],
-        ways,
+        mesh.turns_rad[replaced // 2],
+        replaced,
         assembled(values, rows, columns, (size, size)),
         hstack(forces, format="csc"),
     )
@@ -184,7 +183,7 @@ def _on_edges(places: Floats) -> tuple[Floats, Floats, Floats]:
     line = np.arange(len(places), dtype=np.float64)
     at, weight = gauss_points(line[::2])
     shapes, slopes = quadratic(at, line)
-    return shapes, linear_values(at, line[::2]), weight[:, None] * (slopes @ places)
+    return shapes, linear_shapes(at, line[::2]), weight[:, None] * (slopes @ places)
 
 
 def gauss_points(breaks: Floats) -> tuple[Floats, Floats]:

@@ -100,7 +100,7 @@ class Runs:
         return self.done[discretization]
 
     def _solved(self, discretization: NamedDiscretization, progress: Progress | None) -> Run:
-        as_it_is = first_scene(self.scene) if discretization.as_it_stands else self.scene
+        as_it_is = first_scene(self.scene) if discretization.is_empty else self.scene
         scene = scene_at(as_it_is, discretization)
         try:
             run = _measured(discretization, scene, self._compliances(discretization), progress)
@@ -116,7 +116,7 @@ class Runs:
 
     def _compliances(self, discretization: NamedDiscretization) -> Kept:
         """Compliances for the same elements and modes; or for more modes, if that saves time."""
-        if discretization.as_it_stands:
+        if discretization.is_empty:
             return {}
         elements = (
             discretization.level if discretization.level in ("nodes", "plane") else "",

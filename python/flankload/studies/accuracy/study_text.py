@@ -157,7 +157,7 @@ def _others(study: Study, names: Sequence[str]) -> Iterator[str]:
 def _label(row: Row) -> str:
     """Parameters of a run in short."""
     used = row.run.discretization
-    if used.as_it_stands:
+    if used.is_empty:
         return "all parameters as in the scene"
     alone = used.level == "nodes" and used.flank_element_mm is None
     parts = ["nodes by the contact's width"] * alone
