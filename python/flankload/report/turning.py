@@ -12,7 +12,7 @@ import numpy as np
 from flankload.base.rotation import all_around, directions
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from flankload.base.arrays import Floats
     from flankload.result import PairTable, Result
@@ -118,22 +118,33 @@ def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats
     """Corners of the picture: the contacts of all positions, or whole bodies with all arrows."""
     result = results[-1]
     drawing, engagement = result.drawing, result.engagement
-    tables = [one.pairs(p) for one in results for p in shown]
-    places, normals = (
-        np.concatenate([getattr(table, name)[table.force_N > 0] for table in tables])
-        for name in ("point_mm", "normal")
+    places, forces = (
+        np.concatenate(parts) for parts in zip(*_contacts(results, shown), strict=True)
     )
     if engagement.draws_whole_bodies:
         low, high = drawing.extent_mm(shown)
         size = float((high - low).max())
         # arrows and letters are parts of the final size, which is larger
-        beyond = engagement.largest_arrow + 2.0 * LETTER
-        ends = np.vstack([low, high, places + beyond * (1.0 + 2.0 * beyond) * size * normals])
+        larger = 1.0 + 2.0 * (engagement.largest_arrow + LETTER)
+        length = np.hypot(*forces.T)[:, np.newaxis]
+        beyond = engagement.largest_arrow * forces + 2.0 * LETTER * forces / length
+        ends = np.vstack([low, high, places + larger * size * beyond])
         return ends.min(axis=0) - MARGIN * size, ends.max(axis=0) + MARGIN * size
     pitch = 2 * np.pi * _largest(drawing.outline_1) / drawing.teeth_1
     if not len(places):
         places = np.array([[_largest(drawing.outline_1), 0.0]])
     return places.min(axis=0) - 0.9 * pitch, places.max(axis=0) + 0.9 * pitch
+
+
+def _contacts(results: Sequence[Result], shown: list[int]) -> Iterator[tuple[Floats, Floats]]:
+    """Places (n, 2) of loaded pairs, and the forces of their sites relative to the largest."""
+    largest = _scales_of(results)[0]
+    for one in results:
+        for p in shown:
+            table = one.pairs(p)
+            loaded = table.force_N > 0
+            site_force = one.site_force_N[p, np.searchsorted(one.sites, table.site[loaded])]
+            yield table.point_mm[loaded], table.normal[loaded] * site_force[:, None] / largest
 
 
 def _outline(sector: Floats, teeth: int, off_mm: float) -> str:
