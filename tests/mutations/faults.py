@@ -245,7 +245,7 @@ _FORTRAN = (
         "bodies/free_corner.py",
         "unit/elasticity/test_free_corner.py",
         ("across / (w - np.sin(w))", "across / (w + np.sin(w))"),
-        ("SMOOTH - LEAST_TURN", "SMOOTH + LEAST_TURN"),
+        ("STRAIGHT_ANGLE - LEAST_CORNER_TURN", "STRAIGHT_ANGLE + LEAST_CORNER_TURN"),
     ),
     *_in(
         "bodies/corner_angle.py",
@@ -585,7 +585,7 @@ _PYTHON = (
         "mechanisms/flank_pair/from_sweep.py",
         "physics/test_friction_of_slices.py",
         ("np.column_stack([-up, across,", "np.column_stack([up, across,"),
-        ("sign * (normal + rubbing)", "sign * normal"),
+        ("sign * (normal + friction)", "sign * normal"),
     ),
     *_in(
         "pairing/expansion.py",
@@ -616,8 +616,8 @@ _PYTHON = (
     *_in(
         "elasticity/compliance/job.py",
         "unit/pairing/test_growth.py",
-        ("growth.strain - growth.held_strain", "growth.strain + growth.held_strain"),
-        ("growth.speed_rad_per_s**2", "growth.speed_rad_per_s"),
+        ("body_load.strain - body_load.held_strain", "body_load.strain + body_load.held_strain"),
+        ("body_load.speed_rad_per_s**2", "body_load.speed_rad_per_s"),
     ),
     *_in(
         "pairing/expansion.py",
