@@ -19,7 +19,7 @@ from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.mechanisms.effect_size import States, size_of
 from flankload.mechanisms.flank_pair import screening
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.pair_models import coarse_compliance
+from flankload.mechanisms.flank_pair.pair_models import coarse_compliances
 from flankload.mechanisms.flank_pair.screening import nodal_size
 from flankload.mechanisms.flank_pair.stages import contact_of, swept
 from flankload.mechanisms.toggles import toggled
@@ -371,10 +371,10 @@ def test_the_third_dimension_is_the_difference_of_two_sweeps_on_the_coarse_eleme
     scene = scene_of(**QUIET)
     row = plan_of(dimension=True, **QUIET).effect("three_dimensions")
     other = in_three_dimensions(scene)
-    coarse = [coarse_compliance(other, z) for z in (0, 1)]
+    coarse = [coarse_compliances(other, z) for z in (0, 1)]
     plane = [flank_compliance(body, JobOptions(3, "strain")) for body, _ in coarse]
     curves = []
-    for each, compliances in ((scene, plane), (other, [found for _, found in coarse])):
+    for each, compliances in ((scene, plane), (other, [found for _, (found,) in coarse])):
         pair = build_bodies(each)
         contact = contact_of(each, pair, (compliances[0], compliances[1]))
         (found,) = swept(contact, pair.position_rad, each.torques_Nmm)
