@@ -142,11 +142,11 @@ def prism_compliance(
     prism.check()
     if body.rigid or body.mesh is None:
         return no_compliance(body)
-    log, surface = JobLog(account), flank_surface(body, prism)
-    modes = n_modes if body.tip is None else with_tip(n_modes)
+    log, modes = JobLog(account), n_modes if body.tip is None else with_tip(n_modes)
     (response, *_), of_roots = _ring_responses(
         body, prism, modes, log, friction=friction, fillets=fillets
     )
+    surface = flank_surface(body, prism)
     (found,) = _compliances(body, prism, surface, [response], log, friction=friction)
     missed = None
     if estimate:
