@@ -58,8 +58,8 @@ if TYPE_CHECKING:
     from flankload.pairing.expansion import Growth
     from flankload.scene import BodySpec, Scene
 
-    #: With friction or not, influence numbers, expansion.
-    _FileVariant = tuple[bool, str, Growth | None]
+    #: With friction or not, influence numbers.
+    _FileVariant = tuple[bool, str]
     #: Number, table, whether it is three-dimensional and touches with its tip.
     _BodyVariant = tuple[int, BodySpec, bool, bool]
 
@@ -291,21 +291,18 @@ class PairModels:
         if not self._needs_elements(scene, z):
             return no_compliance(body, growth)
         found = self._jobs[z].get(self._variant(scene, z)) or self._from_file(scene, body, z)
-        if growth is not None and not growth.needs_elements:
+        if growth is not None and (body.given is not None or not growth.needs_elements):
             found = replace(found, expansion=Expansion(growth.strain))
         if not scene.effects.coast_flank:
             found = replace(found, coast=None)
         return found if scene.effects.tooth_coupling else found.without_coupling()
 
     def _from_file(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
-        """Compliance that a body has from its file."""
-        growth = self.assembly(scene).growth[z]
-        key = scene.has_friction, scene.effects.influence, growth
+        """Compliance that a body has from its file, without expansion."""
+        key = scene.has_friction, scene.effects.influence
         if key not in self._of_files[z]:
             plain = with_keys(scene, tooth_coupling=True)
-            self._of_files[z][key] = compliance_of(
-                body, plain, self._pair.discretization, growth=growth
-            )
+            self._of_files[z][key] = compliance_of(body, plain, self._pair.discretization)
         return self._of_files[z][key]
 
 

@@ -53,8 +53,9 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 
-#: Positions of the screening; of these so many with the run's own cells, and with finite forces.
-MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 8, 4, 4
+#: Positions of the screening; of these so many with the run's own cells where sizes are compared on
+#: them, or seconds are measured alone; and with finite forces.
+MOST_POSITIONS, FINE_POSITIONS, TIMED_POSITIONS, FINITE_POSITIONS = 8, 4, 2, 4
 #: Final number of adaptive positions relative to the first round, approximately.
 ADAPTIVE_PART = 3.0
 #: Effects that are not tried while off, unless `levels` is set: coarser contact models, which are
@@ -380,7 +381,9 @@ class FlankPairScreening(Screening):
 
         Of conforming flanks on cells twice as wide only.
         """
-        few, torque, account = _every(self._at, FINE_POSITIONS), self._torques[-1:], Account()
+        compared = self._pair.slices is not None or "lumped_contact" in self.toggles
+        few = _every(self._at, FINE_POSITIONS if compared else TIMED_POSITIONS)
+        torque, account = self._torques[-1:], Account()
         found, seconds = self._timed(self._scene, few, torque, account, fine=True)
         self._fine, count = self._states(self._scene, found), found[0].status.size
         account.bytes = held_bytes(found)
