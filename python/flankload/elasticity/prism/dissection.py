@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 LEAF = 12
 #: Directions of the lines that are tried to bisect a part: normals (2, n) of the lines.
 DIRECTIONS = 8
-TURNS = directions(np.arange(DIRECTIONS) * (np.pi / DIRECTIONS)).T
+TURNS = directions(np.linspace(0.0, np.pi, DIRECTIONS, endpoint=False)).T
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ def _bisected(element: Numbers, node: Numbers, middles: Floats) -> tuple[Numbers
     for half, part in enumerate((ahead, ~ahead)):
         pair, direction = np.nonzero(part)
         shared[half, at[pair], direction] = True
-    both = shared.all(axis=0)
+    both = shared[0] & shared[1]
     best = int(np.argmin(both.sum(axis=0)))
     free = ~both[at, best]
     return nodes[both[:, best]], [ahead[:, best] & free, ~ahead[:, best] & free]

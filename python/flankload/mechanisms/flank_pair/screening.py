@@ -173,15 +173,16 @@ class FlankPairScreening(Screening):
         if name == "finite_influence":
             return self._finite_size(scene, on=on)
         if name == "lumped_contact":
-            return self._with_fine_cells(scene, on=on, mine=self._fine)
+            # contact pairs in slices take as long as all other states together
+            return self._with_fine_cells(scene, on=on, fewer=1 if self._pair.slices is None else 2)
         if name == SPATIAL:
-            return self._with_fine_cells(scene, on=on, mine=self._fine if on else self._sections())
+            return self._with_fine_cells(scene, on=on, mine=None if on else self._sections())
         return super().size(name, on=on)
 
     def change(self, scene: Scene) -> Size:
         """Change by another scene; without cells against the cells of the run."""
         if effects_of(scene).lumped_contact and not self._pair.effects.lumped_contact:
-            return self._with_fine_cells(scene, on=False, mine=self._fine)
+            return self._with_fine_cells(scene, on=False)
         return super().change(scene)
 
     def _sections(self) -> list[States]:
@@ -190,12 +191,18 @@ class FlankPairScreening(Screening):
         found, _ = self._timed(self._scene, few, torque, fine=True, sections=True)
         return self._states(self._scene, found)
 
-    def _with_fine_cells(self, scene: Scene, *, on: bool, mine: list[States]) -> Size:
-        """Change by a scene that differs in its cells or slices, with those of the run."""
-        few = _every(self._at, FINE_POSITIONS)
+    def _with_fine_cells(
+        self, scene: Scene, *, on: bool, mine: list[States] | None = None, fewer: int = 1
+    ) -> Size:
+        """Change by a scene that differs in its cells or slices, with those of the run.
+
+        By default with those of the scene itself, at each `fewer`-th of their positions.
+        """
+        few = slice(None, None, fewer * _every(self._at, FINE_POSITIONS).step)
         found, seconds = self._timed(screened(scene), few, self._torques[-1:], fine=True)
         self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / found[0].status.size)
         other = self._states(screened(scene), found)
+        mine = mine or self._states(self._scene, self._fine, slice(None, None, fewer))
         return self.between(other, on=on, mine=mine, which=few)
 
     def states(self, scene: Scene) -> list[States]:
@@ -228,15 +235,17 @@ class FlankPairScreening(Screening):
         """Cells on which states are timed: of conforming flanks half as many as in the run."""
         return self._grid.coarser() if self._pair.pairing.whole_circle else self._grid
 
-    def _states(self, scene: Scene, found: tuple[Sweep, ...]) -> list[States]:
+    def _states(
+        self, scene: Scene, found: tuple[Sweep, ...], which: slice = slice(None)
+    ) -> list[States]:
         pair = self._models.assembly(scene)
         return [
             States.of(
                 part.torque_Nmm / 1000.0,
                 pair.pairing.sites,
-                part.rotation_rad,
-                part.site_force_N,
-                face_load_factor=_face_load_factor(part),
+                part.rotation_rad[which],
+                part.site_force_N[which],
+                face_load_factor=_face_load_factor(part, which),
             )
             for part in found
         ]
@@ -385,7 +394,7 @@ class FlankPairScreening(Screening):
         few = _every(self._at, FINE_POSITIONS if compared else TIMED_POSITIONS)
         torque, account = self._torques[-1:], Account()
         found, seconds = self._timed(self._scene, few, torque, account, fine=True)
-        self._fine, count = self._states(self._scene, found), found[0].status.size
+        self._fine, count = found, found[0].status.size
         account.bytes = held_bytes(found)
         state = max(TINY_S, (seconds - call_s) / count)
         if self._timed_grid != self._grid:
@@ -401,13 +410,13 @@ class FlankPairScreening(Screening):
         return StateRate(call_s, state, state * 0.5**power, account, count)
 
 
-def _face_load_factor(found: Sweep) -> float | None:
-    """K_Hbeta of all positions; None in the plane."""
+def _face_load_factor(found: Sweep, which: slice) -> float | None:
+    """K_Hbeta of some positions; None in the plane."""
     slices = found.slices
     if slices is None:
         return None
     widths = np.diff(slices.edges_mm)
-    return float(face_load_factors(slices.force_N, widths, each=slices.conforming).max())
+    return float(face_load_factors(slices.force_N[which], widths, each=slices.conforming).max())
 
 
 def _every(positions: Floats, most: int) -> slice:
