@@ -122,7 +122,7 @@ class BodyOfPair:
         site, cell, normal_N = table.site[carries], table.cell_mm[carries], table.force_N[carries]
         s = (table.arc_length_1_mm, table.arc_length_2_mm)[self.number][carries]
         s = self.on_elements((s[:, None] + 0.5 * cell[:, None] * x).ravel())
-        normal = np.column_stack([table.normal_x, table.normal_y])[carries]
+        normal = table.normal[carries]
         # the normal out of body 1 leans along its helix
         lean = np.zeros(site.size)
         if shape is not None:
