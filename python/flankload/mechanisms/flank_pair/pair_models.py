@@ -290,7 +290,8 @@ class PairModels:
         body, growth = pair.bodies[z], pair.growth[z]
         if not self._needs_elements(scene, z):
             return no_compliance(body, growth)
-        found = self._jobs[z].get(self._variant(scene, z)) or self._from_file(scene, body, z)
+        found = self._jobs[z].get(self._variant(scene, z)) if self._jobs[z] else None
+        found = found or self._from_file(scene, body, z)
         if growth is not None and (body.given is not None or not growth.needs_elements):
             found = replace(found, expansion=Expansion(growth.strain))
         if not scene.effects.coast_flank:

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 #: Positions of the screening; of these so many with the run's own cells where sizes are compared on
 #: them, or seconds are measured alone; and with finite forces.
-MOST_POSITIONS, FINE_POSITIONS, TIMED_POSITIONS, FINITE_POSITIONS = 8, 4, 2, 4
+MOST_POSITIONS, FINE_POSITIONS, TIMED_POSITIONS, FINITE_POSITIONS = 8, 4, 3, 4
 #: Final number of adaptive positions relative to the first round, approximately.
 ADAPTIVE_PART = 3.0
 #: Effects that are not tried while off, unless `levels` is set: coarser contact models, which are
