@@ -34,7 +34,7 @@ from flankload.mechanisms.flank_pair.prediction import (
     states_of,
 )
 from flankload.mechanisms.flank_pair.premises import blame_load, broken_by_geometry, broken_by_load
-from flankload.mechanisms.flank_pair.stages import contact_of, grown_pair, swept
+from flankload.mechanisms.flank_pair.stages import contact_of, expanded_pair, swept
 from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles, with_keys
@@ -266,7 +266,7 @@ class FlankPairScreening(Screening):
             pair = replace(pair, slices=pair.slices.coarser())
         models = self._models
         found_of = models.sections(pair) if sections else models.compliances(scene, pair)
-        pair, compliances = grown_pair(pair, found_of)
+        pair, compliances = expanded_pair(pair, found_of)
         torques, start = self._torques if torques_Nm is None else torques_Nm, process_time()
         found = swept(
             contact_of(scene, pair, compliances, self._timed_grid if fine else COARSE.grid),
@@ -289,7 +289,9 @@ class FlankPairScreening(Screening):
 
     def _geometry(self) -> tuple[BodyPair, PairGeometry]:
         pair = replace(self._models.assembly(self._models.screened), position_rad=self._at)
-        pair, compliances = grown_pair(pair, self._models.compliances(self._models.screened, pair))
+        pair, compliances = expanded_pair(
+            pair, self._models.compliances(self._models.screened, pair)
+        )
         return pair, pair_geometry(pair, compliances)
 
     def _first_states(self) -> tuple[tuple[Sweep, ...], float]:
