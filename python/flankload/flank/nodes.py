@@ -9,6 +9,9 @@ from flankload.base.arrays import Floats
 from flankload.flank.curve import FlankCurve
 from flankload.flank.fit import CurvePiece, Place, fit_flank_curve
 
+#: Newton's steps to the closest point of a curve end when they are this part of its length.
+NEAR, MOST_STEPS = 1e-12, 50
+
 
 def curve_through_nodes(
     points: ArrayLike, *, label: str = "flank", corner_at_end: bool = True
@@ -62,8 +65,20 @@ def nodes_deviation(points: ArrayLike) -> float:
     if nodes.shape[0] < 7:
         return float("inf")
     left_out = np.arange(1, nodes.shape[0] - 1, 2)
-    coarse = curve_through_nodes(np.delete(nodes, left_out, axis=0))
-    return float(coarse.arc_length_of(nodes[left_out])[1].max()) / 15.0
+    place, knots = _spline(np.delete(nodes, left_out, axis=0))
+    # the kept node before node 2 k + 1 is number k
+    start, wanted = knots[: left_out.size], nodes[left_out]
+    u = start + np.linalg.norm(wanted - nodes[left_out - 1], axis=1)
+    for _ in range(MOST_STEPS):
+        # Newton's method for the derivative of half the squared distance
+        point, first, second = place(u)
+        away = point - wanted
+        bend = (first**2).sum(axis=1) + (away * second).sum(axis=1)
+        step = -(away * first).sum(axis=1) / np.where(bend > 0, bend, 1.0)
+        u = np.clip(u + step, start, knots[1 : left_out.size + 1])
+        if np.abs(step).max() <= NEAR * knots[-1]:
+            break
+    return float(np.linalg.norm(place(u)[0] - wanted, axis=1).max()) / 15.0
 
 
 def _checked_nodes(points: ArrayLike) -> Floats:

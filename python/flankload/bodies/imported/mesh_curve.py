@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import FlankNodes
 from flankload.bodies.imported.mesh_source import in_order, middles_are_straight
 from flankload.bodies.profile.gear_profile import gear_profile
@@ -188,15 +189,15 @@ def fitted_turn(curve: FlankCurve, points: Floats, start: float) -> tuple[float,
     """
     turn = start
     for _ in range(12):
-        turned = curve.rotated(turn)
-        s, _ = turned.arc_length_of(points)
+        here = turned(points, -turn)
+        s, _ = curve.arc_length_of(here)
         # Gauss-Newton: a rotation by d moves the curve by d (P . t) along its normal
-        place = turned.point(s)
-        lever = np.sum(place * turned.tangent(s), axis=1)
-        distance = np.sum((points - place) * turned.normal(s), axis=1)
+        place = curve.point(s)
+        lever = np.sum(place * curve.tangent(s), axis=1)
+        distance = np.sum((here - place) * curve.normal(s), axis=1)
         step = float(lever @ distance / (lever @ lever))
         turn += step
         if abs(step) < 1e-15:
             break
-    s, away = curve.rotated(turn).arc_length_of(points)
+    s, away = curve.arc_length_of(turned(points, -turn))
     return turn, s, float(away.max())

@@ -2,9 +2,10 @@
 
 from flankload.elasticity.prism.compliance import (
     Prism,
+    carried_and_held,
     flank_surface,
     prism_compliance,
     prism_unknowns,
 )
 
-__all__ = ["Prism", "flank_surface", "prism_compliance", "prism_unknowns"]
+__all__ = ["Prism", "carried_and_held", "flank_surface", "prism_compliance", "prism_unknowns"]

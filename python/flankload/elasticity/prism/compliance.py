@@ -141,34 +141,65 @@ def prism_compliance(
     prism.check()
     if body.rigid or body.mesh is None:
         return no_compliance(body)
-    mesh, log, modes_s = _sector_of(body), JobLog(account), n_modes
-    n_modes = n_modes if body.tip is None else with_tip(n_modes)
-    response, of_roots = _ring_response(
-        body, mesh, prism, n_modes, log, friction=friction, fillets=fillets
+    log, modes = JobLog(account), n_modes if body.tip is None else with_tip(n_modes)
+    (response, *_), of_roots = _ring_responses(
+        body, prism, modes, log, friction=friction, fillets=fillets
     )
-    surface, p = flank_surface(body, prism), n_modes * (prism.load_degree + 1)
-    near = _near_field(body, surface, friction=friction)
-    response, asymmetry = _smooth_coefficients(response, surface, near, n_modes, prism.load_degree)
-    unknowns = prism_unknowns(body, prism.degree)
-    log.account.count(fe_unknowns=unknowns, fe_solutions=response.shape[1])
-    log.count_loads(response.shape[1], friction=friction)
-    log.end_step("near field")
+    surface = flank_surface(body, prism)
+    (found,) = _compliances(body, prism, surface, [response], log, friction=friction)
     fe_error = None
     if estimate:
-        options = JobOptions(n_modes=modes_s, plane="strain", friction=friction, estimate=True)
+        options = JobOptions(n_modes=n_modes, plane="strain", friction=friction, estimate=True)
         fe_error = _fe_error(body, options, surface, prism.load_degree, log)
+    root = None if fillets is None else _of_roots(fillets, of_roots, surface, modes, prism)
+    job = log.cost(found.job.asymmetry, found.job.degrees_of_freedom)
+    return replace(found, root=root, fe_error=fe_error, job=job)
+
+
+def carried_and_held(
+    body: Body, prism: Prism, *, n_modes: int, friction: bool = False
+) -> tuple[BodyCompliance, ...]:
+    """Compliance of an elastic body on its shaft, and with a held bore, from one condensation.
+
+    Arguments and errors as of `prism_compliance`; without a shaft, the latter alone.
+    """
+    prism.check()
+    log, modes = JobLog(), n_modes if body.tip is None else with_tip(n_modes)
+    responses, _ = _ring_responses(body, prism, modes, log, friction=friction, fillets=None)
+    surface = flank_surface(body, prism)
+    return tuple(_compliances(body, prism, surface, responses, log, friction=friction))
+
+
+def _compliances(
+    body: Body,
+    prism: Prism,
+    surface: FlankSurface,
+    responses: list[Floats],
+    log: JobLog,
+    *,
+    friction: bool,
+) -> list[BodyCompliance]:
+    """Compliances from responses (z, p, p) of one body, without roots and error estimates."""
+    near, columns = _near_field(body, surface, friction=friction), responses[0].shape[1]
+    p = columns // 2 if friction else columns
+    coefficients = _smooth_coefficients(responses, surface, near, p, prism.load_degree)
+    unknowns = prism_unknowns(body, prism.degree)
+    log.account.count(fe_unknowns=unknowns, fe_solutions=columns)
+    log.count_loads(columns, friction=friction)
+    log.end_step("near field")
     axial = AxialModes(
         prism.range_mm, prism.load_degree, prism.twist, surface.cos_base_helix, surface.end
     )
-    return BodyCompliance(
-        smooth=np.ascontiguousarray(response[:, :p, :p]),
-        near=near,
-        modes=FlankModes(body.mode_range_mm, tip=body.tip, axial=axial),
-        tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
-        root=None if fillets is None else _of_roots(fillets, of_roots, surface, n_modes, prism),
-        fe_error=fe_error,
-        job=log.cost(asymmetry, unknowns),
-    )
+    return [
+        BodyCompliance(
+            smooth=np.ascontiguousarray(response[:, :p, :p]),
+            near=near,
+            modes=FlankModes(body.mode_range_mm, tip=body.tip, axial=axial),
+            tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
+            job=log.cost(asymmetry, unknowns),
+        )
+        for response, asymmetry in coefficients
+    ]
 
 
 def _near_field(body: Body, surface: FlankSurface, *, friction: bool) -> NearField:
@@ -182,25 +213,27 @@ def _near_field(body: Body, surface: FlankSurface, *, friction: bool) -> NearFie
 
 
 def _smooth_coefficients(
-    response: Floats, surface: FlankSurface, near: NearField, n_modes: int, degree_z: int
-) -> tuple[Floats, float]:
-    """Response (z, r, r) as mode coefficients without the near field, and its asymmetry.
+    responses: list[Floats], surface: FlankSurface, near: NearField, p: int, degree_z: int
+) -> list[tuple[Floats, float]]:
+    """Readings (z, r, r), which change, as mode coefficients without the near field; asymmetries.
 
     The p columns of normal loads are followed, with friction, by as many along the profile.
     """
-    p, count = n_modes * (degree_z + 1), response.shape[1]
+    n_modes, count = p // (degree_z + 1), responses[0].shape[1]
     potential = projected_potential(surface, n_modes, degree_z)
-    response[0, :p, :p] -= 0.5 * near.kernel * potential
+    for response in responses:
+        response[0, :p, :p] -= 0.5 * near.kernel * potential
     if count > p:
         tangential = projected_tangential(
             surface, n_modes, degree_z, kernel=near.kernel, jump=near.jump
         )
-        response[0, :p, p:] -= tangential
-        response[0, p:, :p] -= tangential.T
+        for response in responses:
+            response[0, :p, p:] -= tangential
+            response[0, p:, :p] -= tangential.T
     inverse = _to_coefficients(surface, n_modes, degree_z, friction=count > p)
-    response = inverse @ response @ inverse
-    teeth = len(response)
-    return made_symmetric(response, -np.arange(teeth) % teeth)
+    teeth = len(responses[0])
+    across = -np.arange(teeth) % teeth
+    return [made_symmetric(inverse @ response @ inverse, across) for response in responses]
 
 
 def _to_coefficients(
@@ -243,17 +276,20 @@ def _of_roots(
     return RootResponse(fillets.points, (response @ inverse).reshape(shape), prism.range_mm)
 
 
-def _ring_response(
+def _ring_responses(
     body: Body,
-    mesh: SectorMesh,
     prism: Prism,
     n_modes: int,
     log: JobLog,
     *,
     friction: bool,
     fillets: RootFillets | None,
-) -> tuple[Floats, Floats]:
-    """Response B'C_t B (z, p, p) of the closed ring, and readings of the roots (z, r, p)."""
+) -> tuple[list[Floats], Floats]:
+    """Readings B'C_t B (z, p, p) of the loads on the closed ring, and of the roots (z, r, p).
+
+    On a shaft, the readings with a held bore follow.
+    """
+    mesh = _sector_of(body)
     axial = AxialBasis(prism.range_mm, prism.degree)
     numbers, functions = functions_of(mesh, axial, dict(prism.regions))
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
@@ -289,9 +325,13 @@ def _ring_response(
             sector = _with_reading(sector, stress, by_loads, by_cuts)
             log.account.count(stress_recoveries=fillets.points.arc_length_mm.size)
             log.end_step("solution")
-        response = close_ring(sector, mesh.teeth) if bore is None else bore.close_ring(sector)
+        if bore is None:
+            responses = [close_ring(sector, mesh.teeth)]
+        else:
+            held = bore.held_response(sector)
+            responses = [bore.close_ring(sector, held), held]
     log.end_step("ring")
-    return response[:, :count], response[:, count:]
+    return [response[:, :count] for response in responses], responses[0][:, count:]
 
 
 def _with_reading(

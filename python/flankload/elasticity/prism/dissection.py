@@ -6,9 +6,12 @@ The elements are bisected recursively; the nodes that both halves share are elim
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from flankload.base.rotation import directions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,8 +20,9 @@ if TYPE_CHECKING:
 
 #: Largest number of nodes of a part that is not bisected.
 LEAF = 12
-#: Number of directions that are tried for the bisection of a part.
+#: Directions of the lines that are tried to bisect a part: normals (2, n) of the lines.
 DIRECTIONS = 8
+TURNS = directions(np.linspace(0.0, np.pi, DIRECTIONS, endpoint=False)).T
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,12 +82,11 @@ def dissect(
     order = np.concatenate(owns)
     position[order] = np.arange(order.size)
     position[kept] = order.size + np.arange(kept.size)
+    beside = _neighbours(element, node, inner.size)
     fronts: list[Front] = []
     for own, below in zip(owns, parts, strict=True):
-        touched = np.zeros(sizes.size, dtype=bool)
-        touched[element[np.isin(node, own)]] = True
-        beside = [node[touched[element]], *(fronts[part].rest for part in below)]
-        rest = np.unique(np.concatenate(beside))
+        touched = [*(beside[each] for each in own.tolist()), *(fronts[part].rest for part in below)]
+        rest = np.unique(np.concatenate(touched)) if touched else own
         rest = rest[position[rest] > position[own].max(initial=-1)]
         rest = rest[np.argsort(position[rest])]
         carries = loaded[own].any() or any(fronts[part].loaded for part in below)
@@ -91,16 +94,35 @@ def dissect(
     return fronts, position
 
 
+def _neighbours(element: Numbers, node: Numbers, count: int) -> list[Numbers]:
+    """Nodes of the elements of each node, from pairs of both, element by element."""
+    order = np.argsort(node, kind="stable")
+    first = np.searchsorted(node[order], np.arange(count + 1)).tolist()
+    of_node = element[order]
+    ends = np.searchsorted(element, np.arange(element.max(initial=-1) + 2)).tolist()
+    nodes_of = [node[one:two] for one, two in pairwise(ends)]
+    return [
+        np.concatenate([nodes_of[each] for each in of_node[one:two].tolist()])
+        if two > one
+        else node[:0]
+        for one, two in pairwise(first)
+    ]
+
+
 def _bisected(element: Numbers, node: Numbers, middles: Floats) -> tuple[Numbers, list[Flags]]:
-    """Shared nodes of the bisection with the fewest ones, and the other pairs of each half."""
-    elements = np.unique(element)
-    best: tuple[Numbers, list[Flags]] | None = None
-    for turn in np.arange(DIRECTIONS) * (np.pi / DIRECTIONS):
-        along = middles @ [np.cos(turn), np.sin(turn)]
-        ahead = along[element] > np.median(along[elements])
-        own = np.intersect1d(node[ahead], node[~ahead])
-        if best is None or own.size < best[0].size:
-            free = ~np.isin(node, own)
-            best = own, [ahead & free, ~ahead & free]
-    assert best is not None
-    return best
+    """Nodes that both halves share, and the pairs of each half without them.
+
+    The best of some directions: the fewest nodes.
+    """
+    nodes, at = np.unique(node, return_inverse=True)
+    elements, of_element = np.unique(element, return_inverse=True)
+    along = middles[elements] @ TURNS
+    ahead = (along > np.median(along, axis=0))[of_element]
+    shared = np.zeros((2, nodes.size, DIRECTIONS), dtype=bool)
+    for half, part in enumerate((ahead, ~ahead)):
+        pair, direction = np.nonzero(part)
+        shared[half, at[pair], direction] = True
+    both = shared[0] & shared[1]
+    best = int(np.argmin(both.sum(axis=0)))
+    free = ~both[at, best]
+    return nodes[both[:, best]], [ahead[:, best] & free, ~ahead[:, best] & free]

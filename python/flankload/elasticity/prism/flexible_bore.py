@@ -107,7 +107,25 @@ class FlexibleBore:
         beam = beam_stiffness(shaft, basis, degree, twist)
         return cls(shaft, mesh.teeth, columns, stiffness, beam, np.concatenate(parts))
 
-    def close_ring(self, sector: CondensedSector) -> Floats:
+    def held_response(self, sector: CondensedSector) -> Floats:
+        """Response of all teeth of a closed ring to the loads on tooth 0 while the bore is held.
+
+        Sector and result as in `close_ring`.
+        """
+        count = self._flank_loads(sector)
+        first, *others = sector.local
+        flanks = replace(
+            sector,
+            local=(first[:count, :count], *(part[:, :count] for part in others)),
+            carried=(sector.carried[0][:, :count], *sector.carried[1:]),
+        )
+        return close_ring(flanks, self.teeth)
+
+    def _flank_loads(self, sector: CondensedSector) -> int:
+        """Number of loads on the flanks: those before `columns`."""
+        return sector.local[0].shape[1] - len(self.stiffness) - len(self.ends)
+
+    def close_ring(self, sector: CondensedSector, held: Floats | None = None) -> Floats:
         """Response of all teeth of a closed ring to the loads on tooth 0.
 
         In harmonic k, with the response H to all loads with a fixed bore, forces s of the shaft
@@ -122,22 +140,22 @@ class FlexibleBore:
         Parameters
         ----------
         sector : CondensedSector
-            With the loads of the flanks, then `columns`, and further kinds of readings.
+            Its loads are those of the flanks, then `columns`. Further kinds of readings read the
+            displacements under all of them.
+        held : (z, r, p) array, optional
+            Of `held_response`.
 
         Returns
         -------
         (z, r, p) array
             As of `sector_closure.close_ring`.
         """
-        size, loads = len(self.stiffness), sector.local[0].shape[1]
-        count = loads - size - len(self.ends)
-        first, *others = sector.local
-        flanks = replace(
-            sector,
-            local=(first[:count, :count], *(part[:, :count] for part in others)),
-            carried=(sector.carried[0][:, :count], *sector.carried[1:]),
+        size, loads, count = (
+            len(self.stiffness),
+            sector.local[0].shape[1],
+            self._flank_loads(sector),
         )
-        response = close_ring(flanks, self.teeth)
+        response = self.held_response(sector) if held is None else held.copy()
         read = np.append(np.arange(count), np.arange(loads, loads - count + response.shape[1]))
         angles = 2.0 * np.pi * np.arange(self.teeth) / self.teeth
         for k, weight in ((0, 1.0), (1, 2.0)):

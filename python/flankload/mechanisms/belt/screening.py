@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from flankload.mechanisms.effect_size import States
     from flankload.scene import Scene
 
-#: Elements on a flank of the screening, and least number of a second piece; that one has two
-#: thirds as many as the run, so that it costs a third of a piece of the run.
-ELEMENTS, MORE_ELEMENTS = 2, 4
+#: Elements on a flank of the screening, and least number of a second piece; that one has half as
+#: many as the run, so that it costs a fifth of a piece of the run.
+ELEMENTS, MORE_ELEMENTS = 2, 3
 #: Positions of the screening, and one after the next tooth has engaged: lands lift most there.
 POSITIONS = 3
 BYTES = 8
@@ -122,7 +122,7 @@ class BeltScreening(Screening):
         load_packages()
         # the first piece takes the time of what packages do once
         self._few.solve_cell(Account())
-        elements = max(MORE_ELEMENTS, 2 * run.elements // 3)
+        elements = max(MORE_ELEMENTS, run.elements // 2)
         more = BeltRow(run.strip, elements, **land_columns_of(scene))
         self._rates = PieceRates(self._few, more, float(at[0]) / run.strip.pitch_rad)
         self._held = [response_at(self._few, None, float(angle)) for angle in at]

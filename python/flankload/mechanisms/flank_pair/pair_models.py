@@ -32,7 +32,7 @@ from flankload.elasticity.compliance import (
     no_compliance,
 )
 from flankload.elasticity.finite_elements import linear_cells, stiffness
-from flankload.elasticity.prism import Prism, prism_compliance
+from flankload.elasticity.prism import Prism, carried_and_held
 from flankload.errors import FlankloadError
 from flankload.mechanisms.element_rates import ElementRates, load_packages
 from flankload.mechanisms.flank_pair.assembly import bodies_of, build_bodies, without_ends
@@ -58,8 +58,8 @@ if TYPE_CHECKING:
     from flankload.pairing.expansion import BodyLoad
     from flankload.scene import BodySpec, Scene
 
-    #: With friction or not, influence numbers, expansion.
-    _FileVariant = tuple[bool, str, BodyLoad | None]
+    #: With friction or not, influence numbers.
+    _FileVariant = tuple[bool, str]
     #: Number, table, whether it is three-dimensional and touches with its tip.
     _BodyVariant = tuple[int, BodySpec, bool, bool]
 
@@ -189,17 +189,23 @@ class PairModels:
         spatial = [scene for scene in asked if is_spatial(scene).on]
         if not self._pair.effects.three_dimensions:
             self._solve_plane_elements(z, [scene for scene in asked if scene not in spatial])
-        on_shafts: dict[FlexibleShaft | None, Scene] = {}
+        friction = any(each.has_friction for each in spatial)
+        for scene in spatial:  # those on a shaft first: a held bore is solved with them
+            if self._variant(scene, z).shaft is not None:
+                self._solve_prism(z, scene, friction=friction)
         for scene in spatial:
-            on_shafts.setdefault(self._variant(scene, z).shaft, scene)
-        for scene in on_shafts.values():
-            self._solve_prism(z, scene, friction=any(each.has_friction for each in spatial))
+            self._solve_prism(z, scene, friction=friction)
 
     def _solve_prism(self, z: int, scene: Scene, *, friction: bool) -> None:
         """A three-dimensional body on coarse elements, and the plane body on the same elements."""
+        variant = self._variant(scene, z)
+        if variant in self._jobs[z]:
+            return
         load_packages()
-        body, found = coarse_compliance(scene, z, friction=friction)
-        self._jobs[z][self._variant(scene, z)] = found
+        body, (found, *held) = coarse_compliances(scene, z, friction=friction)
+        self._jobs[z][variant] = found
+        for each in held:
+            self._jobs[z].setdefault(replace(variant, shaft=None), each)
         if z in self.prism_rates:  # on another shaft
             return
         self.prism_rates[z] = PrismRates(body, found.job)
@@ -284,22 +290,20 @@ class PairModels:
         body, growth = pair.bodies[z], pair.body_loads[z]
         if not self._needs_elements(scene, z):
             return no_compliance(body, growth)
-        found = self._jobs[z].get(self._variant(scene, z)) or self._from_file(scene, body, z)
-        if growth is not None and not growth.needs_elements:
+        found = self._jobs[z].get(self._variant(scene, z)) if self._jobs[z] else None
+        found = found or self._from_file(scene, body, z)
+        if growth is not None and (body.imported is not None or not growth.needs_elements):
             found = replace(found, expansion=Expansion(growth.strain))
         if not scene.effects.coast_flank:
             found = replace(found, coast=None)
         return found if scene.effects.tooth_coupling else found.without_coupling()
 
     def _from_file(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
-        """Compliance that a body has from its file."""
-        growth = self.assembly(scene).body_loads[z]
-        key = scene.has_friction, scene.effects.influence, growth
+        """Compliance that a body has from its file, without expansion."""
+        key = scene.has_friction, scene.effects.influence
         if key not in self._of_files[z]:
             plain = with_keys(scene, tooth_coupling=True)
-            self._of_files[z][key] = compliance_of(
-                body, plain, self._pair.discretization, body_load=growth
-            )
+            self._of_files[z][key] = compliance_of(body, plain, self._pair.discretization)
         return self._of_files[z][key]
 
 
@@ -319,10 +323,12 @@ def _differ(one: Any, two: Any, *left_out: str) -> bool:
 
 
 # --- three-dimensional bodies on coarse elements --------------------------------------------------
-def coarse_compliance(
+def coarse_compliances(
     scene: Scene, z: int, *, friction: bool = False
-) -> tuple[Body, BodyCompliance]:
+) -> tuple[Body, tuple[BodyCompliance, ...]]:
     """Body z (0, 1) of a three-dimensional scene on coarse elements, and its compliance.
+
+    On a flexible shaft that with a held bore follows.
 
     Elements that the scene names coarser, or a file gives, stay. `friction`: loads along the flank
     are solved, too.
@@ -345,7 +351,7 @@ def coarse_compliance(
         shaft=body.axial.flexible,
     )
     modes = modes_of(body, scene, COARSE_PRISM)
-    return body, prism_compliance(body, prism, n_modes=modes, friction=friction)
+    return body, carried_and_held(body, prism, n_modes=modes, friction=friction)
 
 
 @dataclass(frozen=True)

@@ -53,8 +53,9 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 
-#: Positions of the screening; of these so many with the run's own cells, and with finite forces.
-MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 8, 4, 4
+#: Positions of the screening; of these so many with the run's own cells where sizes are compared on
+#: them, or seconds are measured alone; and with finite forces.
+MOST_POSITIONS, FINE_POSITIONS, TIMED_POSITIONS, FINITE_POSITIONS = 8, 4, 3, 4
 #: Final number of adaptive positions relative to the first round, approximately.
 ADAPTIVE_PART = 3.0
 #: Effects that are not tried while off, unless `levels` is set: coarser contact models, which are
@@ -73,7 +74,7 @@ SPATIAL = "three_dimensions"
 OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
 #: The elements of a coarse three-dimensional pair take about these CPU seconds; they are solved for
 #: a plane run that probably takes so many times as long.
-RUNG_S, METHOD_NAMES = 0.3, 6.0
+RUNG_S, RUNGS = 0.3, 6.0
 #: Evaluation points in the root fillets of a tooth.
 PLACES = 40
 #: Part of the wind-up per half-width of node spacing: largest at a position, and mean.
@@ -154,7 +155,7 @@ class FlankPairScreening(Screening):
         """The toggle; without a scene if it adds a dimension to a short run."""
         if name != SPATIAL or toggle.scene is None or self._pair.slices is not None or dimension:
             return toggle
-        if duration_of(self._scene, self._pair).seconds > METHOD_NAMES * RUNG_S:
+        if duration_of(self._scene, self._pair).seconds > RUNGS * RUNG_S:
             return toggle
         return Toggle(
             None, skipped=f"not screened, which takes about {RUNG_S:g} s (--dimension does it)"
@@ -172,15 +173,16 @@ class FlankPairScreening(Screening):
         if name == "finite_influence":
             return self._finite_size(scene, on=on)
         if name == "lumped_contact":
-            return self._with_fine_cells(scene, on=on, mine=self._fine)
+            # contact pairs in slices take as long as all other states together
+            return self._with_fine_cells(scene, on=on, fewer=1 if self._pair.slices is None else 2)
         if name == SPATIAL:
-            return self._with_fine_cells(scene, on=on, mine=self._fine if on else self._sections())
+            return self._with_fine_cells(scene, on=on, mine=None if on else self._sections())
         return super().size(name, on=on)
 
     def change(self, scene: Scene) -> Size:
         """Change by another scene; without cells against the cells of the run."""
         if effects_of(scene).lumped_contact and not self._pair.effects.lumped_contact:
-            return self._with_fine_cells(scene, on=False, mine=self._fine)
+            return self._with_fine_cells(scene, on=False)
         return super().change(scene)
 
     def _sections(self) -> list[States]:
@@ -189,12 +191,18 @@ class FlankPairScreening(Screening):
         found, _ = self._timed(self._scene, few, torque, fine=True, sections=True)
         return self._states(self._scene, found)
 
-    def _with_fine_cells(self, scene: Scene, *, on: bool, mine: list[States]) -> Size:
-        """Change by a scene that differs in its cells or slices, with those of the run."""
-        few = _every(self._at, FINE_POSITIONS)
+    def _with_fine_cells(
+        self, scene: Scene, *, on: bool, mine: list[States] | None = None, fewer: int = 1
+    ) -> Size:
+        """Change by a scene that differs in its cells or slices, with those of the run.
+
+        By default with those of the scene itself, at each `fewer`-th of their positions.
+        """
+        few = slice(None, None, fewer * _every(self._at, FINE_POSITIONS).step)
         found, seconds = self._timed(screened(scene), few, self._torques[-1:], fine=True)
         self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / found[0].status.size)
         other = self._states(screened(scene), found)
+        mine = mine or self._states(self._scene, self._fine, slice(None, None, fewer))
         return self.between(other, on=on, mine=mine, which=few)
 
     def states(self, scene: Scene) -> list[States]:
@@ -227,15 +235,17 @@ class FlankPairScreening(Screening):
         """Cells on which states are timed: of conforming flanks half as many as in the run."""
         return self._grid.coarser() if self._pair.pairing.whole_circle else self._grid
 
-    def _states(self, scene: Scene, found: tuple[Sweep, ...]) -> list[States]:
+    def _states(
+        self, scene: Scene, found: tuple[Sweep, ...], which: slice = slice(None)
+    ) -> list[States]:
         pair = self._models.assembly(scene)
         return [
             States.of(
                 part.torque_Nmm / 1000.0,
                 pair.pairing.sites,
-                part.rotation_rad,
-                part.site_force_N,
-                face_load_factor=_face_load_factor(part),
+                part.rotation_rad[which],
+                part.site_force_N[which],
+                face_load_factor=_face_load_factor(part, which),
             )
             for part in found
         ]
@@ -382,9 +392,11 @@ class FlankPairScreening(Screening):
 
         Of conforming flanks on cells twice as wide only.
         """
-        few, torque, account = _every(self._at, FINE_POSITIONS), self._torques[-1:], Account()
+        compared = self._pair.slices is not None or "lumped_contact" in self.toggles
+        few = _every(self._at, FINE_POSITIONS if compared else TIMED_POSITIONS)
+        torque, account = self._torques[-1:], Account()
         found, seconds = self._timed(self._scene, few, torque, account, fine=True)
-        self._fine, count = self._states(self._scene, found), found[0].status.size
+        self._fine, count = found, found[0].status.size
         account.bytes = held_bytes(found)
         state = max(TINY_S, (seconds - call_s) / count)
         if self._timed_grid != self._grid:
@@ -400,13 +412,13 @@ class FlankPairScreening(Screening):
         return StateRate(call_s, state, state * 0.5**power, account, count)
 
 
-def _face_load_factor(found: Sweep) -> float | None:
-    """K_Hbeta of all positions; None in the plane."""
+def _face_load_factor(found: Sweep, which: slice) -> float | None:
+    """K_Hbeta of some positions; None in the plane."""
     slices = found.slices
     if slices is None:
         return None
     widths = np.diff(slices.edges_mm)
-    return float(face_load_factors(slices.force_N, widths, each=slices.conforming).max())
+    return float(face_load_factors(slices.force_N[which], widths, each=slices.conforming).max())
 
 
 def _every(positions: Floats, most: int) -> slice:

@@ -47,7 +47,7 @@ def plan(scene: SceneLike, *, levels: bool = False, dimension: bool = False) -> 
         As of `solve`.
     levels : bool
         Whether to include size and cost of contact models that are off. Without them the plan takes
-        less than half the time of the run that it predicts.
+        at most about half the time of most runs.
     dimension : bool
         Whether to include size and cost of three dimensions for a plane scene, whose run may take
         less time than that.

@@ -171,6 +171,19 @@ def test_sectors_close_to_the_meshed_ring_on_its_shaft(twist: float, torque_end:
     np.testing.assert_allclose(found, wanted, rtol=0, atol=CLOSURE * np.abs(wanted).max())
 
 
+def test_the_response_of_a_held_bore_comes_with_that_on_the_shaft() -> None:
+    """One condensation for both: the same as without the columns of the bore."""
+    carrying = shaft((-9.0, 6.0), 10.0)
+    bore, loads = _bore(0.02, carrying)
+    sector = _sector(0.02, np.concatenate([loads, bore.columns], axis=2))
+    held = bore.held_response(sector)
+    wanted = _response(0.02, None)
+    np.testing.assert_allclose(held, wanted, rtol=0, atol=CLOSURE * np.abs(wanted).max())
+    on_shaft = bore.close_ring(sector, held)
+    np.testing.assert_array_equal(on_shaft, bore.close_ring(sector))
+    assert np.abs(on_shaft - held).max() > 0.01 * np.abs(held).max()
+
+
 def test_other_readings_see_the_shaft() -> None:
     """The displacements under two of the loads, read once more as a kind of their own."""
     carrying = shaft((-9.0, 6.0), 10.0)
