@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cache
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
@@ -149,6 +150,16 @@ def beside_plan(
     return found
 
 
+@cache
+def _field_names(kind: type) -> tuple[str, ...] | None:
+    """Names of the fields of a dataclass; None for other types."""
+    return tuple(item.name for item in fields(kind)) if is_dataclass(kind) else None
+
+
+#: Values that hold no array.
+_WITHOUT_ARRAYS = (str, float, int)
+
+
 def held_bytes(*things: object) -> int:
     """Bytes of all distinct arrays in objects: in dataclasses, sequences and mappings.
 
@@ -166,17 +177,19 @@ def held_bytes(*things: object) -> int:
     left, seen = list(things), set()
     while left:
         thing = left.pop()
-        if isinstance(thing, str | float | int) or id(thing) in seen:
+        if thing is None or isinstance(thing, _WITHOUT_ARRAYS) or id(thing) in seen:
             continue
         seen.add(id(thing))
         if isinstance(thing, np.ndarray):
             while isinstance(thing.base, np.ndarray):
                 thing = thing.base
             owners[id(thing)] = thing.nbytes
-        elif is_dataclass(thing) and hasattr(thing, "nbytes"):
-            owners[id(thing)] = thing.nbytes
-        elif is_dataclass(thing):
-            left += [getattr(thing, item.name) for item in fields(thing)]
+        elif (names := _field_names(type(thing))) is not None:
+            own = getattr(thing, "nbytes", None)
+            if own is None:
+                left += [getattr(thing, name) for name in names]
+            else:
+                owners[id(thing)] = own
         elif isinstance(thing, Mapping):
             left += thing.values()
         elif isinstance(thing, list | tuple):

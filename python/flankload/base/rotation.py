@@ -19,4 +19,6 @@ def turned(vectors: Floats, angle_rad: Floats | float) -> Floats:
 
 def directions(angles_rad: Floats) -> Floats:
     """(n, 2) Unit vectors at polar angles (n,)."""
-    return np.column_stack([np.cos(angles_rad), np.sin(angles_rad)])
+    found = np.empty((np.size(angles_rad), 2))
+    found[:, 0], found[:, 1] = np.cos(angles_rad), np.sin(angles_rad)
+    return found

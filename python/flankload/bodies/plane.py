@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,27 +22,61 @@ def mirrored(places: Floats, axis_rad: float) -> Floats:
 
 def across(vectors: Floats) -> Floats:
     """Vectors (m, 2) rotated by a quarter turn counter-clockwise."""
-    return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)
+    found = np.empty_like(vectors)
+    found[:, 0], found[:, 1] = -vectors[:, 1], vectors[:, 0]
+    return found
+
+
+@dataclass(frozen=True)
+class Line:
+    """A straight line by the distance from its start.
+
+    Attributes
+    ----------
+    start : (float, float)
+        mm.
+    direction : (float, float)
+        Unit vector.
+    """
+
+    start: tuple[float, float]
+    direction: tuple[float, float]
+
+    def place(self, u: Floats) -> tuple[Floats, Floats, Floats]:
+        """Points (m, 2) at distances (m,), mm, and their first two derivatives."""
+        direction, ones = np.array(self.direction), np.ones((u.size, 1))
+        return self.start + u[:, None] * direction, ones * direction, 0.0 * ones * direction
+
+
+@dataclass(frozen=True)
+class Circle:
+    """A circle by the polar angle about its centre; a negative radius: its opposite points.
+
+    Attributes
+    ----------
+    center_mm : (float, float)
+    radius_mm : float
+    """
+
+    center_mm: tuple[float, float]
+    radius_mm: float
+
+    def place(self, angle: Floats) -> tuple[Floats, Floats, Floats]:
+        """Points (m, 2) at angles (m,), mm, and their first two derivatives."""
+        out, radius = directions(angle), self.radius_mm
+        return self.center_mm + radius * out, radius * across(out), -radius * out
 
 
 def line(start: Floats, direction: Floats) -> Place:
-    """A straight line by the distance from its start."""
-
-    def place(u: Floats) -> tuple[Floats, Floats, Floats]:
-        ones = np.ones((u.size, 1))
-        return start + u[:, None] * direction, ones * direction, 0.0 * ones * direction
-
-    return place
+    """Places on a `Line`, from arrays (2,)."""
+    (x, y), (along_x, along_y) = start.tolist(), direction.tolist()
+    return Line((x, y), (along_x, along_y)).place
 
 
 def circle(center: Floats, radius: float) -> Place:
-    """A circle by the polar angle about its centre; a negative radius: its opposite points."""
-
-    def place(angle: Floats) -> tuple[Floats, Floats, Floats]:
-        out = directions(angle)
-        return center + radius * out, radius * across(out), -radius * out
-
-    return place
+    """Places on a `Circle` about a centre (2,)."""
+    x, y = center.tolist()
+    return Circle((x, y), radius).place
 
 
 def sketched_tooth(flank: Floats, teeth: int) -> Floats:

@@ -71,9 +71,7 @@ class FlankCurve:
     def _by_arc_length(self, s: ArrayLike, order: int) -> list[Floats]:
         """Point and its derivatives up to an order, each (m, 2), by Horner's rule."""
         places = np.atleast_1d(np.asarray(s, dtype=float))
-        interval = np.clip(
-            np.searchsorted(self.breaks, places, side="right") - 1, 0, len(self.labels) - 1
-        )
+        interval = np.searchsorted(self.breaks[1:-1], places, side="right")
         x = (places - self.breaks[interval])[:, None]
         c = self.coefficients[interval]
         values = [c[:, :, -1].copy(), *(np.zeros((x.size, 2)) for _ in range(order))]
