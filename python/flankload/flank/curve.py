@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flankload.base.arrays import Floats
+from flankload.base.rotation import lengths_of
 
 #: Relative distance (of the length) and angle (rad) within which the ends of a curve coincide, so
 #: that the curve counts as closed.
@@ -88,7 +89,7 @@ class FlankCurve:
     def tangent(self, s: ArrayLike) -> Floats:
         """Unit tangents towards the tip at arc lengths s (m,): (m, 2)."""
         first = self._by_arc_length(s, 1)[1]
-        return first / np.linalg.norm(first, axis=1, keepdims=True)
+        return first / lengths_of(first)[:, None]
 
     def normal(self, s: ArrayLike) -> Floats:
         """Outward unit normals at arc lengths s (m,): (m, 2)."""
@@ -98,7 +99,7 @@ class FlankCurve:
     def curvature(self, s: ArrayLike) -> Floats:
         """Curvature at arc lengths s (m,), 1/mm; positive where the flank is convex."""
         _, first, second = self.derivatives(s)
-        speed = np.linalg.norm(first, axis=1)
+        speed = lengths_of(first)
         return (first[:, 1] * second[:, 0] - first[:, 0] * second[:, 1]) / speed**3
 
     def rotated(self, angle: float) -> FlankCurve:
@@ -182,4 +183,4 @@ class FlankCurve:
             s = new
             if done:
                 break
-        return s, np.linalg.norm(self.point(s) - wanted, axis=1)
+        return s, lengths_of(self.point(s) - wanted)

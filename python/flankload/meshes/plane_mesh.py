@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import lengths_of
+
 if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Floats, Numbers
 
@@ -104,7 +106,7 @@ def scaled_jacobians(nodes: Floats, kind: str, data: Numbers) -> Floats:
     """
     along_x, along_y = _tangents(nodes, kind, data)
     area = along_x[..., 0] * along_y[..., 1] - along_x[..., 1] * along_y[..., 0]
-    lengths = [np.linalg.norm(along, axis=-1) for along in (along_x, along_y)]
+    lengths = [lengths_of(along) for along in (along_x, along_y)]
     if kind == "triangle6":
         # the angle at each corner counts: the third side lies between the other two
         lengths.append(np.linalg.norm(along_x - along_y, axis=-1))
@@ -147,8 +149,10 @@ def _tangents(nodes: Floats, kind: str, data: Numbers) -> tuple[Floats, Floats]:
         zero = np.zeros_like(x)
         by_x = np.stack([1 - 4 * z, 4 * x - 1, zero, 4 * (z - x), 4 * y, -4 * y], 1)
         by_y = np.stack([1 - 4 * z, zero, 4 * y - 1, -4 * x, 4 * x, 4 * (z - y)], 1)
-    place = nodes[data]
-    return np.einsum("gk,ekd->egd", by_x, place), np.einsum("gk,ekd->egd", by_y, place)
+    # one product for all elements: (E, 2, k) by (k, g)
+    place = nodes[data].transpose(0, 2, 1)
+    by_x, by_y = ((place @ by.T).transpose(0, 2, 1) for by in (by_x, by_y))
+    return by_x, by_y
 
 
 def chain(edges: Numbers) -> list[Numbers]:

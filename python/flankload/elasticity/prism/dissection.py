@@ -66,9 +66,9 @@ def dissect(
 
     def split(element: Numbers, node: Numbers) -> int:
         """Number of the front that eliminates the last nodes of these pairs."""
-        own, below = np.unique(node), []
+        own, below = np.flatnonzero(_among(node, inner.size)), []
         if own.size > LEAF:
-            own, halves = _bisected(element, node, middles)
+            own, halves = _bisected(element, node, middles, inner.size)
             below = [split(element[half], node[half]) for half in halves if half.any()]
         owns.append(own)
         parts.append(tuple(below))
@@ -81,10 +81,9 @@ def dissect(
     position[kept] = order.size + np.arange(kept.size)
     fronts: list[Front] = []
     for own, below in zip(owns, parts, strict=True):
-        touched = np.zeros(sizes.size, dtype=bool)
-        touched[element[np.isin(node, own)]] = True
+        touched = _among(element[_among(own, inner.size)[node]], sizes.size)
         beside = [node[touched[element]], *(fronts[part].rest for part in below)]
-        rest = np.unique(np.concatenate(beside))
+        rest = np.flatnonzero(_among(np.concatenate(beside), inner.size))
         rest = rest[position[rest] > position[own].max(initial=-1)]
         rest = rest[np.argsort(position[rest])]
         carries = loaded[own].any() or any(fronts[part].loaded for part in below)
@@ -92,19 +91,29 @@ def dissect(
     return fronts, position
 
 
-def _bisected(element: Numbers, node: Numbers, middles: Floats) -> tuple[Numbers, list[Flags]]:
+def _among(numbers: Numbers, count: int) -> Flags:
+    """Which of so many numbers, from 0, are there."""
+    found = np.zeros(count, dtype=bool)
+    found[numbers] = True
+    return found
+
+
+def _bisected(
+    element: Numbers, node: Numbers, middles: Floats, nodes: int
+) -> tuple[Numbers, list[Flags]]:
     """Nodes that both halves share, and the pairs of each half without them.
 
-    The best of some directions: the fewest nodes.
+    The best of some directions: the fewest nodes, of so many in the mesh.
     """
-    elements = np.unique(element)
+    elements = np.flatnonzero(_among(element, len(middles)))
     best: tuple[Numbers, list[Flags]] | None = None
     for turn in np.arange(DIRECTIONS) * (np.pi / DIRECTIONS):
         along = middles @ [np.cos(turn), np.sin(turn)]
         ahead = along[element] > np.median(along[elements])
-        own = np.intersect1d(node[ahead], node[~ahead])
+        shared = _among(node[ahead], nodes) & _among(node[~ahead], nodes)
+        own = np.flatnonzero(shared)
         if best is None or own.size < best[0].size:
-            free = ~np.isin(node, own)
+            free = ~shared[node]
             best = own, [ahead & free, ~ahead & free]
     assert best is not None
     return best
