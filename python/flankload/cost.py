@@ -174,7 +174,8 @@ def held_bytes(*things: object) -> int:
         value.
     """
     owners: dict[int, int] = {}
-    left, seen = list(things), set()
+    left: list[Any] = list(things)
+    seen = set()
     while left:
         thing = left.pop()
         if thing is None or isinstance(thing, _WITHOUT_ARRAYS) or id(thing) in seen:
