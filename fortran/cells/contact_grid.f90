@@ -1,8 +1,7 @@
 !> Cells along flank 1 around each point of least gap: extent and widths.
 module flankload_contact_grid
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: flank_curve_type, frame_type
-    use flankload_circle_pair, only: guessed_s_2, pair_type, pair_on_circle
+    use flankload_circle_pair, only: facing_type, guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     use flankload_contact_reach, only: edge_type, is_level
     use flankload_rounding, only: tie, whole_parts
@@ -203,13 +202,9 @@ contains
     !> Separate the grids of two zones of a site if they overlap, so that no point has two cells.
     !>
     !> The border is at the greatest gap between both points of least gap, away from either contact.
-    pure subroutine part_neighbours(flank_1, frame_1, flank_2, frame_2, zone, next, grid, next_grid)
-        !> Flank of body 1 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure subroutine part_neighbours(facing, zone, next, grid, next_grid)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Adjacent zones of a site, the first at smaller arc length
         type(zone_type), intent(in) :: zone
         type(zone_type), intent(in) :: next
@@ -231,8 +226,7 @@ contains
         do step = 1, steps
             border = 0.5_wp*(low + high)
             pair%s_2 = guessed_s_2(pair, border)
-            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, border, &
-                & [zone%s_2_low, zone%s_2_high], pair, found)
+            call pair_on_circle(facing, border, [zone%s_2_low, zone%s_2_high], pair, found)
             if (.not. found) exit
             if (pair%slope > 0.0_wp) then
                 low = border

@@ -5,7 +5,7 @@ module flankload_pair_influence
     use flankload_cell_field, only: cell_influences
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_zones, only: zone_type
-    use flankload_influence_number, only: influence_matrix
+    use flankload_influence_coefficients, only: influence_matrix
     use flankload_lapack, only: set_product
     use flankload_polar_geometry, only: cross
     use flankload_position_zones, only: body_type

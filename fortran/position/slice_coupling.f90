@@ -38,8 +38,7 @@ contains
         refused = .not. is_lumped .and. finite_steps > 0
         refused = refused .or. is_plane_only(body_1%compliance) &
             & .or. is_plane_only(body_2%compliance)
-        if (refused) call fatal_error(error, code_not_in_slices, &
-            & 'slices: flanks with two ends only, cells without finite forces')
+        if (refused) call fatal_error(error, code_not_in_slices)
     end subroutine check_slices
 
     !> Return whether a compliance has parts that are defined for plane sections only.

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
-from functools import cache
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
@@ -150,14 +149,8 @@ def beside_plan(
     return found
 
 
-@cache
-def _field_names(kind: type) -> tuple[str, ...] | None:
-    """Names of the fields of a dataclass; None for other types."""
-    return tuple(item.name for item in fields(kind)) if is_dataclass(kind) else None
-
-
-#: Values that hold no array.
-_WITHOUT_ARRAYS = (str, float, int)
+#: Types that hold no array.
+PLAIN = (str, float, int)
 
 
 def held_bytes(*things: object) -> int:
@@ -174,23 +167,21 @@ def held_bytes(*things: object) -> int:
         value.
     """
     owners: dict[int, int] = {}
-    left: list[Any] = list(things)
-    seen = set()
+    left, seen = list(things), set()
     while left:
         thing = left.pop()
-        if thing is None or isinstance(thing, _WITHOUT_ARRAYS) or id(thing) in seen:
+        if thing is None or isinstance(thing, PLAIN) or id(thing) in seen:
             continue
         seen.add(id(thing))
         if isinstance(thing, np.ndarray):
             while isinstance(thing.base, np.ndarray):
                 thing = thing.base
             owners[id(thing)] = thing.nbytes
-        elif (names := _field_names(type(thing))) is not None:
-            own = getattr(thing, "nbytes", None)
-            if own is None:
-                left += [getattr(thing, name) for name in names]
+        elif is_dataclass(thing):
+            if hasattr(thing, "nbytes"):
+                owners[id(thing)] = thing.nbytes
             else:
-                owners[id(thing)] = own
+                left += [getattr(thing, item.name) for item in fields(thing)]
         elif isinstance(thing, Mapping):
             left += thing.values()
         elif isinstance(thing, list | tuple):

@@ -9,7 +9,9 @@ program test_core
     use flankload_contact_problem, only: contact_problem, new_contact_problem
     use flankload_contact_certificate, only: certify, is_unique
     use flankload_twice_precision, only: two_part, add_product, rounded
-    use flankload_lumped_hertz, only: lumped_contact
+    use flankload_lumped_estimate, only: estimate_forces
+    use flankload_position_state, only: position_state
+    use flankload_position_zones, only: position_type
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve, curve_point
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pairs, &
         & drop_pair
@@ -792,15 +794,21 @@ contains
     subroutine test_estimate_of_one_place
         real(wp), parameter :: kernel = 1.0e-5_wp, force = 100.0_wp, lever = 2.0_wp
         real(wp), parameter :: half_width = 0.2_wp
-        real(wp) :: coupling(1, 1), rotation, approach
+        real(wp) :: rotation, approach
         real(wp), allocatable :: forces(:)
-        integer :: pivots
-        type(image_type) :: none(2, 1)
+        type(position_type) :: position
+        type(position_state) :: state
         type(error_type), allocatable :: error
 
-        coupling = 0.0_wp
-        call lumped_contact(coupling, [0.0_wp], [lever], [2.0_wp*force*kernel/half_width**2], &
-            & [1.0_wp], 10.0_wp, [kernel], none, lever*force, forces, rotation, pivots, error)
+        allocate (position%zones(1), position%images(2, 1))
+        allocate (position%coupling(1, 1), source=0.0_wp)
+        position%zones%lever = lever
+        position%gap = [0.0_wp]
+        position%widest = [1.0_wp]
+        position%kernel = [kernel]
+        position%flank_length = 10.0_wp
+        call estimate_forces(position, [2.0_wp*force*kernel/half_width**2], lever*force, forces, &
+            & rotation, state, error)
         call expect(.not. allocated(error), 'one place is estimated')
         approach = kernel*force*(0.5_wp + log(2.0_wp/half_width))
         call expect(abs(lever*rotation - approach) <= round_off*approach, 'the approach of Hertz')

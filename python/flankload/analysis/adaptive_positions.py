@@ -58,15 +58,15 @@ class Window:
         Whether the curves are periodic over the window.
     sites : (S,) array
         Pair numbers.
-    whole_circle : bool
-        Whether the sites are all flanks (splines and cams).
+    cyclic : bool
+        Whether the sites are all flanks, so that the first follows the last.
     """
 
     pitch_rad: float
     pitches: int
     closed: bool
     sites: Numbers
-    whole_circle: bool
+    cyclic: bool
 
     def curve_of(self, position_rad: Floats, values: Floats, changes: Flags) -> PositionCurve:
         """Values (P,) at positions (P,) over the window, with kinks behind some of them (P,)."""
@@ -75,9 +75,7 @@ class Window:
 
     def changes(self, loaded: Flags) -> Flags:
         """Whether the loaded pairs (P, S) change between a position and the next, (P,)."""
-        return loaded_pair_changes(
-            loaded, self.sites, pitches=self.pitches, whole_circle=self.whole_circle
-        )
+        return loaded_pair_changes(loaded, self.sites, pitches=self.pitches, cyclic=self.cyclic)
 
 
 @dataclass(frozen=True)

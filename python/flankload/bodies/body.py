@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.corner_angle import SMOOTH, angle_at
 from flankload.bodies.tip_modes import Tip
 from flankload.meshes.blocks import edges_along
 from flankload.scene.refusal import refuse
@@ -88,6 +90,14 @@ class SectorMesh:
         """Its only flank, as those of a `WholeMesh`."""
         return (self,)
 
+    @cached_property
+    def end_angles_deg(self) -> tuple[float, float]:
+        """Interior angles of the metal at both ends of the flank's modes; 180 on a cut."""
+        low, high = _end_angles(self, self.flank_edges)
+        cut = np.concatenate([self.left_nodes, self.right_nodes])
+        on_cut = np.isin(self.flank_edges[[0, -1], [0, 1]], cut)
+        return SMOOTH if on_cut[0] else low, SMOOTH if on_cut[1] else high
+
 
 @dataclass(frozen=True)
 class MeshedFlank:
@@ -137,6 +147,17 @@ class WholeMesh:
     def flank_elements(self) -> int:
         """Number of elements along the flank that has the fewest."""
         return min(len(flank.flank_edges) for flank in self.flanks)
+
+    @cached_property
+    def end_angles_deg(self) -> tuple[float, float]:
+        """Interior angles of the metal at both ends of the modes of the first flank."""
+        return _end_angles(self, self.flanks[0].flank_edges)
+
+
+def _end_angles(mesh: SectorMesh | WholeMesh, edges: Numbers) -> tuple[float, float]:
+    """Interior angles at both ends of the edges of a flank, degrees."""
+    low, high = (angle_at(mesh.nodes, mesh.cells, int(node)) for node in edges[[0, -1], [0, 1]])
+    return low, high
 
 
 @dataclass(frozen=True)
@@ -307,7 +328,7 @@ class Body(BodySites):
         """Whether the body is a spline, whose flanks conform to those of the other body."""
         return self.kind in ("spline_shaft", "spline_hub")
 
-    @property
+    @cached_property
     def tip(self) -> Tip | None:
         """Where the modes of a tip rounding or chamfer end; None without one."""
         if self.given is not None:

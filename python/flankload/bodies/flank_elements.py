@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
+
+from flankload.base.gauss import leggauss
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats

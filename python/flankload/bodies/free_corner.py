@@ -19,13 +19,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies.body import SectorMesh, WholeMesh
+from flankload.bodies.corner_angle import SMOOTH
 
 if TYPE_CHECKING:
     from flankload.bodies.body import Body
 
-#: Interior angle where the surface goes on smoothly.
-SMOOTH = 180.0
 #: Metal that turns by less than this is no corner, degrees: straight-sided elements on a rounding
 #: turn by a few, and psi is below 0.0002 there.
 LEAST_TURN = 5.0
@@ -78,16 +76,14 @@ def corner_angles(body: Body) -> tuple[float, float]:
         return body.given.corner_angles_deg
     if body.mesh is None or body.curve.closed:
         return SMOOTH, SMOOTH
-    flank = body.mesh.flanks[0] if isinstance(body.mesh, WholeMesh) else body.mesh
-    return angle_at(body.mesh, int(flank.flank_edges[0, 0])), tip_angle(body)
+    return body.mesh.end_angles_deg[0], tip_angle(body)
 
 
 def tip_angle(body: Body) -> float:
     """Interior angle of the metal at the high end of the modes of a body with elements, degrees."""
     if body.mesh is None or body.curve.closed or not _tip_is_sharp(body):
         return SMOOTH
-    flank = body.mesh.flanks[0] if isinstance(body.mesh, WholeMesh) else body.mesh
-    return angle_at(body.mesh, int(flank.flank_edges[-1, 1]))
+    return body.mesh.end_angles_deg[1]
 
 
 def _tip_is_sharp(body: Body) -> bool:
@@ -97,24 +93,3 @@ def _tip_is_sharp(body: Body) -> bool:
     """
     low, high = body.mode_range_mm
     return body.curve.length_mm - high <= SAME_PLACE * (high - low)
-
-
-def angle_at(mesh: SectorMesh | WholeMesh, node: int) -> float:
-    """Interior angle of the elements at a corner node of theirs, degrees; 180 on a cut face."""
-    if isinstance(mesh, SectorMesh) and node in np.append(mesh.left_nodes, mesh.right_nodes):
-        return SMOOTH
-    whole = 0.0
-    for kind, cells in mesh.cells:
-        corners = 3 if kind.startswith("triangle") else 4
-        cell, at = np.nonzero(cells[:, :corners] == node)
-        before, behind = (at - 1) % corners, (at + 1) % corners
-        # an edge leaves its end in the direction 4 middle - 3 here - other end
-        one, two = (
-            4 * mesh.nodes[cells[cell, corners + edge]]
-            - 3 * mesh.nodes[node]
-            - mesh.nodes[cells[cell, end]]
-            for edge, end in ((at, behind), (before, before))
-        )
-        cross = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
-        whole += float(np.abs(np.arctan2(cross, np.sum(one * two, axis=1))).sum())
-    return float(np.degrees(whole))

@@ -27,54 +27,34 @@ def across(vectors: Floats) -> Floats:
     return found
 
 
-@dataclass(frozen=True)
-class Line:
-    """A straight line by the distance from its start.
+def line(start: Floats, direction: Floats) -> Place:
+    """A straight line by the distance from its start."""
 
-    Attributes
-    ----------
-    start : (float, float)
-        mm.
-    direction : (float, float)
-        Unit vector.
-    """
+    def place(u: Floats) -> tuple[Floats, Floats, Floats]:
+        ones = np.ones((u.size, 1))
+        return start + u[:, None] * direction, ones * direction, 0.0 * ones * direction
 
-    start: tuple[float, float]
-    direction: tuple[float, float]
-
-    def place(self, u: Floats) -> tuple[Floats, Floats, Floats]:
-        """Points (m, 2) at distances (m,), mm, and their first two derivatives."""
-        direction, ones = np.array(self.direction), np.ones((u.size, 1))
-        return self.start + u[:, None] * direction, ones * direction, 0.0 * ones * direction
+    return place
 
 
 @dataclass(frozen=True)
 class Circle:
-    """A circle by the polar angle about its centre; a negative radius: its opposite points.
+    """A circle; a negative radius: its points are opposite to their angles.
 
-    Attributes
-    ----------
-    center_mm : (float, float)
-    radius_mm : float
+    Fits of a method of a dataclass are held for other bodies with the same circle.
     """
 
     center_mm: tuple[float, float]
     radius_mm: float
 
     def place(self, angle: Floats) -> tuple[Floats, Floats, Floats]:
-        """Points (m, 2) at angles (m,), mm, and their first two derivatives."""
+        """Points at polar angles (m,) about the centre, with two derivatives: (m, 2) each."""
         out, radius = directions(angle), self.radius_mm
         return self.center_mm + radius * out, radius * across(out), -radius * out
 
 
-def line(start: Floats, direction: Floats) -> Place:
-    """Places on a `Line`, from arrays (2,)."""
-    (x, y), (along_x, along_y) = start.tolist(), direction.tolist()
-    return Line((x, y), (along_x, along_y)).place
-
-
 def circle(center: Floats, radius: float) -> Place:
-    """Places on a `Circle` about a centre (2,)."""
+    """A circle by the polar angle about its centre; a negative radius: its opposite points."""
     x, y = center.tolist()
     return Circle((x, y), radius).place
 

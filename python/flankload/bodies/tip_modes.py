@@ -24,11 +24,15 @@ the corner behind the tip is as far away as the tip is long, and the modes carry
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander, poly2leg
+from numpy.polynomial.legendre import legvander, poly2leg
 from numpy.polynomial.polynomial import polypow
+
+from flankload.base.gauss import leggauss
+from flankload.base.read_only import frozen
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -87,13 +91,19 @@ def tip_values(s: Floats, high: float, tip: Tip, count: int) -> Floats:
 
 def on_tip(n_modes: int, tip: Tip) -> Floats:
     """All modes on the tip (q + 1, n_modes) as Legendre polynomials; q modes are the tip's own."""
+    return _on_tip(n_modes, tip.power)
+
+
+@cache
+def _on_tip(n_modes: int, least_power: int) -> Floats:
+    """All modes on a tip whose own modes have these powers and higher ones; read-only."""
     own = tip_modes(n_modes)
     parts = np.zeros((own + 1, n_modes))
     parts[0, : n_modes - own] = 1.0
     for k in range(own):
-        power = tip.power + k
+        power = least_power + k
         parts[: power + 1, n_modes - own + k] = poly2leg(polypow([0.5, 0.5], power))
-    return parts
+    return frozen(parts)
 
 
 def joined(

@@ -220,7 +220,8 @@ class CoreCall:
 
 def _count(status: NDArray[Any], counters: NDArray[Any], account: Account) -> None:
     """Count the work of a call of the core, including states that exceeded the allocation."""
-    begun = ~np.isin(status, (Status.NO_ROOM, Status.STOPPED)) | counters.any(axis=0)
+    undone = (status == Status.NO_ROOM) | (status == Status.STOPPED)
+    begun = ~undone | counters.any(axis=0)
     sums = counters.sum(axis=(1, 2), dtype=np.int64).tolist()
     account.count(states=int(begun.sum()), **dict(zip(CORE_COUNTERS, sums, strict=True)))
 

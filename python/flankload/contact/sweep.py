@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from flankload.pairing.slices import Slices
     from flankload.scene.discretization import Grid
 
-    Record = TypeVar("Record", "Sweep", "CoastSweep", "SliceStates")
+    Record = TypeVar("Record", "Sweep", "CoastSweep", "SliceStates", "UnloadedStates")
 
 #: Fields of a sweep that have no row for each position.
 OF_ALL_POSITIONS = ("torque_Nmm", "edges_mm", "conforming")
@@ -37,7 +37,7 @@ FIRST_ROOM = 256
 #: The same for contact on all teeth, per site and cell between its middle and the edge of its zone:
 #: two sides, finer cells at the ends of conforming flanks (2.8 in all), and a reserve.
 ROOM_OF_CELL = 3.2
-#: Cells in slices: of a slice beside those in its zone, and flanks with as many cells as slices.
+#: Cells of a flank or a slice beside those in its zone; in slices, flanks with as many cells.
 LEAST_CELLS, MESHING_FLANKS = 8, 4
 
 
@@ -115,6 +115,21 @@ class SliceStates:
 
 
 @dataclass(frozen=True)
+class UnloadedStates:
+    """States without torque.
+
+    Attributes
+    ----------
+    rotation_rad : (P,) array
+    touches : (P, S) array of bool
+        Sites that touch.
+    """
+
+    rotation_rad: NDArray[np.float64]
+    touches: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
 class Sweep:
     """Results of the core at all positions (P) for one torque; S sites.
 
@@ -142,10 +157,8 @@ class Sweep:
         Results of the coast flanks, if they can carry load.
     slices : SliceStates or None
         If flanks are cut.
-    unloaded_rad : (P,) array or None
-        Rotation without torque, if computed.
-    unloaded_contact : (P, S) array of bool or None
-        Sites that touch without torque, if computed.
+    unloaded : UnloadedStates or None
+        If they are computed and exist.
     """
 
     torque_Nmm: float
@@ -162,14 +175,14 @@ class Sweep:
     pairs: PackedPairs
     coast: CoastSweep | None = None
     slices: SliceStates | None = None
-    unloaded_rad: NDArray[np.float64] | None = None
-    unloaded_contact: NDArray[np.bool_] | None = None
+    unloaded: UnloadedStates | None = None
 
     @property
     def turned_rad(self) -> NDArray[np.float64]:
         """(P,) Rotation minus that without torque, if the latter is known."""
-        unloaded = self.unloaded_rad
-        return self.rotation_rad if unloaded is None else self.rotation_rad - unloaded
+        if self.unloaded is None:
+            return self.rotation_rad
+        return self.rotation_rad - self.unloaded.rotation_rad
 
 
 def sweep(
@@ -332,7 +345,7 @@ def _first_room(contact: FlankContact) -> int:
         return slices.count * (2 * sites if contact.level == "lumped" else of_cells)
     if not pairing.whole_circle:
         return sides * FIRST_ROOM
-    return sides * max(FIRST_ROOM, int(ROOM_OF_CELL * cells * sites))
+    return sides * max(FIRST_ROOM, int(ROOM_OF_CELL * (cells + LEAST_CELLS) * sites))
 
 
 def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:

@@ -21,8 +21,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander
+from numpy.polynomial.legendre import legvander
 
+from flankload.base.gauss import leggauss
 from flankload.bodies.body import MeshedFlank
 from flankload.bodies.tip_modes import Tip, joined, joined_image, on_tip, tip_modes, tip_values
 

@@ -125,13 +125,13 @@ def fit_tolerance_mm(pieces: Sequence[CurvePiece]) -> float:
     float
         In proportion to the length of the curve.
     """
-    ends = [np.array([[piece.u_start, piece.u_end]]) for piece in pieces]
-    length = sum(_arc_lengths(piece, at)[0] for piece, at in zip(pieces, ends, strict=True))
-    far = max(
-        float(lengths_of(piece.place(at[0])[0]).max())
-        for piece, at in zip(pieces, ends, strict=True)
-    )
-    return max(TOLERANCE * float(length), ROUNDING * far)
+    length = far = 0.0
+    for piece in pieces:
+        lengths, (end, _, _) = _lengths_and_ends(piece, _intervals(piece))
+        start, _, _ = piece.place(np.array([piece.u_start]))
+        length += float(lengths.sum())
+        far = max(far, float(lengths_of(np.concatenate([start, end])).max()))
+    return max(TOLERANCE * length, ROUNDING * far)
 
 
 def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
@@ -157,8 +157,7 @@ def _fit_held(
 
 def _fit(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
     """Fit a piece."""
-    marks = np.concatenate([[piece.u_start], piece.knots, [piece.u_end]])
-    ends = np.stack([marks[:-1], marks[1:]], axis=1)
+    ends = _intervals(piece)
     done: list[tuple[Floats, Floats, Floats]] = []
     lengths = _arc_lengths(piece, ends)
     for _ in range(_MOST_HALVINGS):
@@ -183,6 +182,12 @@ def _fit(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
         np.concatenate([part[1] for part in done])[order],
         np.concatenate([part[2] for part in done])[order],
     )
+
+
+def _intervals(piece: CurvePiece) -> Floats:
+    """Both ends (m, 2) of the intervals of a piece between its knots."""
+    marks = np.concatenate([[piece.u_start], piece.knots, [piece.u_end]])
+    return np.stack([marks[:-1], marks[1:]], axis=1)
 
 
 def _halves(ends: Floats) -> Floats:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -39,8 +37,8 @@ def curve_through_nodes(
         If there are fewer than 4 points, or two neighbours coincide.
     """
     place, knots = _spline(_checked_nodes(points))
-    pieces = [CurvePiece(label, place, a, b) for a, b in pairwise(knots.tolist())]
-    return fit_flank_curve(pieces, corner_at_end=corner_at_end)
+    piece = CurvePiece(label, place, float(knots[0]), float(knots[-1]), knots=knots[1:-1])
+    return fit_flank_curve([piece], corner_at_end=corner_at_end)
 
 
 def nodes_deviation(points: ArrayLike) -> float:

@@ -19,6 +19,7 @@ from flankload.meshes.plane_mesh import (
     counter_clockwise,
     edge_lengths,
     jacobians,
+    pair_numbers,
     raise_to_quadratic,
 )
 
@@ -213,7 +214,8 @@ def _inverted(nodes: Floats, cells: Cells) -> Defect | None:
 def _folded(nodes: Floats, cells: Cells) -> Defect | None:
     """Elements that overlap: both neighbours have their common edge in the same direction."""
     edges = np.vstack([data[:, edge] for kind, data in cells for edge in EDGES[kind]])
-    _, first, count = np.unique(edges[:, :2], axis=0, return_index=True, return_counts=True)
+    numbers = pair_numbers(edges[:, :2])
+    _, first, count = np.unique(numbers, return_index=True, return_counts=True)
     if (count == 1).all():
         return None
     place = edges[first[count > 1][0], 2]
@@ -237,9 +239,9 @@ def _loose_parts(cells: Cells) -> Defect | None:
             for first, (kind, data) in zip(numbers[:-1], cells, strict=True)
         ]
     )
-    _, edge = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
+    _, edge = np.unique(pair_numbers(np.sort(edges, axis=1)), return_inverse=True)
     # elements and edges as one graph: each element is connected to its edges
-    edge = edge.ravel() + numbers[-1]
+    edge = edge + numbers[-1]
     size = int(edge.max()) + 1
     graph = coo_array((np.ones(edge.size), (element, edge)), shape=(size, size))
     _, part = connected_components(graph, directed=False)

@@ -66,10 +66,15 @@ def boundary_edges(cells: Cells) -> Numbers:
     The material is on the left of elements that are numbered counter-clockwise.
     """
     edges = np.vstack([data[:, edge] for kind, data in cells for edge in EDGES[kind]])
-    _, first, count = np.unique(
-        np.sort(edges[:, :2], axis=1), axis=0, return_index=True, return_counts=True
-    )
+    ends = np.sort(edges[:, :2], axis=1)
+    _, first, count = np.unique(pair_numbers(ends), return_index=True, return_counts=True)
     return edges[np.sort(first[count == 1])]
+
+
+def pair_numbers(pairs: Numbers) -> Numbers:
+    """A number (m,) for each pair (m, 2) of nodes, equal for equal pairs and in their order."""
+    one, two = pairs.T
+    return np.asarray(one * (two.max(initial=0) + 1) + two)
 
 
 def jacobians(nodes: Floats, kind: str, data: Numbers) -> Floats:
@@ -149,10 +154,10 @@ def _tangents(nodes: Floats, kind: str, data: Numbers) -> tuple[Floats, Floats]:
         zero = np.zeros_like(x)
         by_x = np.stack([1 - 4 * z, 4 * x - 1, zero, 4 * (z - x), 4 * y, -4 * y], 1)
         by_y = np.stack([1 - 4 * z, zero, 4 * y - 1, -4 * x, 4 * x, 4 * (z - y)], 1)
-    # one product for all elements: (E, 2, k) by (k, g)
-    place = nodes[data].transpose(0, 2, 1)
-    by_x, by_y = ((place @ by.T).transpose(0, 2, 1) for by in (by_x, by_y))
-    return by_x, by_y
+    elements, k = data.shape
+    place = nodes[data.T].reshape(k, -1)
+    one, two = ((by @ place).reshape(-1, elements, 2) for by in (by_x, by_y))
+    return one.transpose(1, 0, 2), two.transpose(1, 0, 2)
 
 
 def chain(edges: Numbers) -> list[Numbers]:

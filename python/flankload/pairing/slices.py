@@ -11,7 +11,8 @@ from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
+
+from flankload.base.gauss import leggauss
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass, field, fields
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -11,6 +11,7 @@ import numpy as np
 
 from flankload.base.card import Card
 from flankload.base.text_table import number, text_table
+from flankload.result.engagement import Engagement
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,46 +26,23 @@ HERE = "the land lifts here"
 ROUNDING = 1e-9
 
 
-class Drive(Card, ABC):
+class Drive(Card, Engagement):
     """A belt or a chain on its wheel at P positions, with S sites from the tight strand on."""
 
     #: Name of the drive in a report.
     name: ClassVar[str]
-    #: Word for a site, and for several.
-    words_for_sites: ClassVar[tuple[str, str]]
     #: Arrays over the positions, with their units.
     along: ClassVar[dict[str, str]]
     #: Arrays over positions and sites, with their units.
     over_sites: ClassVar[dict[str, str]]
+    has_mesh_orders = True
+    has_pressures = False
+    draws_pressures = False
+    drawn_bodies = 1
 
     def as_dict(self) -> dict[str, Any]:
         """The drive in the form of the JSON result."""
         return {item.name: getattr(self, item.name) for item in fields(self)}  # type: ignore[arg-type]
-
-    @abstractmethod
-    def drawn_force(self, result: Result, p: int, s: int) -> tuple[float, float, float]:
-        """Polar angle, radius and direction of a force on the wheel, for a drawing.
-
-        Parameters
-        ----------
-        result : Result
-            Result of this drive.
-        p, s : int
-            Indices of the position and of the site.
-
-        Returns
-        -------
-        angle_rad, radius_mm, direction_rad : float
-            The direction is an angle, too.
-        """
-
-    @abstractmethod
-    def rows(self, result: Result) -> Iterator[str]:
-        """A row per position, then one per site at the position of the largest load."""
-
-    @abstractmethod
-    def pictures(self, result: Result) -> tuple[str, ...]:
-        """Names of the plots of the drive."""
 
     @abstractmethod
     def words(self) -> str:
@@ -213,8 +191,7 @@ class BeltDrive(Drive):
             else:
                 yield "end", "", "", slack, *land
 
-    def pictures(self, result: Result) -> tuple[str, ...]:
-        """Names of the plots of the drive."""
+    def own_pictures(self, result: Result) -> tuple[str, ...]:
         several = result.position_rad.size > 1
         names = ("belt_on_pulley", "load_around_wrap")
         return (*names, *("transmission_error", "force_through_wrap") * several)
@@ -327,8 +304,7 @@ class ChainDrive(Drive):
                 number(self.force_angle_deg[p, s], ".1f"),
             )
 
-    def pictures(self, result: Result) -> tuple[str, ...]:
-        """Names of the plots of the drive."""
+    def own_pictures(self, result: Result) -> tuple[str, ...]:
         return ("transmission_error", "chain_on_sprocket", "tensions", "stiffness")
 
     def words(self) -> str:

@@ -40,7 +40,7 @@ class PairGeometry:
     coast : CoastSide or None
         Coast flanks.
     coast_unknown : str
-        Reason if `coast` is None.
+        Reason if `coast` is None although there are coast flanks.
     """
 
     center_distance_mm: float
@@ -51,6 +51,11 @@ class PairGeometry:
     path_pitches: tuple[float, float] | None = None
     coast: CoastSide | None = None
     coast_unknown: str = ""
+
+    @property
+    def has_coast_flanks(self) -> bool:
+        """Whether the bodies have coast flanks, known or not; a cam has none."""
+        return self.coast is not None or bool(self.coast_unknown)
 
 
 def pair_geometry(
@@ -125,6 +130,8 @@ def _coast_side(
     working flanks only.
     """
     one, two = pair.body_1.involute, pair.body_2.involute
+    if any(body.curve.closed for body in pair.bodies):
+        return None, ""  # a single flank all around
     for z, involute in enumerate((one, two)):
         if involute is None:
             return None, f"body_{z + 1} has no known coast flank"

@@ -120,7 +120,7 @@ class OverPositions:
             result.site_force_N[self.index] > 0,
             result.sites,
             pitches=result.period_pitches,
-            whole_circle=result.whole_circle or result.has_cam,
+            cyclic=result.engagement.cyclic_sites,
             periods=self.periods,
         )
 

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 
 from flankload.base.card import Card
+from flankload.base.gauss import leggauss
 from flankload.base.read_only import KeepsReadOnly
 from flankload.elasticity.near_field import mode_values, to_coefficients
 from flankload.elasticity.nodal_loads import hat_values

@@ -137,7 +137,7 @@ def _toml(value: object) -> str:
 
 
 def scene_at(scene: Scene, discretization: NamedDiscretization) -> Scene:
-    """The scene with other knobs, without error estimate and stress in the roots."""
+    """The scene with another discretization, without error estimate and stress in the roots."""
     if discretization.level == "plane":
         scene = plane_section(scene)
     plain = EffectsAsked()
@@ -156,7 +156,7 @@ def scene_at(scene: Scene, discretization: NamedDiscretization) -> Scene:
 
 
 def with_discretization(scene: Scene, discretization: NamedDiscretization) -> Scene:
-    """The scene with the knobs of a discretization named, all else as it stands."""
+    """The scene with all keys of a discretization named, everything else unchanged."""
     accuracy = structs.replace(scene.accuracy, **discretization.accuracy_keys)
     if discretization.level == "lumped":
         accuracy = structs.replace(
@@ -172,7 +172,7 @@ def with_discretization(scene: Scene, discretization: NamedDiscretization) -> Sc
         positions=structs.replace(scene.positions, **(even | discretization.position_keys)),
         effects=structs.replace(scene.effects, **discretization.effect_keys),
         named_effects=scene.named_effects.union(discretization.effect_keys),
-        named_knobs=scene.named_knobs.union(
+        named_discretization_keys=scene.named_discretization_keys.union(
             {f"accuracy.{key}" for key in discretization.accuracy_keys},
             {f"positions.{key}" for key in discretization.position_keys},
         ),

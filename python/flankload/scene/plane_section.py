@@ -46,7 +46,8 @@ def plane_section(scene: Scene) -> Scene:
         effects=structs.replace(scene.effects, dimension=None, contact=contact),
         accuracy=structs.replace(scene.accuracy, **dict.fromkeys(OF_SLICES)),
         named_effects=scene.named_effects - {"dimension"},
-        named_knobs=scene.named_knobs - {f"accuracy.{key}" for key in OF_SLICES},
+        named_discretization_keys=scene.named_discretization_keys
+        - {f"accuracy.{key}" for key in OF_SLICES},
     )
 
 
@@ -57,7 +58,8 @@ def in_three_dimensions(scene: Scene) -> Scene:
         effects=structs.replace(scene.effects, dimension=3, contact="lumped"),
         accuracy=structs.replace(scene.accuracy, **dict.fromkeys(OF_CELLS)),
         named_effects=scene.named_effects | {"dimension"},
-        named_knobs=scene.named_knobs - {f"accuracy.{key}" for key in OF_CELLS},
+        named_discretization_keys=scene.named_discretization_keys
+        - {f"accuracy.{key}" for key in OF_CELLS},
     )
 
 

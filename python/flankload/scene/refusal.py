@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import date, time
 from numbers import Real
+from pathlib import Path
 from typing import NoReturn
 
 from flankload.errors import SceneError
@@ -28,13 +30,24 @@ def shown(value: object) -> str:
     return text if len(text) <= 80 else text[:77] + "..."
 
 
+@contextmanager
+def in_file(path: str | Path | None) -> Iterator[None]:
+    """Name the file of the keys in errors that name none."""
+    try:
+        yield
+    except SceneError as error:
+        if path is None or error.file is not None:
+            raise
+        raise error.with_file(path) from None
+
+
 def refuse_absent(key: str, name: str, wanted: str, beside: str) -> NoReturn:
     """Refuse the table `key` without a key that another one of the table requires."""
     refuse(f"{key}.{name}", f"{wanted}, since there is a {key}.{beside}", None)
 
 
-def refuse(key: str, expected: str, found: object) -> NoReturn:
-    """Refuse a key, of which `key` is the dotted path.
+def refuse(key: str, expected: str, found: object, file: str | Path | None = None) -> NoReturn:
+    """Refuse a key (of a file), of which `key` is the dotted path.
 
     A found string is used as it is; any other value is shown as the user wrote it; None: "nothing".
 
@@ -44,4 +57,4 @@ def refuse(key: str, expected: str, found: object) -> NoReturn:
     """
     if not isinstance(found, str):
         found = "nothing" if found is None else shown(found)
-    raise SceneError(key=key, expected=expected, found=found)
+    raise SceneError(key=key, expected=expected, found=found, file=file)

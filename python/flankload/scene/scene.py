@@ -104,7 +104,7 @@ class Scene(Card):
         File from which the scene was read.
     named_effects : frozenset of str
         Keys of [effects] that the scene sets explicitly.
-    named_knobs : frozenset of str
+    named_discretization_keys : frozenset of str
         Keys of [accuracy] and [positions] that the scene sets explicitly, as "accuracy.modes".
     """
 
@@ -118,12 +118,12 @@ class Scene(Card):
     accuracy: Accuracy
     file: Path | None = None
     named_effects: frozenset[str] = frozenset()
-    named_knobs: frozenset[str] = frozenset()
+    named_discretization_keys: frozenset[str] = frozenset()
 
     @property
-    def steers(self) -> bool:
+    def names_tolerance(self) -> bool:
         """Whether the scene sets a tolerance, which determines the rest of the discretization."""
-        return "accuracy.tolerance" in self.named_knobs
+        return "accuracy.tolerance" in self.named_discretization_keys
 
     @property
     def folder(self) -> Path:
@@ -316,7 +316,7 @@ class Scene(Card):
             accuracy=asked.accuracy,
             file=path,
             named_effects=frozenset(d.get("effects", {})),
-            named_knobs=frozenset(
+            named_discretization_keys=frozenset(
                 f"{table}.{key}" for table in ("accuracy", "positions") for key in d.get(table, {})
             ),
         )

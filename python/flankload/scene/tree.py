@@ -55,9 +55,9 @@ def scene_tree(scene: Scene, *, implied: bool) -> Tree:
     if not (scene.is_drive and scene.pair == NO_PAIR):
         tree["pair"] = tree_of(scene.pair)
     tree["load"] = tree_of(scene.load)
-    knobs = scene.named_knobs.union(f"effects.{key}" for key in scene.named_effects)
+    every = scene.named_discretization_keys.union(f"effects.{key}" for key in scene.named_effects)
     for name in ("positions", "effects", "accuracy"):
-        named = {key.partition(".")[2] for key in knobs if key.startswith(f"{name}.")}
+        named = {key.partition(".")[2] for key in every if key.startswith(f"{name}.")}
         found = tree_of(getattr(scene, name), frozenset(named))
         tree[name] = {key: x for key, x in found.items() if implied or key in named}
     return {name: part for name, part in tree.items() if part != {}}

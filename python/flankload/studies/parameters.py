@@ -277,7 +277,7 @@ def _named(scene: Scene) -> dict[str, str]:
         for name in (ELEMENTS, MODES, STRIPS, LOAD_DEGREE, SLICES)
         if getattr(scene.accuracy, name) is not None
     }
-    places = [key for key in PLACES if f"positions.{key}" in scene.named_knobs]
+    places = [key for key in PLACES if f"positions.{key}" in scene.named_discretization_keys]
     if places:
         fixed["positions"] = f"positions.{places[0]} is set"
     return fixed

@@ -14,7 +14,6 @@ import pytest
 import flankload as fl
 from flankload.base.digest import digest_of
 from flankload.bodies import Body
-from flankload.bodies.profile import gear_profile, gear_tip
 from flankload.elasticity.job_log import JobCost
 from flankload.flank import fit
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -319,28 +318,6 @@ def test_held_fits_of_profiles_have_the_bits_of_new_ones() -> None:
         fit._fit_held.cache_clear()
         pair = build_bodies(scene.replace({"body_2.tip_relief_um": um}))
         assert bits_of_curve(pair.body_2) == expected
-
-
-def test_held_form_points_and_tip_roundings_have_the_bits_of_new_ones() -> None:
-    """Of an undercut gear with a rounded tip: arc and form point are the same for every bore."""
-    scene = base("external_gear").replace(
-        {"body_1.profile_shift": -0.3, "body_1.tip_diameter_mm": 79.0, "body_1.tip_radius_mm": 0.4}
-    )
-    held = (fit._fit_held, gear_profile._form_point, gear_tip._touching)
-
-    def curve(bore_mm: float) -> bytes:
-        pair = build_bodies(scene.replace({"body_1.bore_diameter_mm": bore_mm}))
-        return bits_of_curve(pair.body_1)
-
-    found = []
-    for bore_mm in (20.0, 22.0, 24.0):
-        for part in held:
-            part.cache_clear()
-        found.append(curve(bore_mm))
-    misses = [part.cache_info().misses for part in held]
-    assert all(misses)
-    assert [curve(bore_mm) for bore_mm in (20.0, 22.0, 24.0)] == found
-    assert [part.cache_info().misses for part in held] == misses
 
 
 def test_parts_are_dropped_in_the_order_of_their_last_use() -> None:

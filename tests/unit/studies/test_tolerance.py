@@ -104,7 +104,7 @@ def assert_same(one: fl.Result, two: fl.Result) -> None:
 # --- without the key ------------------------------------------------------------------------------
 def test_without_the_key_nothing_is_decided() -> None:
     scene = fl.Scene.from_dict(small(modes=4, estimate=False))
-    assert not scene.steers
+    assert not scene.names_tolerance
     assert first_scene(scene) is scene
     result = fl.solve(scene)
     assert isinstance(result, fl.Result)

@@ -6,7 +6,6 @@ The tooth's centre line is the body's +x axis; the working flank is at positive 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 from math import atan2, cos, hypot, pi, radians, sqrt, tan
 from typing import TYPE_CHECKING, NoReturn
 
@@ -36,8 +35,6 @@ if TYPE_CHECKING:
 #: Least roll parameter at which an involute begins: its curvature is infinite on the base circle.
 #: The omitted piece is r_b t²/2 long, below 1e-9 mm for r_b < 200 mm.
 LEAST_ROLL = 3e-6
-#: Number of form points that are held: designs of a body that differ in tip, bore, or material.
-HELD_POINTS = 256
 #: Places of a fillet among which the deepest one below the involute is sought.
 FOOT_PLACES = 200
 
@@ -78,7 +75,6 @@ def gear_profile(
     return ToothProfile(curve, involute, z, rack.root_half_angle_rad)
 
 
-@lru_cache(maxsize=HELD_POINTS)
 def _form_point(rack: BasicRack, flank: InvoluteFlank, key: str) -> FormPoint:
     """End of the fillet: it touches the involute there, or cuts it (undercut, protuberance)."""
     angle, low = rack.end_angle_rad, 0.5 * pi

@@ -6,7 +6,6 @@ Used for the teeth of gears and of rings; `Involute.outward` gives the side of t
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 from math import atan2, cos, pi, sin, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -23,10 +22,6 @@ from flankload.scene.table import RELIEF_EXPONENTS
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.scene.involute import InvoluteKeys
-
-
-#: Number of tip roundings that are held.
-HELD_ROUNDINGS = 256
 
 
 class FormPoint(NamedTuple):
@@ -203,46 +198,36 @@ def _tip_rounding(
     flank: InvoluteFlank, involute: Involute, start: FormPoint, radius: float, key: str
 ) -> tuple[float, CurvePiece]:
     """Arc that touches flank and tip circle, and the roll parameter where it leaves the flank."""
-    outward = involute.outward
+    tip_radius, outward = involute.tip_radius_mm, involute.outward
 
     def center(roll: float, rounding: float) -> Floats:
         return flank.point(roll) - outward * rounding * flank.normal(roll)
 
-    def fits(rounding: float) -> bool:
-        roll = _touching(flank, involute, start.roll, rounding)
-        return roll == roll and _inside_tooth(center(roll, rounding), involute)
+    def touching(rounding: float) -> float:
+        """Roll parameter at which an arc of that radius touches both; NaN if there is none."""
 
-    if not fits(radius):
+        def beyond(roll: float) -> float:
+            distance = float(np.linalg.norm(center(roll, rounding)))
+            return outward * (distance - tip_radius) + rounding
+
+        end = flank.roll_at(tip_radius)
+        if outward * rounding >= tip_radius or beyond(start.roll) >= 0.0:
+            return float("nan")
+        return sign_change(beyond, start.roll, end)
+
+    roll = touching(radius)
+    if not (roll == roll and _inside_tooth(center(roll, radius), involute)):
         low, high = 0.0, radius
         for _ in range(40):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if fits(middle) else (low, middle)
+            at = touching(middle)
+            fits = at == at and _inside_tooth(center(at, middle), involute)
+            low, high = (middle, high) if fits else (low, middle)
         expected = f"less than {low:.4f}, the largest rounding that fits on the tooth"
         refuse(f"{key}.tip_radius_mm", expected, f"{radius:g}")
-    roll = _touching(flank, involute, start.roll, radius)
     place, normal = center(roll, radius), flank.normal(roll)
     first, last = atan2(normal[1], normal[0]), atan2(place[1], place[0])
     return roll, CurvePiece("tip_radius", circle(place, outward * radius), first, last)
-
-
-@lru_cache(maxsize=HELD_ROUNDINGS)
-def _touching(
-    flank: InvoluteFlank, involute: Involute, first_roll: float, rounding: float
-) -> float:
-    """Roll parameter at which an arc of a radius touches flank and tip circle; NaN: there is none.
-
-    The flank begins at `first_roll`.
-    """
-    tip_radius, outward = involute.tip_radius_mm, involute.outward
-
-    def beyond(roll: float) -> float:
-        center = flank.point(roll) - outward * rounding * flank.normal(roll)
-        return outward * (float(np.linalg.norm(center)) - tip_radius) + rounding
-
-    end = flank.roll_at(tip_radius)
-    if outward * rounding >= tip_radius or beyond(first_roll) >= 0.0:
-        return float("nan")
-    return sign_change(beyond, first_roll, end)
 
 
 def _tip_chamfer(

@@ -12,8 +12,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legint, legval
+from numpy.polynomial.legendre import legint, legval
 
+from flankload.base.gauss import leggauss
 from flankload.bodies.free_corner import along_strengths, image_strength, tip_angle
 from flankload.bodies.tip_modes import graded
 from flankload.elasticity.near_field import (

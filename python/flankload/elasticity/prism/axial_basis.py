@@ -17,8 +17,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander
+from numpy.polynomial.legendre import legvander
 
+from flankload.base.gauss import leggauss
 from flankload.bodies.axial_shape import share_middle
 
 if TYPE_CHECKING:

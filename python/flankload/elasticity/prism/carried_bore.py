@@ -25,9 +25,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 from scipy.linalg import null_space
 
+from flankload.base.gauss import leggauss
 from flankload.elasticity.finite_elements import block_basis
 from flankload.elasticity.sector_closure import close_ring, turned_cuts
 

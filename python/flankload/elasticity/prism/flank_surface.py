@@ -12,8 +12,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 
+from flankload.base.gauss import leggauss
 from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.elasticity.near_field import mode_norms, mode_values
 from flankload.errors import SceneError

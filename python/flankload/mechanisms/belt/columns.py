@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 from scipy.sparse import csc_array, hstack
 
+from flankload.base.gauss import leggauss
 from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import assembled, degrees_of
 from flankload.elasticity.nodal_loads import hat_values

@@ -29,6 +29,21 @@ if TYPE_CHECKING:
 LEAST_ELEMENTS = 2
 
 
+class PulleyMeshes:
+    """Meshes of an elastic pulley, each made when it is first needed."""
+
+    def __init__(self, keys: Pulley, strip: Strip, plane: str) -> None:
+        self._keys, self._strip, self._plane = keys, strip, plane
+        self._made: dict[int, PulleyMesh] = {}
+
+    def of(self, elements: int) -> PulleyMesh:
+        """The mesh with so many elements beside a tooth; a SceneError if none is valid."""
+        if elements not in self._made:
+            pulley = build_pulley(self._keys, self._strip, self._plane)
+            self._made[elements] = mesh_pulley(pulley, elements)
+        return self._made[elements]
+
+
 @dataclass(frozen=True)
 class BeltAssembly(WrappedAssembly):
     """A belt on its pulley, before finite elements are solved.
@@ -39,10 +54,13 @@ class BeltAssembly(WrappedAssembly):
         Belt with the discretization of the run.
     coarse : BeltRow
         Belt with half as many elements, for the error estimate.
+    pulley : PulleyMeshes
+        Meshes of an elastic pulley.
     """
 
     row: BeltRow
     coarse: BeltRow
+    pulley: PulleyMeshes
 
     @property
     def strip(self) -> Strip:
@@ -70,13 +88,15 @@ class BeltStates(WrappedStates):
 
 def assemble(scene: Scene) -> BeltAssembly:
     """Belt, pulley and positions of a scene."""
-    strip = build_strip(*bodies_of(scene))
+    keys, belt = bodies_of(scene)
+    strip = build_strip(keys, belt)
     elements, columns = flank_elements(scene, strip), land_columns_of(scene)
     halved, fewer = coarser(strip, elements)
     return BeltAssembly(
         *positions_of(scene, strip.pitch_rad),
         BeltRow(strip, elements, **columns),
         BeltRow(halved, fewer, **columns),
+        PulleyMeshes(keys, strip, scene.accuracy.plane),
     )
 
 
@@ -105,15 +125,14 @@ def land_columns_of(scene: Scene) -> dict[str, bool]:
     }
 
 
-def pulley_mesh(scene: Scene, elements: int | None = None) -> PulleyMesh:
-    """Mesh of an elastic pulley; by default with as many elements beside a tooth as on it.
+def pulley_mesh(scene: Scene) -> PulleyMesh:
+    """Mesh of an elastic pulley with as many elements beside a tooth as on it.
 
     Raises SceneError if no valid mesh can be made.
     """
     keys, belt = bodies_of(scene)
     strip = build_strip(keys, belt)
-    pulley = build_pulley(keys, strip, scene.accuracy.plane)
-    return mesh_pulley(pulley, elements or flank_elements(scene, strip))
+    return PulleyMeshes(keys, strip, scene.accuracy.plane).of(flank_elements(scene, strip))
 
 
 def solved_pulley(scene: Scene, mesh: PulleyMesh, account: Account) -> PulleyResponse:
@@ -144,7 +163,7 @@ def error_estimates(
     row, coarse, strip = assembly.row, assembly.coarse, assembly.strip
     pulley = None
     if known is not None:
-        pulley = solved_pulley(scene, pulley_mesh(scene, coarse.elements), account)
+        pulley = solved_pulley(scene, assembly.pulley.of(coarse.elements), account)
     # source, and responses compared: with longer elements and, if not None, another than the run's
     tried: list[tuple[int, list[tuple[str, StripResponse | None, StripResponse]]]] = []
     for p in assembly.tried:
@@ -183,7 +202,7 @@ def predicted_work(scene: Scene, assembly: BeltAssembly) -> dict[str, dict[str, 
         "sweep": work_of_states(row, positions.size * len(scene.torques_Nm)),
     }
     if elastic:
-        counted["compliance body 1"] = work_of_pulley(scene, pulley_mesh(scene))
+        counted["compliance body 1"] = work_of_pulley(scene, assembly.pulley.of(row.elements))
     if scene.accuracy.estimate and loaded:
         coarse, tried = assembly.coarse, positions[assembly.tried]
         states = tried.size * loaded
@@ -191,7 +210,7 @@ def predicted_work(scene: Scene, assembly: BeltAssembly) -> dict[str, dict[str, 
         work.update(work_of_states(coarse, states * (2 if elastic else 1)))
         if elastic:
             work.update(work_of_states(row, 2 * states))
-            work.update(work_of_pulley(scene, pulley_mesh(scene, coarse.elements)))
+            work.update(work_of_pulley(scene, assembly.pulley.of(coarse.elements)))
         counted["estimate"] = dict(work)
     return counted
 

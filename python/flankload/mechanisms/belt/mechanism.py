@@ -86,7 +86,8 @@ class TimingBelt(WrappedMechanism):
         pulley = None
         if not scene.body_1.rigid:
             with clock.stage("compliance body 1") as account:
-                pulley = solved_pulley(scene, pulley_mesh(scene), account)
+                mesh = assembly.pulley.of(assembly.row.elements)
+                pulley = solved_pulley(scene, mesh, account)
                 account.bytes = held_bytes(pulley)
         with clock.stage("compliance body 2") as account:
             assembly.row.solve_cell(account)

@@ -19,7 +19,6 @@ from flankload.mechanisms.belt.drive import (
     assemble,
     land_columns_of,
     predicted_work,
-    pulley_mesh,
     response_at,
     solved_pulley,
     work_of_pulley,
@@ -122,7 +121,7 @@ class BeltScreening(Screening):
         self._few = BeltRow(run.strip, min(ELEMENTS, run.elements), sliding=True, lifting=True)
         load_packages()
         # the first piece takes the time of what packages do once
-        BeltRow(run.strip, self._few.elements).solve_cell(Account())
+        self._few.solve_cell(Account())
         elements = max(MORE_ELEMENTS, 2 * run.elements // 3)
         more = BeltRow(run.strip, elements, **land_columns_of(scene))
         self._rates = PieceRates(self._few, more, float(at[0]) / run.strip.pitch_rad)
@@ -130,7 +129,7 @@ class BeltScreening(Screening):
         self._elastic, self._pulley = self._held, Account()
         if not scene.body_1.rigid:
             all_asked = with_keys(scene, land_friction=scene.effects.land_friction or 0.1)
-            mesh = pulley_mesh(scene, self._few.elements)
+            mesh = self._assembly.pulley.of(self._few.elements)
             with self._pulley:
                 known = solved_pulley(all_asked, mesh, self._pulley)
             self._elastic = [rest_on(response, run.strip, known) for response in self._held]
@@ -187,7 +186,7 @@ class BeltScreening(Screening):
 
     def _pulley_of(self, scene: Scene, elements: int) -> Account:
         """Cost of the sector of a pulley, proportional to the entries of its factor."""
-        mesh = pulley_mesh(scene, elements)
+        mesh = self._assembly.pulley.of(elements)
         nodes, work = len(mesh.sector.nodes), work_of_pulley(scene, mesh)
         part = nodes * log(nodes) / (self._sector * log(self._sector))
         loads = work["unit_loads_normal"] + work["unit_loads_tangential"]

@@ -93,7 +93,7 @@ def result_of(
         follower_angle_rad=None
         if pair.pairing.motion is None
         else pair.pairing.turns(pair.position_rad)[0],
-        unloaded_rotation_rad=found.unloaded_rad,
+        unloaded_rotation_rad=None if found.unloaded is None else found.unloaded.rotation_rad,
     )
     return _with_parts(result, pair, found, carries)
 

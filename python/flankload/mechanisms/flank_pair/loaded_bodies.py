@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.gauss import leggauss
 from flankload.base.rotation import turned
 from flankload.elasticity.loaded_body import loaded_body
 from flankload.elasticity.prism.loaded_prism import loaded_prism
@@ -117,11 +118,11 @@ class BodyOfPair:
         """
         shape, slices = result.drawing.axial[0], result.slices
         carries = table.force_N > 0
-        x, weights = np.polynomial.legendre.leggauss(POINTS)
+        x, weights = leggauss(POINTS)
         site, cell, normal_N = table.site[carries], table.cell_mm[carries], table.force_N[carries]
         s = (table.arc_length_1_mm, table.arc_length_2_mm)[self.number][carries]
         s = self.on_elements((s[:, None] + 0.5 * cell[:, None] * x).ravel())
-        normal = np.column_stack([table.normal_x, table.normal_y])[carries]
+        normal = table.normal[carries]
         # the normal out of body 1 leans along its helix
         lean = np.zeros(site.size)
         if shape is not None:
@@ -293,7 +294,7 @@ def field_bodies(scene: Scene) -> dict[str, FieldBody | SolidBody | str]:
 def _on_layers(z_mm: Floats, spans_mm: Floats) -> Floats:
     """Means (n, J) of the shape functions of layers of three stations over spans (n, 2)."""
     found = np.zeros((len(spans_mm), z_mm.size))
-    points, weights = np.polynomial.legendre.leggauss(2)  # parabolas are exact
+    points, weights = leggauss(2)  # parabolas are exact
     whole = spans_mm[:, 1] - spans_mm[:, 0]
     for k in range(0, z_mm.size - 1, 2):
         low, high = (np.clip(spans_mm, z_mm[k], z_mm[k + 2])).T

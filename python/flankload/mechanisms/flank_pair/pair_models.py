@@ -56,10 +56,12 @@ if TYPE_CHECKING:
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.toggles import Toggle
     from flankload.pairing.expansion import Growth
-    from flankload.scene import Scene
+    from flankload.scene import BodySpec, Scene
 
     #: With friction or not, influence numbers, expansion.
     _FileVariant = tuple[bool, str, Growth | None]
+    #: Number, table, whether it is three-dimensional and touches with its tip.
+    _BodyVariant = tuple[int, BodySpec, bool, bool]
 
 #: Modes and cells of the screening; its mesh is that of the run.
 COARSE = Discretization(flank_element_parts=1.0, modes=3, grid=Grid(1.0, 3.0))
@@ -108,6 +110,7 @@ class PairModels:
         self._jobs: tuple[dict[Variant, BodyCompliance], ...] = ({}, {})
         self._of_files: tuple[dict[_FileVariant, BodyCompliance], ...] = ({}, {})
         self._meshes: dict[int, Body] = {}
+        self._bodies: dict[_BodyVariant, Body] = {}
         self._sections: dict[int, BodyCompliance] = {}
         self.screened = screened(scene)
         self.rates: dict[int, ElementRates] = {}
@@ -151,6 +154,13 @@ class PairModels:
         )
 
     def _body(self, scene: Scene, z: int, *, tip_contact: bool) -> Body:
+        """A body as another scene has it, made once."""
+        key = z, (scene.body_1, scene.body_2)[z], is_spatial(scene).on, tip_contact
+        if key not in self._bodies:
+            self._bodies[key] = self._made(scene, z, tip_contact=tip_contact)
+        return self._bodies[key]
+
+    def _made(self, scene: Scene, z: int, *, tip_contact: bool) -> Body:
         """A body as another scene has it; its elements stay, if its curve is another one."""
         body, spec = self._pair.bodies[z], (scene.body_1, scene.body_2)[z]
         mine = (self._scene.body_1, self._scene.body_2)[z]

@@ -142,7 +142,7 @@ def window_of(pair: BodyPair) -> Window:
         closed=pair.closed,
         sites=pairing.sites,
         # the single flank of a cam is its own neighbour
-        whole_circle=pairing.whole_circle or pairing.motion is not None,
+        cyclic=pairing.whole_circle or pairing.motion is not None,
     )
 
 

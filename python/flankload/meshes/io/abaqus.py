@@ -18,6 +18,8 @@ from flankload.meshes.io.parts import PLANE_CELLS, BadFile, FileMesh
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from flankload.base.arrays import Floats
+
 #: Largest credible number of a node or element; larger ones come from a damaged file.
 LARGEST_NUMBER = 10**9
 #: Number of nodes → meshio's name, for plane elements.
@@ -113,11 +115,8 @@ class _Reader:
 
     def _take_nodes(self, keyword: Keyword) -> None:
         numbers = []
-        for row in keyword.data:
-            values = keyword.numbers(row)
-            (number,) = keyword.integers(Row(row.line, row.words[:1]))
-            x, y, z = (*values[1:4], 0.0, 0.0, 0.0)[:3]
-            if self.nodes.setdefault(number, (x, y, z)) != (x, y, z):
+        for row, number, place in _nodes_of(keyword):
+            if self.nodes.setdefault(number, place) != place:
                 raise row.refused(f"node {number} once", "twice, at different places")
             numbers.append(number)
         if name := self._name(keyword, "NSET"):
@@ -127,14 +126,13 @@ class _Reader:
         written = keyword.needed("TYPE").upper()
         kind, size = self._kind(written)
         numbers = []
-        for row in keyword.whole_rows(1 + size):
-            values = keyword.integers(row)
-            if len(values) != 1 + size:
-                raise row.refused(f"{size} nodes of an element {written}", f"{len(values) - 1}")
-            element = (kind, tuple(values[1:]))
-            if self.elements.setdefault(values[0], element) != element:
-                raise row.refused(f"element {values[0]} once", "twice, with different nodes")
-            numbers.append(values[0])
+        for row, (number, *nodes) in keyword.whole_rows(1 + size):
+            if len(nodes) != size:
+                raise row.refused(f"{size} nodes of an element {written}", f"{len(nodes)}")
+            element = (kind, tuple(nodes))
+            if self.elements.setdefault(number, element) != element:
+                raise row.refused(f"element {number} once", "twice, with different nodes")
+            numbers.append(number)
         if name := self._name(keyword, "ELSET"):
             self.element_sets.setdefault(name, []).extend(numbers)
 
@@ -253,6 +251,26 @@ class _Reader:
                 yield from (nodes[k], nodes[(k + 1) % corners], *nodes[corners + k :][:1])
 
 
+def _nodes_of(keyword: Keyword) -> Iterator[tuple[Row, int, tuple[float, float, float]]]:
+    """Number and place of each node of *NODE, with its row."""
+    table = keyword.table()
+    if table is not None and _are_whole(table[:, 0]):
+        places = np.zeros((len(table), 3))
+        places[:, : table.shape[1] - 1] = table[:, 1:4]
+        numbers = table[:, 0].astype(np.int64).tolist()
+        yield from zip(keyword.data, numbers, map(tuple, places.tolist()), strict=True)
+        return
+    for row in keyword.data:
+        (number,) = keyword.integers(Row(row.line, row.words[0]))
+        x, y, z = (*keyword.numbers(row)[1:4], 0.0, 0.0, 0.0)[:3]
+        yield row, number, (x, y, z)
+
+
+def _are_whole(values: Floats) -> bool:
+    """Whether numbers are whole and credible."""
+    return bool(((values == np.round(values)) & (np.abs(values) <= LARGEST_NUMBER)).all())
+
+
 @dataclass
 class Row:
     """One data line, or several that belong together.
@@ -261,12 +279,17 @@ class Row:
     ----------
     line : int
         Line number in the file, from 1.
-    words : list of str
+    content : str
         The comma-separated values.
     """
 
     line: int
-    words: list[str]
+    content: str
+
+    @property
+    def words(self) -> list[str]:
+        """The values, without blanks around them."""
+        return [word.strip() for word in self.content.split(",")]
 
     @property
     def text(self) -> str:
@@ -308,6 +331,18 @@ class Keyword:
             raise self.refused(f"{option}= on the keyword line")
         return value
 
+    def table(self) -> Floats | None:
+        """All rows as numbers (n, k); None if they differ in length or any is no plain number."""
+        rows = [row.content for row in self.data]
+        if len({row.count(",") for row in rows}) != 1:
+            return None
+        try:
+            return np.array([float(word) for word in ",".join(rows).split(",")]).reshape(
+                len(rows), -1
+            )
+        except ValueError:
+            return None
+
     def numbers(self, row: Row) -> list[float]:
         """Values of a row as numbers, empty ones as 0; Fortran's exponents (D) are accepted."""
         try:
@@ -322,19 +357,23 @@ class Keyword:
             raise row.refused(f"whole numbers after *{self.name}", row.text)
         return [int(value) for value in values]
 
-    def whole_rows(self, size: int) -> Iterator[Row]:
-        """Rows of `size` values each; a shorter row is continued by the following ones."""
+    def whole_rows(self, size: int) -> Iterator[tuple[Row, list[int]]]:
+        """Rows of `size` whole numbers; a shorter row is continued by the following ones."""
+        table = self.table()
+        if table is not None and table.shape[1] == size and _are_whole(table):
+            yield from zip(self.data, table.astype(np.int64).tolist(), strict=True)
+            return
         waiting: Row | None = None
         for row in self.data:
             words = [word for word in row.words if word]
-            waiting = Row(row.line, words) if waiting is None else Row(
-                waiting.line, waiting.words + words
-            )  # fmt: skip
-            if len(waiting.words) >= size:
-                yield waiting
+            if waiting is not None:
+                words = [*waiting.words, *words]
+            waiting = Row(row.line if waiting is None else waiting.line, ",".join(words))
+            if len(words) >= size:
+                yield waiting, self.integers(waiting)
                 waiting = None
         if waiting is not None:
-            yield waiting
+            yield waiting, self.integers(waiting)
 
 
 def keywords(lines: Sequence[str]) -> Iterable[Keyword]:
@@ -355,8 +394,7 @@ def keywords(lines: Sequence[str]) -> Iterable[Keyword]:
         if not line.startswith("*"):
             if current is None:
                 raise BadFile("a readable mesh file", f"{line[:40]!r} before any *KEYWORD")
-            words = [word.strip() for word in line.rstrip(", \t").split(",")]
-            current.data.append(Row(number, words))
+            current.data.append(Row(number, line.rstrip(", \t")))
             continue
         first = number
         while line.endswith(",") and number < len(lines):

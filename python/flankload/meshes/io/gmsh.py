@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from flankload.base.arrays import Numbers
 from flankload.meshes.io.parts import BadFile, FileMesh, disjoint_groups
 
+Number = TypeVar("Number", int, float)
 #: Types of numbers in a file.
 INT, SIZE, REAL = "i4", "u8", "f8"
 #: gmsh's element type number → meshio's name and number of nodes.
@@ -159,18 +160,19 @@ class _Reader:
     def _read_elements_2(self) -> None:
         take = self._stream
         count = take.one(INT) if take.text else take.count_line()
-        by_group: dict[tuple[str, int, int], list[Numbers]] = {}
+        by_group: dict[tuple[str, int, int], list[Any]] = {}
         while count > 0:
             # a text file has a header for each element, a binary one for each run of a type
             if take.text:
-                _, number, n_tags = (int(word) for word in take.take(INT, 3))
-                together = 1
+                _, number, n_tags = take.whole(3)
+                kind, size = _element(number)
+                rows: Any = [take.whole(n_tags + size)]
             else:
                 number, together, n_tags = (int(word) for word in take.take(INT, 3))
-            kind, size = _element(number)
-            width = n_tags + size + (0 if take.text else 1)
-            rows = take.take(INT, width * together).reshape(together, width)[:, -n_tags - size :]
-            count -= together
+                kind, size = _element(number)
+                width = n_tags + size + 1
+                rows = take.take(INT, width * together).reshape(together, width)[:, 1:]
+            count -= len(rows)
             for row in rows:
                 group = abs(int(row[0])) if n_tags else 0
                 by_group.setdefault((kind, _dimension(kind), group), []).append(row[n_tags:])
@@ -272,23 +274,33 @@ class Stream:
     def take(self, kind: str, count: int) -> Any:
         """Read the next numbers of the section, (count,)."""
         if self.text:
-            words = self._words[self._next : self._next + count]
-            self._next += count
-            if len(words) < count:
-                raise self._cut_off()
-            try:
-                return np.array(words, dtype=REAL if kind == REAL else np.int64)
-            except ValueError:
-                raise BadFile(
-                    f"numbers in section ${self.section}",
-                    " ".join(word.decode("ascii", "replace") for word in words[:8]),
-                ) from None
+            if kind == REAL:
+                return np.array(self._parsed(float, count), dtype=REAL)
+            return np.array(self.whole(count), dtype=np.int64)
         size = np.dtype(kind).itemsize * count
         part = self._content[self._at : self._at + size]
         if len(part) < size:
             raise self._cut_off()
         self._at += size
         return np.frombuffer(part, dtype=kind)
+
+    def whole(self, count: int) -> list[int]:
+        """Read the next whole numbers of a section in text."""
+        return self._parsed(int, count)
+
+    def _parsed(self, number: type[Number], count: int) -> list[Number]:
+        """Next words of a section in text as numbers."""
+        words = self._words[self._next : self._next + count]
+        self._next += count
+        if len(words) < count:
+            raise self._cut_off()
+        try:
+            return [number(word) for word in words]
+        except ValueError:
+            raise BadFile(
+                f"numbers in section ${self.section}",
+                " ".join(word.decode("ascii", "replace") for word in words[:8]),
+            ) from None
 
     def count_line(self) -> int:
         """Read a number on a line of its own in a binary section."""

@@ -72,8 +72,9 @@ class NamedArrays:
         if max(member.shape, default=0) > MOST_ROWS:
             self.refuse(name, f"at most {MOST_ROWS} entries along an axis", f"{member.shape}")
         result = self._read(name).astype(np.float64)
-        strange = np.argwhere(~(np.abs(result) <= LARGEST))
-        if len(strange):
+        good = np.abs(result) <= LARGEST
+        if not good.all():
+            strange = np.argwhere(~good)
             place = f"[{', '.join(map(str, strange[0]))}]" if result.ndim else ""
             value = result[tuple(strange[0])]
             wanted = f"numbers of at most {LARGEST:g}" if np.isfinite(value) else "finite numbers"

@@ -7,7 +7,14 @@ that decides (`Switch`).
 """
 
 from flankload.scene.effects.record import Effect, SizeBy, Switch, Work
-from flankload.scene.effects.records import EFFECTS, Effects, effects_of, switches_of, work_in
+from flankload.scene.effects.records import (
+    EFFECTS,
+    Effects,
+    effects_of,
+    excluded_by,
+    switches_of,
+    work_in,
+)
 from flankload.scene.effects.switches import MODIFICATIONS, RELIEF_PLACES, is_spatial, require_plane
 
 __all__ = [
@@ -20,6 +27,7 @@ __all__ = [
     "Switch",
     "Work",
     "effects_of",
+    "excluded_by",
     "is_spatial",
     "require_plane",
     "switches_of",

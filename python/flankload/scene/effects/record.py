@@ -91,8 +91,6 @@ class Effect:
     size_by : SizeBy
     refused_with : mapping of str to str
         Excluded effects, and the text of the refusal ("expected") of the scene's key.
-    excludes : tuple of str
-        All effects that cannot be combined with it, whichever of the two is refused.
     refused_for : mapping of str to str
         Excluded kinds of bodies, with the text of the refusal; "{body}" is the table of the body.
     only_for : str or None
@@ -114,11 +112,15 @@ class Effect:
     counters: tuple[str, ...] = ()
     size_by: SizeBy = "nothing"
     refused_with: Mapping[str, str] = field(default_factory=dict)
-    excludes: tuple[str, ...] = ()
     refused_for: Mapping[str, str] = field(default_factory=dict)
     only_for: str | None = None
     of_teeth: bool = False
     coarser: bool = False
+
+    def __post_init__(self) -> None:
+        """Complete the keys."""
+        switches = tuple(f"effects.{key}" for key, value in self.on.items() if value is not None)
+        object.__setattr__(self, "keys", self.keys or switches)
 
     @cached_property
     def key(self) -> str | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -85,22 +85,7 @@ class Effects:
     land_lift: bool
 
 
-def _completed(*records: Effect) -> tuple[Effect, ...]:
-    """The records with their keys; an exclusion that one of two states holds for both."""
-    pairs = {(record.name, other) for record in records for other in record.refused_with}
-    pairs |= {(other, name) for name, other in pairs}
-    return tuple(
-        replace(
-            record,
-            keys=record.keys
-            or tuple(f"effects.{key}" for key, value in record.on.items() if value is not None),
-            excludes=tuple(each.name for each in records if (record.name, each.name) in pairs),
-        )
-        for record in records
-    )
-
-
-EFFECTS = _completed(
+EFFECTS = (
     _elastic(1),
     _elastic(2),
     Effect(
@@ -340,6 +325,15 @@ def effects_of(scene: Scene) -> Effects:
 def switches_of(scene: Scene) -> dict[str, Switch]:
     """Effects that a scene requests, each with the key that decides, in the order of records."""
     return {effect.name: effect.switch(scene) for effect in EFFECTS}
+
+
+def excluded_by(effect: Effect) -> tuple[str, ...]:
+    """All effects that cannot be combined with one, whichever of the two is refused."""
+    return tuple(
+        other.name
+        for other in EFFECTS
+        if other.name in effect.refused_with or effect.name in other.refused_with
+    )
 
 
 def work_in(stage: str, effects: Effects) -> Work:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from flankload.errors import SceneError
@@ -39,6 +40,7 @@ def is_elastic(number: int) -> Callable[[Scene], Switch]:
     return switch
 
 
+@lru_cache(maxsize=64)
 def is_spatial(scene: Scene) -> Switch:
     """Whether the bodies are three-dimensional; the reason is the first such key."""
     key, named = three_dimensional_key(scene), scene.effects.dimension is not None

@@ -56,10 +56,7 @@ class Designs:
     def check(self) -> None:
         """Refuse designs that their variables do not define.
 
-        Raises
-        ------
-        SceneError
-            Names the argument or key: `design`, `n`, `seed` or `variables.PATH`.
+        The SceneError names the argument or key: `design`, `n`, `seed` or `variables.PATH`.
         """
         kinds = (*OF_VALUES, *OF_DRAWS)
         if self.kind not in kinds:
@@ -127,10 +124,7 @@ class Designs:
     def in_scene(self, scene: Scene) -> Designs:
         """Return the designs with the distributions that follow from a scene.
 
-        Raises
-        ------
-        SceneError
-            If a tolerance class does not describe its variable.
+        Raises SceneError if a tolerance class does not describe its variable.
         """
         if not any(variable.follows_from_scene for variable in self.variables):
             return self  # the fixed changes alone may contradict each other

@@ -18,16 +18,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OptimisedVariable:
-    """A variable before and after.
+    """A variable before and after; `name` is the path of its key, or several.
 
-    Attributes
-    ----------
-    name : str
-        Path of its key, or several.
-    before : float or None
-        In the scene; None if the key is absent.
-    after, lower, upper : float
-    step : float or None
+    `before` is None if the key is absent in the scene.
     """
 
     name: str
@@ -40,16 +33,9 @@ class OptimisedVariable:
 
 @dataclass(frozen=True)
 class Limit:
-    """A constraint before and after.
+    """A constraint before and after, each the largest of all torques.
 
-    Attributes
-    ----------
-    name : str
-    at_most : float
-    before, after : float
-        The largest of all torques.
-    active : bool
-        Whether the limit is reached at the optimum, in the discretization of the search.
+    `active`: whether the limit is reached at the optimum, in the discretization of the search.
     """
 
     name: str

@@ -30,18 +30,9 @@ SAME = 1e-9
 class Variable(Table, frozen=True, kw_only=True):
     """One or several keys of a scene that follow one number.
 
-    Attributes
-    ----------
-    paths : str or tuple of str
-        As in `Scene.replace`.
-    factors : tuple of float or None
-        Value of each key divided by the number; 1 by default.
-    lower, upper : float
-        Bounds of the number.
-    start : float or None
-        Default: that of the first key of the scene.
-    step : float or None
-        The number ends as a multiple of it.
+    Its `paths` are as in `Scene.replace`; `factors` are the value of each key divided by the
+    number, 1 by default; `start` is by default that of the first key of the scene; the number ends
+    as a multiple of `step`.
     """
 
     paths: Texts
@@ -94,17 +85,9 @@ class Variable(Table, frozen=True, kw_only=True):
 
 
 class Objective(Table, frozen=True, kw_only=True):
-    """The number that is minimised.
+    """The number that is minimised: a key figure, or several that are added with weights.
 
-    Attributes
-    ----------
-    quantity : str or tuple of str
-        Key figure, or several that are added.
-    weights : tuple of float or None
-        Of the key figures.
-    over : str
-        "worst": the largest of all torques; "sum": their sum.
-    torque_weights : tuple of float or None
+    `over` says whether the largest of all torques counts, or their sum with `torque_weights`.
     """
 
     quantity: Texts
@@ -137,17 +120,10 @@ class Constraint(Table, frozen=True, kw_only=True):
 class Options(Table, frozen=True, kw_only=True):
     """How the optimum is searched for.
 
-    Attributes
-    ----------
-    starts : int
-        Number of starting points: the given one, then a Latin hypercube within the bounds.
-    seed : int
-        Of the hypercube.
-    tolerance : float
-        A search ends if the predicted decrease of the objective is a smaller part of it, or the
-        steps are a smaller part of the ranges.
-    most_evaluations : int
-        For each start.
+    The first of the `starts` is the given point, the others are a Latin hypercube within the
+    bounds, by the seed. A search ends if the predicted decrease of the objective is a smaller part
+    of it than the tolerance, if the steps are a smaller part of the ranges, or after
+    `most_evaluations`.
     """
 
     starts: Annotated[int, Meta(ge=1, le=1000)] = 1

@@ -39,16 +39,7 @@ USED_UP = "the evaluations are used up"
 
 @dataclass(frozen=True)
 class Descent:
-    """End of a search.
-
-    Attributes
-    ----------
-    point : Point
-        The best one.
-    goals : Goals
-        With the last penalty.
-    reason : str
-    """
+    """End of a search: the best point, the goals with the last penalty, the reason."""
 
     point: Point
     goals: Goals

@@ -74,22 +74,10 @@ class Robust(Card):
     seconds: dict[str, float]
 
     def samples(self, quantity: str) -> Samples:
-        """Monte Carlo samples of a quantity.
+        """Monte Carlo samples of a quantity, one of the names in `first_order`.
 
-        Parameters
-        ----------
-        quantity : str
-            One of the names in `first_order`.
-
-        Returns
-        -------
-        Samples
-            Without those of failed designs.
-
-        Raises
-        ------
-        SceneError
-            If there is no such quantity, or no simulation.
+        Failed designs are left out. Raises SceneError if there is no such quantity, or no
+        simulation.
         """
         if quantity not in self.first_order or self.study is None:
             known = ", ".join(self.first_order) if self.study else "a name, after a run with n > 0"

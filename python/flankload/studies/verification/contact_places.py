@@ -33,16 +33,9 @@ LARGEST_PART = 1.0 / 24.0
 class Place:
     """Place where a pair of flanks may touch.
 
-    Attributes
-    ----------
-    site : int
-        Pair number.
-    gap_rad : float
-        Least gap: rotation of body 1 until the flanks touch.
-    element_mm : float
-        Wanted length of the elements there.
-    points : (k, 2) array
-        Centres of fine elements, at distances of at most one element length, mm.
+    `gap_rad` is the least gap, the rotation of body 1 until the flanks touch; `element_mm` the
+    wanted length of the elements there; `points` (k, 2) are the centres of fine elements, at
+    distances of at most one element length, mm.
     """
 
     site: int
@@ -90,16 +83,8 @@ def contact_places(
 class Meeting:
     """Two flanks of a pair with opposite points: samples of the gap on flank 1.
 
-    Attributes
-    ----------
-    site : int
-        Pair number.
-    curve_1, curve_2 : FlankCurve
-        Rotated to the position; curve 2 about its own axis.
-    gaps_rad, arc_mm : (n,) arrays
-        Gap angles and arc lengths on flank 1 of the samples.
-    points : (n, 2) array
-        The samples, mm.
+    The curves are rotated to the position, curve 2 about its own axis. `gaps_rad` (n,), `arc_mm`
+    (n,) and `points` (n, 2) are gap angles, arc lengths on flank 1 and places of the samples.
     """
 
     site: int

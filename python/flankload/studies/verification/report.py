@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from itertools import pairwise
-from math import degrees, isfinite
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from flankload.base.plain import plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 
 def json_of(v: Verification) -> str:
     """Return everything as strict JSON (null for what is not a number)."""
-    return json.dumps(_plain(tree_of(v)), indent=2, allow_nan=False) + "\n"
+    return json.dumps(plain(tree_of(v)), indent=2, allow_nan=False) + "\n"
 
 
 def text_of(v: Verification) -> str:
@@ -79,14 +81,6 @@ def _line_load(layers: Layers, line_load_N_per_mm: Floats) -> dict[str, Any]:
         "line_load_N_per_mm": line_load_N_per_mm,
         "face_load_factor": layers.face_load_factor(line_load_N_per_mm),
     }
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(one) for key, one in value.items()}
-    if isinstance(value, np.ndarray | list | tuple):
-        return [_plain(one) for one in np.asarray(value).tolist()]
-    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 def _lines(v: Verification) -> Iterator[str]:

@@ -12,7 +12,13 @@ from flankload.elasticity.near_field import logarithm_strength
 from flankload.errors import FlankloadError
 from flankload.studies.verification.contact_places import Place, meetings
 from flankload.studies.verification.deck import Deck, Part
-from flankload.studies.verification.model import Model, coarse_bodies, flanks_of, turns_of
+from flankload.studies.verification.model import (
+    START_PART,
+    Model,
+    coarse_bodies,
+    flanks_of,
+    turns_of,
+)
 from flankload.studies.verification.solid import Layers, Stand, beyond, layers_of, solid_part
 from flankload.studies.verification.triangles import refined, whole_body, without
 
@@ -38,8 +44,6 @@ MIDDLE_PART, MIDDLE_GROWTH, MIDDLE_REACH = 0.06, 0.12, 1.6
 NEAR_PART = 0.6
 #: Teeth are cut off at the root circle beyond this distance, in lengths of the flank.
 TEETH_REACH, SAME_RADIUS = 3.0, 1e-6
-#: Initial rotation of body 1 into its mate, relative to its deflection.
-START_PART = 0.05
 #: Flanks get a contact pair if their gap is below this multiple of the deflection.
 REACH = 1.5
 #: Layers over the common width per element on the half-width, and thick layers elsewhere.
@@ -50,20 +54,10 @@ ELEMENTS_PER_LAYER = 2.0
 
 @dataclass(frozen=True)
 class _Found:
-    """Places of all slices.
+    """Places of all slices: pairs whose flanks may touch, rotation of body 1 at the first touch.
 
-    Attributes
-    ----------
-    sites : tuple of int
-        Pairs whose flanks may touch.
-    touch_rad : float
-        Rotation of body 1 at which the first flanks touch.
-    points : two (k, 2) arrays
-        Centres of fine elements in the frame of each body.
-    sizes : (k,) array
-        Length of these elements, mm.
-    half_width_mm : float
-        The largest one.
+    `points` are the centres (k, 2) of fine elements in the frame of each body, `sizes` (k,) their
+    lengths in mm, `half_width_mm` is the largest half-width of a contact.
     """
 
     sites: tuple[int, ...]

@@ -3,7 +3,7 @@
 !> With the row lever b_i of the pair, K_ij = b_i a_ij is the displacement of both bodies at pair i
 !> along the normal under a unit normal force at pair j: the limit F -> 0 of the paper's
 !> construction (Fig. 5).
-module flankload_influence_number
+module flankload_influence_coefficients
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values
     use flankload_near_field, only: add_near_field
@@ -231,4 +231,4 @@ contains
         end do
     end function smooth_compliance
 
-end module flankload_influence_number
+end module flankload_influence_coefficients
