@@ -3,7 +3,7 @@
 module flankload_contact_pairs
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length
-    use flankload_polar_geometry, only: angle_between, cross
+    use flankload_polar_geometry, only: angle_between, cross, turned
     use flankload_circle_pair, only: facing_type, guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     use flankload_contact_reach, only: is_level
@@ -193,17 +193,6 @@ contains
             normals(:, 2) = turned(normals(:, 1), pair%gap_angle)
         end if
     end subroutine use_steadier_normal
-
-    !> Return a direction rotated counter-clockwise.
-    pure function turned(direction, angle) result(new)
-        !> Direction, shape (2)
-        real(wp), intent(in) :: direction(2)
-        !> Angle [rad]
-        real(wp), intent(in) :: angle
-        real(wp) :: new(2)
-
-        new = cos(angle)*direction + sin(angle)*[-direction(2), direction(1)]
-    end function turned
 
     !> Append a pair with its levers.
     pure subroutine append_pair(zone, pair, cell, normals, over, deviation, pairs)

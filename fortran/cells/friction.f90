@@ -6,7 +6,7 @@
 module flankload_friction
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: placed_point
-    use flankload_polar_geometry, only: angle_between, cross
+    use flankload_polar_geometry, only: angle_between, cross, turned
     use flankload_circle_pair, only: facing_type, pair_type
     use flankload_contact_zones, only: zone_type
     use flankload_contact_pairs, only: pairs_type
@@ -95,7 +95,7 @@ contains
         type(pairs_type), intent(inout) :: pairs
 
         integer :: i
-        real(wp) :: turn(2), speeds_there, largest
+        real(wp) :: turn, speeds_there, largest
         real(wp) :: change(pairs%n - first + 1)
 
         if (.not. allocated(pairs%sliding)) then
@@ -140,9 +140,9 @@ contains
         real(wp), intent(in) :: speeds(2)
         !> Flanks and their frames
         type(facing_type), intent(in) :: facing
-        !> Zone, and cosine and sine of half the angle between its normals
+        !> Zone, and half the angle between its normals [rad]
         type(zone_type), intent(in) :: zone
-        real(wp), intent(in) :: turn(2)
+        real(wp), intent(in) :: turn
         !> Arc lengths on both flanks [mm], shape (2)
         real(wp), intent(in) :: s(2)
         !> Direction of the force at the pair
@@ -162,9 +162,9 @@ contains
         if (is_level(zone)) then
             ! Conforming flanks have one normal, which turns with its point until both points meet.
             normal_2 = turned(normal_1, &
-                & turn_by(angle_between(point_1, point_2 - facing%frame_1%origin)))
+                & angle_between(point_1, point_2 - facing%frame_1%origin))
         else
-            normal_2 = turned([normal_2(2), -normal_2(1)], [turn(1), -turn(2)])
+            normal_2 = turned([normal_2(2), -normal_2(1)], -turn)
         end if
         point_2 = point_2 - facing%frame_2%origin
         ! v.t of a body that rotates about O is -w (P - O).n, since n is t turned to the left.
@@ -207,33 +207,11 @@ contains
     pure function half_turn_between(nearest) result(turn)
         !> Pair of least gap
         type(pair_type), intent(in) :: nearest
-        !> Cosine and sine of the half angle
-        real(wp) :: turn(2)
+        !> Half angle [rad]
+        real(wp) :: turn
 
-        turn = turn_by(0.5_wp*(angle_between(nearest%tangent_1, -nearest%tangent_2) &
-            & - nearest%gap_angle))
+        turn = 0.5_wp*(angle_between(nearest%tangent_1, -nearest%tangent_2) - nearest%gap_angle)
     end function half_turn_between
-
-    !> Return a rotation by an angle.
-    pure function turn_by(angle) result(turn)
-        !> Angle [rad]
-        real(wp), intent(in) :: angle
-        !> Cosine and sine of the angle
-        real(wp) :: turn(2)
-
-        turn = [cos(angle), sin(angle)]
-    end function turn_by
-
-    !> Return a vector rotated counter-clockwise.
-    pure function turned(vector, turn) result(other)
-        !> Vector, shape (2)
-        real(wp), intent(in) :: vector(2)
-        !> Cosine and sine of the angle
-        real(wp), intent(in) :: turn(2)
-        real(wp) :: other(2)
-
-        other = turn(1)*vector + turn(2)*[-vector(2), vector(1)]
-    end function turned
 
     !> Compute the change of the sliding speed over each cell of a zone.
     pure subroutine sliding_changes(sliding, change)

@@ -11,7 +11,7 @@ module flankload_contact_normal
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
     use flankload_flank_curve, only: curve_length
-    use flankload_polar_geometry, only: angle_between
+    use flankload_polar_geometry, only: angle_between, turned
     use flankload_circle_pair, only: facing_type, guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     implicit none
@@ -126,11 +126,7 @@ contains
         !> Unit normal out of body 1
         real(wp) :: direction(2)
 
-        real(wp) :: angle
-
-        angle = normal%turning(body)*(s_1 - normal%origin)
-        direction = cos(angle)*normal%direction &
-            & + sin(angle)*[-normal%direction(2), normal%direction(1)]
+        direction = turned(normal%direction, normal%turning(body)*(s_1 - normal%origin))
     end function normal_at
 
 end module flankload_contact_normal

@@ -7,12 +7,12 @@
 module flankload_lumped_pass
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
-    use flankload_polar_geometry, only: angle_between
+    use flankload_polar_geometry, only: angle_between, turned
     use flankload_contact_zones, only: zone_type
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
-    use flankload_lapack, only: potrf, solve_triangle
+    use flankload_lapack, only: potrf, solve_cholesky
     use flankload_lumped_hertz, only: usual_half_width
     use flankload_lumped_place, only: place_type
     use flankload_position_zones, only: body_type, position_type
@@ -101,8 +101,6 @@ contains
         integer, intent(in) :: body
         real(wp) :: turn
 
-        real(wp) :: closed(2)
-
         turn = 0.0_wp
         if (zone%corner /= body) return
         associate (nearest => zone%nearest)
@@ -112,9 +110,8 @@ contains
                 if (nearest%s_2 < body_2%compliance%s_high*(1.0_wp - tie)) return
             end if
             ! body 1 rotates by the gap angle until both touch; tangents point to either tip
-            closed = cos(nearest%gap_angle)*nearest%tangent_1 &
-                & + sin(nearest%gap_angle)*[-nearest%tangent_1(2), nearest%tangent_1(1)]
-            turn = 0.5_wp*angle_between(closed, -nearest%tangent_2)
+            turn = 0.5_wp*angle_between(turned(nearest%tangent_1, nearest%gap_angle), &
+                & -nearest%tangent_2)
             if (body == 1) turn = -turn
         end associate
     end function corner_turn
@@ -293,8 +290,7 @@ contains
             x = reshape([motion(on), gaps(on)], [size(on), 2])
             call potrf(size(on), factor, info)
             if (info /= 0) return
-            call solve_triangle(size(on), factor, 'L', 'N', 'N', x)
-            call solve_triangle(size(on), factor, 'L', 'T', 'N', x)
+            call solve_cholesky(size(on), factor, x)
             ! Eq. (18), (19): K F + g = b q and m F = M, so that F = q K⁻¹b - K⁻¹g
             turn = (load + dot_product(load_row(on), x(:, 2)))/dot_product(load_row(on), x(:, 1))
             carried = turn*x(:, 1) - x(:, 2)

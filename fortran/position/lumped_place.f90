@@ -155,7 +155,7 @@ contains
         !> Lumped contact, whose force and half-widths are known
         type(place_type), intent(inout) :: place
 
-        real(wp) :: turn(2), along_2, at_ends(2), speeds_there, coefficient, mean, mean_slope
+        real(wp) :: turn, along_2, at_ends(2), speeds_there, coefficient, mean, mean_slope
         real(wp) :: part, width, part_slope
 
         turn = half_turn_between(zone%nearest)

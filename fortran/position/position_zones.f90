@@ -124,18 +124,12 @@ contains
         !> Set if no flanks meet, or a minimum of the gap could not be computed exactly
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: n_zones
         logical :: faces(size(body_1%site_angles))
         type(zone_type), allocatable :: zones(:)
 
         call place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
         call search_sites(body_1, body_2, faces, torque, position, zones, error)
         if (allocated(error)) return
-        n_zones = size(zones)
-        if (n_zones == 0) then
-            call fatal_error(error, code_no_zone)
-            return
-        end if
         if (.not. any(zones%side > 0.0_wp)) then
             call fatal_error(error, code_no_zone)
             return

@@ -1,8 +1,8 @@
-"""Check that no procedure below fortran/ has more than 60 lines of code or 8 arguments.
+"""Check that procedures below fortran/ are short, and that another file uses each public name.
 
-Comments and blank lines do not count; a procedure counts with the ones inside it. Those of flat/,
-whose arguments are arrays without descriptors, are as long as their lists of arguments, and those
-of LAPACK take what they take.
+A procedure has at most 60 lines of code and 8 arguments. Comments and blank lines do not count; a
+procedure counts with the ones inside it. Those of flat/, whose arguments are arrays without
+descriptors, are as long as their lists of arguments, and those of LAPACK take what they take.
 """
 
 import re
@@ -75,8 +75,26 @@ def complaints() -> list[str]:
     return found
 
 
+def unused() -> list[str]:
+    """One sentence for each public name of a module that neither another file nor a test uses."""
+    codes = {
+        path: re.sub(r"&\s*\n\s*&", " ", re.sub(r"!.*", "", path.read_text(encoding="utf-8")))
+        for folder in (FORTRAN, Path(__file__).resolve().parent)
+        for path in sorted(folder.rglob("*.f90"))
+    }
+    words = {path: set(re.findall(r"\w+", code.lower())) for path, code in codes.items()}
+    return [
+        f"{path.relative_to(FORTRAN.parent).as_posix()}: no other file uses {name}"
+        for path, code in codes.items()
+        if FORTRAN in path.parents and path.parent != FORTRAN
+        for names in re.findall(r"^ *public *:: *(.*)$", code, re.MULTILINE)
+        for name in re.findall(r"\w+", names)
+        if not any(name.lower() in words[other] for other in words if other != path)
+    ]
+
+
 if __name__ == "__main__":
-    lines = complaints()
+    lines = complaints() + unused()
     for line in lines:
         print(line, file=sys.stderr)
     sys.exit(bool(lines))

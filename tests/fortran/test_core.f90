@@ -327,7 +327,7 @@ contains
     subroutine test_near_field_of_cells
         real(wp), parameter :: kernel = 1.7_wp, growth(3) = [1.0_wp, 1.004_wp, 1.05_wp]
         real(wp), parameter :: wedge(2) = [0.3_wp, 0.9_wp], away(3) = [0.0_wp, 0.3_wp, 3.0_wp]
-        integer, parameter :: first = 3
+        integer, parameter :: first = 3, last = first + n - 1
         !> Far images of nearly equal cells have derivatives of a logarithm
         real(wp), parameter :: series = 1.0e-7_wp
         real(wp) :: s(n), cell(n), matrix(n + first, n + first), plain(n + first, n + first)
@@ -346,10 +346,10 @@ contains
                 body%s_high = maxval(s + 0.5_wp*cell) + away(k)
                 body%wedge = 0.0_wp
                 plain = 1.0_wp
-                call add_near_field(body, s, cell, first, plain)
+                call add_near_field(body, s, cell, plain(first:last, first:last))
                 body%wedge = wedge
                 matrix = 1.0_wp
-                call add_near_field(body, s, cell, first, matrix)
+                call add_near_field(body, s, cell, matrix(first:last, first:last))
                 slack = merge(20.0_wp*round_off, series, &
                     & modulo(way, size(growth)) == 1 .and. sense == 1)*kernel
                 do j = 1, n
@@ -460,7 +460,7 @@ contains
             s = [(sum(cell(:i)) - 0.5_wp*cell(i), i=1, n)]
             body%s_high = sum(cell)
             matrix = 0.0_wp
-            call add_near_field(body, s, cell, 1, matrix)
+            call add_near_field(body, s, cell, matrix)
             do j = 1, n
                 matrix(j, j:) = matrix(j:, j)
             end do

@@ -191,7 +191,7 @@ def test_threads_of_the_caller(static, problem_file, workshop, environment) -> N
     assert printed.split() == ["0", "of", "800", "differ"]
 
 
-def test_every_door_tells_the_version(prefix, workshop, environment) -> None:
+def test_every_interface_has_the_version(prefix, workshop, environment) -> None:
     text = (ROOT / "meson.build").read_text(encoding="utf-8")
     version = re.search(r"^    version: '([\d.]+)'", text, re.MULTILINE)[1]
     folder = built(PROGRAMS, workshop / "programs", environment, static=False)

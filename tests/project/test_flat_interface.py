@@ -161,10 +161,10 @@ def named_numbers() -> tuple[dict[str, int], dict[str, int]]:
 
 
 def test_numbers_of_methods_structures_and_parts_agree() -> None:
-    from flankload.contact.problem import DEFINITE, DEFINITE_PART, GENERAL, RUNGS, SYMMETRIC
+    from flankload.contact.problem import DEFINITE, DEFINITE_PART, GENERAL, METHOD_NAMES, SYMMETRIC
 
     of_fortran, of_c = named_numbers()
-    names = {name.replace("single_pivoted", "pivoted"): n for n, name in RUNGS.items()}
+    names = {name.replace("single_pivoted", "pivoted"): n for n, name in METHOD_NAMES.items()}
     names |= {
         "general": GENERAL,
         "symmetric": SYMMETRIC,

@@ -25,7 +25,7 @@ MOST_ARRAYS = 100
 SUFFIX = ".npy"
 
 
-class BadArchive(Exception):  # noqa: N818 - not an error of flankload's users yet
+class BadArchive(Exception):  # noqa: N818 - internal; callers convert it to a public error
     """A file that is not an archive of arrays, or that contains something refused.
 
     Parameters
@@ -97,7 +97,7 @@ def read_members(path: Path) -> dict[str, Member]:
 
 def archive_of(arrays: Mapping[str, NDArray[Any]]) -> bytes:
     """Content of a .npz file; the same arrays give the same bytes."""
-    # numpy 2.0 takes the option allow_pickle for the name of an array
+    # numpy 2.0 would store the argument allow_pickle as an array of that name
     named: dict[str, Any] = dict(arrays)
     assert not any(array.dtype.hasobject for array in named.values())
     out = io.BytesIO()

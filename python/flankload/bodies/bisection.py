@@ -1,4 +1,4 @@
-"""Sign change of a function to machine precision, without importing SciPy."""
+"""Root of a function to machine precision by Chandrupatla's method, without importing SciPy."""
 
 from __future__ import annotations
 
@@ -13,9 +13,7 @@ EPS = sys.float_info.epsilon
 
 
 def sign_change(function: Callable[[float], float], low: float, high: float) -> float:
-    """Point at which a continuous function of opposite signs at both ends changes its sign.
-
-    It is exactly an end if the function is 0 there.
+    """Root of a continuous function with opposite signs at both ends, or an end with the value 0.
 
     Raises
     ------
@@ -46,10 +44,10 @@ def sign_change(function: Callable[[float], float], low: float, high: float) -> 
 
 
 def _next_part(points: tuple[float, float, float], values: tuple[float, float, float]) -> float:
-    """Part of the way from the last point to the other side at which the sign is found next.
+    """Next point, as a fraction of the interval from the last point to the other side.
 
-    Inverse quadratic interpolation where it is safe, else the middle (Chandrupatla, Adv. Eng.
-    Softw. 28, 1997). Points and values of the last one, the one before and the other side.
+    Inverse quadratic interpolation if it is safe, otherwise bisection (Chandrupatla, Adv. Eng.
+    Softw. 28, 1997). Points and values: last, one before, other side.
     """
     (one, two, three), (at_one, at_two, at_three) = points, values
     place = (one - three) / (two - three)

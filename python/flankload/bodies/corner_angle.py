@@ -9,12 +9,12 @@ import numpy as np
 if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Floats
 
-#: Interior angle where the surface goes on smoothly, degrees.
-SMOOTH = 180.0
+#: Interior angle of a smooth surface, degrees.
+STRAIGHT_ANGLE = 180.0
 
 
 def angle_at(nodes: Floats, cells: Cells, node: int) -> float:
-    """Interior angle of the elements at a corner node of theirs, degrees."""
+    """Interior angle of all elements at a corner node, degrees."""
     whole = 0.0
     for kind, data in cells:
         corners = 3 if kind.startswith("triangle") else 4

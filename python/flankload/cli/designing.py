@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import signal
 import sys
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -19,8 +19,6 @@ from flankload.errors import FlankloadError
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Iterator
-    from concurrent.futures import Executor
-    from contextlib import AbstractContextManager
 
     from flankload.scene import Scene
     from flankload.studies.design import DesignStudy

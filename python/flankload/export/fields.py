@@ -15,15 +15,13 @@ from flankload.base.files import write_atomically
 from flankload.errors import SceneError
 from flankload.mechanisms.registry import mechanism_of
 from flankload.meshes.io import vtu_of
-from flankload.result import Result
-from flankload.scene import scene_of
+from flankload.result import PairTable, Result
+from flankload.scene import Scene, SceneLike, scene_of
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.mechanisms.flank_pair.loaded_bodies import FieldBody, SolidBody
-    from flankload.result import PairTable
-    from flankload.scene import Scene, SceneLike
 
 
 #: Name of the collection in each folder.

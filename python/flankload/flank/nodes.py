@@ -16,7 +16,7 @@ def curve_through_nodes(
     """Smooth curve through the nodes of a mesh flank.
 
     Quintic spline over the chord length (not-a-knot ends) through all points, including mid-side
-    nodes (cubic for fewer than 6 points), refitted by its own arc length.
+    nodes (cubic for fewer than 6 points), refitted as a function of arc length.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def nodes_deviation(points: ArrayLike) -> float:
     Returns
     -------
     float
-        Largest estimated distance; infinite for fewer than 7 nodes, which are too few.
+        Largest estimated distance; infinite for fewer than 7 nodes, which do not suffice.
     """
     nodes = _checked_nodes(points)
     if nodes.shape[0] < 7:
@@ -77,7 +77,7 @@ def _checked_nodes(points: ArrayLike) -> Floats:
 
 
 def _spline(nodes: Floats) -> tuple[Place, Floats]:
-    """Spline through the nodes over the chord length, and the chord length at the nodes."""
+    """Spline through the nodes over the chord length; chord length of each node."""
     from scipy.interpolate import make_interp_spline
 
     chord = np.linalg.norm(np.diff(nodes, axis=0), axis=1)

@@ -177,10 +177,15 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
             )
         )
         same_way = z == 0 or drawing.is_around or drawing.cam_turns_clockwise is False
-        at_left = (z == 0) != drawing.is_around
-        place, ha = (0.03, "left") if at_left else (0.97, "right")
         text = f"body {z + 1} {'↺' if same_way else '↻'}"
         look: dict[str, Any] = {"fontweight": "bold", "color": "#404040"}
+        if z == 0 and drawing.is_around and result.engagement.draws_whole_bodies:
+            root = float(np.hypot(*outline.T).min())
+            middle = -0.5 * (root + (rims[z] or 0.0))
+            axes.text(centre, middle, text, ha="center", va="center", **look)
+            continue
+        at_left = (z == 0) != drawing.is_around
+        place, ha = (0.03, "left") if at_left else (0.97, "right")
         axes.text(place, 0.03, text, transform=axes.transAxes, ha=ha, **look)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import date
 from hashlib import sha256
 from importlib.resources import files
@@ -22,15 +22,12 @@ from flankload.report.key_figures import key_rows, percent
 from flankload.report.pictures import curve_data, plots_of
 from flankload.report.turning import turning
 from flankload.result import Result
-from flankload.scene import scene_of
+from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.axial import three_dimensional_key
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from flankload.mechanisms.data_sheet import DataSheet
-    from flankload.scene import Scene, SceneLike
 
 #: A symbol with an index.
 INDEXED = re.compile(r"([^\W_]+)_([^\W_]+)")
@@ -76,11 +73,7 @@ def scene_of_report(scene: Scene) -> Scene:
 
 
 def report_html(
-    results: Result | Sequence[Result],
-    scene: SceneLike,
-    *,
-    line: str = "",
-    day: date | None = None,
+    results: Result | Sequence[Result], scene: SceneLike, *, line: str = "", day: date | None = None
 ) -> str:
     """Return the report of a scene as one page without references to other files.
 

@@ -7,6 +7,8 @@ from functools import partial
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any
 
+from flankload.base.rounding import TIE
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
@@ -16,8 +18,6 @@ if TYPE_CHECKING:
     #: Name, symbol, unit, and the cell of a torque.
     Figure = tuple[str, str, str, CellOf]
 
-#: Relative errors below this are roundoff.
-ROUNDING = 1e-9
 #: Entries of the summary that need several positions.
 OF_SEVERAL = ("transmission_error_peak_to_peak_um",)
 
@@ -58,7 +58,7 @@ def percent(error: float | None) -> str:
     """Relative error as text with two digits; empty if there is none."""
     if error is None or not isfinite(error):
         return ""
-    return f"{float(f'{100 * error:.2g}') if error > ROUNDING else 0:g} %"
+    return f"{float(f'{100 * error:.2g}') if error > TIE else 0:g} %"
 
 
 def _figures(results: Sequence[Result]) -> Iterator[Figure]:

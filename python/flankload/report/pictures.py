@@ -11,13 +11,12 @@ import numpy as np
 
 from flankload import plot as pictures
 from flankload.plot.picture import OF_LARGEST
-from flankload.plot.svg import panel_of
+from flankload.plot.svg import Panel, panel_of
 from flankload.report.turning import thinned
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flankload.plot.svg import Panel
     from flankload.result import Result
 
 #: Sections of plots in their order, with the plots that belong to each.

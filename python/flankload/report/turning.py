@@ -12,7 +12,7 @@ import numpy as np
 from flankload.base.rotation import all_around, directions
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from flankload.base.arrays import Floats
     from flankload.result import PairTable, Result
@@ -36,27 +36,16 @@ LEAST_POINTS, MOST_POINTS = 3, 24
 class Turning:
     """Picture of both bodies that a page turns.
 
-    Attributes
-    ----------
-    view_box : str
-        Left, top, width and height, mm; y points down, as in SVG.
-    outlines : tuple of str
-        SVG path of each body in its own frame, y upwards.
-    center_mm : float
-        Place of the axis of body 2 on the x axis.
-    letter_mm : float
-        Height of the numbers of the pairs.
-    start : int
-        Position that is shown at first.
-    heads : tuple of str
-        Heads of the columns of the pairs.
-    legend : str
-        Meaning of the red areas.
-    data : dict
-        For the script: `deg` (P,) angles of the positions; `turn` of both bodies (2, P), deg;
-        `torques` (T,); `states` (T, P) of transmission error in um, rows of pairs (number, force in
-        kN, share in %, pressure in MPa if there is one, or "corner") and loads of the pairs (path,
-        x and y of the pair's number).
+    `view_box` is left, top, width and height in mm, y down as in SVG; `outlines` are the SVG paths
+    of the bodies in their own frames, y upwards; `center_mm` is the place of the axis of body 2 on
+    the x axis; `letter_mm` the height of the numbers of the pairs; `start` the position that is
+    shown at first; `heads` are those of the columns of the pairs; `legend` is the meaning of the
+    red areas.
+
+    `data` is for the script: `deg` (P,) angles of the positions; `turn` of both bodies (2, P), deg;
+    `torques` (T,); `states` (T, P) of transmission error in um, rows of pairs (number, force in kN,
+    share in %, pressure in MPa if there is one, or "corner") and loads of the pairs (path, x and y
+    of the pair's number).
     """
 
     view_box: str
@@ -129,22 +118,33 @@ def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats
     """Corners of the picture: the contacts of all positions, or whole bodies with all arrows."""
     result = results[-1]
     drawing, engagement = result.drawing, result.engagement
-    tables = [one.pairs(p) for one in results for p in shown]
-    places, normals = (
-        np.concatenate([getattr(table, name)[table.force_N > 0] for table in tables])
-        for name in ("point_mm", "normal")
+    places, forces = (
+        np.concatenate(parts) for parts in zip(*_contacts(results, shown), strict=True)
     )
     if engagement.draws_whole_bodies:
         low, high = drawing.extent_mm(shown)
         size = float((high - low).max())
         # arrows and letters are parts of the final size, which is larger
-        beyond = engagement.largest_arrow + 2.0 * LETTER
-        ends = np.vstack([low, high, places + beyond * (1.0 + 2.0 * beyond) * size * normals])
+        larger = 1.0 + 2.0 * (engagement.largest_arrow + LETTER)
+        length = np.hypot(*forces.T)[:, np.newaxis]
+        beyond = engagement.largest_arrow * forces + 2.0 * LETTER * forces / length
+        ends = np.vstack([low, high, places + larger * size * beyond])
         return ends.min(axis=0) - MARGIN * size, ends.max(axis=0) + MARGIN * size
     pitch = 2 * np.pi * _largest(drawing.outline_1) / drawing.teeth_1
     if not len(places):
         places = np.array([[_largest(drawing.outline_1), 0.0]])
     return places.min(axis=0) - 0.9 * pitch, places.max(axis=0) + 0.9 * pitch
+
+
+def _contacts(results: Sequence[Result], shown: list[int]) -> Iterator[tuple[Floats, Floats]]:
+    """Places (n, 2) of loaded pairs, and the forces of their sites relative to the largest."""
+    largest = _scales_of(results)[0]
+    for one in results:
+        for p in shown:
+            table = one.pairs(p)
+            loaded = table.force_N > 0
+            site_force = one.site_force_N[p, np.searchsorted(one.sites, table.site[loaded])]
+            yield table.point_mm[loaded], table.normal[loaded] * site_force[:, None] / largest
 
 
 def _outline(sector: Floats, teeth: int, off_mm: float) -> str:
@@ -218,12 +218,7 @@ def _state_at(
 
 
 def _path_of_load(
-    result: Result,
-    table: PairTable,
-    p: int,
-    s: int,
-    scales: tuple[float, float],
-    size_mm: float,
+    result: Result, table: PairTable, p: int, s: int, scales: tuple[float, float], size_mm: float
 ) -> tuple[str, Floats, Floats]:
     """SVG path of the load of a pair, its tip and direction: pressure on the flank, or an arrow."""
     reach_mm = result.engagement.largest_arrow * size_mm

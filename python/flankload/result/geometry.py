@@ -62,7 +62,7 @@ def pair_geometry(
     pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> PairGeometry:
     """Geometry of a pair with the displacement of its flanks from their nominal place."""
-    pairing, mesh = pair.pairing, pair.pairing.mesh
+    pairing, mesh = pair.pairing, pair.pairing.gear_geometry
     speeds = pairing.speeds(pair.position_rad)
     coast, unknown = _coast_side(pair, compliances)
     known = PairGeometry(pairing.center_distance_mm, *speeds, coast=coast, coast_unknown=unknown)
@@ -144,7 +144,7 @@ def _coast_side(
         position_rad=-pair.position_rad,
         base_radius_mm=one.base_radius_mm,
         grid=pair.discretization.grid,
-        compliances=(compliances[0].unyielding(), compliances[1].unyielding()),
+        compliances=(compliances[0].without_elasticity(), compliances[1].without_elasticity()),
     )
     return coast, ""
 

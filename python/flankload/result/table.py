@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.rounding import TIE
 from flankload.base.text_table import MARK, NONE, text_table
 from flankload.contact.status import Status
 from flankload.cost import COUNTERS
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     #: Label and text.
     Line = tuple[str, str]
 
-#: Estimated errors below this part of a quantity are roundoff, and printed as zero.
-NO_ERROR = 1e-9
 #: Sources of the estimate with a separate line: they apply to harmonics, which others do not.
 SHOWN_ALONE = {"positions": "by positions alone", "period": "by period alone"}
 #: Words that such a line omits from its names.
@@ -173,7 +172,7 @@ def _estimate_lines(result: Result, beyond: str) -> Iterator[Line]:
     yield "estimated error", text + beyond
     for source, label in SHOWN_ALONE.items():
         left = result.estimate.get("by_source", {}).get(source, {})
-        if any(error > NO_ERROR for error in left.values()) or (left and source == "positions"):
+        if any(error > TIE for error in left.values()) or (left and source == "positions"):
             text = _estimate({key.removeprefix(OF_ROTATION): error for key, error in left.items()})
             yield label, text + beyond
 
@@ -269,8 +268,8 @@ def _estimate(estimate: Any) -> str:
     """Each quantity's error, and its largest source."""
     sources = estimate.get("dominant_source", {})
     return ", ".join(
-        f"{quantity.replace('_', ' ')} {100 * error if error > NO_ERROR else 0:.2g} %"
-        + (f" ({sources[quantity]})" if quantity in sources and error > NO_ERROR else "")
+        f"{quantity.replace('_', ' ')} {100 * error if error > TIE else 0:.2g} %"
+        + (f" ({sources[quantity]})" if quantity in sources and error > TIE else "")
         for quantity, error in estimate.items()
         if isinstance(error, int | float)
     )

@@ -1,4 +1,4 @@
-"""The error line of an invalid key: what was expected and what was found."""
+"""The error line of an invalid key, with the expected and the found value."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flankload.errors import SceneError
 
 
 def shown(value: object) -> str:
-    """A value as the user wrote it, shortened to one short line."""
+    """A value as in a scene file, shortened to one line."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -32,7 +32,7 @@ def shown(value: object) -> str:
 
 @contextmanager
 def in_file(path: str | Path | None) -> Iterator[None]:
-    """Name the file of the keys in errors that name none."""
+    """Add the file to errors that name none."""
     try:
         yield
     except SceneError as error:
@@ -42,14 +42,14 @@ def in_file(path: str | Path | None) -> Iterator[None]:
 
 
 def refuse_absent(key: str, name: str, wanted: str, beside: str) -> NoReturn:
-    """Refuse the table `key` without a key that another one of the table requires."""
+    """Refuse the table `key`, which lacks the key `name` that its key `beside` requires."""
     refuse(f"{key}.{name}", f"{wanted}, since there is a {key}.{beside}", None)
 
 
 def refuse(key: str, expected: str, found: object, file: str | Path | None = None) -> NoReturn:
-    """Refuse a key (of a file), of which `key` is the dotted path.
+    """Refuse the key with the dotted path `key`, of a file if one is given.
 
-    A found string is used as it is; any other value is shown as the user wrote it; None: "nothing".
+    A string `found` is printed unchanged, any other value as in a scene file; None: "nothing".
 
     Raises
     ------

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.cost import Account
 from flankload.mechanisms import Earlier, Parts, mechanism_of, run_once
 from flankload.mechanisms import prepare as prepare_parts
-from flankload.result import result_of_torques
+from flankload.result import Result, result_of_torques
 from flankload.studies.tolerance import solve_to_tolerance
 
 if TYPE_CHECKING:
@@ -16,19 +16,12 @@ if TYPE_CHECKING:
 
     from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.stage_clock import Kept, Progress
-    from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.plan import Plan
 
 
 class Prepared:
-    """A scene with its bodies and compliances, for similar scenes; from `prepare`.
-
-    Attributes
-    ----------
-    scene : Scene
-    parts : Parts
-    """
+    """A scene with its bodies and compliances, its parts, for similar scenes; from `prepare`."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene

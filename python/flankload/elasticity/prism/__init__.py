@@ -1,4 +1,4 @@
-"""Elastic bodies in three dimensions: a plane section over a width, straight or twisted."""
+"""Elastic bodies in three dimensions: prisms, straight or twisted."""
 
 from flankload.elasticity.prism.compliance import (
     Prism,

@@ -1,7 +1,6 @@
-"""The order in which the inner nodes of a plane mesh are eliminated: nested dissection.
+"""Elimination order of the inner nodes of a plane mesh: nested dissection.
 
-The elements are bisected again and again. The nodes that both halves share separate them and are
-eliminated after them. What is left of a front, its boundary, is small.
+The elements are bisected recursively; the nodes that both halves share are eliminated after them.
 """
 
 from __future__ import annotations
@@ -16,9 +15,9 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Flags, Floats, Numbers
 
-#: Parts of no more nodes are eliminated at once.
+#: Largest number of nodes of a part that is not bisected.
 LEAF = 12
-#: Directions of the lines that are tried to bisect a part.
+#: Number of directions that are tried for the bisection of a part.
 DIRECTIONS = 8
 
 
@@ -31,14 +30,14 @@ class Front:
     own : (o,) array
         The nodes, in their order.
     rest : (r,) array
-        Nodes of the boundary: first those that are eliminated later, in their order, then those
-        that are kept.
+        Nodes of the boundary: first those that are eliminated later, in their order, then kept
+        ones.
     inner : int
-        How many of `rest` are eliminated later.
+        Number of nodes of `rest` that are eliminated later.
     parts : tuple of int
-        Fronts whose remainder goes into this one.
+        Fronts whose remainders are added to this one.
     loaded : bool
-        Whether one of the nodes eliminated so far carries a load.
+        Whether one of the nodes eliminated so far has a load.
     """
 
     own: Numbers
@@ -51,11 +50,11 @@ class Front:
 def dissect(
     places: Floats, cells: Sequence[Numbers], *, inner: Flags, kept: Numbers, loaded: Flags
 ) -> tuple[list[Front], Numbers]:
-    """Fronts of a mesh, each after its parts; the last one has no boundary but the kept nodes.
+    """Fronts of a mesh, each after its parts; the boundary of the last one are the kept nodes.
 
-    From the places (N, 2) of the nodes, mm, the cells (E, k) kind by kind, the nodes (c,) that
-    stay, and whether a node is eliminated or carries loads (N,). Returns also when a node is
-    eliminated (N,): kept nodes are behind all others in their order, others are -1.
+    Arguments: positions (N, 2) of the nodes, mm, cells (E, k) by kind, whether a node is eliminated
+    (N,), kept nodes (c,), whether a node has loads (N,). Also returns the position of each node
+    (N,) in the order of elimination: kept nodes are last, -1 for other nodes.
     """
     sizes = np.concatenate([np.full(len(part), part.shape[1]) for part in cells])
     element = np.repeat(np.arange(sizes.size), sizes)

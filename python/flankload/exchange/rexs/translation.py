@@ -9,7 +9,7 @@ from flankload.errors import SceneError
 from flankload.exchange.rexs.body import body_of
 from flankload.exchange.rexs.modifications import modifications_of
 from flankload.exchange.rexs.pair import pair_of
-from flankload.exchange.rexs.source import Stock
+from flankload.exchange.rexs.source import Source, Stock
 from flankload.exchange.rexs.stages import Stage, model_of_case, stage_of, torque_of
 from flankload.scene import Scene
 from flankload.scene.tree import with_changes
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flankload.exchange.rexs.model import Component, Model
-    from flankload.exchange.rexs.source import Source
 
 
 @dataclass(frozen=True)

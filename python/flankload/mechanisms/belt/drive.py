@@ -12,7 +12,11 @@ from flankload.mechanisms.belt.belt import Strip, build_pulley, build_strip
 from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS, coarser
 from flankload.mechanisms.belt.contact import state_under
 from flankload.mechanisms.belt.estimate import estimate_belt
-from flankload.mechanisms.belt.pulley_compliance import PulleyResponse, rest_on, solve_pulley
+from flankload.mechanisms.belt.pulley_compliance import (
+    PulleyResponse,
+    on_elastic_pulley,
+    solve_pulley,
+)
 from flankload.mechanisms.belt.pulley_mesh import PulleyMesh, mesh_pulley
 from flankload.mechanisms.belt.row import BeltRow, StripResponse, condensation_work, phases
 from flankload.mechanisms.wrapped import WrappedAssembly, WrappedStates, positions_of
@@ -30,14 +34,14 @@ LEAST_ELEMENTS = 2
 
 
 class PulleyMeshes:
-    """Meshes of an elastic pulley, each made when it is first needed."""
+    """Meshes of an elastic pulley, made on demand."""
 
     def __init__(self, keys: Pulley, strip: Strip, plane: str) -> None:
         self._keys, self._strip, self._plane = keys, strip, plane
         self._made: dict[int, PulleyMesh] = {}
 
     def of(self, elements: int) -> PulleyMesh:
-        """The mesh with so many elements beside a tooth; a SceneError if none is valid."""
+        """The mesh with this number of elements per tooth flank; a SceneError if it is invalid."""
         if elements not in self._made:
             pulley = build_pulley(self._keys, self._strip, self._plane)
             self._made[elements] = mesh_pulley(pulley, elements)
@@ -118,7 +122,7 @@ def flank_elements(scene: Scene, strip: Strip) -> int:
 
 
 def land_columns_of(scene: Scene) -> dict[str, bool]:
-    """Land columns that a scene needs; an elastic pulley needs those of lifting lands."""
+    """Land columns required by a scene; an elastic pulley requires those of lifting lands."""
     return {
         "sliding": scene.effects.land_friction != 0.0,
         "lifting": scene.effects.land_lift or not scene.body_1.rigid,
@@ -126,7 +130,7 @@ def land_columns_of(scene: Scene) -> dict[str, bool]:
 
 
 def pulley_mesh(scene: Scene) -> PulleyMesh:
-    """Mesh of an elastic pulley with as many elements beside a tooth as on it.
+    """Mesh of an elastic pulley with the flank elements of the belt.
 
     Raises SceneError if no valid mesh can be made.
     """
@@ -145,7 +149,7 @@ def response_at(
 ) -> StripResponse:
     """Response of the belt at a position, on a rigid pulley or on an elastic one."""
     held = row.at(angle_rad / row.strip.pitch_rad, account)
-    return held if known is None else rest_on(held, row.strip, known)
+    return held if known is None else on_elastic_pulley(held, row.strip, known)
 
 
 def error_estimates(
@@ -157,14 +161,14 @@ def error_estimates(
 ) -> list[Mapping[str, object] | None]:
     """Errors from elements twice as long at up to two positions, and from the spacing of positions.
 
-    Each torque has a list of states, one per position. The work is counted. One entry per torque,
-    as the result shows it; None without torque.
+    `found` has a list of states per torque, one per position. Returns one entry per torque in the
+    form of the result, None without torque. The work is counted.
     """
     row, coarse, strip = assembly.row, assembly.coarse, assembly.strip
     pulley = None
     if known is not None:
         pulley = solved_pulley(scene, assembly.pulley.of(coarse.elements), account)
-    # source, and responses compared: with longer elements and, if not None, another than the run's
+    # position; source, response to compare with (None: that of the run), and with longer elements
     tried: list[tuple[int, list[tuple[str, StripResponse | None, StripResponse]]]] = []
     for p in assembly.tried:
         at = partial(response_at, angle_rad=float(assembly.position_rad[p]), account=account)

@@ -24,7 +24,7 @@ from flankload.mechanisms.belt.drive import (
     work_of_pulley,
 )
 from flankload.mechanisms.belt.drive_result import sites_of
-from flankload.mechanisms.belt.pulley_compliance import rest_on
+from flankload.mechanisms.belt.pulley_compliance import on_elastic_pulley
 from flankload.mechanisms.belt.row import BeltRow
 from flankload.mechanisms.element_rates import load_packages
 from flankload.mechanisms.premises import Torque, broken_by_turn, require_premises
@@ -132,7 +132,9 @@ class BeltScreening(Screening):
             mesh = self._assembly.pulley.of(self._few.elements)
             with self._pulley:
                 known = solved_pulley(all_asked, mesh, self._pulley)
-            self._elastic = [rest_on(response, run.strip, known) for response in self._held]
+            self._elastic = [
+                on_elastic_pulley(response, run.strip, known) for response in self._held
+            ]
             self._sector = len(mesh.sector.nodes)
 
     def states(self, scene: Scene) -> list[States]:

@@ -39,7 +39,7 @@ from flankload.mechanisms.flank_pair.assembly import bodies_of, build_bodies, wi
 from flankload.mechanisms.flank_pair.stages import compliance_of, modes_of
 from flankload.mechanisms.toggles import with_keys, with_rigid
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.expansion import growth_of
+from flankload.pairing.expansion import body_loads_of
 from flankload.pairing.friction import friction_of
 from flankload.pairing.pairing import coast_sites
 from flankload.scene.axial import degrees_of
@@ -51,15 +51,15 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.bodies import Body
-    from flankload.bodies.shaft import CarryingShaft
+    from flankload.bodies.shaft import FlexibleShaft
     from flankload.elasticity.job_log import JobCost
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.toggles import Toggle
-    from flankload.pairing.expansion import Growth
+    from flankload.pairing.expansion import BodyLoad
     from flankload.scene import BodySpec, Scene
 
     #: With friction or not, influence numbers, expansion.
-    _FileVariant = tuple[bool, str, Growth | None]
+    _FileVariant = tuple[bool, str, BodyLoad | None]
     #: Number, table, whether it is three-dimensional and touches with its tip.
     _BodyVariant = tuple[int, BodySpec, bool, bool]
 
@@ -83,18 +83,18 @@ class Variant:
     ----------
     spatial : bool
         Whether they are solved in three dimensions.
-    shaft : CarryingShaft or None
+    shaft : FlexibleShaft or None
         What the bore follows.
     sectors : int or None
         Number of teeth of a segment.
-    growth : Growth or None
+    growth : BodyLoad or None
         Expansion, where it needs the elements.
     """
 
     spatial: bool = False
-    shaft: CarryingShaft | None = None
+    shaft: FlexibleShaft | None = None
     sectors: int | None = None
-    growth: Growth | None = None
+    growth: BodyLoad | None = None
 
 
 class PairModels:
@@ -150,7 +150,7 @@ class PairModels:
             ),
             friction=friction_of(scene, body_1, pairing),
             fillets=pair.fillets if effects.root_stress else (None, None),
-            growth=growth_of(scene, pairing),
+            body_loads=body_loads_of(scene, pairing),
         )
 
     def _body(self, scene: Scene, z: int, *, tip_contact: bool) -> Body:
@@ -164,7 +164,7 @@ class PairModels:
         """A body as another scene has it; its elements stay, if its curve is another one."""
         body, spec = self._pair.bodies[z], (scene.body_1, scene.body_2)[z]
         mine = (self._scene.body_1, self._scene.body_2)[z]
-        if body.mesh is None and body.given is None and not spec.rigid:
+        if body.mesh is None and body.imported is None and not spec.rigid:
             if z not in self._meshes:
                 (self._meshes[z],) = bodies_of(scene, self._pair.discretization, (z,))
             body = replace(body, mesh=self._meshes[z].mesh)
@@ -176,7 +176,7 @@ class PairModels:
             (built,) = bodies_of(rigid, self._pair.discretization, (z,))
             body = replace(built, mesh=body.mesh)
         own = getattr(spec, "pitch_errors_um", ())
-        if body.given is not None:  # a file has its own
+        if body.imported is not None:  # a file has its own
             own = own or body.pitch_errors_um
         ends = replace(body, active_range_mm=None) if tip_contact else without_ends(body)
         return replace(ends, rigid=spec.rigid, pitch_errors_um=tuple(own))
@@ -189,7 +189,7 @@ class PairModels:
         spatial = [scene for scene in asked if is_spatial(scene).on]
         if not self._pair.effects.three_dimensions:
             self._solve_plane_elements(z, [scene for scene in asked if scene not in spatial])
-        on_shafts: dict[CarryingShaft | None, Scene] = {}
+        on_shafts: dict[FlexibleShaft | None, Scene] = {}
         for scene in spatial:
             on_shafts.setdefault(self._variant(scene, z).shaft, scene)
         for scene in on_shafts.values():
@@ -257,17 +257,17 @@ class PairModels:
 
     def _needs_elements(self, scene: Scene, z: int) -> bool:
         pair = self.assembly(scene)
-        growth = pair.growth[z]
+        growth = pair.body_loads[z]
         elastic = pair.elastic[z]
         return elastic or (growth is not None and growth.needs_elements)
 
     def _variant(self, scene: Scene, z: int) -> Variant:
         """What is built of the elements of a body for a scene."""
         pair = self.assembly(scene)
-        axial, growth = pair.bodies[z].axial, pair.growth[z]
+        axial, growth = pair.bodies[z].axial, pair.body_loads[z]
         grows = growth if growth is not None and growth.needs_elements else None
-        carrying = None if axial is None else axial.carrying
-        return Variant(is_spatial(scene).on, carrying, scene.sectors, grows)
+        flexible = None if axial is None else axial.flexible
+        return Variant(is_spatial(scene).on, flexible, scene.sectors, grows)
 
     def sections(self, pair: BodyPair) -> Compliances:
         """Plane compliances on the elements of coarse three-dimensional bodies."""
@@ -281,7 +281,7 @@ class PairModels:
 
     def compliance(self, scene: Scene, pair: BodyPair, z: int) -> BodyCompliance:
         """Compliance of a body, before it grows as a whole."""
-        body, growth = pair.bodies[z], pair.growth[z]
+        body, growth = pair.bodies[z], pair.body_loads[z]
         if not self._needs_elements(scene, z):
             return no_compliance(body, growth)
         found = self._jobs[z].get(self._variant(scene, z)) or self._from_file(scene, body, z)
@@ -293,12 +293,12 @@ class PairModels:
 
     def _from_file(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
         """Compliance that a body has from its file."""
-        growth = self.assembly(scene).growth[z]
+        growth = self.assembly(scene).body_loads[z]
         key = scene.has_friction, scene.effects.influence, growth
         if key not in self._of_files[z]:
             plain = with_keys(scene, tooth_coupling=True)
             self._of_files[z][key] = compliance_of(
-                body, plain, self._pair.discretization, growth=growth
+                body, plain, self._pair.discretization, body_load=growth
             )
         return self._of_files[z][key]
 
@@ -342,7 +342,7 @@ def coarse_compliance(
         cut_degree=CUT_DEGREE,
         screening=True,
         regions=body.axial.regions,
-        shaft=body.axial.carrying,
+        shaft=body.axial.flexible,
     )
     modes = modes_of(body, scene, COARSE_PRISM)
     return body, prism_compliance(body, prism, n_modes=modes, friction=friction)

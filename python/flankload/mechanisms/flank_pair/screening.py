@@ -34,7 +34,7 @@ from flankload.mechanisms.flank_pair.prediction import (
     states_of,
 )
 from flankload.mechanisms.flank_pair.premises import blame_load, broken_by_geometry, broken_by_load
-from flankload.mechanisms.flank_pair.stages import contact_of, grown_pair, swept
+from flankload.mechanisms.flank_pair.stages import contact_of, expanded_pair, swept
 from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles, with_keys
@@ -73,7 +73,7 @@ SPATIAL = "three_dimensions"
 OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
 #: The elements of a coarse three-dimensional pair take about these CPU seconds; they are solved for
 #: a plane run that probably takes so many times as long.
-RUNG_S, RUNGS = 0.3, 6.0
+RUNG_S, METHOD_NAMES = 0.3, 6.0
 #: Evaluation points in the root fillets of a tooth.
 PLACES = 40
 #: Part of the wind-up per half-width of node spacing: largest at a position, and mean.
@@ -154,7 +154,7 @@ class FlankPairScreening(Screening):
         """The toggle; without a scene if it adds a dimension to a short run."""
         if name != SPATIAL or toggle.scene is None or self._pair.slices is not None or dimension:
             return toggle
-        if duration_of(self._scene, self._pair).seconds > RUNGS * RUNG_S:
+        if duration_of(self._scene, self._pair).seconds > METHOD_NAMES * RUNG_S:
             return toggle
         return Toggle(
             None, skipped=f"not screened, which takes about {RUNG_S:g} s (--dimension does it)"
@@ -256,7 +256,7 @@ class FlankPairScreening(Screening):
             pair = replace(pair, slices=pair.slices.coarser())
         models = self._models
         found_of = models.sections(pair) if sections else models.compliances(scene, pair)
-        pair, compliances = grown_pair(pair, found_of)
+        pair, compliances = expanded_pair(pair, found_of)
         torques, start = self._torques if torques_Nm is None else torques_Nm, process_time()
         found = swept(
             contact_of(scene, pair, compliances, self._timed_grid if fine else COARSE.grid),
@@ -279,7 +279,9 @@ class FlankPairScreening(Screening):
 
     def _geometry(self) -> tuple[BodyPair, PairGeometry]:
         pair = replace(self._models.assembly(self._models.screened), position_rad=self._at)
-        pair, compliances = grown_pair(pair, self._models.compliances(self._models.screened, pair))
+        pair, compliances = expanded_pair(
+            pair, self._models.compliances(self._models.screened, pair)
+        )
         return pair, pair_geometry(pair, compliances)
 
     def _first_states(self) -> tuple[tuple[Sweep, ...], float]:

@@ -7,12 +7,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flankload.studies.accuracy.quantities import largest
-from flankload.studies.accuracy.refinements import ADAPTIVE, ADAPTIVE_START
+from flankload.studies.accuracy.refinements import ADAPTIVE, ADAPTIVE_START, Refinements
 
 if TYPE_CHECKING:
     from flankload.scene.named_discretization import NamedDiscretization
     from flankload.studies.accuracy.reference import Reference
-    from flankload.studies.accuracy.refinements import Refinements
     from flankload.studies.accuracy.runs import Run
 
 #: Part of a tolerance allowed for each parameter in the first guess.

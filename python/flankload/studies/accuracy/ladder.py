@@ -29,27 +29,19 @@ IN_DOUBT = 0.5
 #: fitted to almost equal steps would give more, but are not reliable.
 MOST_LEFT = 2.0
 #: Changes below this part of the value are roundoff.
-ROUNDING = 1e-8
+LEAST_CHANGE = 1e-8
 
 
 @dataclass(frozen=True)
 class Limit:
     """Limit of a sequence of refinements.
 
-    Attributes
-    ----------
-    value : array
-        Extrapolated; the finest value if the sequence does not converge monotonically.
-    order : float or None
-        Fitted order; None without extrapolation.
-    monotone, slow : bool
-        Whether the changes keep their sign and decrease, or are roundoff; whether convergence is
-        too slow for a reliable limit.
-    doubt : float
-        Largest difference of finest value and limit; without an order the last change.
-    left : array
-        Possible error of `value` itself: a part of the extrapolation, or the last change, or for
-        slow convergence the correction from the fitted order, up to twice the last change.
+    `value` is extrapolated, with the fitted `order`, or the finest value if the sequence does not
+    converge monotonically. `monotone`: whether the changes keep their sign and decrease, or are
+    roundoff. `doubt` is the largest difference of finest value and limit, without an order the last
+    change. `slow`: whether convergence is too slow for a reliable limit. `left` is the possible
+    error of `value` itself: a part of the extrapolation, or the last change, or for slow
+    convergence the correction from the fitted order, up to twice the last change.
     """
 
     value: Floats
@@ -71,7 +63,7 @@ def limit_of(sizes: Sequence[float], values: Sequence[Floats]) -> Limit:
         return Limit(finest, None, False, float("nan"), np.full_like(finest, np.nan))
     last = finest - np.asarray(values[1], dtype=float)
     doubt = largest_of(last)
-    if doubt <= ROUNDING * largest_of(finest):
+    if doubt <= LEAST_CHANGE * largest_of(finest):
         return Limit(finest, None, True, doubt, last)
     if len(values) < 3:
         return Limit(finest, None, False, doubt, last)

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from math import hypot, inf
 from typing import TYPE_CHECKING
 
 from flankload.scene.axial import DEGREES_ABOVE_LOAD
-from flankload.studies.accuracy.quantities import errors_of, limits_of, shifted, with_numbers
-from flankload.studies.accuracy.refinements import ADAPTIVE, ADAPTIVE_START, KINKS
+from flankload.studies.accuracy.quantities import (
+    Quantities,
+    errors_of,
+    limits_of,
+    shifted,
+    with_numbers,
+)
+from flankload.studies.accuracy.refinements import ADAPTIVE, ADAPTIVE_START, KINKS, Refinements
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from flankload.scene.named_discretization import NamedDiscretization
     from flankload.studies.accuracy.ladder import Limit
-    from flankload.studies.accuracy.quantities import Quantities
-    from flankload.studies.accuracy.refinements import Refinements
     from flankload.studies.accuracy.runs import Run
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,7 +10,7 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 from flankload.base.arguments import require_names, require_number, require_path
-from flankload.scene import scene_of
+from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.scene.refusal import refuse
 from flankload.studies.accuracy.combinations import search
@@ -25,19 +25,10 @@ from flankload.studies.accuracy.refinements import (
 )
 from flankload.studies.accuracy.runs import Run, Runs
 from flankload.studies.accuracy.study import Row, Study
-from flankload.studies.accuracy.study_text import (
-    corner_notes,
-    failure_notes,
-    file_notes,
-    limit_notes,
-)
+from flankload.studies.accuracy.study_text import notes_of
 from flankload.studies.plan import choose_effects
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from flankload.scene import Scene, SceneLike
-
     Progress = Callable[[str, int, int], None]
 
 #: Tolerances for which combinations are searched.
@@ -243,12 +234,7 @@ class _StudyRuns:
             limits=reference.limits,
             knobs=self.refinements,
             doubts=reference.doubts,
-            notes=(
-                *limit_notes(rows),
-                *corner_notes(steps.get("strips_per_half_width", ())),
-                *file_notes(self.scene),
-                *failure_notes(rows),
-            ),
+            notes=notes_of(self.scene, rows, steps.get("strips_per_half_width", ())),
             stopped=stopped,
             interrupted=interrupted,
         )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.base.files import write_atomically
 from flankload.cost import Account
 from flankload.errors import FlankloadError, PremiseError
-from flankload.mechanisms import run_once
+from flankload.mechanisms import Progress, run_once
 from flankload.scene.named_discretization import NamedDiscretization, scene_at
 from flankload.scene.refusal import refuse
 from flankload.studies.accuracy.quantities import Quantities, from_tree, quantities_of, to_tree
@@ -21,7 +21,6 @@ from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms import Progress
     from flankload.scene import Scene
 
     Kept = dict[int, tuple[BodyCompliance, Account]]
@@ -101,7 +100,7 @@ class Runs:
         return self.done[discretization]
 
     def _solved(self, discretization: NamedDiscretization, progress: Progress | None) -> Run:
-        as_it_is = first_scene(self.scene) if discretization.as_it_stands else self.scene
+        as_it_is = first_scene(self.scene) if discretization.is_empty else self.scene
         scene = scene_at(as_it_is, discretization)
         try:
             run = _measured(discretization, scene, self._compliances(discretization), progress)
@@ -117,7 +116,7 @@ class Runs:
 
     def _compliances(self, discretization: NamedDiscretization) -> Kept:
         """Compliances for the same elements and modes; or for more modes, if that saves time."""
-        if discretization.as_it_stands:
+        if discretization.is_empty:
             return {}
         elements = (
             discretization.level if discretization.level in ("nodes", "plane") else "",

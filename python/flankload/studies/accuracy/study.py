@@ -28,17 +28,10 @@ if TYPE_CHECKING:
 class Row:
     """A run of a study and its errors.
 
-    Attributes
-    ----------
-    group : str
-        Parameter of a sequence, "combination", "default", "default but for one knob", "as it
-        stands", "finest", or a contact model.
-    run : Run
-    errors : dict
-        Relative errors against the limit of all parameters, by the names of `quantities.HEADS`.
-    alone : dict
-        For a step of a sequence: against the limit of this parameter, with the others at their
-        finest.
+    Its group is the parameter of a sequence, "combination", "default", "default but for one knob",
+    "as it stands", "finest", or a contact model. `errors` are relative to the limit of all
+    parameters, by the names of `quantities.HEADS`; `alone`, for a step of a sequence, to the limit
+    of this parameter with the others at their finest.
     """
 
     group: str

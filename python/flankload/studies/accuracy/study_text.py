@@ -157,7 +157,7 @@ def _others(study: Study, names: Sequence[str]) -> Iterator[str]:
 def _label(row: Row) -> str:
     """Parameters of a run in short."""
     used = row.run.discretization
-    if used.as_it_stands:
+    if used.is_empty:
         return "all parameters as in the scene"
     alone = used.level == "nodes" and used.flank_element_mm is None
     parts = ["nodes by the contact's width"] * alone
@@ -228,6 +228,11 @@ def _why_none(study: Study, tolerance: float) -> str:
     doubt = study.doubts[worst]
     size = f"{_percent(doubt)} % ({HEADS[worst]})" if isfinite(doubt) else "unknown"
     return f"not reached ({IN_DOUBT}): the uncertainty of the limit is {size}"
+
+
+def notes_of(scene: Scene, rows: Sequence[Row], cells: Sequence[Row]) -> tuple[str, ...]:
+    """All notes of a study; `cells` are the steps of the number of cells."""
+    return *limit_notes(rows), *corner_notes(cells), *file_notes(scene), *failure_notes(rows)
 
 
 def limit_notes(rows: Sequence[Row]) -> tuple[str, ...]:

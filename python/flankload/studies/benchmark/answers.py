@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 
 from flankload.base.arguments import is_number
-from flankload.contact import solve_contact, solve_contact_general
+from flankload.contact import ContactState, solve_contact, solve_contact_general
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from flankload.contact import ContactState
     from flankload.result import Result
 
     #: Value at the indices of an identifier.

@@ -31,20 +31,11 @@ BLOCK = 1024
 class Designs:
     """Designs of a study in their order.
 
-    Attributes
-    ----------
-    variables : tuple of Variable
-    kind : str
-        "factorial": all combinations, the last variable changes first. "list": design i has the
-        i-th value of each variable. "one-at-a-time": the scene itself, then each value of each
-        variable alone. "sobol": n points of a scrambled Sobol sequence; "random": n independent
-        points.
-    n : int or None
-        Number of points.
-    seed : int
-        More points of the same seed begin with the same ones.
-    fixed : dict
-        Changes of the scene that all designs have.
+    The kind is "factorial": all combinations, the last variable changes first; "list": design i has
+    the i-th value of each variable; "one-at-a-time": the scene itself, then each value of each
+    variable alone; "sobol": n points of a scrambled Sobol sequence; or "random": n independent
+    points. More points of the same seed begin with the same ones. `fixed` are changes that all
+    designs have.
     """
 
     variables: tuple[Variable, ...]

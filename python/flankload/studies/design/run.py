@@ -52,20 +52,11 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What is kept of a run.
+    """What is kept of a run: "solved", "failed" or "aborted", its seconds, why it has no solution.
 
-    Attributes
-    ----------
-    status : str
-        "solved", "failed" or "aborted".
-    seconds : float
-    error : str or None
-        Why there is no solution.
-    results : tuple of dict
-        For each torque: `torque_Nm`, `quantities` (the summary, and curves that were wanted) and
-        `estimate` (estimated relative errors).
-    unknown : tuple of str
-        Wanted quantities that the result does not have.
+    `results` has for each torque `torque_Nm`, `quantities` (the summary, and curves that were
+    wanted) and `estimate` (estimated relative errors); `unknown` are wanted quantities that the
+    result lacks.
     """
 
     status: str

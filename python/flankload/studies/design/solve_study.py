@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +12,7 @@ from msgspec import Meta
 
 from flankload.base.arguments import require, require_path
 from flankload.errors import SceneError
-from flankload.scene import scene_of
+from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.form import read_table
 from flankload.scene.reader import read_scene, read_tables
 from flankload.scene.refusal import in_file, refuse, shown
@@ -25,11 +25,10 @@ from flankload.studies.design.store import Store
 from flankload.studies.variables import paths_of, variables_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
     from concurrent.futures import Executor
 
-    from flankload.scene import Scene, SceneLike
     from flankload.studies.design.run_designs import Progress
+
 
 #: Quantities of a study that names none.
 QUANTITIES = (
@@ -83,7 +82,7 @@ def study(
     Returns
     -------
     DesignStudy
-        Failed designs included.
+        With a row for each design, including those that failed.
 
     Raises
     ------
@@ -91,10 +90,8 @@ def study(
         Before anything is solved, if the study contradicts itself, the first design or one at the
         end of a bounded distribution is no scene, or the store is another file; after the first
         run, if it does not have a quantity.
-    FlankloadError
-        If a worker is lost; finished runs are in the store.
-    KeyboardInterrupt
-        After Ctrl-C; finished runs are in the store.
+    FlankloadError, KeyboardInterrupt
+        If a worker is lost, after Ctrl-C; finished runs are in the store.
     """
     scene = scene_of(scene)
     require_path("store", store)

@@ -71,22 +71,12 @@ def _content(path: str, _mtime_ns: int, _size: int) -> str:
 
 
 class Store:
-    """Finished runs in a file, or in memory for the duration of a study.
+    """Finished runs in a file, or in memory for the duration of a study (no path).
 
     Several processes may use one file: it is in WAL mode, and each run is written at once. A
     process that is killed loses nothing that was written.
 
-    Parameters
-    ----------
-    path : Path or None
-        None: in memory.
-
-    Raises
-    ------
-    SceneError
-        If the path is not a store of this format.
-    OSError
-        If the file cannot be written.
+    Raises SceneError if the path is not a store of this format, OSError if it cannot be written.
     """
 
     def __init__(self, path: Path | None) -> None:

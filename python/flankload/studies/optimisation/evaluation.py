@@ -11,19 +11,23 @@ from flankload.errors import FlankloadError
 from flankload.mechanisms import Parts
 from flankload.studies.optimisation.figures import Figure, figure_of
 from flankload.studies.optimisation.model import Goals, Maximum, Point
-from flankload.studies.optimisation.problem import changes_of
+from flankload.studies.optimisation.problem import (
+    Constraint,
+    Objective,
+    Options,
+    Variable,
+    changes_of,
+)
 from flankload.studies.prepared import solve_scene
-from flankload.studies.sensitivity import sensitivity
+from flankload.studies.sensitivity import Sensitivity, sensitivity
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from flankload.base.arrays import Floats
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.studies.optimisation.model import Floats
-    from flankload.studies.optimisation.problem import Constraint, Objective, Options, Variable
-    from flankload.studies.sensitivity import Sensitivity
 
 
 @dataclass(frozen=True)

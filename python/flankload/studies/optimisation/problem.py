@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
-import numpy as np
 from msgspec import Meta
 
+from flankload.base.rounding import TIE, round_down, round_up
 from flankload.errors import SceneError
 from flankload.scene.form import read_table
 from flankload.scene.refusal import refuse, shown
@@ -23,8 +23,6 @@ Weights = Annotated[tuple[Positive, ...], Meta(min_length=1)]
 T = TypeVar("T", bound=Table)
 #: Largest number of variables with a step: their neighbours are listed in all combinations.
 MOST_STEPPED = 8
-#: Numbers closer than this part of a step are equal.
-SAME = 1e-9
 
 
 class Variable(Table, frozen=True, kw_only=True):
@@ -66,10 +64,10 @@ class Variable(Table, frozen=True, kw_only=True):
     def neighbours(self, value: float) -> tuple[float, ...]:
         """Next multiples of the step within the bounds: below and above, or the value itself."""
         assert self.step is not None
-        whole = {np.floor(value / self.step + SAME), np.ceil(value / self.step - SAME)}
+        whole = {round_down(value / self.step), round_up(value / self.step)}
         # Twelve digits: 0.3 rather than 3 * 0.1
         found = (float(f"{self.step * k:.12g}") for k in sorted(whole))
-        slack = SAME * self.step
+        slack = TIE * self.step
         return tuple(x for x in found if self.lower - slack <= x <= self.upper + slack)
 
     def start_in(self, scene: Scene, key: str) -> float:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.scene import scene_of
+from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.form import read_table
 from flankload.scene.refusal import refuse, shown
 from flankload.studies.optimisation.evaluation import Evaluator
@@ -16,27 +16,19 @@ from flankload.studies.optimisation.problem import (
     Constraint,
     Objective,
     Options,
+    Variable,
     changes_of,
     read_list,
     value_at,
     variables_of,
 )
-from flankload.studies.optimisation.search import (
-    Descent,
-    best_of,
-    descend,
-    gradient_norm,
-    rounded,
-)
+from flankload.studies.optimisation.search import Descent, best_of, descend, gradient_norm, rounded
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
+    from flankload.base.arrays import Floats
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
-    from flankload.scene import Scene, SceneLike
-    from flankload.studies.optimisation.model import Floats, Point
-    from flankload.studies.optimisation.problem import Variable
+    from flankload.studies.optimisation.model import Point
 
 
 def optimise(
@@ -143,10 +135,7 @@ def _searched(evaluator: Evaluator, values: Sequence[float]) -> list[Descent | N
 
 
 def _optimum(
-    scene: Scene,
-    evaluator: Evaluator,
-    ends: Sequence[Descent | None],
-    settings: Mapping[str, Any],
+    scene: Scene, evaluator: Evaluator, ends: Sequence[Descent | None], settings: Mapping[str, Any]
 ) -> Optimum:
     """Choose the best end, round it, and compare it with the given scene."""
     searched = [end for end in ends if end is not None]

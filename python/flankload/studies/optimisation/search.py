@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.studies.optimisation.model import best_step
+from flankload.studies.optimisation.model import Goals, Point, best_step
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from flankload.base.arrays import Floats
     from flankload.studies.optimisation.evaluation import Evaluator
-    from flankload.studies.optimisation.model import Floats, Goals, Point
     from flankload.studies.optimisation.problem import Options
 
 #: First trust radius, as a part of the ranges.

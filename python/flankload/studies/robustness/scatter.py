@@ -12,9 +12,9 @@ from flankload.base.card import Card
 from flankload.base.text_table import text_table
 from flankload.errors import FlankloadError
 from flankload.mechanisms import Parts
-from flankload.scene import scene_of
+from flankload.scene import SceneLike, scene_of
 from flankload.scene.refusal import refuse, shown
-from flankload.studies.design import run_study
+from flankload.studies.design import DesignStudy, run_study
 from flankload.studies.design.designs import OF_DRAWS, Designs
 from flankload.studies.design.run import SOLVED
 from flankload.studies.design.solve_study import checked
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
     from pathlib import Path
 
-    from flankload.scene import SceneLike
-    from flankload.studies.design import DesignStudy
 
 #: Quantities if none are named.
 QUANTITIES = (

@@ -16,13 +16,13 @@ from flankload.base.card import Card
 from flankload.base.files import write_atomically
 from flankload.errors import OtherProgramError
 from flankload.mechanisms import run_once
-from flankload.scene import scene_of
+from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.refusal import refuse
 from flankload.studies.plan import choose_effects
 from flankload.studies.tolerance import first_scene
 from flankload.studies.verification.calculix import JOB, Answer, find_program, run_deck
-from flankload.studies.verification.deck import deck_text
-from flankload.studies.verification.model import check_bodies, model_of
+from flankload.studies.verification.deck import Deck, deck_text
+from flankload.studies.verification.model import Model, check_bodies, model_of
 from flankload.studies.verification.report import json_of, text_of
 from flankload.studies.verification.solid_model import solid_model_of
 
@@ -32,9 +32,6 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.result import Result
     from flankload.result.slices import SliceLoads
-    from flankload.scene import Scene, SceneLike
-    from flankload.studies.verification.deck import Deck
-    from flankload.studies.verification.model import Model
 
 #: Elements on the half-width of a contact by default, in the plane and of solids.
 ELEMENTS, SOLID_ELEMENTS = 6.0, 1.0
@@ -44,16 +41,9 @@ ELEMENTS, SOLID_ELEMENTS = 6.0, 1.0
 class Layers:
     """Layers of solid bodies over the common width, and the load in each; S pairs, L layers.
 
-    Attributes
-    ----------
-    edges_mm : (L + 1,) array
-        Their ends along the axes.
-    line_load_N_per_mm : (S, L) array
-        Of flankload: mean over the parts of its slices that lie in a layer.
-    unknowns : int
-        Independent displacements of the deck.
-    half_width_mm : float
-        Half-width of the widest contact, by flankload.
+    `edges_mm` (L + 1,) are their ends along the axes; `line_load_N_per_mm` (S, L), of flankload, is
+    the mean over the parts of its slices that lie in a layer; `unknowns` counts the independent
+    displacements of the deck; `half_width_mm` is that of the widest contact, by flankload.
     """
 
     edges_mm: Floats

@@ -13,7 +13,7 @@ from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.effects import is_spatial
 from flankload.scene.refusal import refuse, shown
-from flankload.studies.verification.contact_places import contact_places
+from flankload.studies.verification.contact_places import Place, contact_places, fine_sizes
 from flankload.studies.verification.deck import Deck, DeckFriction, Part
 from flankload.studies.verification.triangles import (
     border_owners,
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.studies.verification.contact_places import Place
 
 #: Element length of the coarse mesh along the flanks in modules, and on splines; kept on far teeth.
 COARSE_PART, COARSE_SPLINE_PART = 0.35, 0.25
@@ -216,7 +215,7 @@ def _sizes(places: tuple[Place, ...]) -> Callable[[Floats], Floats]:
     from scipy.spatial import cKDTree
 
     tree = cKDTree(np.vstack([place.points for place in places]))
-    finest = np.concatenate([np.full(len(place.points), place.element_mm) for place in places])
+    finest = fine_sizes(places)
 
     def size_at(points: Floats) -> Floats:
         distance, nearest = tree.query(points)

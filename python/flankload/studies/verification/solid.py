@@ -9,12 +9,17 @@ import numpy as np
 
 from flankload.bodies.flank_surface import section_curves
 from flankload.studies.verification.deck import Part, Ties
-from flankload.studies.verification.triangles import border_owners, held_nodes, quadratic, sides
+from flankload.studies.verification.triangles import (
+    Triangles,
+    border_owners,
+    held_nodes,
+    quadratic,
+    sides,
+)
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Complexes, Flags, Floats, Numbers
     from flankload.bodies import Body
-    from flankload.studies.verification.triangles import Triangles
 
 #: Each layer from an end of the width is so many times as thick as the one before, and the layers
 #: in the middle so many times as thick as those at the ends.

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rotation import turned
-from flankload.bodies import SectorMesh, WholeMesh
+from flankload.bodies import Body, SectorMesh, WholeMesh
 from flankload.elasticity.loaded_body import ring_of
 from flankload.meshes.plane_mesh import boundary_edges, jacobians
 
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flankload.base.arrays import Cells, Flags, Floats, Numbers
-    from flankload.bodies import Body
     from flankload.flank import FlankCurve
 
 #: Border nodes closer to a flank curve than this part of its length lie on it.
