@@ -14,7 +14,8 @@ from collections.abc import Callable
 import numpy as np
 
 import flankload as fl
-from flankload.contact.sweep import FlankContact, Sweep, sweep
+from flankload.contact.flank_contact import FlankContact
+from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.paths import SCENES

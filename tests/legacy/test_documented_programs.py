@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 import flankload as fl
 from flankload import _core
-from flankload.contact.sweep import FlankContact, Sweep, sweep
+from flankload.contact.flank_contact import FlankContact
+from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance, Expansion, FlankModes, NearField
 from flankload.scene.discretization import Grid
 from tests.support.nodal_position import NodalPosition

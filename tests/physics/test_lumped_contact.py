@@ -11,8 +11,9 @@ import pytest
 
 import flankload as fl
 from flankload.analysis.estimate import lumped_error
-from flankload.contact.core_call import CORE_COUNTERS, Level
-from flankload.contact.sweep import FlankContact, Sweep, sweep
+from flankload.contact.core_call import CORE_COUNTERS
+from flankload.contact.flank_contact import FlankContact, Level
+from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.errors import InputError
 from flankload.mechanisms.flank_pair.assembly import build_bodies

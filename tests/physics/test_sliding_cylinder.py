@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 from flankload.bodies.body import Material
-from flankload.contact.sweep import FlankContact, sweep
+from flankload.contact.flank_contact import FlankContact
+from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.elasticity.near_field import jump_strength, logarithm_strength
 from flankload.pairing.friction import Friction

@@ -17,7 +17,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from flankload.contact.sweep import FlankContact, sweep
+from flankload.contact.flank_contact import FlankContact
+from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.flank import CurvePiece, fit_flank_curve
 from flankload.pairing.pairing import Pairing, Period

@@ -14,7 +14,8 @@ from math import acos, cos, pi, radians, sin, sqrt, tan
 import numpy as np
 
 import flankload as fl
-from flankload.contact.sweep import FlankContact, Sweep, sweep
+from flankload.contact.flank_contact import FlankContact
+from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
 from flankload.errors import SceneError

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from flankload.contact.core_call import Level
-from flankload.contact.sweep import FlankContact, Sweep, sweep
+from flankload.contact.flank_contact import FlankContact, Level
+from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import AxialModes, BodyCompliance, FlankModes, NearField
 from flankload.pairing.pairing import Pairing, Period
 from flankload.pairing.slices import Slices

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from flankload.contact.core_call import Level
-from flankload.contact.sweep import FlankContact, sweep
+from flankload.contact.flank_contact import FlankContact, Level
+from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
 from flankload.pairing.pairing import Pairing, Period

@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 
 import flankload as fl
-from flankload.contact.core_call import Level
-from flankload.contact.sweep import FlankContact, Sweep, sweep
+from flankload.contact.flank_contact import FlankContact, Level
+from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
-    from flankload.contact.sweep import FlankContact
+    from flankload.contact.flank_contact import FlankContact
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.flank import FlankCurve
     from flankload.pairing.friction import Friction

@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.base.arrays import Floats
-    from flankload.contact.sweep import FlankContact
+    from flankload.contact.flank_contact import FlankContact
     from flankload.cost import Account
+    from flankload.pairing.common_height import CommonHeight
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
-    from flankload.pairing.spline_fit import CommonHeight
 
 
 @dataclass(frozen=True, eq=False)

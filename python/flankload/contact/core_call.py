@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from threading import Event, Thread
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -19,12 +19,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from flankload.contact.sweep import FlankContact
+    from flankload.contact.flank_contact import FlankContact, Level
 
     Outcome = TypeVar("Outcome")
 
 #: Contact models and their numbers in the core.
-Level = Literal["pairs", "lumped"]
 LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
 #: Number of lumped contacts, summed over the states, that take less than 0.02 s.
 SHORT_CALL = 1000

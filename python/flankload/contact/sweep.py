@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from flankload.contact.body_record import body_records
-from flankload.contact.core_call import CORE_COUNTERS, CoreCall, CoreOutput, KnownContacts, Level
+from flankload.contact.core_call import CORE_COUNTERS, CoreCall, CoreOutput, KnownContacts
 from flankload.contact.pair_table import PackedPairs, join_pairs
 from flankload.contact.status import raise_first_failure
 from flankload.cost import Account
@@ -18,12 +18,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from flankload.bodies.body import Body
-    from flankload.elasticity.compliance import BodyCompliance
-    from flankload.pairing.friction import Friction
+    from flankload.contact.flank_contact import FlankContact
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
-    from flankload.scene.discretization import Grid
 
     Record = TypeVar("Record", "Sweep", "CoastSweep", "SliceStates", "UnloadedStates")
 
@@ -38,43 +35,6 @@ INITIAL_PAIRS = 256
 PAIRS_PER_CELL = 3.2
 #: Further cells of a flank or slice besides those of its zone; in slices, number of flanks in mesh.
 LEAST_CELLS, MESHING_FLANKS = 8, 4
-
-
-@dataclass(frozen=True)
-class FlankContact:
-    """Two bodies whose flanks can touch, and the model of their contact.
-
-    Attributes
-    ----------
-    bodies, compliances, pairing
-        From the previous stages. With slices, compliances are those of the whole width in mm/N,
-        with modes that are products with Legendre polynomials over the width.
-    face_width_mm : float
-        Width over which both bodies are in contact.
-    grid : Grid
-        Cell sizes.
-    level : str
-        "pairs": contact pairs on cells. "lumped": one unknown per place of contact, with the width
-        of a Hertz contact, and one pair in the table, whose cell width is force over largest
-        pressure (π/2 half-widths). Not for conforming flanks.
-    friction : Friction or None
-        Friction of the flanks; it requires compliances with tangential parts.
-    finite_steps : int
-        Number of force steps for influence coefficients of finite forces; 0: small forces. Finite
-        forces require compliances with `tangential`, with friction also `along`.
-    slices : Slices or None
-        Slices of the face width for contact in three dimensions.
-    """
-
-    bodies: tuple[Body, Body]
-    compliances: tuple[BodyCompliance, BodyCompliance]
-    pairing: Pairing
-    face_width_mm: float
-    grid: Grid
-    level: Level = "pairs"
-    friction: Friction | None = None
-    finite_steps: int = 0
-    slices: Slices | None = None
 
 
 @dataclass(frozen=True)

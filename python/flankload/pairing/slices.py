@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.body import Body
-    from flankload.pairing.spline_fit import CommonHeight
+    from flankload.pairing.common_height import CommonHeight
 
 
 #: Default number of slices over the common face width.

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.contact.sweep import FlankContact, sweep
+from flankload.contact.flank_contact import FlankContact
+from flankload.contact.sweep import sweep
 from flankload.errors import ContactError
 from flankload.pairing.pairing import coast_sites
 

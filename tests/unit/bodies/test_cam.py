@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline
 
 import flankload as fl
 from flankload.bodies.cam.cam import _closed_spline
-from flankload.bodies.cam.follower import Lever, lever_of
+from flankload.bodies.cam.lever import Lever, lever_of
 from flankload.cli import main
 from flankload.elasticity.near_field import (
     mode_norms,

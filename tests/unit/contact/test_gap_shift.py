@@ -12,7 +12,8 @@ import flankload as fl
 from flankload import _core
 from flankload.bodies import Body
 from flankload.bodies.profile_deviation import deviation_at
-from flankload.contact.sweep import FlankContact, Sweep, sweep
+from flankload.contact.flank_contact import FlankContact
+from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance, Expansion, FlankModes, NearField
 from flankload.elasticity.near_field import mode_norms, mode_values
 from flankload.mechanisms.flank_pair.assembly import build_bodies

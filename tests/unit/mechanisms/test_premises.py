@@ -16,7 +16,8 @@ import pytest
 
 import flankload as fl
 from flankload.cli import main
-from flankload.contact.sweep import FlankContact, sweep
+from flankload.contact.flank_contact import FlankContact
+from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import no_compliance
 from flankload.mechanisms.flank_pair import premises
 from flankload.mechanisms.flank_pair.assembly import build_bodies

@@ -18,7 +18,7 @@ from flankload.meshes.blocks import BlockMesh, coons, growing_breaks, symmetric_
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
-    from flankload.bodies.cam.follower import Lever
+    from flankload.bodies.cam.lever import Lever
 
 
 #: Half the angle of the roller's outer block, rad, and size of its core over its radius.

@@ -22,7 +22,7 @@ elimination; `tangential` is their g, without the near field with `jump` and `we
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -51,62 +51,9 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.root_fillet import RootFillets
-    from flankload.bodies.shaft import FlexibleShaft
     from flankload.elasticity.prism.flank_surface import FlankSurface
+    from flankload.elasticity.prism.prism import Prism
     from flankload.elasticity.sector_closure import CondensedSector
-
-#: Least excess of the degree of displacements in z over that of loads, also for screening: the
-#: error of the highest mode is 0.06 % with four, 0.5 to 2 % with two.
-DEGREES_ABOVE_LOADS, SCREENING_DEGREES = 4, 2
-
-
-@dataclass(frozen=True)
-class Prism:
-    """Extent of a plane body along its axis, and the discretization in this direction.
-
-    Attributes
-    ----------
-    range_mm : (float, float)
-        Axial range, ascending.
-    twist : float
-        kappa, rad/mm: counter-clockwise rotation of the section along z; for a gear h tan(beta)/r
-        with h = 1 for a right hand, -1 for a left hand.
-    degree : int
-        Degree p of displacements in z.
-    load_degree : int
-        Degree of pressure modes in z, at most p - 4.
-    cut_degree : int
-        Degree of the displacements of the cuts between sectors in z, at most p.
-    screening : bool
-        Allows a load degree up to p - 2, with a highest mode that is some percent too stiff.
-    regions : tuple of (str, (float, float))
-        Axial ranges of regions of the mesh that differ from `range_mm`, by name.
-    shaft : FlexibleShaft or None
-        Shaft that the bore follows; None: fixed bore.
-    """
-
-    range_mm: tuple[float, float]
-    twist: float = 0.0
-    degree: int = 8
-    load_degree: int = 4
-    cut_degree: int = 4
-    screening: bool = False
-    regions: tuple[tuple[str, tuple[float, float]], ...] = ()
-    shaft: FlexibleShaft | None = None
-
-    def check(self) -> None:
-        """Raise a SceneError for an invalid width or load degree."""
-        low, high = self.range_mm
-        if not low < high:
-            raise SceneError(key="face_width_mm", expected="above 0", found=f"{high - low:g}")
-        above = SCREENING_DEGREES if self.screening else DEGREES_ABOVE_LOADS
-        most = self.degree - above
-        if not 0 <= self.load_degree <= most:
-            raise SceneError(
-                key="load_degree_z",
-                expected=f"0 ... {most}: axial_degree {self.degree} less {above}",
-                found=self.load_degree,
-            )
 
 
 def prism_compliance(

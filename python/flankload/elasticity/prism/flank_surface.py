@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.tip_modes import Tip
-    from flankload.elasticity.prism.compliance import Prism
+    from flankload.elasticity.prism.prism import Prism
 
 #: Poisson's ratios, and psi at a right angle.
 RIGHT_ANGLE = ((0.0, 0.2, 0.3, 0.4, 0.45), (0.94, 1.13, 1.30, 1.53, 1.69))

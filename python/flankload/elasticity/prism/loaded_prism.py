@@ -28,7 +28,7 @@ from flankload.elasticity.sector_closure import CondensedSector, ring_displaceme
 if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Body
-    from flankload.elasticity.prism.compliance import Prism
+    from flankload.elasticity.prism.prism import Prism
 
 #: Solid element of each plane element, by name in meshio.
 SOLIDS = {"quad9": "hexahedron27", "triangle6": "wedge18"}

@@ -15,7 +15,8 @@ from flankload.bodies import Body, build_body
 from flankload.bodies.imported.compliance import ModalCompliance
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.bodies.root_fillet import RootFillets, root_fillets
-from flankload.contact.sweep import FlankContact, sweep
+from flankload.contact.flank_contact import FlankContact
+from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import no_compliance
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.positions import positions_of
@@ -23,12 +24,13 @@ from flankload.mechanisms.parts import made_once
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.toggles import without_modifications
 from flankload.pairing.body_pair import BodyPair
+from flankload.pairing.common_height import common_height
 from flankload.pairing.expansion import body_load_notes, body_loads_of
 from flankload.pairing.friction import friction_notes, friction_of
 from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
 from flankload.pairing.slices import Slices, gap_by_misalignment, reached_positions, slices_of
-from flankload.pairing.spline_fit import common_height, tilt_notes
+from flankload.pairing.spline_fit import tilt_notes
 from flankload.scene import MeshBody
 from flankload.scene.axial import check_hands
 from flankload.scene.discretization import (

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.period_error import ALIKE, teeth_until_alike
 from flankload.contact.conforming import sweep_splines
-from flankload.contact.sweep import FlankContact, sweep
+from flankload.contact.flank_contact import FlankContact
+from flankload.contact.sweep import sweep
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance import (
     BodyCompliance,

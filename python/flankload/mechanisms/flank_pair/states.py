@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
     from flankload.analysis.adaptive_positions import PositionErrors
     from flankload.analysis.error_rules import RemainingError
-    from flankload.contact.sweep import FlankContact, Sweep
+    from flankload.contact.flank_contact import FlankContact
+    from flankload.contact.sweep import Sweep
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.pairing.body_pair import BodyPair
