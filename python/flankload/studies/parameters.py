@@ -49,6 +49,8 @@ LEAST_MODES, MOST_MODES = 3, 12
 #: half the length takes four times the work, so the last halving is reserved for tolerances below
 #: FINE.
 STEPS, LEAST_PART, FINEST_PART, FINE = 4, 0.2, 0.125, 1e-3
+#: Even numbers: odd ones hide their error from a comparison with half as many, since cells then
+#: change places beside the middle of a contact.
 STRIPS_STEPS = (8.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0)
 LOAD_DEGREES, SLICES_STEPS = (5, 6, 8, 10, 12), (40, 56, 80, 112, 160)
 #: Elements of the default length on a flank of usual height, which is two modules of a gear.
