@@ -157,25 +157,25 @@ def choose_discretization(
     missed = last.missed(tolerance)
     if not missed or len(attempts) == MOST_RUNS:
         return None
+    limits = last.limits(tolerance)
     by_source, positions = dict(last.by_source), last.choice.positions
-    wanted = AIM * tolerance
     if positions.adaptive is not None and "positions" in by_source:
         positions, by_source["positions"] = finer_positions(
-            positions, by_source["positions"], equal_part(by_source, wanted)
+            positions, by_source["positions"], AIM * tolerance * equal_part(by_source)
         )
     if len(attempts) > 1:  # elements are not solved a third time
         steps = {n: ahead for n, ahead in parameters.steps.items() if n not in OF_ELEMENTS}
         parameters = replace(parameters, steps=steps)
-    refining = _Refining(parameters, last.choice.values, by_source, wanted)
+    refining = _Refining(parameters, last.choice.values, by_source, limits)
     values = refining.values(set(missed))
     choice = Choice(values, positions, refining.foreseen(values))
-    meets = any(choice.foreseen[quantity] <= tolerance for quantity in missed)
+    meets = any(choice.foreseen[quantity] <= limits[quantity] for quantity in missed)
     return choice if meets or (len(attempts) == 1 and values != last.choice.values) else None
 
 
-def equal_part(sources: Collection[str], wanted: float) -> float:
-    """Error that each of several independent sources may have: together they have the wanted."""
-    return wanted / sqrt(len(sources))
+def equal_part(sources: Collection[str]) -> float:
+    """Part of an error that each of several independent sources may have."""
+    return 1.0 / sqrt(len(sources))
 
 
 def finer_positions(
@@ -208,10 +208,10 @@ class _Refining:
     """Refinement of the parameters from a run, each source with its order of convergence."""
 
     def __init__(
-        self, parameters: Parameters, start: Values, by_source: Table, wanted: float
+        self, parameters: Parameters, start: Values, by_source: Table, limits: Errors
     ) -> None:
-        self._parameters, self._start, self._wanted = parameters, start, wanted
-        self._by_source = by_source
+        self._parameters, self._start, self._by_source = parameters, start, by_source
+        self._wanted = {quantity: AIM * limit for quantity, limit in limits.items()}
 
     def _left(self, values: Values, quantity: str) -> Errors:
         """Predicted error of a quantity from each source."""
@@ -240,7 +240,7 @@ class _Refining:
         """Parameters with which missed quantities meet the tolerance, or approach it if cheap."""
         finest = self._refined(self._start, missed)
         errors = self.foreseen(finest)
-        can = {quantity for quantity in missed if errors[quantity] <= self._wanted}
+        can = {name for name in missed if errors[name] <= self._wanted[name]}
         values = self._refined(self._start, can)
         return self._refined(values, missed - can, (values, self._parameters.values))
 
@@ -249,16 +249,16 @@ class _Refining:
 
         With `cheap`, the work is at most `PATIENCE` times that at one of these values.
         """
-        least = equal_part(self._by_source, self._wanted)
         left = set(missed)
         while left:
             errors = self.foreseen(values)
-            worst = max(sorted(left), key=lambda quantity: errors[quantity])
-            sources = self._left(values, worst)
+            worst = max(sorted(left), key=lambda name: errors[name] / self._wanted[name])
+            wanted, sources = self._wanted[worst], self._left(values, worst)
+            least = wanted * equal_part(sources)
             large = sorted((s for s in sources if sources[s] >= least), key=lambda s: -sources[s])
             steps = (self._parameters.finer(values, source) for source in large)
             finer = next((step for step in steps if step is not None), None)
-            if finer is None or errors[worst] <= self._wanted or self._is_long(finer, cheap):
+            if finer is None or errors[worst] <= wanted or self._is_long(finer, cheap):
                 left.remove(worst)
             else:
                 values = finer

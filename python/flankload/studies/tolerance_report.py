@@ -96,12 +96,15 @@ class Attempt:
                 errors[quantity] = max(errors.get(quantity, 0.0), error)
         return cls(choice, results, errors, errors_by_source(results))
 
+    def limits(self, tolerance: float) -> Errors:
+        """Largest allowed error of each quantity: the tolerance, of uncertain ones a multiple."""
+        unsure: set[str] = set()
+        unsure.update(*((result.estimate or {}).get("uncertain", {}) for result in self.results))
+        return {name: (OF_UNCERTAIN if name in unsure else 1.0) * tolerance for name in BOUND}
+
     def missed(self, tolerance: float) -> list[str]:
-        """Quantities whose error exceeds the tolerance; uncertain ones by `OF_UNCERTAIN`."""
-        unsure = {
-            q for result in self.results for q in (result.estimate or {}).get("uncertain", {})
-        }
-        limits = {q: (OF_UNCERTAIN if q in unsure else 1.0) * tolerance for q in self.errors}
+        """Quantities whose error exceeds its limit."""
+        limits = self.limits(tolerance)
         return [quantity for quantity, error in self.errors.items() if error > limits[quantity]]
 
     @property
