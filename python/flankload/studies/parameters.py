@@ -56,7 +56,7 @@ LOAD_DEGREES, SLICES_STEPS = (5, 6, 8, 10, 12), (40, 56, 80, 112, 160)
 #: Elements of the default length on a flank of usual height, which is two modules of a gear.
 FLANK_ELEMENTS = 9.0
 #: Elements with which a run begins, relative to the default, where modes set no requirement (cams):
-#: second order, so that the error is four times as large. Otherwise it begins with elements that
+#: first order, so that the error is twice as large. Otherwise it begins with elements that
 #: just resolve the modes (`FEWER_DO`).
 LONGEST_PART = 2.0
 #: From this number of modes on, more modes are not better on any elements.
@@ -64,13 +64,15 @@ ANYWHERE = 4
 #: Orders of the errors in the parameters. Elements: second order in displacements; polynomials of
 #: degree n change within 1/n² of the ends of a flank. Modes: energy of loads beside a tip, where
 #: the compliance increases logarithmically. Cells: pressure is linear on each.
-FLANK_POWERS: Mapping[str, Powers] = {
+FLANK_POWERS: dict[str, Powers] = {
     "elements": {ELEMENTS: 2.0, MODES: 4.0},
     "modes": {MODES: -3.0},
     "strips": {STRIPS: -2.0},
     "axial": {LOAD_DEGREE: -2.0},
     "slices": {SLICES: -1.5},
 }
+#: Elements of cams: half the length left 0.3 to 0.9 of the estimated error (4 cams).
+CAM_POWERS: Mapping[str, Powers] = FLANK_POWERS | {"elements": {ELEMENTS: 1.0}}
 #: Near the re-entrant corners of a belt's teeth errors decrease to 0.6 when lengths are halved.
 BELT_POWERS: Mapping[str, Powers] = {"elements": {ELEMENTS: 0.75}}
 #: Orders of the work in the parameters: elements, and states.
@@ -249,7 +251,7 @@ def _of_flanks(scene: Scene) -> Parameters:
         values,
         fixed,
         {name: finer for name, finer in steps.items() if name not in fixed},
-        FLANK_POWERS,
+        CAM_POWERS if cam else FLANK_POWERS,
         explicit=() if MODES in fixed else (MODES,),
         flank_mm=flank_mm,
         ends={} if most >= MOST_MODES else {MODES: FEW_MODES},

@@ -257,8 +257,8 @@ class _Refining:
             least = wanted * equal_part(sources)
             large = sorted((s for s in sources if sources[s] >= least), key=lambda s: -sources[s])
             steps = (self._parameters.finer(values, source) for source in large)
-            finer = next((step for step in steps if step is not None), None)
-            if finer is None or errors[worst] <= wanted or self._is_long(finer, cheap):
+            finer = next((step for step in steps if step and not self._is_long(step, cheap)), None)
+            if finer is None or errors[worst] <= wanted:
                 left.remove(worst)
             else:
                 values = finer
