@@ -15,7 +15,8 @@ from matplotlib.path import Path as Outline
 
 import flankload as fl
 from flankload.base.files import write_atomically
-from flankload.plot.style import COLOURS, GREY, STEEL, STYLE, new_figure, png_of, turned
+from flankload.base.rotation import turned
+from flankload.plot.style import COLOURS, GREY, STEEL, STYLE, new_figure, png_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -22,7 +22,7 @@ from msgspec import inspect as kinds_of
 import flankload as fl
 from flankload import result as result_package
 from flankload.cli import parser
-from flankload.contact.status import EXCEPTIONS, words
+from flankload.contact.status import EXCEPTIONS, status_text
 from flankload.cost import COUNTERS
 from flankload.result import friction, quantities, root_stress
 from flankload.result.drives import BeltDrive, ChainDrive
@@ -183,7 +183,7 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
         for name, (attribute, unit) in arrays.items()
     ]
     chains, belts = (
-        group(drive.along, "(P,)", drive) + group(drive.over_sites, "(P, S)", drive)
+        group(drive.units("P"), "(P,)", drive) + group(drive.units("PS"), "(P, S)", drive)
         for drive in (ChainDrive, BeltDrive)
     )
     return [
@@ -304,10 +304,10 @@ def documented(form: type) -> dict[str, str]:
 # --- statuses, command line, Python ---------------------------------------------------------------
 def statuses() -> str:
     """Every status of the core with its words and its exception."""
-    unknown = words(LAST_STATUS).replace(str(LAST_STATUS), "{}")
+    unknown = status_text(LAST_STATUS).replace(str(LAST_STATUS), "{}")
     rows = []
     for code in range(9, LAST_STATUS, -1):
-        said = words(code)
+        said = status_text(code)
         if said == unknown.format(code):
             continue
         error = EXCEPTIONS.get(code)

@@ -1,4 +1,4 @@
-/* Load distribution of one position through the flat door, from C.
+/* Load distribution of one position through the flat interface, from C.
  *
  * Reads points of the flanks and compliances from standard input, as
  * examples/legacy_fortran/pair.dat holds them. */

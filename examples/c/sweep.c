@@ -1,4 +1,4 @@
-/* Load distribution over a pitch at several torques through the flat door, from C.
+/* Load distribution over a pitch at several torques through the flat interface, from C.
  *
  * Reads angles, points of flanks and compliances from standard input, as
  * examples/legacy_fortran/sweep.dat holds them. */

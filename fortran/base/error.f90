@@ -1,5 +1,6 @@
 !> Error type: a status code and a message, returned through one allocatable argument.
 module flankload_error
+    use flankload_status, only: status_text
     implicit none
     private
 
@@ -9,7 +10,7 @@ module flankload_error
     type :: error_type
         !> One of the negative codes of module `flankload_status`
         integer :: code = 0
-        !> Message: the expected and the found value
+        !> The invalid argument and what was expected, or the reason why there is no solution
         character(len=:), allocatable :: message
     end type error_type
 
@@ -21,12 +22,16 @@ contains
         type(error_type), allocatable, intent(out) :: error
         !> Status code of the error
         integer, intent(in) :: code
-        !> Message: the expected and the found value
-        character(len=*), intent(in) :: message
+        !> Message, if there is more to say than the text of the code
+        character(len=*), intent(in), optional :: message
 
         allocate (error)
         error%code = code
-        error%message = message
+        if (present(message)) then
+            error%message = message
+        else
+            error%message = status_text(code)
+        end if
     end subroutine fatal_error
 
 end module flankload_error

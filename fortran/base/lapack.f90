@@ -8,7 +8,7 @@ module flankload_lapack
     private
 
     public :: potrf, getrf, permute_rows
-    public :: solve_triangle, solve_lower, continue_lower
+    public :: solve_cholesky, solve_lu, solve_triangle, solve_lower, continue_lower
     public :: border_cholesky, border_lu
     public :: add_product, set_product
 
@@ -150,6 +150,35 @@ contains
             end do
         end if
     end subroutine solve_triangle
+
+    !> Solve A X = B with the factor L of A = L Lᵀ.
+    pure subroutine solve_cholesky(n, factor, x)
+        !> Order of the factor
+        integer, intent(in) :: n
+        !> Array with L, shape (>= n, >= n)
+        real(wp), contiguous, intent(in) :: factor(:, :)
+        !> Right-hand sides, then solutions, shape (>= n, number of right-hand sides)
+        real(wp), contiguous, intent(inout) :: x(:, :)
+
+        call solve_triangle(n, factor, 'L', 'N', 'N', x)
+        call solve_triangle(n, factor, 'L', 'T', 'N', x)
+    end subroutine solve_cholesky
+
+    !> Solve A X = B with the factors L and U of A.
+    pure subroutine solve_lu(n, factor, x, row_swaps)
+        !> Order of the factor
+        integer, intent(in) :: n
+        !> Array with L and U, shape (>= n, >= n)
+        real(wp), contiguous, intent(in) :: factor(:, :)
+        !> Right-hand sides, then solutions, shape (>= n, number of right-hand sides)
+        real(wp), contiguous, intent(inout) :: x(:, :)
+        !> Index of the row exchanged with each row; absent if none was exchanged
+        integer, contiguous, intent(in), optional :: row_swaps(:)
+
+        if (present(row_swaps)) call permute_rows(x, row_swaps)
+        call solve_triangle(n, factor, 'L', 'N', 'U', x)
+        call solve_triangle(n, factor, 'U', 'N', 'N', x)
+    end subroutine solve_lu
 
     !> Solve L x = b or Lᵀ x = b for one right-hand side.
     pure subroutine solve_lower(n, factor, transposed, x)

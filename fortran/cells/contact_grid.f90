@@ -1,8 +1,7 @@
 !> Cells along flank 1 around each point of least gap: extent and widths.
 module flankload_contact_grid
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: flank_curve_type, frame_type
-    use flankload_circle_pair, only: guessed_s_2, pair_type, pair_on_circle
+    use flankload_circle_pair, only: facing_type, guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     use flankload_contact_reach, only: edge_type, is_level
     use flankload_rounding, only: tie, whole_parts
@@ -47,17 +46,17 @@ module flankload_contact_grid
     !> Largest ratio of the widths of adjacent cells away from an edge
     real(wp), parameter :: growth_ratio = 2.0_wp
     !> Widths over a range of constant gap, where the pressure peaks at the ends. In the middle:
-    !> this fraction of half the range divided by the number of strips; at a sharp end: this
+    !> this fraction of half the range divided by the number of cells; at a sharp end: this
     !> fraction of the width in the middle
     real(wp), parameter :: middle_part = 2.5_wp, sharp_part = 0.02_wp
     !> Penetration beyond an edge, relative to the cells in the middle, below which the edge is
     !> treated as a corner; least width of a cell relative to the others
     real(wp), parameter :: least_part = 1.0e-3_wp, least_cell = 1.0e-4_wp
     !> Least width around an edge: this fraction of the penetration beyond the edge divided by the
-    !> number of strips, kept over slightly more than the penetration. Width away from edges: this
-    !> fraction of the contact divided by the number of strips, since the contact may end on one
+    !> number of cells, kept over slightly more than the penetration. Width away from edges: this
+    !> fraction of the contact divided by the number of cells, since the contact may end on one
     !> side with the pressure of a Hertz contact twice as wide
-    real(wp), parameter :: strip_part = 0.8_wp, fine_margin = 1.1_wp, contact_part = 0.35_wp
+    real(wp), parameter :: edge_part = 0.8_wp, fine_margin = 1.1_wp, contact_part = 0.35_wp
 
 contains
 
@@ -66,7 +65,7 @@ contains
     !> The cell width is a fraction of the shorter extent, so that a corner or a kink beside the
     !> least gap is resolved; if that extent is zero or very short, it is a smaller fraction of the
     !> longer one. Cells are finer around edges.
-    pure function wanted_grid(zone, reach, edges, widths, strips, corner_strips) result(grid)
+    pure function wanted_grid(zone, reach, edges, widths, cells, corner_cells) result(grid)
         !> Zone
         type(zone_type), intent(in) :: zone
         !> Extent of the contact on both sides [mm], shape (2)
@@ -76,19 +75,19 @@ contains
         !> Extent of the grid relative to that of the contact, shape (2)
         real(wp), intent(in) :: widths(2)
         !> Number of cells over the shorter extent
-        real(wp), intent(in) :: strips
+        real(wp), intent(in) :: cells
         !> Largest number of cells over the longer extent
-        real(wp), intent(in) :: corner_strips
+        real(wp), intent(in) :: corner_cells
         type(grid_type) :: grid
 
         if (is_level(zone)) then
-            grid = level_grid(zone, reach, widths, strips)
+            grid = level_grid(zone, reach, widths, cells)
             return
         end if
-        grid%cell = max(minval(reach)/strips, maxval(reach)/max(strips, corner_strips))
+        grid%cell = max(minval(reach)/cells, maxval(reach)/max(cells, corner_cells))
         if (size(edges) > 0) then
-            grid%edges = fine_around(edges, zone%nearest%s_1, reach, strips)
-            grid%cell = contact_part*sum(reach)/strips
+            grid%edges = fine_around(edges, zone%nearest%s_1, reach, cells)
+            grid%cell = contact_part*sum(reach)/cells
         end if
         ! A few cells beyond a corner detect contact there.
         grid%low = zone%nearest%s_1 - max(widths(1)*reach(1), 3.0_wp*grid%cell)
@@ -114,7 +113,7 @@ contains
     end subroutine end_within_stretch
 
     !> Return the widths of the cells around edges.
-    pure function fine_around(edges, nearest, reach, strips) result(fineness)
+    pure function fine_around(edges, nearest, reach, cells) result(fineness)
         !> Edges inside the contact, shape (n)
         type(edge_type), intent(in) :: edges(:)
         !> Arc length of the point of least gap [mm]
@@ -122,7 +121,7 @@ contains
         !> Extent of the contact on both sides of that point [mm], shape (2)
         real(wp), intent(in) :: reach(2)
         !> Number of cells over the penetration beyond an edge
-        real(wp), intent(in) :: strips
+        real(wp), intent(in) :: cells
         type(fineness_type) :: fineness(size(edges))
 
         integer :: k
@@ -136,7 +135,7 @@ contains
             end if
             penetration = edge_penetration(beyond, 0.5_wp*sum(reach))
             fineness(k)%s = edges(k)%s
-            fineness(k)%cell = max(penetration, least_cell*sum(reach))/(strip_part*strips)
+            fineness(k)%cell = max(penetration, least_cell*sum(reach))/(edge_part*cells)
             fineness(k)%even(merge(2, 1, edges(k)%side > 0)) = fine_margin*penetration
         end do
     end function fine_around
@@ -163,7 +162,7 @@ contains
 
     !> Return the grid of a zone with constant gap: the range of constant gap and some cells beyond
     !> its ends.
-    pure function level_grid(zone, reach, widths, strips) result(grid)
+    pure function level_grid(zone, reach, widths, cells) result(grid)
         !> Zone
         type(zone_type), intent(in) :: zone
         !> Extent of the contact on both sides [mm], shape (2)
@@ -171,7 +170,7 @@ contains
         !> Extent of the cells beyond the ends relative to that of the contact, shape (2)
         real(wp), intent(in) :: widths(2)
         !> Approximate number of cells over half of the range
-        real(wp), intent(in) :: strips
+        real(wp), intent(in) :: cells
         type(grid_type) :: grid
 
         !> Default extent of the grid in half-widths, at which it ends at the possible end of the
@@ -180,11 +179,11 @@ contains
         real(wp) :: half, beyond(2), penetration(2), finest(2)
 
         half = 0.5_wp*(zone%level_high - zone%level_low)
-        grid%cell = middle_part*half/strips
+        grid%cell = middle_part*half/cells
         beyond = reach - half
         where (beyond > least_part*grid%cell)
             penetration = edge_penetration(beyond, half)
-            finest = max(penetration/(strip_part*strips), least_cell*grid%cell)
+            finest = max(penetration/(edge_part*cells), least_cell*grid%cell)
         else where
             penetration = 0.0_wp
             finest = sharp_part*grid%cell
@@ -203,13 +202,9 @@ contains
     !> Separate the grids of two zones of a site if they overlap, so that no point has two cells.
     !>
     !> The border is at the greatest gap between both points of least gap, away from either contact.
-    pure subroutine part_neighbours(flank_1, frame_1, flank_2, frame_2, zone, next, grid, next_grid)
-        !> Flank of body 1 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure subroutine part_neighbours(facing, zone, next, grid, next_grid)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Adjacent zones of a site, the first at smaller arc length
         type(zone_type), intent(in) :: zone
         type(zone_type), intent(in) :: next
@@ -231,8 +226,7 @@ contains
         do step = 1, steps
             border = 0.5_wp*(low + high)
             pair%s_2 = guessed_s_2(pair, border)
-            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, border, &
-                & [zone%s_2_low, zone%s_2_high], pair, found)
+            call pair_on_circle(facing, border, [zone%s_2_low, zone%s_2_high], pair, found)
             if (.not. found) exit
             if (pair%slope > 0.0_wp) then
                 low = border

@@ -2,9 +2,9 @@
 !> gap angles (section 3.2 of the paper) and lever arms, Eq. (17).
 module flankload_contact_pairs
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: flank_curve_type, frame_type, curve_length
-    use flankload_polar_geometry, only: angle_between, cross
-    use flankload_circle_pair, only: guessed_s_2, pair_type, pair_on_circle
+    use flankload_flank_curve, only: curve_length
+    use flankload_polar_geometry, only: angle_between, cross, turned
+    use flankload_circle_pair, only: facing_type, guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     use flankload_contact_reach, only: is_level
     use flankload_contact_grid, only: grid_type
@@ -89,14 +89,9 @@ contains
     end function chosen_pairs
 
     !> Append the pairs of one zone.
-    pure subroutine append_pairs(flank_1, frame_1, flank_2, frame_2, zone, number, grid, &
-            & normal, deviation, pairs, found)
-        !> Flank of body 1 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure subroutine append_pairs(facing, zone, number, grid, normal, deviation, pairs, found)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Zone and its number
         type(zone_type), intent(in) :: zone
         integer, intent(in) :: number
@@ -121,17 +116,15 @@ contains
         found = .true.
         if (is_level(zone)) then
             level_end%s_2 = [guessed_s_2(pair, zone%level_low), guessed_s_2(pair, zone%level_high)]
-            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, zone%level_low, s_2_range, &
-                & level_end(1), found)
+            call pair_on_circle(facing, zone%level_low, s_2_range, level_end(1), found)
             if (.not. found) return
-            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, zone%level_high, s_2_range, &
-                & level_end(2), found)
+            call pair_on_circle(facing, zone%level_high, s_2_range, level_end(2), found)
             if (.not. found) return
         end if
         do k = 1, grid%n
             call locate_cell(grid, k, s_1, cell)
             pair%s_2 = guessed_s_2(pair, s_1)
-            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)
+            call pair_on_circle(facing, s_1, s_2_range, pair, found)
             if (.not. found) return
             if (is_level(zone)) then
                 normals = own_normals(pair)
@@ -142,7 +135,9 @@ contains
                 normals(:, 2) = normal_at(normal, s_1, 2)
             end if
             call append_pair(zone, pair, cell, normals, normal%over, deviation, pairs)
-            if (flank_2%closed) pairs%s_2(pairs%n) = modulo(pair%s_2, curve_length(flank_2))
+            associate (curve_2 => facing%flank_2%curve)
+                if (curve_2%closed) pairs%s_2(pairs%n) = modulo(pair%s_2, curve_length(curve_2))
+            end associate
             pairs%zone(pairs%n) = number
         end do
     end subroutine append_pairs
@@ -198,17 +193,6 @@ contains
             normals(:, 2) = turned(normals(:, 1), pair%gap_angle)
         end if
     end subroutine use_steadier_normal
-
-    !> Return a direction rotated counter-clockwise.
-    pure function turned(direction, angle) result(new)
-        !> Direction, shape (2)
-        real(wp), intent(in) :: direction(2)
-        !> Angle [rad]
-        real(wp), intent(in) :: angle
-        real(wp) :: new(2)
-
-        new = cos(angle)*direction + sin(angle)*[-direction(2), direction(1)]
-    end function turned
 
     !> Append a pair with its levers.
     pure subroutine append_pair(zone, pair, cell, normals, over, deviation, pairs)

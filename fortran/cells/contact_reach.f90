@@ -2,9 +2,9 @@
 module flankload_contact_reach
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
-    use flankload_flank_curve, only: curve_length, flank_curve_type, frame_type, placed_point
+    use flankload_flank_curve, only: curve_length, flank_curve_type, placed_point
     use flankload_polar_geometry, only: circle_meets_flank
-    use flankload_circle_pair, only: flank_type, pair_type, pair_on_circle
+    use flankload_circle_pair, only: facing_type, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     implicit none
     private
@@ -45,13 +45,9 @@ contains
     !>
     !> If this amount is the force times c of both bodies, the distance is the half-width of a Hertz
     !> contact, exactly for a parabola; the same rule is used at kinks, roundings and corners.
-    pure function zone_reach(flank_1, frame_1, flank_2, frame_2, zone, growth) result(reach)
-        !> Flank of body 1 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure function zone_reach(facing, zone, growth) result(reach)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Zone
         type(zone_type), intent(in) :: zone
         !> Increase of the gap along the normal [mm]
@@ -76,11 +72,11 @@ contains
             real(wp) :: part
             logical :: found
 
-            call begin_search(flank_1, zone, growth, sense, search, x)
+            call begin_search(facing%flank_1%curve, zone, growth, sense, search, x)
             pair = zone%nearest
             do step = 1, max_steps
-                call pair_on_circle(flank_1, frame_1, flank_2, frame_2, &
-                    & zone%nearest%s_1 + sense*x, [zone%s_2_low, zone%s_2_high], pair, found)
+                call pair_on_circle(facing, zone%nearest%s_1 + sense*x, &
+                    & [zone%s_2_low, zone%s_2_high], pair, found)
                 if (.not. found) then
                     search%outer = x
                     search%part_outer = 0.0_wp
@@ -187,13 +183,9 @@ contains
     !> Return the edges inside the contact at which a rounding of one of the flanks begins.
     !>
     !> Sharp corners do not count as edges: the pressure there grows without limit under refinement.
-    pure function edges_within(flank_1, frame_1, flank_2, frame_2, zone, reach) result(edges)
-        !> Flank of body 1 and the frame of the body
-        type(flank_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure function edges_within(facing, zone, reach) result(edges)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Zone
         type(zone_type), intent(in) :: zone
         !> Extent of the contact on both sides [mm], shape (2)
@@ -206,7 +198,7 @@ contains
         type(edge_type) :: edge, first, last
 
         allocate (edges(0))
-        if (size(flank_1%roundings) + size(flank_2%roundings) == 0) return
+        if (size(facing%flank_1%roundings) + size(facing%flank_2%roundings) == 0) return
         if (is_level(zone) .or. zone%corner > 0) return
         if (zone%to_corner_low < (1.0_wp - tie)*reach(1)) return
         if (zone%to_corner_high < (1.0_wp - tie)*reach(2)) return
@@ -214,19 +206,20 @@ contains
         inside = zone%nearest%s_1 + (1.0_wp - tie)*[-reach(1), reach(2)]
         first%s = huge(1.0_wp)
         last%s = -huge(1.0_wp)
-        do k = 1, size(flank_1%roundings)
-            edge = edge_type(flank_1%roundings(k), flank_1%rounding_sides(k))
-            call record_edge(zone, inside, edge, flank_1%rounding_jumps(k), first, last)
-        end do
-        do k = 1, size(flank_2%roundings)
-            s_2 = flank_2%roundings(k)
-            if (flank_2%curve%closed) s_2 = s_2 + curve_length(flank_2%curve) &
-                & *anint((zone%nearest%s_2 - s_2)/curve_length(flank_2%curve))
-            if ((s_2 - zone%s_2_low)*(s_2 - zone%s_2_high) >= 0.0_wp) cycle
-            edge = edge_on_flank_1(flank_1%curve, frame_1, flank_2%curve, frame_2, zone, s_2, &
-                & flank_2%rounding_sides(k))
-            call record_edge(zone, inside, edge, flank_2%rounding_jumps(k), first, last)
-        end do
+        associate (flank_1 => facing%flank_1, flank_2 => facing%flank_2)
+            do k = 1, size(flank_1%roundings)
+                edge = edge_type(flank_1%roundings(k), flank_1%rounding_sides(k))
+                call record_edge(zone, inside, edge, flank_1%rounding_jumps(k), first, last)
+            end do
+            do k = 1, size(flank_2%roundings)
+                s_2 = flank_2%roundings(k)
+                if (flank_2%curve%closed) s_2 = s_2 + curve_length(flank_2%curve) &
+                    & *anint((zone%nearest%s_2 - s_2)/curve_length(flank_2%curve))
+                if ((s_2 - zone%s_2_low)*(s_2 - zone%s_2_high) >= 0.0_wp) cycle
+                edge = edge_on_flank_1(facing, zone, s_2, flank_2%rounding_sides(k))
+                call record_edge(zone, inside, edge, flank_2%rounding_jumps(k), first, last)
+            end do
+        end associate
         if (first%s > last%s) return
         edges = [first, last]
         if (.not. last%s > first%s) edges = [first]
@@ -259,13 +252,9 @@ contains
 
     !> Return an edge of flank 2 as a point of flank 1; outside of the zone if no circle crosses
     !> both.
-    pure function edge_on_flank_1(flank_1, frame_1, flank_2, frame_2, zone, s_2, side) result(edge)
-        !> Flank of body 1 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure function edge_on_flank_1(facing, zone, s_2, side) result(edge)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Zone
         type(zone_type), intent(in) :: zone
         !> Arc length of the edge on flank 2 [mm]
@@ -278,9 +267,9 @@ contains
         logical :: found
 
         edge = edge_type(-huge(1.0_wp), 0)
-        call placed_point(flank_2, frame_2, s_2, point_2, tangent_2)
+        call placed_point(facing%flank_2%curve, facing%frame_2, s_2, point_2, tangent_2)
         s_1 = zone%nearest%s_1
-        call circle_meets_flank(flank_1, frame_1, norm2(point_2), &
+        call circle_meets_flank(facing%flank_1%curve, facing%frame_1, norm2(point_2), &
             & [zone%s_1_low, zone%s_1_high], s_1, point_1, tangent_1, found)
         if (.not. found) return
         edge%s = s_1

@@ -5,9 +5,9 @@
 !> 2 is the opposite.
 module flankload_friction
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: flank_curve_type, frame_type, placed_point
-    use flankload_polar_geometry, only: angle_between, cross
-    use flankload_circle_pair, only: pair_type
+    use flankload_flank_curve, only: placed_point
+    use flankload_polar_geometry, only: angle_between, cross, turned
+    use flankload_circle_pair, only: facing_type, pair_type
     use flankload_contact_zones, only: zone_type
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_reach, only: is_level
@@ -80,18 +80,13 @@ contains
     !> the cell, so that the state remains a smooth function of the position. Bodies that rotate at
     !> the same rate about different axes (a spline with an offset) have the same sliding velocity
     !> everywhere.
-    pure subroutine add_friction(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, &
-            & first, pairs)
+    pure subroutine add_friction(friction, speeds, facing, zone, first, pairs)
         !> Friction coefficients of the scene
         type(friction_type), intent(in) :: friction
         !> Speeds of both bodies [rad per rad of the position], shape (2)
         real(wp), intent(in) :: speeds(2)
-        !> Flank of body 1 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Zone
         type(zone_type), intent(in) :: zone
         !> First pair of the zone; the others follow up to the last pair
@@ -100,7 +95,7 @@ contains
         type(pairs_type), intent(inout) :: pairs
 
         integer :: i
-        real(wp) :: turn(2), speeds_there, largest
+        real(wp) :: turn, speeds_there, largest
         real(wp) :: change(pairs%n - first + 1)
 
         if (.not. allocated(pairs%sliding)) then
@@ -110,8 +105,8 @@ contains
         turn = half_turn_between(zone%nearest)
         largest = 0.0_wp
         do i = first, pairs%n
-            call slide_at(speeds, flank_1, frame_1, flank_2, frame_2, zone, turn, pairs%s_1(i), &
-                & pairs%s_2(i), pairs%normal(:, i), pairs%sliding(i), speeds_there)
+            call slide_at(speeds, facing, zone, turn, [pairs%s_1(i), pairs%s_2(i)], &
+                & pairs%normal(:, i), pairs%sliding(i), speeds_there)
             largest = max(largest, speeds_there)
         end do
         call sliding_changes(pairs%sliding(first:pairs%n), change)
@@ -121,7 +116,7 @@ contains
                 & *max(-1.0_wp, min(1.0_wp, pairs%sliding(i) &
                 & /max(0.5_wp*change(i - first + 1), least_sliding*largest, tiny(1.0_wp))))
             pairs%torque_lever(i) = pairs%torque_lever(i) &
-                & + pairs%friction(i)*friction_lever(pairs%point(:, i) - frame_1%origin, &
+                & + pairs%friction(i)*friction_lever(pairs%point(:, i) - facing%frame_1%origin, &
                 & pairs%normal(:, i))
         end do
     end subroutine add_friction
@@ -140,22 +135,16 @@ contains
     end function friction_lever
 
     !> Compute the sliding speed at a pair.
-    pure subroutine slide_at(speeds, flank_1, frame_1, flank_2, frame_2, zone, turn, s_1, s_2, &
-            & normal, sliding, speeds_there)
+    pure subroutine slide_at(speeds, facing, zone, turn, s, normal, sliding, speeds_there)
         !> Speeds of both bodies [rad per rad of the position], shape (2)
         real(wp), intent(in) :: speeds(2)
-        !> Flank of body 1 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
-        !> Zone, and cosine and sine of half the angle between its normals
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
+        !> Zone, and half the angle between its normals [rad]
         type(zone_type), intent(in) :: zone
-        real(wp), intent(in) :: turn(2)
-        !> Arc lengths on both flanks [mm]
-        real(wp), intent(in) :: s_1
-        real(wp), intent(in) :: s_2
+        real(wp), intent(in) :: turn
+        !> Arc lengths on both flanks [mm], shape (2)
+        real(wp), intent(in) :: s(2)
         !> Direction of the force at the pair
         real(wp), intent(in) :: normal(2)
         !> Sliding speed (v2 - v1).t and sum of the speeds of both surfaces [mm per rad of the
@@ -165,26 +154,27 @@ contains
 
         real(wp), dimension(2) :: point_1, point_2, normal_1, normal_2
 
-        call placed_point(flank_1, frame_1, s_1, point_1, normal_1)
-        call placed_point(flank_2, frame_2, s_2, point_2, normal_2)
-        point_1 = point_1 - frame_1%origin
+        call placed_point(facing%flank_1%curve, facing%frame_1, s(1), point_1, normal_1)
+        call placed_point(facing%flank_2%curve, facing%frame_2, s(2), point_2, normal_2)
+        point_1 = point_1 - facing%frame_1%origin
         ! out of body 1: the tangent of flank 1 turned to the left, that of flank 2 to the right
         normal_1 = turned([-normal_1(2), normal_1(1)], turn)
         if (is_level(zone)) then
             ! Conforming flanks have one normal, which turns with its point until both points meet.
             normal_2 = turned(normal_1, &
-                & turn_by(angle_between(point_1, point_2 - frame_1%origin)))
+                & angle_between(point_1, point_2 - facing%frame_1%origin))
         else
-            normal_2 = turned([normal_2(2), -normal_2(1)], [turn(1), -turn(2)])
+            normal_2 = turned([normal_2(2), -normal_2(1)], -turn)
         end if
-        point_2 = point_2 - frame_2%origin
+        point_2 = point_2 - facing%frame_2%origin
         ! v.t of a body that rotates about O is -w (P - O).n, since n is t turned to the left.
         sliding = speeds(1)*dot_product(point_1, normal_1) &
             & - speeds(2)*dot_product(point_2, normal_2)
         if (abs(speeds(2) - speeds(1)) <= one_rate*abs(speeds(1))) then
             ! There is no rolling, only an offset of the axes: the small difference of both normals
             ! would make the speed larger than it is.
-            sliding = dot_product(speeds(2)*frame_2%origin - speeds(1)*frame_1%origin, normal)
+            sliding = dot_product(speeds(2)*facing%frame_2%origin &
+                & - speeds(1)*facing%frame_1%origin, normal)
         end if
         speeds_there = abs(speeds(1))*norm2(point_1) + abs(speeds(2))*norm2(point_2)
     end subroutine slide_at
@@ -217,33 +207,11 @@ contains
     pure function half_turn_between(nearest) result(turn)
         !> Pair of least gap
         type(pair_type), intent(in) :: nearest
-        !> Cosine and sine of the half angle
-        real(wp) :: turn(2)
+        !> Half angle [rad]
+        real(wp) :: turn
 
-        turn = turn_by(0.5_wp*(angle_between(nearest%tangent_1, -nearest%tangent_2) &
-            & - nearest%gap_angle))
+        turn = 0.5_wp*(angle_between(nearest%tangent_1, -nearest%tangent_2) - nearest%gap_angle)
     end function half_turn_between
-
-    !> Return a rotation by an angle.
-    pure function turn_by(angle) result(turn)
-        !> Angle [rad]
-        real(wp), intent(in) :: angle
-        !> Cosine and sine of the angle
-        real(wp) :: turn(2)
-
-        turn = [cos(angle), sin(angle)]
-    end function turn_by
-
-    !> Return a vector rotated counter-clockwise.
-    pure function turned(vector, turn) result(other)
-        !> Vector, shape (2)
-        real(wp), intent(in) :: vector(2)
-        !> Cosine and sine of the angle
-        real(wp), intent(in) :: turn(2)
-        real(wp) :: other(2)
-
-        other = turn(1)*vector + turn(2)*[-vector(2), vector(1)]
-    end function turned
 
     !> Compute the change of the sliding speed over each cell of a zone.
     pure subroutine sliding_changes(sliding, change)

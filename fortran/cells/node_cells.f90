@@ -3,8 +3,9 @@
 module flankload_node_cells
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
-    use flankload_flank_curve, only: flank_curve_type, frame_type, placed_point
+    use flankload_flank_curve, only: placed_point
     use flankload_polar_geometry, only: circle_meets_flank
+    use flankload_circle_pair, only: facing_type
     use flankload_contact_zones, only: zone_type
     use flankload_contact_grid, only: grid_type
     implicit none
@@ -62,15 +63,11 @@ contains
     end subroutine lay_on_nodes
 
     !> Return the intersections of flank 1 with circles about O1 through the nodes of flank 2.
-    pure function circles_through(nodes, flank_2, frame_2, flank_1, frame_1, zone) result(places)
+    pure function circles_through(nodes, facing, zone) result(places)
         !> Arc lengths of the nodes of flank 2 [mm], ascending, shape (n)
         real(wp), intent(in) :: nodes(:)
-        !> Flank of body 2 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
-        !> Flank of body 1 and the frame of the body, whose axis is O1
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Zone; only intersections in its range count
         type(zone_type), intent(in) :: zone
         !> Arc lengths on flank 1 [mm], ascending
@@ -88,9 +85,10 @@ contains
         met = 0.0_wp
         do k = 1, size(nodes)
             if (.not. meets(k)) cycle
-            call placed_point(flank_2, frame_2, min(high, max(low, nodes(k))), point, tangent)
+            call placed_point(facing%flank_2%curve, facing%frame_2, min(high, max(low, nodes(k))), &
+                & point, tangent)
             s = zone%nearest%s_1
-            call circle_meets_flank(flank_1, frame_1, norm2(point), &
+            call circle_meets_flank(facing%flank_1%curve, facing%frame_1, norm2(point), &
                 & [zone%s_1_low, zone%s_1_high], s, point, tangent, found)
             met(k) = s
             meets(k) = found

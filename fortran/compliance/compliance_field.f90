@@ -14,7 +14,7 @@ module flankload_compliance_field
     implicit none
     private
 
-    public :: compliance_type, least_tip_modes
+    public :: compliance_type, last_of_site, least_tip_modes
     public :: mode_values, strip_kernel, mean_strip_kernel, closed_strip_kernel, strip_jump
 
     !> Least number of modes of a tip, which otherwise has a third of all modes
@@ -78,6 +78,21 @@ module flankload_compliance_field
     end type compliance_type
 
 contains
+
+    !> Return the last of the adjacent pairs that share a site.
+    pure function last_of_site(site, k) result(at)
+        !> Site of each pair, shape (n)
+        integer, intent(in) :: site(:)
+        !> First pair of the site
+        integer, intent(in) :: k
+        integer :: at
+
+        at = k
+        do while (at < size(site))
+            if (site(at + 1) /= site(k)) exit
+            at = at + 1
+        end do
+    end function last_of_site
 
     !> Return the modes along the profile: Legendre polynomials P_0 … P_p over the flank's arc
     !> length, harmonics on a closed flank.

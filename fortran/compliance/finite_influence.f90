@@ -8,7 +8,7 @@
 !> on steel gears change it by 0.02 %.
 module flankload_finite_influence
     use flankload_kinds, only: wp
-    use flankload_influence_number, only: last_of_site
+    use flankload_compliance_field, only: last_of_site
     use flankload_polar_geometry, only: angle_between, cross
     implicit none
     private

@@ -9,7 +9,19 @@ module flankload_line_potential
     implicit none
     private
 
-    public :: mean_potential, own_potential
+    public :: mean_potential, own_potential, segment_difference
+
+    abstract interface
+        !> Integral of a function of two distances.
+        pure function integral(across, along) result(value)
+            import :: wp
+            implicit none
+            !> Coordinates [mm]
+            real(wp), intent(in) :: across
+            real(wp), intent(in) :: along
+            real(wp) :: value
+        end function integral
+    end interface
 
 contains
 
@@ -27,7 +39,7 @@ contains
 
         !> Distance in lengths from which the second moments are sufficient, to 1e-5 of the mean
         real(wp), parameter :: far = 10.0_wp
-        real(wp) :: square, half_sum, half_difference
+        real(wp) :: square
 
         square = distance**2 + across**2
         if (square > (far*max(length, other))**2) then
@@ -35,14 +47,36 @@ contains
                 & /(24.0_wp*square**2))/sqrt(square)
             return
         end if
+        ! Eq. (S3)
+        mean = segment_difference(twice_integrated, across, distance, length, other)/(length*other)
+    end function mean_potential
+
+    !> Return the integral over two parallel segments of a function of the distances between their
+    !> points, from its integral over one distance and twice over the other: the difference between
+    !> the ends of both segments.
+    pure function segment_difference(primitive, across, along, length, other) result(value)
+        !> That integral
+        procedure(integral) :: primitive
+        !> Distances between both centres across and along the segments [mm]
+        real(wp), intent(in) :: across
+        real(wp), intent(in) :: along
+        !> Lengths of the segments [mm]
+        real(wp), intent(in) :: length
+        real(wp), intent(in) :: other
+        real(wp) :: value
+
+        real(wp) :: half_sum, half_difference, inner
+
         half_sum = 0.5_wp*(length + other)
         half_difference = 0.5_wp*(length - other)
-        ! Eq. (S3)
-        mean = (twice_integrated(distance + half_sum, across) &
-            & - (twice_integrated(distance + half_difference, across) &
-            & + twice_integrated(distance - half_difference, across)) &
-            & + twice_integrated(distance - half_sum, across))/(length*other)
-    end function mean_potential
+        inner = primitive(across, along + half_difference)
+        if (abs(half_difference) > 0.0_wp) then
+            inner = inner + primitive(across, along - half_difference)
+        else
+            inner = 2.0_wp*inner
+        end if
+        value = primitive(across, along + half_sum) - inner + primitive(across, along - half_sum)
+    end function segment_difference
 
     !> Compute the mean potential of a segment over its own mirror image on a parallel line [1/mm],
     !> and its derivative with respect to the distance between the lines.
@@ -62,10 +96,10 @@ contains
     end subroutine own_potential
 
     !> Return the second integral of 1/sqrt(y² + x²) over y.
-    elemental function twice_integrated(along, across) result(value)
-        !> Coordinates y and x [mm]
-        real(wp), intent(in) :: along
+    pure function twice_integrated(across, along) result(value)
+        !> Coordinates x and y [mm]
         real(wp), intent(in) :: across
+        real(wp), intent(in) :: along
         real(wp) :: value
 
         real(wp) :: radius

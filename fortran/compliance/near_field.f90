@@ -38,32 +38,30 @@ module flankload_near_field
 contains
 
     !> Add the near field between the cells of a site to the lower triangle of K.
-    pure subroutine add_near_field(body, s, cell, first, matrix)
+    pure subroutine add_near_field(body, s, cell, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> Arc lengths and widths of the cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: cell(:)
-        !> Row and column of the first cell
-        integer, intent(in) :: first
-        !> K [mm/N], shape (n, n)
-        real(wp), contiguous, intent(inout) :: matrix(:, :)
+        !> K of these cells [mm/N], shape (m, m)
+        real(wp), intent(inout) :: matrix(:, :)
 
         integer :: end
 
         if (.not. body%kernel > 0.0_wp) return
         if (body%closed) then
-            call add_closed(s, cell, body%s_high - body%s_low, body%kernel, first, matrix)
+            call add_closed(s, cell, body%s_high - body%s_low, body%kernel, matrix)
         else if (is_even(s, cell)) then
-            call add_even(cell(1), size(s), body%kernel, first, matrix)
+            call add_even(cell(1), size(s), body%kernel, matrix)
         else if (is_nearly_even(s, cell)) then
-            call add_nearly_even(s, cell, body%kernel, first, matrix)
+            call add_nearly_even(s, cell, body%kernel, matrix)
         else
-            call add_uneven(s, s, cell, body%kernel, first, matrix)
+            call add_uneven(s, s, cell, body%kernel, matrix)
         end if
         do end = 1, 2
             if (body%wedge(end) > 0.0_wp) call add_images(from_end(body, end, s, 0.5_wp*cell), &
-                & cell, body%kernel*body%wedge(end), first, matrix)   ! Eq. (W1)
+                & cell, body%kernel*body%wedge(end), matrix)   ! Eq. (W1)
         end do
     end subroutine add_near_field
 
@@ -196,7 +194,7 @@ contains
     end function from_end
 
     !> Add the near field of cells on a closed flank: the logarithm of the chord.
-    pure subroutine add_closed(s, cell, length, kernel, first, matrix)
+    pure subroutine add_closed(s, cell, length, kernel, matrix)
         !> Arc lengths and widths of the cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: cell(:)
@@ -204,16 +202,14 @@ contains
         real(wp), intent(in) :: length
         !> Strength of the logarithm [mm/N]
         real(wp), intent(in) :: kernel
-        !> Row and column of the first cell
-        integer, intent(in) :: first
-        !> K [mm/N], shape (n, n)
-        real(wp), contiguous, intent(inout) :: matrix(:, :)
+        !> K of these cells [mm/N], shape (m, m)
+        real(wp), intent(inout) :: matrix(:, :)
 
         integer :: i, j
 
         do j = 1, size(s)
             do i = j, size(s)
-                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                matrix(i, j) = matrix(i, j) &
                     & + closed_strip_kernel(s(i) - s(j), cell(i), cell(j), length, kernel)
             end do
         end do
@@ -221,17 +217,15 @@ contains
 
     !> Add the mirror images of cells behind an end of their flank; the distance of an image is the
     !> sum of both distances from that end.
-    pure subroutine add_images(place, cell, kernel, first, matrix)
+    pure subroutine add_images(place, cell, kernel, matrix)
         !> Distances of the cells from the end, all of one sign, and widths of the cells [mm],
         !> shape (m)
         real(wp), contiguous, intent(in) :: place(:)
         real(wp), contiguous, intent(in) :: cell(:)
         !> Strength of the images' logarithm [mm/N]
         real(wp), intent(in) :: kernel
-        !> Row and column of the first cell
-        integer, intent(in) :: first
-        !> K [mm/N], shape (n, n)
-        real(wp), contiguous, intent(inout) :: matrix(:, :)
+        !> K of these cells [mm/N], shape (m, m)
+        real(wp), intent(inout) :: matrix(:, :)
 
         !> Largest offset from equal cells, relative to the distance of an image, for which four
         !> terms of a Taylor series suffice: the fifth is below 1e-9. Distance in widths from which
@@ -247,8 +241,7 @@ contains
             end do
             do j = 1, m
                 do i = j, m
-                    matrix(first - 1 + i, first - 1 + j) = &
-                        & matrix(first - 1 + i, first - 1 + j) + of_even(i + j - 2)
+                    matrix(i, j) = matrix(i, j) + of_even(i + j - 2)
                 end do
             end do
             return
@@ -259,15 +252,15 @@ contains
         end do
         limit = max(widths*maxval(cell), 2.0_wp*maxval(abs(away))/beside)
         if (limit < abs(place(1) + place(m))) then
-            call add_nearly_even_images(place, cell, step, away, limit, kernel, first, matrix)
+            call add_nearly_even_images(place, cell, step, away, limit, kernel, matrix)
         else
-            call add_uneven(place, -place, cell, kernel, first, matrix)
+            call add_uneven(place, -place, cell, kernel, matrix)
         end if
     end subroutine add_images
 
     !> Add the images of cells at nearly equal distances: beyond a limit by the value for equal
     !> cells and its derivatives.
-    pure subroutine add_nearly_even_images(place, cell, step, away, limit, kernel, first, matrix)
+    pure subroutine add_nearly_even_images(place, cell, step, away, limit, kernel, matrix)
         !> Distances of the cells from the corner, all of one sign, and widths of the cells [mm],
         !> shape (m)
         real(wp), contiguous, intent(in) :: place(:)
@@ -280,10 +273,8 @@ contains
         real(wp), intent(in) :: limit
         !> Strength of the images' logarithm [mm/N]
         real(wp), intent(in) :: kernel
-        !> Row and column of the first cell
-        integer, intent(in) :: first
-        !> K [mm/N], shape (n, n)
-        real(wp), contiguous, intent(inout) :: matrix(:, :)
+        !> K of these cells [mm/N], shape (m, m)
+        real(wp), intent(inout) :: matrix(:, :)
 
         integer :: i, j, m, low, high
         real(wp), dimension(0:2*size(away) - 2) :: distance, zeroth, one, two, three, of_widths
@@ -311,14 +302,14 @@ contains
                 high = high - 1
             end do
             do i = low, high
-                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                matrix(i, j) = matrix(i, j) &
                     & + (zeroth(i + j - 2) + cell(i)*cell(j)*of_widths(i + j - 2) &
                     & + (away(i) + away(j))*(one(i + j - 2) + (away(i) + away(j)) &
                     & *(two(i + j - 2) + (away(i) + away(j))*three(i + j - 2))))
             end do
             do i = j, m
                 if (i >= low .and. i <= high) cycle
-                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                matrix(i, j) = matrix(i, j) &
                     & + strip_kernel(place(i) + place(j), sqrt(cell(i)*cell(j)), kernel)
             end do
         end do
@@ -363,16 +354,14 @@ contains
     end function is_nearly_even
 
     !> Add the near field of equal cells: one value for each difference of cell numbers.
-    pure subroutine add_even(cell, m, kernel, first, matrix)
+    pure subroutine add_even(cell, m, kernel, matrix)
         !> Width of the cells [mm] and their number
         real(wp), intent(in) :: cell
         integer, intent(in) :: m
         !> Strength of the logarithm [mm/N]
         real(wp), intent(in) :: kernel
-        !> Row and column of the first cell
-        integer, intent(in) :: first
-        !> K [mm/N], shape (n, n)
-        real(wp), contiguous, intent(inout) :: matrix(:, :)
+        !> K of these cells [mm/N], shape (m, m)
+        real(wp), intent(inout) :: matrix(:, :)
 
         integer :: i, j
         real(wp) :: strip(0:m - 1)
@@ -382,23 +371,20 @@ contains
         end do
         do j = 1, m
             do i = j, m
-                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
-                    & + strip(i - j)
+                matrix(i, j) = matrix(i, j) + strip(i - j)
             end do
         end do
     end subroutine add_even
 
     !> Add the near field of nearly equal cells, from the logarithms of equal ones.
-    pure subroutine add_nearly_even(s, cell, kernel, first, matrix)
+    pure subroutine add_nearly_even(s, cell, kernel, matrix)
         !> Arc lengths and widths of the cells [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: cell(:)
         !> Strength of the logarithm [mm/N]
         real(wp), intent(in) :: kernel
-        !> Row and column of the first cell
-        integer, intent(in) :: first
-        !> K [mm/N], shape (n, n)
-        real(wp), contiguous, intent(inout) :: matrix(:, :)
+        !> K of these cells [mm/N], shape (m, m)
+        real(wp), intent(inout) :: matrix(:, :)
 
         integer :: i, j, m
         real(wp) :: step, even(size(s)), log_even(size(s))
@@ -409,11 +395,11 @@ contains
         log_even(far:m - 1) = log(even(far:m - 1))
         do j = 1, m
             do i = j, min(m, j + far - 1)
-                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                matrix(i, j) = matrix(i, j) &
                     & + strip_kernel(s(i) - s(j), sqrt(cell(i)*cell(j)), kernel)
             end do
             do i = j + far, m
-                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) &
+                matrix(i, j) = matrix(i, j) &
                     & + far_strip(abs(s(i) - s(j)), cell(j)*cell(i), even(i - j), &
                     & log_even(i - j), kernel)
             end do
@@ -447,7 +433,7 @@ contains
     end function far_strip
 
     !> Add the near field of cells of any widths.
-    pure subroutine add_uneven(s, loaded, cell, kernel, first, matrix)
+    pure subroutine add_uneven(s, loaded, cell, kernel, matrix)
         !> Arc lengths of the cells and of their loads [mm], shape (m)
         real(wp), contiguous, intent(in) :: s(:)
         real(wp), contiguous, intent(in) :: loaded(:)
@@ -455,10 +441,8 @@ contains
         real(wp), contiguous, intent(in) :: cell(:)
         !> Strength of the logarithm [mm/N]
         real(wp), intent(in) :: kernel
-        !> Row and column of the first cell
-        integer, intent(in) :: first
-        !> K [mm/N], shape (n, n)
-        real(wp), contiguous, intent(inout) :: matrix(:, :)
+        !> K of these cells [mm/N], shape (m, m)
+        real(wp), intent(inout) :: matrix(:, :)
 
         !> Ratio of widths above which a mean width does not represent two adjacent cells
         real(wp), parameter :: graded = 10.0_wp
@@ -474,7 +458,7 @@ contains
                 else
                     strip = strip_kernel(s(i) - loaded(j), sqrt(cell(i)*cell(j)), kernel)
                 end if
-                matrix(first - 1 + i, first - 1 + j) = matrix(first - 1 + i, first - 1 + j) + strip
+                matrix(i, j) = matrix(i, j) + strip
             end do
         end do
     end subroutine add_uneven

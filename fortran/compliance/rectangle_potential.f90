@@ -7,6 +7,7 @@
 !> are as accurate as there.
 module flankload_rectangle_potential
     use flankload_kinds, only: wp
+    use flankload_line_potential, only: segment_difference
     implicit none
     private
 
@@ -37,8 +38,8 @@ contains
             mean = far_potential(across, along, width, away, weight)
         else
             ! Eq. (C3)
-            mean = (edge_potential(across + 0.5_wp*width, along, length, other) &
-                & - edge_potential(across - 0.5_wp*width, along, length, other)) &
+            mean = (segment_difference(integrated, across + 0.5_wp*width, along, length, other) &
+                & - segment_difference(integrated, across - 0.5_wp*width, along, length, other)) &
                 & /(width*length*other)
         end if
     end function cell_potential
@@ -86,10 +87,12 @@ contains
         end if
         if (high == 0) return
         factor = strength/(step*lengths(1)*lengths(2))
-        last_edge = edge_potential(first + (low - 1.5_wp)*step, along, lengths(1), lengths(2))
+        last_edge = segment_difference(integrated, first + (low - 1.5_wp)*step, along, lengths(1), &
+            & lengths(2))
         do k = low, high
             ! Adjacent rectangles share an edge.
-            edge = edge_potential(first + (k - 0.5_wp)*step, along, lengths(1), lengths(2))
+            edge = segment_difference(integrated, first + (k - 0.5_wp)*step, along, lengths(1), &
+                & lengths(2))
             potentials(k) = potentials(k) + factor*(edge - last_edge)
             last_edge = edge
         end do
@@ -146,32 +149,8 @@ contains
             & + 1.0_wp/sqrt(across**2 + (along - away)**2))
     end function far_potential
 
-    !> Return the difference, between the ends of both segments, of the integral of 1/r once across
-    !> and twice along [mm²].
-    elemental function edge_potential(across, along, length, other) result(value)
-        !> Distances across and along, and both lengths [mm]
-        real(wp), intent(in) :: across
-        real(wp), intent(in) :: along
-        real(wp), intent(in) :: length
-        real(wp), intent(in) :: other
-        real(wp) :: value
-
-        real(wp) :: half_sum, half_difference
-
-        half_sum = 0.5_wp*(length + other)
-        half_difference = 0.5_wp*(length - other)
-        if (.not. abs(half_difference) > 0.0_wp) then
-            value = integrated(across, along + half_sum) - 2.0_wp*integrated(across, along) &
-                & + integrated(across, along - half_sum)
-            return
-        end if
-        value = (integrated(across, along + half_sum) - integrated(across, along &
-            & + half_difference)) - (integrated(across, along - half_difference) &
-            & - integrated(across, along - half_sum))
-    end function edge_potential
-
     !> Return the integral of 1/r, once over x and twice over y [mm²]: odd in x and even in y.
-    elemental function integrated(x, y) result(value)
+    pure function integrated(x, y) result(value)
         !> Coordinates [mm]
         real(wp), intent(in) :: x
         real(wp), intent(in) :: y

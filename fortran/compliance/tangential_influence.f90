@@ -2,7 +2,7 @@
 !> displace flanks along their normals, too.
 module flankload_tangential_influence
     use flankload_kinds, only: wp
-    use flankload_compliance_field, only: compliance_type, mode_values, strip_jump
+    use flankload_compliance_field, only: compliance_type, last_of_site, mode_values, strip_jump
     use flankload_near_field, only: image_along
     use flankload_tabled_influence, only: add_tangential_table
     implicit none
@@ -43,10 +43,10 @@ contains
         loads = spread(-friction, 2, n_loads)*values(:, :n_loads)   ! Eqs. (11), (12)
         load_first = 1
         do while (load_first <= n)
-            load_last = last_of_site(load_first)
+            load_last = last_of_site(site, load_first)
             first = 1
             do while (first <= n)
-                last = last_of_site(first)
+                last = last_of_site(site, first)
                 displaced = matmul(values(first:last, :), &
                     & body%tangential(:, :, body%block(site(first), site(load_first))))
                 ! Eqs. (14), (15): mu a_T in addition to a_N
@@ -64,21 +64,6 @@ contains
             end do
             load_first = load_last + 1
         end do
-
-    contains
-
-        !> Return the last of the adjacent pairs that share a site.
-        pure function last_of_site(k) result(at)
-            !> First pair of the site
-            integer, intent(in) :: k
-            integer :: at
-
-            at = k
-            do while (at < n)
-                if (site(at + 1) /= site(k)) exit
-                at = at + 1
-            end do
-        end function last_of_site
 
     end subroutine add_tangential
 

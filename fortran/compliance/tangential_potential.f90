@@ -8,6 +8,7 @@
 !> long along y is pi sign(x) divided by its length: multiplied by -j/pi it is the jump.
 module flankload_tangential_potential
     use flankload_kinds, only: wp
+    use flankload_line_potential, only: segment_difference
     implicit none
     private
 
@@ -44,32 +45,14 @@ contains
             mean = real(place*(1.0_wp + place**2*(second + place**2*fourth)), wp)
             return
         end if
-        mean = (edge_field(across + 0.5_wp*width, along, length, other) &
-            & - edge_field(across - 0.5_wp*width, along, length, other))/(width*length*other)
+        mean = (segment_difference(corner_value, across + 0.5_wp*width, along, length, other) &
+            & - segment_difference(corner_value, across - 0.5_wp*width, along, length, other)) &
+            & /(width*length*other)
     end function rectangle_field
-
-    !> Return the difference, between the ends of both segments, of the integral of x/(x² + y²) once
-    !> across and twice along [mm²].
-    elemental function edge_field(across, along, length, other) result(value)
-        !> Distances across and along, and both lengths [mm]
-        real(wp), intent(in) :: across
-        real(wp), intent(in) :: along
-        real(wp), intent(in) :: length
-        real(wp), intent(in) :: other
-        real(wp) :: value
-
-        real(wp) :: half_sum, half_difference
-
-        half_sum = 0.5_wp*(length + other)
-        half_difference = 0.5_wp*(length - other)
-        value = (corner_value(across, along + half_sum) - corner_value(across, along &
-            & + half_difference)) - (corner_value(across, along - half_difference) &
-            & - corner_value(across, along - half_sum))
-    end function edge_field
 
     !> Return the integral of x/(x² + y²), once over x and twice over y, even in both [mm²]:
     !> (y² - x²)/4 ln(x² + y²) + x y atan(y/x), without functions of x or y alone.
-    elemental function corner_value(x, y) result(value)
+    pure function corner_value(x, y) result(value)
         !> Coordinates [mm]
         real(wp), intent(in) :: x
         real(wp), intent(in) :: y
@@ -97,7 +80,7 @@ contains
 
         !> Distance in lengths from which the second moments are sufficient, to 1e-5 of the mean
         real(wp), parameter :: far = 10.0_wp
-        real(wp) :: apart, square, half_sum, half_difference
+        real(wp) :: apart, square
 
         apart = hypot(across, beside)
         square = apart**2 + distance**2
@@ -106,19 +89,15 @@ contains
                 & /(12.0_wp*square**2))
             return
         end if
-        half_sum = 0.5_wp*(length + other)
-        half_difference = 0.5_wp*(length - other)
-        mean = across/(apart*length*other)*(twice_integrated(distance + half_sum, apart) &
-            & - (twice_integrated(distance + half_difference, apart) &
-            & + twice_integrated(distance - half_difference, apart)) &
-            & + twice_integrated(distance - half_sum, apart))
+        mean = across/(apart*length*other) &
+            & *segment_difference(twice_integrated, apart, distance, length, other)
     end function segment_field
 
     !> Return the second integral of x/(y² + x²) over y.
-    elemental function twice_integrated(along, across) result(value)
-        !> Coordinates y and x [mm]
-        real(wp), intent(in) :: along
+    pure function twice_integrated(across, along) result(value)
+        !> Coordinates x and y [mm]
         real(wp), intent(in) :: across
+        real(wp), intent(in) :: along
         real(wp) :: value
 
         value = along*atan2(along, across) - across*log(hypot(along, across))

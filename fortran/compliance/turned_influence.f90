@@ -7,7 +7,7 @@
 !> behind the corner, -c0 psi_nt ln(d + d'), represent C_nt; the jump of the half-plane cancels.
 module flankload_turned_influence
     use flankload_kinds, only: wp
-    use flankload_compliance_field, only: compliance_type, mode_values
+    use flankload_compliance_field, only: compliance_type, last_of_site, mode_values
     use flankload_near_field, only: image_along
     implicit none
     private
@@ -46,10 +46,7 @@ contains
         last = 0
         do while (last < size(s))
             first = last + 1
-            do last = first, size(s) - 1
-                if (site(last + 1) /= site(first)) exit
-            end do
-            last = min(last, size(s))
+            last = last_of_site(site, first)
             if (.not. any(turns(first:last))) cycle
             ! Displacement by modes is the same for all forces of the site.
             do j = 1, size(s)

@@ -8,7 +8,7 @@ module flankload_circle_pair
     implicit none
     private
 
-    public :: flank_type, pair_type
+    public :: facing_type, flank_type, pair_type
     public :: new_flank, pair_on_circle, guessed_s_2
 
     !> A flank and its samples, at which the search for minima of the gap starts.
@@ -37,6 +37,14 @@ module flankload_circle_pair
         real(wp), allocatable :: roundings(:), rounding_jumps(:)
         integer, allocatable :: rounding_sides(:)
     end type flank_type
+
+    !> Flanks of both bodies that face each other, and the frames of the bodies, whose origin O1 is
+    !> the axis of body 1.
+    type :: facing_type
+        type(flank_type), pointer :: flank_1 => null()
+        type(flank_type), pointer :: flank_2 => null()
+        type(frame_type) :: frame_1, frame_2
+    end type facing_type
 
     !> A contact pair: the points A and B at which a circle about O1 cuts the two flanks.
     type :: pair_type
@@ -180,13 +188,9 @@ contains
     end subroutine find_roundings
 
     !> Compute the pair on the circle about O1 through the point s_1 of flank 1.
-    pure subroutine pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, s_2_range, pair, found)
-        !> Flank of body 1 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure subroutine pair_on_circle(facing, s_1, s_2_range, pair, found)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Arc length on flank 1 [mm]
         real(wp), intent(in) :: s_1
         !> Arc lengths of flank 2 between which the intersection lies [mm], shape (2)
@@ -199,10 +203,11 @@ contains
         real(wp) :: rise_1, rise_2
 
         pair%s_1 = s_1
-        call placed_point(flank_1, frame_1, s_1, pair%point_1, pair%tangent_1)
+        call placed_point(facing%flank_1%curve, facing%frame_1, s_1, pair%point_1, &
+            & pair%tangent_1)
         pair%radius = sqrt(pair%point_1(1)**2 + pair%point_1(2)**2)
-        call circle_meets_flank(flank_2, frame_2, pair%radius, s_2_range, pair%s_2, pair%point_2, &
-            & pair%tangent_2, found)
+        call circle_meets_flank(facing%flank_2%curve, facing%frame_2, pair%radius, s_2_range, &
+            & pair%s_2, pair%point_2, pair%tangent_2, found)
         if (.not. found) return
         pair%gap_angle = angle_between(pair%point_1, pair%point_2)   ! ε_anf of Eq. (2)
         rise_1 = dot_product(pair%point_1, pair%tangent_1)

@@ -3,7 +3,7 @@
 module flankload_coarse_gap
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: frame_type
-    use flankload_circle_pair, only: flank_type
+    use flankload_circle_pair, only: facing_type, flank_type
     implicit none
     private
 
@@ -17,13 +17,9 @@ contains
     !> The gap between two polygons is extreme on a circle through one of their vertices, apart from
     !> the curvature of straight lines in polar coordinates. The distances `bulge` account for the
     !> flanks between the vertices.
-    pure function coarse_gap(flank_1, frame_1, flank_2, frame_2) result(gap)
-        !> Flank of body 1 and the frame of the body, whose axis is O1
-        type(flank_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure function coarse_gap(facing) result(gap)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         real(wp) :: gap
 
         !> Bound of r²φ''/(dr/ds)² = sin ψ (2 - sin² ψ)/cos ψ of a straight line at up to 57 degrees
@@ -31,37 +27,39 @@ contains
         real(wp), parameter :: bend = 2.0_wp
         integer :: k, l, n, first
         real(wp) :: least, low, high
-        real(wp), dimension(size(flank_1%subset)) :: x_1, y_1, radius_1
-        real(wp), dimension(size(flank_2%subset)) :: x_2, y_2, radius_2
+        real(wp), dimension(size(facing%flank_1%subset)) :: x_1, y_1, radius_1
+        real(wp), dimension(size(facing%flank_2%subset)) :: x_2, y_2, radius_2
 
         gap = huge(gap)
-        radius_1 = flank_1%radius(flank_1%subset)
-        call place_subset(flank_2, frame_2, x_2, y_2)
-        radius_2 = sqrt(x_2**2 + y_2**2)
-        first = count(flank_1%subset <= flank_1%first_rising)
-        n = size(radius_1)
-        if (maxval(radius_2) < radius_1(first) .or. minval(radius_2) > radius_1(n)) return
-        call place_subset(flank_1, frame_1, x_1, y_1)
-        least = huge(least)
-        do l = 1, size(radius_2)
-            if (radius_2(l) < radius_1(first) .or. radius_2(l) > radius_1(n)) cycle
-            k = min(n - 1, first - 1 + count(radius_1(first:) <= radius_2(l)))
-            least = min(least, half_tangent(fraction_at(radius_1(k:k + 1), radius_2(l)), &
-                & x_1(k:k + 1), y_1(k:k + 1), 0.0_wp, x_2([l, l]), y_2([l, l])) &
-                & - 0.5_wp*(maxval(flank_1%bulge(k:k + 1)) + flank_2%bulge(l))/radius_2(l))
-        end do
-        do l = 1, size(radius_2) - 1
-            low = min(radius_2(l), radius_2(l + 1))
-            high = max(radius_2(l), radius_2(l + 1))
-            do k = first, n
-                if (radius_1(k) < low .or. radius_1(k) > high) cycle
-                least = min(least, half_tangent(0.0_wp, x_1([k, k]), y_1([k, k]), &
-                    & fraction_at(radius_2(l:l + 1), radius_1(k)), x_2(l:l + 1), y_2(l:l + 1)) &
-                    & - 0.5_wp*(flank_1%bulge(k) + maxval(flank_2%bulge(l:l + 1)))/radius_1(k))
+        associate (flank_1 => facing%flank_1, flank_2 => facing%flank_2)
+            radius_1 = flank_1%radius(flank_1%subset)
+            call place_subset(flank_2, facing%frame_2, x_2, y_2)
+            radius_2 = sqrt(x_2**2 + y_2**2)
+            first = count(flank_1%subset <= flank_1%first_rising)
+            n = size(radius_1)
+            if (maxval(radius_2) < radius_1(first) .or. minval(radius_2) > radius_1(n)) return
+            call place_subset(flank_1, facing%frame_1, x_1, y_1)
+            least = huge(least)
+            do l = 1, size(radius_2)
+                if (radius_2(l) < radius_1(first) .or. radius_2(l) > radius_1(n)) cycle
+                k = min(n - 1, first - 1 + count(radius_1(first:) <= radius_2(l)))
+                least = min(least, half_tangent(fraction_at(radius_1(k:k + 1), radius_2(l)), &
+                    & x_1(k:k + 1), y_1(k:k + 1), 0.0_wp, x_2([l, l]), y_2([l, l])) &
+                    & - 0.5_wp*(maxval(flank_1%bulge(k:k + 1)) + flank_2%bulge(l))/radius_2(l))
             end do
-        end do
-        if (least < huge(least)) gap = 2.0_wp*atan(least) - bend*(flank_1%longest_chord**2 &
-            & + flank_2%longest_chord**2)/(8.0_wp*radius_1(first)**2)
+            do l = 1, size(radius_2) - 1
+                low = min(radius_2(l), radius_2(l + 1))
+                high = max(radius_2(l), radius_2(l + 1))
+                do k = first, n
+                    if (radius_1(k) < low .or. radius_1(k) > high) cycle
+                    least = min(least, half_tangent(0.0_wp, x_1([k, k]), y_1([k, k]), &
+                        & fraction_at(radius_2(l:l + 1), radius_1(k)), x_2(l:l + 1), y_2(l:l + 1)) &
+                        & - 0.5_wp*(flank_1%bulge(k) + maxval(flank_2%bulge(l:l + 1)))/radius_1(k))
+                end do
+            end do
+            if (least < huge(least)) gap = 2.0_wp*atan(least) - bend*(flank_1%longest_chord**2 &
+                & + flank_2%longest_chord**2)/(8.0_wp*radius_1(first)**2)
+        end associate
     end function coarse_gap
 
     !> Transform the coarse subset of the samples to the common frame.

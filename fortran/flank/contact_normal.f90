@@ -10,9 +10,9 @@
 module flankload_contact_normal
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
-    use flankload_flank_curve, only: curve_length, flank_curve_type, frame_type
-    use flankload_polar_geometry, only: angle_between
-    use flankload_circle_pair, only: pair_type, pair_on_circle
+    use flankload_flank_curve, only: curve_length
+    use flankload_polar_geometry, only: angle_between, turned
+    use flankload_circle_pair, only: facing_type, guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     implicit none
     private
@@ -35,13 +35,9 @@ contains
 
     !> Return the direction of the force over a contact. It is undefined if the gap is constant:
     !> each point then has its own normal.
-    pure function contact_normal(flank_1, frame_1, flank_2, frame_2, zone, reach) result(normal)
-        !> Flank of body 1 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure function contact_normal(facing, zone, reach) result(normal)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Contact zone
         type(zone_type), intent(in) :: zone
         !> Contact lengths on both sides of the least gap [mm], shape (2)
@@ -67,7 +63,7 @@ contains
             normal%direction = [-along(2), along(1)]   ! Normal of Eq. (17), (19)
             normal%origin = nearest%s_1 + 0.5_wp*(weight(2)*room(2) - weight(1)*room(1))
         end associate
-        length = [curve_length(flank_1), curve_length(flank_2)]
+        length = [curve_length(facing%flank_1%curve), curve_length(facing%flank_2%curve)]
         normal%over = [high >= zone%s_1_high - tie*length(1), low <= zone%s_1_low + tie*length(1)] &
             & .and. [zone%s_1_high, zone%s_2_low] >= (1.0_wp - tie)*length
         turn = [angle_between(middle%point_1 - first%point_1, last%point_1 - middle%point_1), &
@@ -87,10 +83,8 @@ contains
             logical :: found
 
             pair = zone%nearest
-            pair%s_2 = pair%s_2 + (s_1 - pair%s_1)*dot_product(pair%point_1, pair%tangent_1) &
-                & /dot_product(pair%point_2, pair%tangent_2)
-            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, s_1, &
-                & [zone%s_2_low, zone%s_2_high], pair, found)
+            pair%s_2 = guessed_s_2(pair, s_1)
+            call pair_on_circle(facing, s_1, [zone%s_2_low, zone%s_2_high], pair, found)
             if (.not. found) pair = zone%nearest
         end function pair_at
 
@@ -132,11 +126,7 @@ contains
         !> Unit normal out of body 1
         real(wp) :: direction(2)
 
-        real(wp) :: angle
-
-        angle = normal%turning(body)*(s_1 - normal%origin)
-        direction = cos(angle)*normal%direction &
-            & + sin(angle)*[-normal%direction(2), normal%direction(1)]
+        direction = turned(normal%direction, normal%turning(body)*(s_1 - normal%origin))
     end function normal_at
 
 end module flankload_contact_normal

@@ -5,8 +5,8 @@
 !> the theoretical path of contact: tip corners and fillets are treated like all other points.
 module flankload_contact_zones
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: flank_curve_type, frame_type, curve_length
-    use flankload_circle_pair, only: flank_type, pair_type
+    use flankload_flank_curve, only: flank_curve_type, curve_length
+    use flankload_circle_pair, only: facing_type, pair_type
     use flankload_gap_scan, only: scan_gaps, scan_type
     use flankload_least_gap, only: exact_pair, walk_downhill
     use flankload_even_gap, only: conforms_at, even_type, find_middle, sum_of_curvatures
@@ -66,14 +66,9 @@ contains
     !> Find all minima of the gap between two flanks.
     !>
     !> Conforming flanks have one zone per range of constant gap, at its middle.
-    pure subroutine find_zones(flank_1, frame_1, flank_2, frame_2, site, closed_moment, zones, &
-            & n_zones, conforms, lost)
-        !> Flank of body 1 and the frame of the body, whose axis is O1
-        type(flank_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure subroutine find_zones(facing, site, closed_moment, zones, n_zones, conforms, lost)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Number of the site, which is stored in the zones
         integer, intent(in) :: site
         !> Gap along the normal that any load closes, times the lever [mm²]: a gap between
@@ -94,7 +89,7 @@ contains
         type(even_type) :: even
         logical :: found
 
-        call scan_gaps(flank_1, frame_1, flank_2, frame_2, scan)
+        call scan_gaps(facing, scan)
         n = size(scan%s_1)
         conforms = .false.
         lost = .false.
@@ -112,14 +107,15 @@ contains
             even%last = 0
             do i = scan%first, scan%last
                 if (i <= even%last .or. .not. is_least(scan, i)) cycle
-                call refine_zone(flank_1, flank_2, scan, i, closed_moment, zone, even, found)
+                call refine_zone(facing, scan, i, closed_moment, zone, even, found)
                 conforms = conforms .or. even%conforms
                 lost = lost .or. .not. found
                 zone%site = site
-                zone%left_out = lies_at_cut(flank_1%curve, flank_2%curve, zone)
+                zone%left_out = lies_at_cut(facing%flank_1%curve, facing%flank_2%curve, zone)
                 if (n_zones > 0 .and. n_zones <= size(zones)) then
-                    if (zones(n_zones)%site == site .and. abs(zones(n_zones)%nearest%s_1 &
-                        & - zone%nearest%s_1) <= same_place*curve_length(flank_1%curve)) cycle
+                    if (zones(n_zones)%site == site &
+                        & .and. abs(zones(n_zones)%nearest%s_1 - zone%nearest%s_1) &
+                        & <= same_place*curve_length(facing%flank_1%curve)) cycle
                 end if
                 n_zones = n_zones + 1
                 if (n_zones <= size(zones)) zones(n_zones) = zone
@@ -173,11 +169,9 @@ contains
     end function lies_at_cut
 
     !> Compute the exact minimum of the gap near a sample that is a local minimum.
-    pure subroutine refine_zone(flank_1, flank_2, scan, i, closed_moment, zone, even, found)
-        !> Flanks of body 1 and body 2
-        type(flank_type), intent(in) :: flank_1
-        type(flank_type), intent(in) :: flank_2
-        !> Frames of both bodies, and the circles of the scan
+    pure subroutine refine_zone(facing, scan, i, closed_moment, zone, even, found)
+        !> Flanks and their frames, and the circles of the scan
+        type(facing_type), intent(in) :: facing
         type(scan_type), intent(in) :: scan
         !> Index of the sample
         integer, intent(in) :: i
@@ -196,36 +190,36 @@ contains
         associate (first => scan%first, last => scan%last)
             zone%s_1_low = scan%s_1(first)
             zone%s_1_high = scan%s_1(last)
-            call exact_pair(flank_1, flank_2, scan, scan%s_1(first), scan%segment(first), pair, &
+            call exact_pair(facing, scan, scan%s_1(first), scan%segment(first), pair, &
                 & found)
             if (.not. found) return
             zone%s_2_low = pair%s_2
-            call exact_pair(flank_1, flank_2, scan, scan%s_1(last), scan%segment(last), pair, &
+            call exact_pair(facing, scan, scan%s_1(last), scan%segment(last), pair, &
                 & found)
             if (.not. found) return
             zone%s_2_high = pair%s_2
         end associate
         start = i
         do
-            call walk_downhill(flank_1, flank_2, scan, start, pair, zone%corner, found)
+            call walk_downhill(facing, scan, start, pair, zone%corner, found)
             if (.not. found) return
             zone%gap_angle = pair%gap_angle
-            if (.not. conforms_at(flank_1, flank_2, scan, pair)) exit
+            if (.not. conforms_at(facing, scan, pair)) exit
             even%conforms = .true.
-            call find_middle(flank_1, flank_2, scan, closed_moment, pair, zone%corner, even, found)
+            call find_middle(facing, scan, closed_moment, pair, zone%corner, even, found)
             if (.not. found) return
             if (even%lower == 0) exit
             start = even%lower
         end do
         zone%nearest = pair
-        if (flank_2%curve%closed) then
-            call unwind(curve_length(flank_2%curve), pair%s_2, zone%s_2_low)
-            call unwind(curve_length(flank_2%curve), pair%s_2, zone%s_2_high)
+        if (facing%flank_2%curve%closed) then
+            call unwind(curve_length(facing%flank_2%curve), pair%s_2, zone%s_2_low)
+            call unwind(curve_length(facing%flank_2%curve), pair%s_2, zone%s_2_high)
         end if
         zone%level_low = merge(even%level(1), pair%s_1, even%last > 0)
         zone%level_high = merge(even%level(2), pair%s_1, even%last > 0)
         call find_corners(scan, zone)
-        zone%curvature = sum_of_curvatures(flank_1, flank_2, scan, pair, zone%corner)
+        zone%curvature = sum_of_curvatures(facing, scan, pair, zone%corner)
         ! |P×n| = |P·t|, since n is t rotated by 90 degrees
         zone%lever = abs(dot_product(pair%point_1, pair%tangent_1))
         if (abs(zone%corner) == 1) zone%lever = abs(dot_product(pair%point_1, pair%tangent_2))

@@ -2,7 +2,7 @@
 module flankload_even_gap
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length, placed_point
-    use flankload_circle_pair, only: flank_type, pair_type
+    use flankload_circle_pair, only: facing_type, pair_type
     use flankload_gap_scan, only: scan_type
     use flankload_least_gap, only: exact_pair
     implicit none
@@ -51,11 +51,9 @@ module flankload_even_gap
 contains
 
     !> Return whether the flanks conform on at least one side of a pair.
-    pure function conforms_at(flank_1, flank_2, scan, pair) result(conforms)
-        !> Flanks of body 1 and body 2
-        type(flank_type), intent(in) :: flank_1
-        type(flank_type), intent(in) :: flank_2
-        !> Frames of both bodies, and the circles of the scan
+    pure function conforms_at(facing, scan, pair) result(conforms)
+        !> Flanks and their frames, and the circles of the scan
+        type(facing_type), intent(in) :: facing
         type(scan_type), intent(in) :: scan
         !> Pair
         type(pair_type), intent(in) :: pair
@@ -69,20 +67,18 @@ contains
         do side = 1, 2
             k = neighbour(scan, pair%s_1, side)
             if (k < scan%first .or. k > scan%last) cycle
-            call exact_pair(flank_1, flank_2, scan, 0.5_wp*(pair%s_1 + scan%s_1(k)), &
+            call exact_pair(facing, scan, 0.5_wp*(pair%s_1 + scan%s_1(k)), &
                 & scan%segment(k), aside, met)
-            if (met) conforms = conforms .or. abs(sum_of_curvatures(flank_1, flank_2, scan, &
-                & aside, 0)) <= flat/curve_length(flank_1%curve)
+            if (met) conforms = conforms .or. abs(sum_of_curvatures(facing, scan, &
+                & aside, 0)) <= flat/curve_length(facing%flank_1%curve)
         end do
     end function conforms_at
 
     !> Move the minimum to the middle of the range of constant gap, or find a sample with a smaller
     !> gap.
-    pure subroutine find_middle(flank_1, flank_2, scan, closed_moment, nearest, corner, even, found)
-        !> Flanks of body 1 and body 2
-        type(flank_type), intent(in) :: flank_1
-        type(flank_type), intent(in) :: flank_2
-        !> Frames of both bodies, and the circles of the scan
+    pure subroutine find_middle(facing, scan, closed_moment, nearest, corner, even, found)
+        !> Flanks and their frames, and the circles of the scan
+        type(facing_type), intent(in) :: facing
         type(scan_type), intent(in) :: scan
         !> Gap along the normal that any load closes, times the lever [mm²]
         real(wp), intent(in) :: closed_moment
@@ -99,7 +95,7 @@ contains
         real(wp) :: scale, uneven, lowest, middle
         type(comparison_type) :: beside
 
-        uneven = barrier*max(curve_length(flank_1%curve), curve_length(flank_2%curve))
+        uneven = barrier*max(curve_length(facing%flank_1%curve), curve_length(facing%flank_2%curve))
         lowest = -uneven
         scale = abs(dot_product(nearest%point_1, nearest%tangent_1))
         uneven = max(uneven, closed_moment/scale)
@@ -110,7 +106,7 @@ contains
         beside%even = uneven/scale
         do here = 1, 2
             beside%side = here
-            call walk_out(flank_1, flank_2, scan, scale, beside, lowest, even, found)
+            call walk_out(facing, scan, scale, beside, lowest, even, found)
             if (.not. found) return
         end do
         if (even%last == 0 .or. even%lower > 0) then
@@ -120,16 +116,14 @@ contains
         corner = 0
         middle = 0.5_wp*(even%level(1) + even%level(2))
         here = neighbour(scan, middle, 2)
-        call exact_pair(flank_1, flank_2, scan, middle, scan%segment(min(here, scan%last)), &
+        call exact_pair(facing, scan, middle, scan%segment(min(here, scan%last)), &
             & nearest, found)
     end subroutine find_middle
 
     !> Walk from a minimum to the end of the range of constant gap on one side.
-    pure subroutine walk_out(flank_1, flank_2, scan, scale, beside, lowest, even, found)
-        !> Flanks of body 1 and body 2
-        type(flank_type), intent(in) :: flank_1
-        type(flank_type), intent(in) :: flank_2
-        !> Frames of both bodies, and the circles of the scan
+    pure subroutine walk_out(facing, scan, scale, beside, lowest, even, found)
+        !> Flanks and their frames, and the circles of the scan
+        type(facing_type), intent(in) :: facing
         type(scan_type), intent(in) :: scan
         !> Ratio of the gap along the normal to the gap angle [mm/rad]
         real(wp), intent(in) :: scale
@@ -149,7 +143,7 @@ contains
         k = neighbour(scan, beside%nearest%s_1, beside%side)
         associate (edge => even%level(beside%side))
             do while (k >= scan%first .and. k <= scan%last)
-                call compare_point(flank_1, flank_2, scan, scan%s_1(k), k, beside, found)
+                call compare_point(facing, scan, scan%s_1(k), k, beside, found)
                 height = scale*beside%height
                 if (.not. found) return
                 if (height < lowest) then
@@ -164,9 +158,9 @@ contains
             if (k < scan%first .or. k > scan%last) return
             ! Bisect for the point between two samples at which the flanks separate.
             beyond = scan%s_1(k)
-            do while (abs(beyond - edge) > edge_tolerance*curve_length(flank_1%curve))
+            do while (abs(beyond - edge) > edge_tolerance*curve_length(facing%flank_1%curve))
                 middle = 0.5_wp*(edge + beyond)
-                call compare_point(flank_1, flank_2, scan, middle, k, beside, found)
+                call compare_point(facing, scan, middle, k, beside, found)
                 if (.not. found) return
                 if (beside%conforms_beyond) then
                     edge = middle
@@ -179,11 +173,9 @@ contains
 
     !> Compare the gap at a point with a minimum, and determine whether the flanks conform beyond
     !> the point.
-    pure subroutine compare_point(flank_1, flank_2, scan, s, k, beside, found)
-        !> Flanks of body 1 and body 2
-        type(flank_type), intent(in) :: flank_1
-        type(flank_type), intent(in) :: flank_2
-        !> Frames of both bodies, and the circles of the scan
+    pure subroutine compare_point(facing, scan, s, k, beside, found)
+        !> Flanks and their frames, and the circles of the scan
+        type(facing_type), intent(in) :: facing
         type(scan_type), intent(in) :: scan
         !> Arc length of flank 1 [mm], and a sample near that point
         real(wp), intent(in) :: s
@@ -199,7 +191,7 @@ contains
 
         beside%conforms_beyond = .false.
         beside%height = 0.0_wp
-        call exact_pair(flank_1, flank_2, scan, s, scan%segment(k), aside, found)
+        call exact_pair(facing, scan, s, scan%segment(k), aside, found)
         if (.not. found) return
         beside%height = aside%gap_angle - beside%nearest%gap_angle
         if (beside%height > beside%even) return
@@ -208,20 +200,21 @@ contains
         beside%conforms_beyond = k == outermost .and. .not. abs(s - scan%s_1(k)) > 0.0_wp
         if (beside%conforms_beyond) return
         ahead = merge(-scan%beside, scan%beside, beside%side == 1)
-        call placed_point(flank_1%curve, scan%frame_1, aside%s_1 + ahead, point, tangent, kappa_1)
+        call placed_point(facing%flank_1%curve, facing%frame_1, aside%s_1 + ahead, point, &
+            & tangent, kappa_1)
         ahead = ahead*dot_product(aside%point_1, aside%tangent_1) &
             & /dot_product(aside%point_2, aside%tangent_2)
-        call placed_point(flank_2%curve, scan%frame_2, aside%s_2 + ahead, point, tangent, kappa_2)
-        beside%conforms_beyond = abs(kappa_1 + kappa_2) <= turning/curve_length(flank_1%curve)
+        call placed_point(facing%flank_2%curve, facing%frame_2, aside%s_2 + ahead, point, &
+            & tangent, kappa_2)
+        beside%conforms_beyond = abs(kappa_1 + kappa_2) &
+            & <= turning/curve_length(facing%flank_1%curve)
     end subroutine compare_point
 
     !> Return the sum of both curvatures at a pair [1/mm]; at a corner, that on the side of the
     !> root.
-    pure function sum_of_curvatures(flank_1, flank_2, scan, pair, corner) result(curvature)
-        !> Flanks of body 1 and body 2
-        type(flank_type), intent(in) :: flank_1
-        type(flank_type), intent(in) :: flank_2
-        !> Frames of both bodies
+    pure function sum_of_curvatures(facing, scan, pair, corner) result(curvature)
+        !> Flanks and their frames, and the circles of the scan
+        type(facing_type), intent(in) :: facing
         type(scan_type), intent(in) :: scan
         !> Pair
         type(pair_type), intent(in) :: pair
@@ -233,8 +226,10 @@ contains
 
         back_1 = merge(scan%beside, 0.0_wp, abs(corner) == 1)
         back_2 = merge(scan%beside, 0.0_wp, abs(corner) == 2)
-        call placed_point(flank_1%curve, scan%frame_1, pair%s_1 - back_1, point, tangent, kappa_1)
-        call placed_point(flank_2%curve, scan%frame_2, pair%s_2 - back_2, point, tangent, kappa_2)
+        call placed_point(facing%flank_1%curve, facing%frame_1, pair%s_1 - back_1, point, &
+            & tangent, kappa_1)
+        call placed_point(facing%flank_2%curve, facing%frame_2, pair%s_2 - back_2, point, &
+            & tangent, kappa_2)
         curvature = kappa_1 + kappa_2
     end function sum_of_curvatures
 

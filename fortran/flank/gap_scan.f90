@@ -3,17 +3,15 @@ module flankload_gap_scan
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length, frame_type
     use flankload_polar_geometry, only: circle_meets_flank
-    use flankload_circle_pair, only: flank_type
+    use flankload_circle_pair, only: facing_type, flank_type
     implicit none
     private
 
     public :: scan_type
     public :: scan_gaps
 
-    !> Two flanks in the common frame, and the circles about O1 on which their gap was computed.
+    !> Circles about O1 on which the gap between two flanks was computed.
     type :: scan_type
-        !> Frames of both bodies
-        type(frame_type) :: frame_1, frame_2
         !> Arc lengths of flank 1 on the circles [mm], ascending: its samples, and the circles
         !> through the corners and ends of flank 2
         real(wp), allocatable :: s_1(:)
@@ -42,52 +40,50 @@ contains
 
     !> Compute gap angles on circles through the samples, with the polyline of the samples in place
     !> of flank 2.
-    pure subroutine scan_gaps(flank_1, frame_1, flank_2, frame_2, scan)
-        !> Flank of body 1 and the frame of the body
-        type(flank_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and the frame of the body
-        type(flank_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure subroutine scan_gaps(facing, scan)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Circles and their gaps
         type(scan_type), intent(out) :: scan
 
         integer :: k, n
-        integer, dimension(size(flank_1%s) + size(flank_2%s)) :: corner
-        real(wp), dimension(size(flank_1%s) + size(flank_2%s)) :: s_1, radius
-        real(wp) :: place_1(2, size(s_1)), place_2(2, size(flank_2%s)), squares(size(flank_2%s))
+        integer, dimension(size(facing%flank_1%s) + size(facing%flank_2%s)) :: corner
+        real(wp), dimension(size(facing%flank_1%s) + size(facing%flank_2%s)) :: s_1, radius
+        real(wp) :: place_1(2, size(s_1)), place_2(2, size(facing%flank_2%s)), &
+            & squares(size(facing%flank_2%s))
 
-        scan%frame_1 = frame_1
-        scan%frame_2 = frame_2
-        scan%beside = beside_part*curve_length(flank_1%curve)
-        call place_samples(flank_2, frame_2, 1, place_2)
-        squares = place_2(1, :)**2 + place_2(2, :)**2
-        k = flank_1%first_rising
-        n = size(flank_1%s) - k + 1
-        if (sqrt(minval(squares)) > flank_1%radius(size(flank_1%s))) then
-            allocate (scan%s_1(0), scan%gap(0), scan%radius_2(0), scan%segment(0), scan%corner(0))
-            return
-        end if
-        scan%radius_2 = sqrt(squares)
-        s_1(:n) = flank_1%s(k:)
-        corner(:n) = flank_1%special(k:)
-        radius(:n) = flank_1%radius(k:)
-        call place_samples(flank_1, frame_1, k, place_1)
-        call add_special_circles(flank_1, flank_2, scan, n, s_1, corner, radius, place_1)
-        scan%s_1 = s_1(:n)
-        scan%corner = corner(:n)
-        allocate (scan%gap(n), source=huge(1.0_wp))
-        allocate (scan%segment(n), source=0)
-        call find_gaps(scan%radius_2, place_2, radius(:n), place_1(:, :n), scan%gap, scan%segment)
+        associate (flank_1 => facing%flank_1, flank_2 => facing%flank_2)
+            scan%beside = beside_part*curve_length(flank_1%curve)
+            call place_samples(flank_2, facing%frame_2, 1, place_2)
+            squares = place_2(1, :)**2 + place_2(2, :)**2
+            k = flank_1%first_rising
+            n = size(flank_1%s) - k + 1
+            if (sqrt(minval(squares)) > flank_1%radius(size(flank_1%s))) then
+                allocate (scan%s_1(0), scan%gap(0), scan%radius_2(0), scan%segment(0), &
+                    & scan%corner(0))
+                return
+            end if
+            scan%radius_2 = sqrt(squares)
+            s_1(:n) = flank_1%s(k:)
+            corner(:n) = flank_1%special(k:)
+            radius(:n) = flank_1%radius(k:)
+            call place_samples(flank_1, facing%frame_1, k, place_1)
+            call add_special_circles(facing, scan, n, s_1, corner, radius, place_1)
+            scan%s_1 = s_1(:n)
+            scan%corner = corner(:n)
+            allocate (scan%gap(n), source=huge(1.0_wp))
+            allocate (scan%segment(n), source=0)
+            call find_gaps(scan%radius_2, place_2, radius(:n), place_1(:, :n), scan%gap, &
+                & scan%segment)
+        end associate
     end subroutine scan_gaps
 
     !> Add the circles through the corners and ends of flank 2.
-    pure subroutine add_special_circles(flank_1, flank_2, scan, n, s_1, corner, radius, place_1)
-        !> Flanks of body 1 and body 2
-        type(flank_type), intent(in) :: flank_1
-        type(flank_type), intent(in) :: flank_2
-        !> Frames, and the distances of the samples of flank 2, which are set to the radius of a
-        !> circle that they share
+    pure subroutine add_special_circles(facing, scan, n, s_1, corner, radius, place_1)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
+        !> Distances of the samples of flank 2, which are set to the radius of a circle that they
+        !> share
         type(scan_type), intent(inout) :: scan
         !> Number of circles
         integer, intent(inout) :: n
@@ -102,7 +98,7 @@ contains
         real(wp) :: s, point(2), tangent(2)
         logical :: found
 
-        associate (radius_2 => scan%radius_2)
+        associate (radius_2 => scan%radius_2, flank_2 => facing%flank_2)
             do l = 1, size(radius_2)
                 if (flank_2%special(l) == 0) cycle
                 at = minloc(abs(radius(:n) - radius_2(l)), dim=1)
@@ -115,7 +111,7 @@ contains
                 if (radius_2(l) < radius(1) .or. radius_2(l) > radius(n)) cycle
                 at = count(radius(:n) < radius_2(l))
                 s = s_1(at)
-                call circle_meets_flank(flank_1%curve, scan%frame_1, radius_2(l), &
+                call circle_meets_flank(facing%flank_1%curve, facing%frame_1, radius_2(l), &
                     & s_1(at:at + 1), s, point, tangent, found)
                 if (.not. found) cycle
                 do i = n, at + 1, -1

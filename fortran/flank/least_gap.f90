@@ -3,7 +3,7 @@
 module flankload_least_gap
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length, placed_point
-    use flankload_circle_pair, only: flank_type, pair_on_circle, pair_type
+    use flankload_circle_pair, only: facing_type, pair_on_circle, pair_type
     use flankload_gap_scan, only: scan_type
     implicit none
     private
@@ -21,11 +21,9 @@ contains
     !> Compute the pair at a point of flank 1. The search on flank 2 starts at a segment of its
     !> polyline and proceeds outwards, so that it stays on the same branch of a flank that turns
     !> back at a rounded tip.
-    pure subroutine exact_pair(flank_1, flank_2, scan, s, l, pair, found)
-        !> Flanks of body 1 and body 2
-        type(flank_type), intent(in) :: flank_1
-        type(flank_type), intent(in) :: flank_2
-        !> Frames of both bodies, and the circles of the scan
+    pure subroutine exact_pair(facing, scan, s, l, pair, found)
+        !> Flanks and their frames, and the circles of the scan
+        type(facing_type), intent(in) :: facing
         type(scan_type), intent(in) :: scan
         !> Arc length of flank 1 [mm]
         real(wp), intent(in) :: s
@@ -39,21 +37,22 @@ contains
         integer :: step, at, side, segments
         real(wp) :: radius, low, high, point(2), tangent(2)
 
-        call placed_point(flank_1%curve, scan%frame_1, s, point, tangent)
+        call placed_point(facing%flank_1%curve, facing%frame_1, s, point, tangent)
         radius = norm2(point)
         found = .false.
         segments = size(scan%radius_2) - 1
         do step = 0, segments
             do side = -1, 1, 2
                 at = l + side*step
-                if (flank_2%curve%closed) at = 1 + modulo(at - 1, segments)
+                if (facing%flank_2%curve%closed) at = 1 + modulo(at - 1, segments)
                 if (at < 1 .or. at > segments) cycle
                 low = scan%radius_2(at) - radius
                 high = scan%radius_2(at + 1) - radius
                 if (low*high > 0.0_wp .and. min(abs(low), abs(high)) > rounding*radius) cycle
-                pair%s_2 = 0.5_wp*(flank_2%s(at) + flank_2%s(at + 1))
-                call pair_on_circle(flank_1%curve, scan%frame_1, flank_2%curve, scan%frame_2, s, &
-                    & flank_2%s(at:at + 1), pair, found)
+                associate (ends => facing%flank_2%s(at:at + 1))
+                    pair%s_2 = 0.5_wp*(ends(1) + ends(2))
+                    call pair_on_circle(facing, s, ends, pair, found)
+                end associate
                 if (found) return
             end do
         end do
@@ -63,11 +62,9 @@ contains
     !> samples.
     !>
     !> The slopes are exact; the gaps of the polyline may shift a minimum by one or two samples.
-    pure subroutine walk_downhill(flank_1, flank_2, scan, from, nearest, at_corner, found)
-        !> Flanks of body 1 and body 2
-        type(flank_type), intent(in) :: flank_1
-        type(flank_type), intent(in) :: flank_2
-        !> Frames of both bodies, and the circles of the scan
+    pure subroutine walk_downhill(facing, scan, from, nearest, at_corner, found)
+        !> Flanks and their frames, and the circles of the scan
+        type(facing_type), intent(in) :: facing
         type(scan_type), intent(in) :: scan
         !> Index of the sample at which the walk starts
         integer, intent(in) :: from
@@ -84,21 +81,21 @@ contains
         do side = -1, 1, 2
             k = from
             do
-                call exact_pair(flank_1, flank_2, scan, scan%s_1(k), scan%segment(k), nearest, &
+                call exact_pair(facing, scan, scan%s_1(k), scan%segment(k), nearest, &
                     & found)
                 if (.not. found) return
                 at_corner = scan%corner(k)
                 if (k == merge(scan%first, scan%last, side < 0)) exit
-                call exact_pair(flank_1, flank_2, scan, scan%s_1(k) + side*scan%beside, &
+                call exact_pair(facing, scan, scan%s_1(k) + side*scan%beside, &
                     & scan%segment(k), near, found)
                 if (.not. found) return
                 if (side*near%slope >= 0.0_wp) exit
-                call exact_pair(flank_1, flank_2, scan, scan%s_1(k + side) - side*scan%beside, &
+                call exact_pair(facing, scan, scan%s_1(k + side) - side*scan%beside, &
                     & scan%segment(k + side), far, found)
                 if (.not. found) return
                 if (side*far%slope > 0.0_wp) then
                     at_corner = 0
-                    call find_root(flank_1, flank_2, scan, near, far, scan%segment(k), nearest, &
+                    call find_root(facing, scan, near, far, scan%segment(k), nearest, &
                         & found)
                     return
                 end if
@@ -109,11 +106,9 @@ contains
     end subroutine walk_downhill
 
     !> Find the root of the slope of the gap angle (Illinois variant of regula falsi).
-    pure subroutine find_root(flank_1, flank_2, scan, one_end, other_end, l, pair, found)
-        !> Flanks of body 1 and body 2
-        type(flank_type), intent(in) :: flank_1
-        type(flank_type), intent(in) :: flank_2
-        !> Frames of both bodies, and the circles of the scan
+    pure subroutine find_root(facing, scan, one_end, other_end, l, pair, found)
+        !> Flanks and their frames, and the circles of the scan
+        type(facing_type), intent(in) :: facing
         type(scan_type), intent(in) :: scan
         !> Pairs that bracket the root
         type(pair_type), intent(in) :: one_end
@@ -137,7 +132,7 @@ contains
         do step = 1, max_steps
             s = (f_right*left - f_left*right)/(f_right - f_left)
             if (mod(step, 4) == 0) s = 0.5_wp*(left + right)
-            call exact_pair(flank_1, flank_2, scan, s, l, pair, found)
+            call exact_pair(facing, scan, s, l, pair, found)
             if (.not. found) return
             if (pair%slope == 0.0_wp) return
             if (pair%slope*f_right > 0.0_wp) then
@@ -151,7 +146,7 @@ contains
                 if (side == 1) f_right = 0.5_wp*f_right
                 side = 1
             end if
-            if (abs(right - left) <= place_tolerance*curve_length(flank_1%curve)) return
+            if (abs(right - left) <= place_tolerance*curve_length(facing%flank_1%curve)) return
         end do
     end subroutine find_root
 

@@ -5,7 +5,7 @@ module flankload_polar_geometry
     implicit none
     private
 
-    public :: cross, angle_between, circle_meets_flank
+    public :: cross, angle_between, circle_meets_flank, turned
 
     !> Limit of Newton steps; convergence is quadratic and takes 3 steps from a nearby point.
     integer, parameter :: newton_steps = 8
@@ -43,6 +43,17 @@ contains
 
         angle = atan2(cross(a, b), dot_product(a, b))
     end function angle_between
+
+    !> Return a vector rotated counter-clockwise.
+    pure function turned(vector, angle) result(other)
+        !> Vector, shape (2)
+        real(wp), intent(in) :: vector(2)
+        !> Angle [rad]
+        real(wp), intent(in) :: angle
+        real(wp) :: other(2)
+
+        other = cos(angle)*vector + sin(angle)*[-vector(2), vector(1)]
+    end function turned
 
     !> Find the intersection of a flank with a circle about O1 between two points of the flank.
     !>

@@ -24,7 +24,7 @@ module flankload_body_record
     public :: part_breaks, part_coefficients, part_corners, part_site_angles, part_deviations
     public :: part_mode_range, part_kernel, part_smooth, part_block
     public :: fits, are_valid, body_length, start_record, write_part
-    public :: is_record, reals_in, counts_in, shape_in, place_in
+    public :: is_record, counts_in, shape_in, place_in
 
     !> Parts: first the optional ones, with the numbers used by programs, then those of every body.
     enum, bind(c)

@@ -2,8 +2,8 @@
 !> material reduces the gaps, g0 - V shift.
 module flankload_gap_shift
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: curve_length, flank_curve_type, frame_type
-    use flankload_circle_pair, only: pair_type, pair_on_circle
+    use flankload_flank_curve, only: curve_length
+    use flankload_circle_pair, only: facing_type, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_reach, only: is_level
@@ -107,13 +107,9 @@ contains
     !> Between smooth flanks the point moves by the derivative of the shift divided by the sum of
     !> both curvatures, a fraction of the contact's width. Least gaps on corners remain there, and
     !> zones of constant gap are not moved: their cells extend further than any such displacement.
-    pure subroutine shift_zones(flank_1, frames_1, flank_2, frames_2, body_1, body_2, zones)
-        !> Flanks of body 1 and their placements, shape (sites)
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frames_1(:)
-        !> Flanks of body 2 and their placements, shape (sites)
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frames_2(:)
+    pure subroutine shift_zones(facing, body_1, body_2, zones)
+        !> Flanks of each site and their frames, shape (sites)
+        type(facing_type), intent(in) :: facing(:)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
@@ -126,8 +122,7 @@ contains
             if (is_level(zones(z))) cycle
             site = zones(z)%site
             if (zones(z)%corner == 0) then
-                call move_zone(flank_1, frames_1(site), flank_2, frames_2(site), body_1, body_2, &
-                    & zones(z))
+                call move_zone(facing(site), body_1, body_2, zones(z))
             end if
             zones(z)%tilt = tilt_of(body_1, body_2, zones(z), zones(z)%nearest)
         end do
@@ -156,13 +151,9 @@ contains
 
     !> Move a zone of smooth flanks by the secant method for the slope; without convergence, it is
     !> unchanged.
-    pure subroutine move_zone(flank_1, frame_1, flank_2, frame_2, body_1, body_2, zone)
-        !> Flank of body 1 and its placement
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its placement
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure subroutine move_zone(facing, body_1, body_2, zone)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
@@ -175,7 +166,7 @@ contains
         type(pair_type) :: pair
         logical :: found
 
-        smallest = place_tolerance*curve_length(flank_1)
+        smallest = place_tolerance*curve_length(facing%flank_1%curve)
         low = max(zone%s_1_low, zone%nearest%s_1 - zone%to_corner_low)
         high = min(zone%s_1_high, zone%nearest%s_1 + zone%to_corner_high)
         pair = zone%nearest
@@ -187,8 +178,7 @@ contains
             s = min(high, max(low, pair%s_1 - slope/bend))
             moved = s - pair%s_1
             if (abs(moved) <= smallest) exit
-            call pair_on_circle(flank_1, frame_1, flank_2, frame_2, s, &
-                & [zone%s_2_low, zone%s_2_high], pair, found)
+            call pair_on_circle(facing, s, [zone%s_2_low, zone%s_2_high], pair, found)
             if (.not. found) return
             bend = -slope/moved
             slope = pair%slope - tilt_of(body_1, body_2, zone, pair)

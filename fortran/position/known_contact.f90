@@ -6,7 +6,7 @@
 module flankload_known_contact
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
-    use flankload_lapack, only: getrf, permute_rows, solve_triangle
+    use flankload_lapack, only: getrf, solve_lu
     use flankload_contact_pairs, only: chosen_pairs, pairs_type
     use flankload_contact_zones, only: zone_type
     use flankload_pair_influence, only: pair_influences
@@ -88,9 +88,7 @@ contains
         ! Eq. (18), (19), (32)
         call getrf(n, matrix, row_swaps, info)
         if (info /= 0) return
-        call permute_rows(columns, row_swaps)
-        call solve_triangle(n, matrix, 'L', 'N', 'U', columns)
-        call solve_triangle(n, matrix, 'U', 'N', 'N', columns)
+        call solve_lu(n, matrix, columns, row_swaps)
         per_torque = dot_product(pairs%torque_lever, columns(:, 1))
         if (.not. per_torque > 0.0_wp) return
         state%tangent = 1.0_wp/per_torque

@@ -7,12 +7,12 @@
 module flankload_lumped_pass
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
-    use flankload_polar_geometry, only: angle_between
+    use flankload_polar_geometry, only: angle_between, turned
     use flankload_contact_zones, only: zone_type
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
-    use flankload_lapack, only: potrf, solve_triangle
+    use flankload_lapack, only: potrf, solve_cholesky
     use flankload_lumped_hertz, only: usual_half_width
     use flankload_lumped_place, only: place_type
     use flankload_position_zones, only: body_type, position_type
@@ -22,7 +22,24 @@ module flankload_lumped_pass
     implicit none
     private
 
+    public :: lumped_system
     public :: couple, keep_places, solve_pass, step_places
+
+    !> Lumped contacts of a position, and the compliance between those considered.
+    type :: lumped_system
+        !> Lumped contacts, shape (zones)
+        type(place_type), allocatable :: places(:)
+        !> Torque on body 1 [N mm], and forces that would carry it alone [N], shape (zones)
+        real(wp) :: torque = 0.0_wp
+        real(wp), allocatable :: full(:)
+        !> Indices of the zones considered, shape (n)
+        integer, allocatable :: of(:)
+        !> Normal displacement at contact i per unit normal force at j, without the near field of i
+        !> itself [mm/N], shape (n, n)
+        real(wp), allocatable :: coupling(:, :)
+        !> The same per unit force along flank 1 at j [mm/N], shape (n, n); (n, 0) without friction
+        real(wp), allocatable :: tangential(:, :)
+    end type lumped_system
 
     !> Largest change of a force at convergence, relative to the largest force: the next Newton step
     !> would be of the order of its square.
@@ -30,47 +47,44 @@ module flankload_lumped_pass
 
 contains
 
-    !> Compute the compliance between the contacts for normal and for tangential forces.
-    pure subroutine couple(body_1, body_2, position, of, coupling, tangential)
+    !> Choose the contacts to be considered, and compute the compliance between them.
+    pure subroutine couple(body_1, body_2, position, included, system)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position
         type(position_type), intent(in) :: position
-        !> Indices of the zones considered, shape (n)
-        integer, intent(in) :: of(:)
-        !> Normal displacement at contact i per unit normal force at j, without the near field of i
-        !> itself [mm/N], shape (n, n)
-        real(wp), allocatable, intent(out) :: coupling(:, :)
-        !> The same per unit force along flank 1 at j [mm/N], shape (n, n); (n, 0) without friction
-        real(wp), allocatable, intent(out) :: tangential(:, :)
+        !> True for the zones to be considered, shape (zones)
+        logical, intent(in) :: included(:)
+        !> Contacts; their indices and compliances are set
+        type(lumped_system), intent(inout) :: system
 
-        integer :: n
-        real(wp) :: ones(size(of)), width(size(of))
+        integer :: k, n
+        real(wp) :: ones(count(included)), width(count(included))
 
-        n = size(of)
-        coupling = position%coupling(of, of)
-        associate (zones => position%zones(of))
+        system%of = pack([(k, k=1, size(included))], included)
+        n = size(system%of)
+        system%coupling = position%coupling(system%of, system%of)
+        associate (zones => position%zones(system%of))
             ! images of forces along the flank are at least this width away
             width = 2.0_wp*usual_half_width*position%flank_length
             call add_turned(body_1%compliance, zones%site, zones%nearest%s_1, width, &
-                & corner_turn(body_1, body_2, zones, 1), coupling)
+                & corner_turn(body_1, body_2, zones, 1), system%coupling)
             call add_turned(body_2%compliance, zones%site, zones%nearest%s_2, width, &
-                & corner_turn(body_1, body_2, zones, 2), coupling)
+                & corner_turn(body_1, body_2, zones, 2), system%coupling)
+            if (allocated(system%tangential)) deallocate (system%tangential)
             if (.not. allocated(body_1%friction)) then
-                allocate (tangential(n, 0))
-                return
+                allocate (system%tangential(n, 0))
+            else if (allocated(position%tangential)) then
+                system%tangential = position%tangential(system%of, system%of)
+            else
+                allocate (system%tangential(n, n), source=0.0_wp)
+                ones = 1.0_wp
+                call add_tangential(body_1%compliance, zones%site, zones%nearest%s_1, width, ones, &
+                    & system%tangential)
+                call add_tangential(body_2%compliance, zones%site, zones%nearest%s_2, width, ones, &
+                    & system%tangential)
             end if
-            if (allocated(position%tangential)) then
-                tangential = position%tangential(of, of)
-                return
-            end if
-            allocate (tangential(n, n), source=0.0_wp)
-            ones = 1.0_wp
-            call add_tangential(body_1%compliance, zones%site, zones%nearest%s_1, width, ones, &
-                & tangential)
-            call add_tangential(body_2%compliance, zones%site, zones%nearest%s_2, width, ones, &
-                & tangential)
         end associate
     end subroutine couple
 
@@ -87,8 +101,6 @@ contains
         integer, intent(in) :: body
         real(wp) :: turn
 
-        real(wp) :: closed(2)
-
         turn = 0.0_wp
         if (zone%corner /= body) return
         associate (nearest => zone%nearest)
@@ -98,28 +110,18 @@ contains
                 if (nearest%s_2 < body_2%compliance%s_high*(1.0_wp - tie)) return
             end if
             ! body 1 rotates by the gap angle until both touch; tangents point to either tip
-            closed = cos(nearest%gap_angle)*nearest%tangent_1 &
-                & + sin(nearest%gap_angle)*[-nearest%tangent_1(2), nearest%tangent_1(1)]
-            turn = 0.5_wp*angle_between(closed, -nearest%tangent_2)
+            turn = 0.5_wp*angle_between(turned(nearest%tangent_1, nearest%gap_angle), &
+                & -nearest%tangent_2)
             if (body == 1) turn = -turn
         end associate
     end function corner_turn
 
     !> Linearize the equations about the last forces, and solve them by the contact loop.
-    pure subroutine solve_pass(position, of, places, coupling, tangential, torque, secant, forces, &
-            & state, converged, error)
+    pure subroutine solve_pass(position, system, secant, forces, state, converged, error)
         !> The position
         type(position_type), intent(in) :: position
-        !> Indices of the zones considered, shape (n)
-        integer, intent(in) :: of(:)
-        !> Lumped contacts, shape (zones)
-        type(place_type), intent(in) :: places(:)
-        !> Compliance between the contacts for normal and for tangential forces, as from `couple`
-        !> [mm/N]
-        real(wp), intent(in) :: coupling(:, :)
-        real(wp), intent(in) :: tangential(:, :)
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Lumped contacts
+        type(lumped_system), intent(in) :: system
         !> True for secants through the origin instead of tangents
         logical, intent(in) :: secant
         !> Forces of the zones [N], shape (zones)
@@ -132,58 +134,71 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: k, n
-        logical :: slides, through_origin(size(of))
-        real(wp) :: loads(1)
-        real(wp), dimension(size(of)) :: last, line, beside, gaps
-        real(wp) :: matrix(size(of), size(of)), motions(size(of), 1), load_rows(size(of), 1)
+        logical :: slides, through_origin(size(system%of))
+        real(wp) :: load
+        real(wp), dimension(size(system%of)) :: last, gaps
+        real(wp), dimension(size(system%of), 1) :: motions, load_rows
+        real(wp) :: matrix(size(system%of), size(system%of))
         type(contact_result) :: contact
 
-        n = size(of)
-        slides = size(tangential, 2) > 0
-        last = forces(of)
+        n = size(system%of)
+        slides = size(system%tangential, 2) > 0
+        last = forces(system%of)
         through_origin = secant .or. .not. last > 0.0_wp
-        matrix = coupling
-        associate (place => places(of))
-            motions(:, 1) = place%lever
-            loads = torque
-            call linearise(place, position%gap(of), state%rotation, through_origin, matrix, gaps, &
-                & load_rows(:, 1), loads(1))
-            if (slides) then
-                call straighten(place%force, place%tangential, place%tangential_slope, &
-                    & through_origin, line, beside)
-                do k = 1, n
-                    matrix(:, k) = matrix(:, k) + tangential(:, k)*line(k)
-                end do
-                gaps = gaps + matmul(tangential, beside)
-                load_rows(:, 1) = load_rows(:, 1) + place%lever_along*line &
-                    & + place%lever_along_slope*place%tangential
-                loads = loads - sum(place%lever_along*beside &
-                    & - place%lever_along_slope*place%tangential*place%force)
-            end if
-        end associate
-        call solve_contact_problem(matrix, gaps, motions, load_rows, loads, &
+        matrix = system%coupling
+        load = system%torque
+        motions(:, 1) = system%places(system%of)%lever
+        call linearise(system%places(system%of), position%gap(system%of), state%rotation, &
+            & through_origin, matrix, gaps, load_rows(:, 1), load)
+        if (slides) call linearise_friction(system%places(system%of), system%tangential, &
+            & through_origin, matrix, gaps, load_rows(:, 1), load)
+        call solve_contact_problem(matrix, gaps, motions, load_rows, [load], &
             & merge(general_matrix, symmetric_matrix, slides), method_single, &
             & pack([(k, k=1, n)], last > 0.0_wp), contact, error)
         call count_lumped(contact%pivots, state)
         call take_contact(contact, slides, state, error)
         if (allocated(error)) return
-        forces(of) = state%forces
+        forces(system%of) = state%forces
         converged = all(abs(state%forces - last) <= settled*maxval(state%forces))
     end subroutine solve_pass
 
+    !> Add the tangential forces to the linearized equations.
+    pure subroutine linearise_friction(places, tangential, through_origin, matrix, gaps, load_row, &
+            & load)
+        !> Lumped contacts, shape (n)
+        type(place_type), intent(in) :: places(:)
+        !> Normal displacement at contact i per unit force along flank 1 at j [mm/N], shape (n, n)
+        real(wp), intent(in) :: tangential(:, :)
+        !> True for secants through the origin instead of tangents, shape (n)
+        logical, intent(in) :: through_origin(:)
+        !> Compliance [mm/N], shape (n, n), gaps [mm] and levers of the torque row [mm], shape (n)
+        real(wp), intent(inout) :: matrix(:, :)
+        real(wp), intent(inout) :: gaps(:)
+        real(wp), intent(inout) :: load_row(:)
+        !> Right-hand side of the torque row [N mm]
+        real(wp), intent(inout) :: load
+
+        integer :: k
+        real(wp), dimension(size(places)) :: line, beside
+
+        call straighten(places%force, places%tangential, places%tangential_slope, through_origin, &
+            & line, beside)
+        do k = 1, size(places)
+            matrix(:, k) = matrix(:, k) + tangential(:, k)*line(k)
+        end do
+        gaps = gaps + matmul(tangential, beside)
+        load_row = load_row + places%lever_along*line + places%lever_along_slope*places%tangential
+        load = load - sum(places%lever_along*beside &
+            & - places%lever_along_slope*places%tangential*places%force)
+    end subroutine linearise_friction
+
     !> Solve a pass for forces and rotation without a certificate, if only contacts that carried
     !> load before do so again.
-    pure subroutine step_places(position, of, places, coupling, torque, forces, rotation, solved)
+    pure subroutine step_places(position, system, forces, rotation, solved)
         !> The position
         type(position_type), intent(in) :: position
-        !> Indices of the zones considered, shape (n)
-        integer, intent(in) :: of(:)
-        !> Lumped contacts, shape (zones)
-        type(place_type), intent(in) :: places(:)
-        !> Compliance between the contacts [mm/N], shape (n, n)
-        real(wp), intent(in) :: coupling(:, :)
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Lumped contacts without friction
+        type(lumped_system), intent(in) :: system
         !> Forces of the zones [N], shape (zones); changed if solved
         real(wp), intent(inout) :: forces(:)
         !> Rotation [rad]; changed if solved
@@ -192,16 +207,17 @@ contains
         logical, intent(out) :: solved
 
         real(wp) :: load
-        real(wp), dimension(size(of)) :: found, gaps, load_row
-        real(wp) :: matrix(size(of), size(of))
+        real(wp), dimension(size(system%of)) :: found, gaps, load_row
+        real(wp) :: matrix(size(system%of), size(system%of))
 
-        found = forces(of)
-        matrix = coupling
-        load = torque
-        call linearise(places(of), position%gap(of), rotation, .not. found > 0.0_wp, matrix, gaps, &
-            & load_row, load)
-        call keep_places(matrix, gaps, places(of)%lever, load_row, load, found, rotation, solved)
-        if (solved) forces(of) = found
+        found = forces(system%of)
+        matrix = system%coupling
+        load = system%torque
+        call linearise(system%places(system%of), position%gap(system%of), rotation, &
+            & .not. found > 0.0_wp, matrix, gaps, load_row, load)
+        call keep_places(matrix, gaps, system%places(system%of)%lever, load_row, load, found, &
+            & rotation, solved)
+        if (solved) forces(system%of) = found
     end subroutine step_places
 
     !> Linearize the equations of the contacts.
@@ -274,8 +290,7 @@ contains
             x = reshape([motion(on), gaps(on)], [size(on), 2])
             call potrf(size(on), factor, info)
             if (info /= 0) return
-            call solve_triangle(size(on), factor, 'L', 'N', 'N', x)
-            call solve_triangle(size(on), factor, 'L', 'T', 'N', x)
+            call solve_cholesky(size(on), factor, x)
             ! Eq. (18), (19): K F + g = b q and m F = M, so that F = q K⁻¹b - K⁻¹g
             turn = (load + dot_product(load_row(on), x(:, 2)))/dot_product(load_row(on), x(:, 1))
             carried = turn*x(:, 1) - x(:, 2)

@@ -2,8 +2,7 @@
 !> derivatives with respect to the force.
 module flankload_lumped_place
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: flank_curve_type, frame_type
-    use flankload_circle_pair, only: guessed_s_2, pair_type, pair_on_circle
+    use flankload_circle_pair, only: facing_type, guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     use flankload_near_field, only: image_displacement, image_type
     use flankload_friction, only: friction_type, coefficient_at, half_turn_between, mean_sign, &
@@ -45,13 +44,9 @@ contains
     !>
     !> Newton's method for the gap as a power of the distance is exact for parabolas and wedges; the
     !> interval is bisected if a step leaves it.
-    pure subroutine reach_of(flank_1, frame_1, flank_2, frame_2, zone, growth, reach, slope)
-        !> Flank of body 1 and its frame
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its frame
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+    pure subroutine reach_of(facing, zone, growth, reach, slope)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> The zone
         type(zone_type), intent(in) :: zone
         !> Growth of the gap along the normal [mm]
@@ -83,8 +78,8 @@ contains
             do step = 1, max_steps
                 at = x
                 pair%s_2 = guessed_s_2(pair, zone%nearest%s_1 + sense*at)
-                call pair_on_circle(flank_1, frame_1, flank_2, frame_2, &
-                    & zone%nearest%s_1 + sense*at, [zone%s_2_low, zone%s_2_high], pair, found)
+                call pair_on_circle(facing, zone%nearest%s_1 + sense*at, &
+                    & [zone%s_2_low, zone%s_2_high], pair, found)
                 if (found) then
                     part = (pair%gap_angle - zone%gap_angle - zone%tilt*sense*at) &
                         & *zone%lever/growth
@@ -146,18 +141,13 @@ contains
 
     !> Compute the tangential force mu sigma F of a contact, with sigma the mean sign of the sliding
     !> velocity over the contact.
-    pure subroutine slide_place(friction, speeds, flank_1, frame_1, flank_2, frame_2, zone, &
-            & normal, place)
+    pure subroutine slide_place(friction, speeds, facing, zone, normal, place)
         !> Friction of the flanks
         type(friction_type), intent(in) :: friction
         !> Rotational speeds of both bodies [rad per rad of the position], shape (2)
         real(wp), intent(in) :: speeds(2)
-        !> Flank of body 1 and its frame
-        type(flank_curve_type), intent(in) :: flank_1
-        type(frame_type), intent(in) :: frame_1
-        !> Flank of body 2 and its frame
-        type(flank_curve_type), intent(in) :: flank_2
-        type(frame_type), intent(in) :: frame_2
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
         !> The zone
         type(zone_type), intent(in) :: zone
         !> Direction of the force, out of body 1
@@ -165,7 +155,7 @@ contains
         !> Lumped contact, whose force and half-widths are known
         type(place_type), intent(inout) :: place
 
-        real(wp) :: turn(2), along_2, at_ends(2), speeds_there, coefficient, mean, mean_slope
+        real(wp) :: turn, along_2, at_ends(2), speeds_there, coefficient, mean, mean_slope
         real(wp) :: part, width, part_slope
 
         turn = half_turn_between(zone%nearest)
@@ -200,8 +190,8 @@ contains
             real(wp), intent(out) :: sliding
             real(wp), intent(out) :: both
 
-            call slide_at(speeds, flank_1, frame_1, flank_2, frame_2, zone, turn, s_1, &
-                & zone%nearest%s_2 + along_2*(s_1 - zone%nearest%s_1), normal, sliding, both)
+            call slide_at(speeds, facing, zone, turn, [s_1, zone%nearest%s_2 &
+                & + along_2*(s_1 - zone%nearest%s_1)], normal, sliding, both)
         end subroutine slide
 
     end subroutine slide_place

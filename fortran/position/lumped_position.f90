@@ -12,18 +12,18 @@ module flankload_lumped_position
     use flankload_contact_grid, only: grid_type
     use flankload_contact_pairs, only: append_pairs, pairs_type, reserve_pairs
     use flankload_friction, only: friction_lever
-    use flankload_lumped_hertz, only: hertz_half_width, least_half_width, least_load_share, &
-        & lumped_contact
-    use flankload_lumped_pass, only: couple, solve_pass
+    use flankload_lumped_estimate, only: estimate_forces
+    use flankload_lumped_hertz, only: hertz_half_width, least_half_width, least_load_share
+    use flankload_lumped_pass, only: couple, lumped_system, solve_pass
     use flankload_lumped_place, only: near_field_of, place_type, reach_of, slide_place
-    use flankload_position_zones, only: body_type, position_type, section_at
-    use flankload_position_state, only: count_lumped, inclusion_margin, not_parabolic, &
-        & position_state, would_touch
+    use flankload_position_zones, only: body_type, position_type
+    use flankload_position_state, only: inclusion_margin, not_parabolic, position_state, &
+        & would_touch
     implicit none
     private
 
     public :: solve_lumped
-    public :: cell_of, finish, differentiate_levers, update_contacts
+    public :: cell_of, finish, update_contacts
 
     !> Number of passes with Newton's method, which takes 3 to 5, and of all passes: after the
     !> former, the ratio of near field and force replaces the derivative, and the error decreases
@@ -46,93 +46,56 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: pass, k, n
-        integer, allocatable :: of(:)
+        integer :: pass
         logical :: included(size(position%zones)), done
-        real(wp), allocatable :: forces(:), full(:), coupling(:, :), tangential(:, :)
-        type(place_type), allocatable :: places(:)
+        real(wp) :: rotation
+        real(wp), allocatable :: forces(:)
+        type(lumped_system) :: system
 
-        full = torque/position%zones%lever
-        call estimate_forces(forces, included)
+        ! Hertz contacts between parabolas without friction
+        call estimate_forces(position, position%zones%curvature, torque, forces, rotation, state, &
+            & error)
         if (allocated(error)) return
-        allocate (places(size(included)))
-        n = 0
+        included = forces > 0.0_wp .or. position%gap &
+            & < rotation + inclusion_margin*(rotation - minval(position%gap))
+        system%torque = torque
+        system%full = torque/position%zones%lever
+        allocate (system%places(size(included)), system%of(0))
         do pass = 1, max_passes
-            if (n /= count(included)) then
-                of = pack([(k, k=1, size(included))], included)
-                n = size(of)
-                if (any(is_level(position%zones(of)))) then
-                    call fatal_error(error, code_conforms, &
-                        & 'flanks conform: their contact has no place of its own')
+            if (size(system%of) /= count(included)) then
+                call couple(body_1, body_2, position, included, system)
+                if (any(is_level(position%zones(system%of)))) then
+                    call fatal_error(error, code_conforms)
                     return
                 end if
-                call couple(body_1, body_2, position, of, coupling, tangential)
             end if
-            call update_contacts(body_1, body_2, position, of, forces, full, places, state%pairs, &
-                & error)
+            call update_contacts(body_1, body_2, position, system, forces, state%pairs, error)
             if (allocated(error)) return
-            call solve_pass(position, of, places, coupling, tangential, torque, &
-                & pass > newton_passes, forces, state, done, error)
+            call solve_pass(position, system, pass > newton_passes, forces, state, done, error)
             if (allocated(error)) return
-            if (done) then
-                done = .not. any(would_touch(position, forces, state%rotation) .and. .not. included)
-                included = included .or. would_touch(position, forces, state%rotation)
-            end if
+            if (.not. done) cycle
+            done = .not. any(would_touch(position, forces, state%rotation) .and. .not. included)
             if (done) exit
+            included = included .or. would_touch(position, forces, state%rotation)
         end do
-        if (.not. done) then
-            call fatal_error(error, code_unsettled_widths, 'the half-widths do not settle')
-            return
+        if (done) then
+            call finish(body_1, body_2, position, system, forces, state, error)
+        else
+            call fatal_error(error, code_unsettled_widths)
         end if
-        ! last pass with the derivatives of all quantities that depend on the forces
-        call differentiate_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
-        call solve_pass(position, of, places, coupling, tangential, torque, .false., forces, &
-            & state, done, error)
-        if (allocated(error)) return
-        call finish(position%zones(of), places(of), state)
-
-    contains
-
-        !> Estimate the forces by Hertz contacts between parabolas without friction, and find the
-        !> zones that may touch.
-        subroutine estimate_forces(estimate, needed)
-            !> Forces [N], shape (zones)
-            real(wp), allocatable, intent(out) :: estimate(:)
-            !> True for zones that may touch, shape (zones)
-            logical, intent(out) :: needed(:)
-
-            integer :: spent
-            real(wp) :: rotation
-
-            needed = .false.
-            associate (zones => position%zones)
-                call lumped_contact(position%coupling, position%gap, zones%lever, zones%curvature, &
-                    & position%widest, position%flank_length, position%kernel, &
-                    & position%images, torque, estimate, rotation, spent, error)
-            end associate
-            call count_lumped(spent, state)
-            if (allocated(error)) return
-            needed = estimate > 0.0_wp .or. position%gap &
-                & < rotation + inclusion_margin*(rotation - minval(position%gap))
-        end subroutine estimate_forces
-
     end subroutine solve_lumped
 
     !> Evaluate the contacts at the last forces, and make their pairs.
-    pure subroutine update_contacts(body_1, body_2, position, of, forces, full, places, pairs, &
-            & error)
+    pure subroutine update_contacts(body_1, body_2, position, system, forces, pairs, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position
         type(position_type), intent(in) :: position
-        !> Indices of the zones considered, shape (n)
-        integer, intent(in) :: of(:)
-        !> Last forces of the zones, and forces that would carry the torque alone [N], shape (zones)
+        !> Lumped contacts; those considered are updated
+        type(lumped_system), intent(inout) :: system
+        !> Last forces of the zones [N], shape (zones)
         real(wp), intent(in) :: forces(:)
-        real(wp), intent(in) :: full(:)
-        !> Lumped contacts, shape (zones)
-        type(place_type), intent(inout) :: places(:)
         !> Pairs, one per contact
         type(pairs_type), intent(out) :: pairs
         !> Set if a circle misses flank 2
@@ -141,32 +104,29 @@ contains
         integer :: k, z, site
         logical :: found
 
-        call reserve_pairs(pairs, size(of))
+        call reserve_pairs(pairs, size(system%of))
         if (allocated(body_1%friction)) then
-            allocate (pairs%sliding(size(of)), pairs%friction(size(of)), source=0.0_wp)
+            allocate (pairs%sliding(size(system%of)), pairs%friction(size(system%of)), &
+                & source=0.0_wp)
         end if
-        do k = 1, size(of)
-            z = of(k)
+        do k = 1, size(system%of)
+            z = system%of(k)
             site = position%zones(z)%site
-            associate (zone => position%zones(z), place => places(z), &
-                & curve_1 => body_1%flanks(section_at(body_1, site))%curve, &
-                & curve_2 => body_2%flanks(section_at(body_2, site))%curve)
+            associate (zone => position%zones(z), place => system%places(z))
                 place%force = forces(z)
-                if (.not. place%force > 0.0_wp) place%force = least_load_share*full(z)
+                if (.not. place%force > 0.0_wp) place%force = least_load_share*system%full(z)
                 if (.not. any(place%reach > 0.0_wp)) then
                     place%reach = hertz_half_width(place%force, zone%curvature, &
                         & position%kernel(z), position%flank_length)
                 end if
-                call reach_of(curve_1, position%frames_1(site), curve_2, &
-                    & position%frames_2(site), zone, position%kernel(z)*place%force, &
+                call reach_of(position%facing(site), zone, position%kernel(z)*place%force, &
                     & place%reach, place%reach_slope)
                 place%reach_slope = position%kernel(z)*place%reach_slope
                 call near_field_of(position%kernel(z), &
                     & least_half_width(position%flank_length), position%images(:, z), place)
                 call append_place(body_1, body_2, position, z, place%reach, pairs, found)
                 if (.not. found) then
-                    call fatal_error(error, code_circle_misses, &
-                        & 'a circle about O1 misses the flank of body 2 at its least gap')
+                    call fatal_error(error, code_circle_misses)
                     return
                 end if
                 place%lever = pairs%lever(k)
@@ -174,8 +134,7 @@ contains
                 place%lever_slope = 0.0_wp
                 place%torque_lever_slope = 0.0_wp
                 if (.not. allocated(body_1%friction)) cycle
-                call slide_place(body_1%friction, position%speeds, curve_1, &
-                    & position%frames_1(site), curve_2, position%frames_2(site), zone, &
+                call slide_place(body_1%friction, position%speeds, position%facing(site), zone, &
                     & pairs%normal(:, k), place)
                 place%lever_along = lever_along(position, pairs, k)
                 place%lever_along_slope = 0.0_wp
@@ -205,15 +164,12 @@ contains
         type(normal_type) :: normal
 
         site = position%zones(z)%site
-        associate (zone => position%zones(z), frame_1 => position%frames_1(site), &
-            & frame_2 => position%frames_2(site), &
-            & curve_1 => body_1%flanks(section_at(body_1, site))%curve, &
-            & curve_2 => body_2%flanks(section_at(body_2, site))%curve)
-            normal = contact_normal(curve_1, frame_1, curve_2, frame_2, zone, reach)
+        associate (zone => position%zones(z), facing => position%facing(site))
+            normal = contact_normal(facing, zone, reach)
             grid%n = 1
             grid%first = zone%nearest%s_1
             grid%cell = cell_of(reach, position%flank_length)
-            call append_pairs(curve_1, frame_1, curve_2, frame_2, zone, z, grid, normal, &
+            call append_pairs(facing, zone, z, grid, normal, &
                 & body_1%deviations(zone%site) + body_2%deviations(zone%site), pairs, found)
             pairs%cell_2(pairs%n) = pairs%cell_1(pairs%n)
         end associate
@@ -231,34 +187,61 @@ contains
         width = 0.25_wp*acos(-1.0_wp)*max(sum(reach), least_half_width(flank_length))
     end function cell_of
 
-    !> Compute the derivatives of the levers with respect to the forces: the normal of a contact
-    !> turns as the contact grows.
-    pure subroutine differentiate_levers(body_1, body_2, position, of, places)
+    !> Solve the last pass with the derivatives of all quantities that depend on the forces, and sum
+    !> up the state.
+    subroutine finish(body_1, body_2, position, system, forces, state, error)
         !> The bodies
         type(body_type), intent(in) :: body_1
         type(body_type), intent(in) :: body_2
         !> The position
         type(position_type), intent(in) :: position
-        !> Indices of the zones that carry load, shape (n)
-        integer, intent(in) :: of(:)
-        !> Lumped contacts, shape (zones)
-        type(place_type), intent(inout) :: places(:)
+        !> Lumped contacts under these forces
+        type(lumped_system), intent(inout) :: system
+        !> Forces of the zones [N], shape (zones)
+        real(wp), intent(inout) :: forces(:)
+        !> State with its pairs on entry
+        type(position_state), intent(inout) :: state
+        !> Set if no state was found
+        type(error_type), allocatable, intent(out) :: error
+
+        logical :: converged
+
+        call differentiate_levers(body_1, body_2, position, forces, system)
+        call solve_pass(position, system, .false., forces, state, converged, error)
+        if (allocated(error)) return
+        call sum_up(position%zones(system%of), system%places(system%of), state)
+    end subroutine finish
+
+    !> Compute the derivatives of the levers with respect to the forces: the normal of a contact
+    !> turns as the contact grows.
+    pure subroutine differentiate_levers(body_1, body_2, position, forces, system)
+        !> The bodies
+        type(body_type), intent(in) :: body_1
+        type(body_type), intent(in) :: body_2
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Forces of the zones [N], shape (zones)
+        real(wp), intent(in) :: forces(:)
+        !> Lumped contacts; those that carry load are updated
+        type(lumped_system), intent(inout) :: system
 
         !> Step of the force, relative to the force: rounding error and truncation error are then
         !> both about 1e-5 of the derivative.
         real(wp), parameter :: little = 1.0e-5_wp
         integer :: k
+        integer, allocatable :: loaded(:)
         real(wp) :: more
         logical :: found
         type(pairs_type) :: beside
 
-        call reserve_pairs(beside, size(of))
-        do k = 1, size(of)
-            associate (place => places(of(k)))
+        loaded = pack(system%of, forces(system%of) > 0.0_wp)
+        call reserve_pairs(beside, size(loaded))
+        do k = 1, size(loaded)
+            associate (place => system%places(loaded(k)))
                 ! the normal of a smaller contact turns by rounding errors only
                 if (sum(place%reach) < 2.0_wp*least_half_width(position%flank_length)) cycle
                 more = little*place%force
-                call append_place(body_1, body_2, position, of(k), &
+                call append_place(body_1, body_2, position, loaded(k), &
                     & place%reach + more*place%reach_slope, beside, found)
                 if (.not. found) return
                 place%lever_slope = (beside%lever(beside%n) - place%lever)/more
@@ -270,7 +253,7 @@ contains
     end subroutine differentiate_levers
 
     !> Compute force, peak and loaded corner of each site, and add friction to the torque row.
-    pure subroutine finish(zones, places, state)
+    pure subroutine sum_up(zones, places, state)
         !> Zones considered, and their lumped contacts, shape (n)
         type(zone_type), intent(in) :: zones(:)
         type(place_type), intent(in) :: places(:)
@@ -309,7 +292,7 @@ contains
                 end if
             end associate
         end do
-    end subroutine finish
+    end subroutine sum_up
 
     !> Return the lever of the tangential force of a pair in the torque row [mm].
     pure function lever_along(position, pairs, k) result(lever)
@@ -320,7 +303,7 @@ contains
         integer, intent(in) :: k
         real(wp) :: lever
 
-        lever = friction_lever(pairs%point(:, k) - position%frames_1(pairs%site(k))%origin, &
+        lever = friction_lever(pairs%point(:, k) - position%facing(pairs%site(k))%frame_1%origin, &
             & pairs%normal(:, k))
     end function lever_along
 

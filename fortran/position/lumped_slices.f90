@@ -11,9 +11,9 @@ module flankload_lumped_slices
     use flankload_contact_loop, only: contact_result, method_single, solve_contact_problem, &
         & symmetric_matrix
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, least_load_share
-    use flankload_lumped_pass, only: couple, keep_places, solve_pass, step_places
-    use flankload_lumped_place, only: near_field_of, place_type
-    use flankload_lumped_position, only: cell_of, finish, differentiate_levers, update_contacts
+    use flankload_lumped_pass, only: couple, keep_places, lumped_system, solve_pass, step_places
+    use flankload_lumped_place, only: near_field_of
+    use flankload_lumped_position, only: cell_of, finish, update_contacts
     use flankload_near_field, only: image_displacement
     use flankload_contact_reach, only: is_level
     use flankload_contact_pairs, only: pairs_type, reserve_pairs
@@ -53,44 +53,40 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: pass, k
-        integer, allocatable :: of(:)
+        integer :: pass
         logical :: included(size(position%zones)), done, solved
         real(wp) :: change, since_update
-        real(wp), dimension(size(position%zones)) :: forces, last, full
-        real(wp), allocatable :: coupling(:, :), tangential(:, :)
-        type(place_type) :: places(size(position%zones))
+        real(wp), dimension(size(position%zones)) :: forces, last
+        type(lumped_system) :: system
 
         call begin(body_1, body_2, torque, position, forces, included, state, error)
         if (allocated(error)) return
-        full = position%part*torque/position%zones%lever
-        allocate (of(0))
+        system%torque = torque
+        system%full = position%part*torque/position%zones%lever
+        allocate (system%places(size(included)), system%of(0))
         do pass = 1, max_passes
-            if (size(of) /= count(included)) then
-                of = pack([(k, k=1, size(included))], included)
-                call couple(body_1, body_2, position, of, coupling, tangential)
-                call take_parabolas(position, of, some_force(forces, full), places)
-                call reserve_pairs(state%pairs, size(of))
+            if (size(system%of) /= count(included)) then
+                call couple(body_1, body_2, position, included, system)
+                call take_parabolas(position, some_force(forces, system%full), system)
+                call reserve_pairs(state%pairs, size(system%of))
                 since_update = huge(1.0_wp)
                 change = huge(1.0_wp)
             end if
             if ((change <= nearly .and. since_update > settled) .or. (since_update < huge(1.0_wp) &
-                & .and. any(forces(of) > many_times*places(of)%force))) then
-                call update_contacts(body_1, body_2, position, of, forces, full, places, &
-                    & state%pairs, error)
+                & .and. any(forces(system%of) > many_times*system%places(system%of)%force))) then
+                call update_contacts(body_1, body_2, position, system, forces, state%pairs, error)
                 if (allocated(error)) return
                 since_update = 0.0_wp
             else
-                call follow_places(position, of, some_force(forces, full), places, state%pairs)
+                call follow_places(position, some_force(forces, system%full), system, state%pairs)
             end if
             last = forces
             ! with friction K is not symmetric
-            solved = pass <= newton_passes .and. size(tangential, 2) == 0
-            if (solved) call step_places(position, of, places, coupling, torque, forces, &
-                & state%rotation, solved)
+            solved = pass <= newton_passes .and. size(system%tangential, 2) == 0
+            if (solved) call step_places(position, system, forces, state%rotation, solved)
             if (solved) call count_lumped(0, state)
-            if (.not. solved) call solve_pass(position, of, places, coupling, tangential, torque, &
-                & pass > newton_passes, forces, state, done, error)
+            if (.not. solved) call solve_pass(position, system, pass > newton_passes, forces, &
+                & state, done, error)
             if (allocated(error)) return
             change = maxval(abs(forces - last))/maxval(forces)
             since_update = since_update + change
@@ -100,14 +96,11 @@ contains
             if (done) exit
             included = included .or. would_touch(position, forces, state%rotation)
         end do
-        if (.not. done) call fatal_error(error, code_unsettled_widths, &
-            & 'the half-widths do not settle')
-        if (allocated(error)) return
-        ! last pass with the derivatives of all quantities that depend on the forces
-        call differentiate_levers(body_1, body_2, position, pack(of, forces(of) > 0.0_wp), places)
-        call solve_pass(position, of, places, coupling, tangential, torque, .false., forces, &
-            & state, done, error)
-        if (.not. allocated(error)) call finish(position%zones(of), places(of), state)
+        if (done) then
+            call finish(body_1, body_2, position, system, forces, state, error)
+        else
+            call fatal_error(error, code_unsettled_widths)
+        end if
     end subroutine solve_slices
 
     !> Return a positive force at which a contact can be evaluated.
@@ -147,8 +140,7 @@ contains
         type(contact_result) :: contact
 
         if (any(is_level(position%zones))) then
-            call fatal_error(error, code_conforms, &
-                & 'flanks conform: their contact has no place of its own')
+            call fatal_error(error, code_conforms)
             return
         end if
         call load_slices(body_1, body_2, torque, position)
@@ -186,23 +178,22 @@ contains
     end subroutine begin
 
     !> Set the half-widths of parabolic contacts.
-    pure subroutine take_parabolas(position, of, forces, places)
+    pure subroutine take_parabolas(position, forces, system)
         !> The position
         type(position_type), intent(in) :: position
-        !> Indices of the zones considered, shape (n)
-        integer, intent(in) :: of(:)
         !> Forces of the zones [N], positive, shape (zones)
         real(wp), intent(in) :: forces(:)
-        !> Lumped contacts, shape (zones)
-        type(place_type), intent(inout) :: places(:)
+        !> Lumped contacts; those considered are updated
+        type(lumped_system), intent(inout) :: system
 
         integer :: k
 
-        do k = 1, size(of)
-            associate (place => places(of(k)), zone => position%zones(of(k)))
-                place%force = forces(of(k))
+        do k = 1, size(system%of)
+            associate (z => system%of(k), place => system%places(system%of(k)), &
+                & zone => position%zones(system%of(k)))
+                place%force = forces(z)
                 place%reach = hertz_half_width(place%force, zone%curvature, &
-                    & position%kernel(of(k)), position%flank_length)
+                    & position%kernel(z), position%flank_length)
                 place%reach_slope = 0.5_wp*place%reach/place%force
                 place%lever = zone%lever
                 place%torque_lever = zone%lever
@@ -215,35 +206,34 @@ contains
 
     !> Update the contacts for other forces: the half-width of a contact grows with a power of its
     !> force.
-    pure subroutine follow_places(position, of, forces, places, pairs)
+    pure subroutine follow_places(position, forces, system, pairs)
         !> The position
         type(position_type), intent(in) :: position
-        !> Indices of the zones considered, shape (n)
-        integer, intent(in) :: of(:)
         !> Forces of the zones [N], positive, shape (zones)
         real(wp), intent(in) :: forces(:)
-        !> Lumped contacts, shape (zones)
-        type(place_type), intent(inout) :: places(:)
+        !> Lumped contacts; those considered are updated
+        type(lumped_system), intent(inout) :: system
         !> Pairs of the contacts, shape (n)
         type(pairs_type), intent(inout) :: pairs
 
         integer :: k
         real(wp) :: power(2)
 
-        do k = 1, size(of)
-            associate (place => places(of(k)), zone => position%zones(of(k)))
+        do k = 1, size(system%of)
+            associate (z => system%of(k), place => system%places(system%of(k)), &
+                & zone => position%zones(system%of(k)))
                 ! 1/2 for a parabola, 1 for a wedge
                 power = max(0.0_wp, min(1.0_wp, place%reach_slope*place%force &
                     & /max(place%reach, tiny(1.0_wp))))
-                place%reach = place%reach*(forces(of(k))/place%force)**power
+                place%reach = place%reach*(forces(z)/place%force)**power
                 place%tangential_slope = place%tangential/place%force
-                place%tangential = place%tangential_slope*forces(of(k))
+                place%tangential = place%tangential_slope*forces(z)
                 place%reach = min(place%reach, [zone%nearest%s_1 - zone%s_1_low, &
                     & zone%s_1_high - zone%nearest%s_1])
-                place%force = forces(of(k))
+                place%force = forces(z)
                 place%reach_slope = power*place%reach/place%force
-                call near_field_of(position%kernel(of(k)), &
-                    & least_half_width(position%flank_length), position%images(:, of(k)), place)
+                call near_field_of(position%kernel(z), &
+                    & least_half_width(position%flank_length), position%images(:, z), place)
                 pairs%cell_1(k) = cell_of(place%reach, position%flank_length)
                 pairs%cell_2(k) = pairs%cell_1(k)
             end associate

@@ -4,10 +4,10 @@ module flankload_pair_forces
     use flankload_kinds, only: wp
     use flankload_status, only: code_forces_move
     use flankload_error, only: error_type, fatal_error
-    use flankload_flank_curve, only: placed_point
+    use flankload_flank_curve, only: frame_type, placed_point
     use flankload_contact_pairs, only: pairs_type
     use flankload_compliance_field, only: compliance_type
-    use flankload_influence_number, only: normal_influences
+    use flankload_influence_coefficients, only: normal_influences
     use flankload_tangential_influence, only: add_tangential
     use flankload_finite_influence, only: departures
     use flankload_contact_loop, only: contact_result, method_auto, method_single, &
@@ -127,8 +127,7 @@ contains
                 before = max(0.0_wp, before + part/(1.0_wp - part)*change)
             end if
         end do
-        call fatal_error(error, code_forces_move, &
-            & 'influence numbers of finite forces and forces do not come to rest')
+        call fatal_error(error, code_forces_move)
     end subroutine follow_forces
 
     !> Compute the displacements of the points of a body under a unit force of each pair with its
@@ -147,6 +146,7 @@ contains
         !> Displacement of each point per unit force of each pair [mm/N], shape (2, n, n)
         real(wp), allocatable, intent(out) :: moves(:, :, :)
 
+        type(frame_type) :: frame
         integer :: n, i, j
         real(wp) :: t(2), out(2)
         real(wp), allocatable :: s(:), cell(:), along(:, :), across(:, :), skew(:, :)
@@ -167,13 +167,11 @@ contains
             call normal_influences(other, pairs%site(:n), s, cell, along)
         end if
         do i = 1, n
-            if (number == 1) then
-                call placed_point(body%flanks(1)%curve, position%frames_1(pairs%site(i)), s(i), &
-                    & points(:, i), t)
-            else
-                call placed_point(body%flanks(1)%curve, position%frames_2(pairs%site(i)), s(i), &
-                    & points(:, i), t)
-            end if
+            associate (facing => position%facing(pairs%site(i)))
+                frame = facing%frame_1
+                if (number == 2) frame = facing%frame_2
+            end associate
+            call placed_point(body%flanks(1)%curve, frame, s(i), points(:, i), t)
             out = [-t(2), t(1)]
             do j = 1, n
                 ! displacement along the tangent under a normal force: by reciprocity (Betti)
@@ -183,7 +181,7 @@ contains
                     & + pairs%friction(j)*(skew(i, j)*out + along(i, j)*t)
             end do
         end do
-        points = points - spread(position%frames_1(1)%origin, 2, n)
+        points = points - spread(position%facing(1)%frame_1%origin, 2, n)
     end subroutine unit_displacements
 
     !> Solve for the forces with given influence coefficients.

@@ -5,11 +5,11 @@ module flankload_pair_influence
     use flankload_cell_field, only: cell_influences
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_zones, only: zone_type
-    use flankload_influence_number, only: influence_matrix
+    use flankload_influence_coefficients, only: influence_matrix
     use flankload_lapack, only: set_product
     use flankload_polar_geometry, only: cross
     use flankload_position_zones, only: body_type
-    use flankload_slice_coupling, only: segments_of
+    use flankload_slice_coupling, only: segments_of, wrench_on
     use flankload_slice_field, only: middle_of
     implicit none
     private
@@ -68,13 +68,13 @@ contains
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         real(wp) :: moved(6, pairs%n)
-        real(wp), allocatable :: recession(:, :)
+        real(wp), allocatable :: displacement(:, :)
 
-        allocate (recession(pairs%n, pairs%n))
+        allocate (displacement(pairs%n, pairs%n))
         moved = matmul(body%shaft%compliance, spread(pairs%friction(:pairs%n), 1, 6) &
             & *wrenches_of(body, body_1, zones, pairs, along=.true.))
-        call set_product(pairs%n, pairs%n, 6, wrenches, moved, pairs%n, recession)
-        matrix = matrix - recession
+        call set_product(pairs%n, pairs%n, 6, wrenches, moved, pairs%n, displacement)
+        matrix = matrix - displacement
     end subroutine slide_shaft
 
     !> Return unit forces along the normals of the pairs, or along flank 1, and their moments about
@@ -95,7 +95,7 @@ contains
 
         integer :: i
         logical :: slides
-        real(wp) :: lever, n(3), r(3)
+        real(wp) :: lever, n(3)
 
         slides = .false.
         if (present(along)) slides = along
@@ -108,11 +108,9 @@ contains
                 ! n is t rotated by +90 degrees
                 if (slides) n = [sign(1.0_wp, lever)*[pairs%normal(2, i), -pairs%normal(1, i)], &
                     & 0.0_wp]
-                r = [pairs%point(:, i) - body%origin, middle_of(body_1%slices, pairs%site(i)) &
-                    & - body%shaft%z]
             end associate
-            wrenches(:3, i) = n
-            wrenches(4:, i) = [r(2)*n(3) - r(3)*n(2), r(3)*n(1) - r(1)*n(3), r(1)*n(2) - r(2)*n(1)]
+            wrenches(:, i) = wrench_on(body, pairs%point(:, i), middle_of(body_1%slices, &
+                & pairs%site(i)), n)
         end do
     end function wrenches_of
 

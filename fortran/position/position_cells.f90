@@ -15,7 +15,7 @@ module flankload_position_cells
     use flankload_gap_shift, only: has_shift, shift_pairs
     use flankload_lumped_hertz, only: least_half_width, least_load_share
     use flankload_node_cells, only: circles_through, lay_on_nodes
-    use flankload_position_zones, only: body_type, position_type, section_at
+    use flankload_position_zones, only: body_type, position_type
     use flankload_slice_field, only: flank_of, slices_type
     implicit none
     private
@@ -102,10 +102,7 @@ contains
     end function new_cells
 
     !> Estimate the half-widths of the contacts under the estimated forces.
-    pure subroutine measure_reach(body_1, body_2, position, cells)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine measure_reach(position, cells)
         !> The position
         type(position_type), intent(in) :: position
         !> Cells; their estimated half-widths are set
@@ -119,9 +116,8 @@ contains
             if (.not. cells%included(z)) cycle
             site = position%zones(z)%site
             cells%reach(:, z) = max(least_half_width(position%flank_length), &
-                & zone_reach(body_1%flanks(section_at(body_1, site))%curve, &
-                & position%frames_1(site), body_2%flanks(section_at(body_2, site))%curve, &
-                & position%frames_2(site), position%zones(z), position%kernel(z)*cells%part(z)))
+                & zone_reach(position%facing(site), position%zones(z), &
+                & position%kernel(z)*cells%part(z)))
         end do
     end subroutine measure_reach
 
@@ -157,18 +153,16 @@ contains
 
         integer :: z, site
 
-        associate (zones => position%zones, grids => cells%grids, frames_1 => position%frames_1, &
-            & frames_2 => position%frames_2)
+        associate (zones => position%zones, grids => cells%grids, facing => position%facing)
             do z = 1, size(zones)
                 if (.not. cells%included(z)) cycle
                 site = zones(z)%site
                 grids(z) = wanted_grid(zones(z), cells%reach(:, z), &
-                    & edges_within(body_1%flanks(section_at(body_1, site)), frames_1(site), &
-                    & body_2%flanks(section_at(body_2, site)), frames_2(site), zones(z), &
-                    & cells%reach(:, z)), cells%widths(:, z)*one_sided(cells, z), &
+                    & edges_within(facing(site), zones(z), cells%reach(:, z)), &
+                    & cells%widths(:, z)*one_sided(cells, z), &
                     & settings%strips_per_half_width, settings%corner_strips_per_half_width)
             end do
-            call part_grids(body_1, body_2, position, cells%included, grids)
+            call part_grids(position, cells%included, grids)
             if (cells%in_slices) call take_one_width(body_1%slices, zones, cells)
             do z = 1, size(zones)
                 if (cells%included(z)) call lay_cells_of(zones(z), grids(z))
@@ -194,9 +188,8 @@ contains
             if (allocated(body_1%compliance%nodes)) then
                 call lay_on_nodes(body_1%compliance%nodes, zone, grid)
             else if (allocated(body_2%compliance%nodes)) then
-                call lay_on_nodes(circles_through(body_2%compliance%nodes, body_2%flanks(1)%curve, &
-                    & position%frames_2(zone%site), body_1%flanks(1)%curve, &
-                    & position%frames_1(zone%site), zone), zone, grid)
+                call lay_on_nodes(circles_through(body_2%compliance%nodes, &
+                    & position%facing(zone%site), zone), zone, grid)
             else
                 call lay_cells(zone, grid)
             end if
@@ -253,24 +246,20 @@ contains
 
         site = position%zones(z)%site
         first = pairs%n + 1
-        associate (zone => position%zones(z), frame_1 => position%frames_1(site), &
-            & frame_2 => position%frames_2(site), &
-            & curve_1 => body_1%flanks(section_at(body_1, site))%curve, &
-            & curve_2 => body_2%flanks(section_at(body_2, site))%curve)
-            normal = contact_normal(curve_1, frame_1, curve_2, frame_2, zone, cells%reach(:, z))
-            call append_pairs(curve_1, frame_1, curve_2, frame_2, zone, z, cells%grids(z), normal, &
+        associate (zone => position%zones(z), facing => position%facing(site))
+            normal = contact_normal(facing, zone, cells%reach(:, z))
+            call append_pairs(facing, zone, z, cells%grids(z), normal, &
                 & body_1%deviations(site) + body_2%deviations(site), pairs, found)
             if (.not. found) then
-                call fatal_error(error, code_circle_misses, &
-                    & 'a circle about O1 misses the flank of body 2 inside a zone')
+                call fatal_error(error, code_circle_misses)
                 return
             end if
             if (has_shift(body_1%compliance, body_2%compliance)) then
                 call shift_pairs(body_1%compliance, body_2%compliance, first, pairs)
             end if
             if (allocated(body_1%friction)) then
-                call add_friction(body_1%friction, zone%side*position%speeds, curve_1, frame_1, &
-                    & curve_2, frame_2, zone, first, pairs)
+                call add_friction(body_1%friction, zone%side*position%speeds, facing, zone, &
+                    & first, pairs)
             end if
             if (zone%side < 0.0_wp) call take_out_of_mirror(first, pairs)
         end associate
@@ -294,10 +283,7 @@ contains
     end function one_sided
 
     !> Separate overlapping grids of neighbouring zones of a site.
-    pure subroutine part_grids(body_1, body_2, position, included, grids)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine part_grids(position, included, grids)
         !> Position; the zones of a site are in ascending order of arc length
         type(position_type), intent(in) :: position
         !> True for zones that have cells, shape (zones)
@@ -313,9 +299,8 @@ contains
             site = position%zones(z)%site
             if (last > 0) then
                 if (position%zones(last)%site == site) call part_neighbours( &
-                    & body_1%flanks(section_at(body_1, site))%curve, position%frames_1(site), &
-                    & body_2%flanks(section_at(body_2, site))%curve, position%frames_2(site), &
-                    & position%zones(last), position%zones(z), grids(last), grids(z))
+                    & position%facing(site), position%zones(last), position%zones(z), grids(last), &
+                    & grids(z))
             end if
             last = z
         end do

@@ -6,7 +6,7 @@ module flankload_position_load
     use flankload_status, only: code_conforms, code_unsettled_cells
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_zones, only: zone_type
-    use flankload_lumped_hertz, only: lumped_contact
+    use flankload_lumped_estimate, only: estimate_forces
     use flankload_lumped_position, only: solve_lumped
     use flankload_lumped_slices, only: solve_slices
     use flankload_slice_coupling, only: check_slices, couple_slices
@@ -16,7 +16,7 @@ module flankload_position_load
         & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
     use flankload_known_contact, only: known_contact, solve_known
     use flankload_pair_forces, only: solve_pairs
-    use flankload_position_state, only: blank_state, count_lumped, inclusion_margin, note_ends, &
+    use flankload_position_state, only: blank_state, inclusion_margin, note_ends, &
         & position_state, presses_across, unloaded_state, would_touch
     implicit none
     private
@@ -37,8 +37,8 @@ contains
     subroutine solve_position(body_1, body_2, angle_1, angle_2, torques, settings, states, speeds, &
             & known, room)
         !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+        type(body_type), target, intent(in) :: body_1
+        type(body_type), target, intent(in) :: body_2
         !> Rotation angles of the bodies [rad]
         real(wp), intent(in) :: angle_1
         real(wp), intent(in) :: angle_2
@@ -194,13 +194,13 @@ contains
         if (allocated(body_1%slices)) then
             call expect_in_slices(body_1, body_2, position, torque, settings, cells, state, error)
         else
-            call expect_cells(body_1, body_2, position, torque, settings, cells, state, error)
+            call expect_cells(position, torque, settings, cells, state, error)
         end if
         if (allocated(error)) return
         associate (zones => position%zones)
             do pass = 1, max_passes
                 state%passes = pass
-                if (pass > 1) call measure_reach(body_1, body_2, position, cells)
+                if (pass > 1) call measure_reach(position, cells)
                 call lay_pairs(body_1, body_2, position, settings, cells, state%pairs, error)
                 if (allocated(error)) return
                 if (pass == 1) call continue_contact(settled)
@@ -215,8 +215,7 @@ contains
                 if (settled) exit
             end do
             if (.not. settled) then
-                call fatal_error(error, code_unsettled_cells, &
-                    & 'contact keeps reaching the end of its cells')
+                call fatal_error(error, code_unsettled_cells)
                 return
             end if
             call sum_over_sites(state, zones)
@@ -238,10 +237,7 @@ contains
     end subroutine solve_load
 
     !> Estimate the cells by the forces of lumped contacts.
-    subroutine expect_cells(body_1, body_2, position, torque, settings, cells, state, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    subroutine expect_cells(position, torque, settings, cells, state, error)
         !> The position
         type(position_type), intent(in) :: position
         !> Torque on body 1 [N mm]
@@ -255,32 +251,24 @@ contains
         !> Set if the lumped contact has no solution
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: spent
         real(wp), allocatable :: estimate(:), curvatures(:)
         real(wp) :: rotation
 
         associate (zones => position%zones, gap => position%gap)
-            call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
-                & zones%curvature, position%widest, &
-                & position%flank_length, position%kernel, position%images, torque, estimate, &
-                & rotation, spent, error)
-            call count_lumped(spent, state)
+            call estimate_forces(position, zones%curvature, torque, estimate, rotation, state, &
+                & error)
             if (allocated(error)) return
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. gap &
                 & < zones%side*rotation + inclusion_margin*maxval(zones%side*rotation - gap), &
                 & settings)
-            call measure_reach(body_1, body_2, position, cells)
+            call measure_reach(position, cells)
             curvatures = reached_curvatures(position, cells)
             if (any(abs(curvatures - zones%curvature) > curvature_tolerance*curvatures)) then
-                call lumped_contact(position%coupling, zones%side*gap, zones%side*zones%lever, &
-                    & curvatures, position%widest, &
-                    & position%flank_length, position%kernel, position%images, torque, &
-                    & estimate, rotation, spent, error)
-                call count_lumped(spent, state)
+                call estimate_forces(position, curvatures, torque, estimate, rotation, state, error)
                 if (allocated(error)) return
                 cells%estimate = estimate
                 cells%included = cells%included .or. estimate > 0.0_wp
-                call measure_reach(body_1, body_2, position, cells)
+                call measure_reach(position, cells)
             end if
         end associate
     end subroutine expect_cells
@@ -333,7 +321,7 @@ contains
         cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. position%gap &
             & < lumped%rotation + inclusion_margin*(lumped%rotation - minval(position%gap)), &
             & settings)
-        call measure_reach(body_1, body_2, position, cells)
+        call measure_reach(position, cells)
     end subroutine expect_in_slices
 
     !> Compute force, peak and loaded corner of each site.

@@ -11,7 +11,7 @@ module flankload_position_state
     private
 
     public :: position_state
-    public :: touches_only, not_parabolic, end_would_touch
+    public :: not_parabolic
     public :: inclusion_margin
     public :: blank_state, take_contact, unloaded_state, would_touch, count_lumped, note_ends
     public :: presses_across

@@ -5,14 +5,14 @@ module flankload_position_zones
     use flankload_status, only: code_no_zone, code_too_many_zones, code_circle_misses, &
         & code_only_ends
     use flankload_error, only: error_type, fatal_error
-    use flankload_flank_curve, only: curve_length, frame_type, new_frame
+    use flankload_flank_curve, only: curve_length, new_frame
     use flankload_friction, only: friction_type
     use flankload_compliance_field, only: compliance_type
     use flankload_slice_field, only: mean_width, shaft_type, slice_of, slices_type
-    use flankload_circle_pair, only: flank_type
+    use flankload_circle_pair, only: facing_type, flank_type
     use flankload_coarse_gap, only: coarse_gap
     use flankload_contact_zones, only: find_zones, zone_type
-    use flankload_influence_number, only: smooth_compliance
+    use flankload_influence_coefficients, only: smooth_compliance
     use flankload_lumped_hertz, only: least_half_width, usual_half_width
     use flankload_near_field, only: image_displacement, image_type, &
         & near_field_between, new_image
@@ -21,7 +21,7 @@ module flankload_position_zones
     private
 
     public :: body_type, position_type
-    public :: locate_contacts, lever_share, section_at
+    public :: locate_contacts, lever_share
 
     !> Body: flanks, sites, and compliance.
     type :: body_type
@@ -51,8 +51,8 @@ module flankload_position_zones
 
     !> Frames of the flanks, zones, and compliance between the zones.
     type :: position_type
-        !> Frames of the flanks of both bodies, shape (sites)
-        type(frame_type), allocatable :: frames_1(:), frames_2(:)
+        !> Flanks of the bodies at each site and their frames, shape (sites)
+        type(facing_type), allocatable :: facing(:)
         !> Zones, those of a site consecutive, and their gap angles with all deviations and shifts
         !> [rad], shape (zones)
         type(zone_type), allocatable :: zones(:)
@@ -107,11 +107,11 @@ module flankload_position_zones
 contains
 
     !> Find the points of least gap, and the compliance between them in the plane.
-    pure subroutine locate_contacts(body_1, body_2, angle_1, angle_2, torque, everywhere, &
+    subroutine locate_contacts(body_1, body_2, angle_1, angle_2, torque, everywhere, &
             & position, error)
         !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+        type(body_type), target, intent(in) :: body_1
+        type(body_type), target, intent(in) :: body_2
         !> Rotation angles of the bodies [rad]
         real(wp), intent(in) :: angle_1
         real(wp), intent(in) :: angle_2
@@ -124,21 +124,14 @@ contains
         !> Set if no flanks meet, or a minimum of the gap could not be computed exactly
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: n_zones
         logical :: faces(size(body_1%site_angles))
         type(zone_type), allocatable :: zones(:)
 
         call place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
         call search_sites(body_1, body_2, faces, torque, position, zones, error)
         if (allocated(error)) return
-        n_zones = size(zones)
-        if (n_zones == 0) then
-            call fatal_error(error, code_no_zone, &
-                & 'no circle about O1 cuts two facing flanks at this position')
-            return
-        end if
         if (.not. any(zones%side > 0.0_wp)) then
-            call fatal_error(error, code_no_zone, 'only coast flanks face each other')
+            call fatal_error(error, code_no_zone)
             return
         end if
         if (any(zones%left_out)) then
@@ -147,13 +140,11 @@ contains
         end if
         position%zones = pack(zones, .not. zones%left_out)
         if (.not. any(position%zones%side > 0.0_wp)) then
-            call fatal_error(error, code_only_ends, &
-                & 'at this position flanks are nearest to each other at ends that are left out')
+            call fatal_error(error, code_only_ends)
             return
         end if
         if (has_shift(body_1%compliance, body_2%compliance)) then
-            call shift_zones(body_1%flanks(1)%curve, position%frames_1, body_2%flanks(1)%curve, &
-                & position%frames_2, body_1%compliance, body_2%compliance, position%zones)
+            call shift_zones(position%facing, body_1%compliance, body_2%compliance, position%zones)
         end if
         position%gap = gaps_without_load(body_1, body_2, position%zones)
         position%widest = 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low)
@@ -163,10 +154,10 @@ contains
     end subroutine locate_contacts
 
     !> Compute the frames of the flanks, and choose the sites to be searched.
-    pure subroutine place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
+    subroutine place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
         !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+        type(body_type), target, intent(in) :: body_1
+        type(body_type), target, intent(in) :: body_2
         !> Rotation angles of the bodies [rad]
         real(wp), intent(in) :: angle_1
         real(wp), intent(in) :: angle_2
@@ -184,7 +175,7 @@ contains
         real(wp) :: bounds(size(faces)), radius(2)
 
         n_sites = size(faces)
-        allocate (position%frames_1(n_sites), position%frames_2(n_sites))
+        allocate (position%facing(n_sites))
         position%flank_length = curve_length(body_1%flanks(1)%curve)
         sides = 1
         if (allocated(body_1%sides)) sides = body_1%sides
@@ -196,17 +187,19 @@ contains
         end if
         bounds = huge(1.0_wp)
         do site = 1, n_sites
-            position%frames_1(site) = new_frame(body_1%origin, &
-                & sides(site)*angle_1 + body_1%site_angles(site))
-            position%frames_2(site) = new_frame(body_2%origin, &
-                & sides(site)*angle_2 + body_2%site_angles(site))
+            associate (facing => position%facing(site))
+                facing%flank_1 => body_1%flanks(section_at(body_1, site))
+                facing%flank_2 => body_2%flanks(section_at(body_2, site))
+                facing%frame_1 = new_frame(body_1%origin, &
+                    & sides(site)*angle_1 + body_1%site_angles(site))
+                facing%frame_2 = new_frame(body_2%origin, &
+                    & sides(site)*angle_2 + body_2%site_angles(site))
+            end associate
             if (everywhere .or. .not. faces(site)) cycle
             if (is_same_section(body_1, body_2, site)) then
-                bounds(site) = bounds(site - 1)
+                bounds(site) = bounds(max(1, site - 1))
             else
-                bounds(site) = coarse_gap(body_1%flanks(section_at(body_1, site)), &
-                    & position%frames_1(site), body_2%flanks(section_at(body_2, site)), &
-                    & position%frames_2(site))
+                bounds(site) = coarse_gap(position%facing(site))
             end if
         end do
         if (everywhere) return
@@ -257,19 +250,16 @@ contains
                 cycle
             end if
             before = n_zones
-            call find_zones(body_1%flanks(section_at(body_1, site)), position%frames_1(site), &
-                & body_2%flanks(section_at(body_2, site)), position%frames_2(site), site, &
-                & closed_moment, zones, n_zones, conforms, lost)
+            call find_zones(position%facing(site), site, closed_moment, zones, n_zones, conforms, &
+                & lost)
             position%conforms = position%conforms .or. conforms
             if (lost) then
-                call fatal_error(error, code_circle_misses, &
-                    & 'a place of least gap could not be made exact')
+                call fatal_error(error, code_circle_misses)
                 return
             end if
         end do
         if (n_zones > size(zones)) then
-            call fatal_error(error, code_too_many_zones, &
-                & 'more places of least gap than can be kept: profile too wavy')
+            call fatal_error(error, code_too_many_zones)
             return
         end if
         zones(:n_zones)%side = sides(zones(:n_zones)%site)

@@ -83,7 +83,9 @@ contains
         call take(record, part_coefficients, coefficients)
         call take(record, part_sections, sections)
         if (.not. allocated(sections)) then
-            body%flanks = [new_flank(new_flank_curve(breaks, coefficients, corners))]
+            ! gfortran 12 never releases the components of a function result in an array constructor
+            allocate (body%flanks(1))
+            body%flanks(1) = new_flank(new_flank_curve(breaks, coefficients, corners))
             return
         end if
         extents = shape(coefficients)

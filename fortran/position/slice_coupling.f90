@@ -15,7 +15,7 @@ module flankload_slice_coupling
     implicit none
     private
 
-    public :: check_slices, couple_slices, load_slices, segments_of, widen_slices
+    public :: check_slices, couple_slices, load_slices, segments_of, widen_slices, wrench_on
 
 contains
 
@@ -38,8 +38,7 @@ contains
         refused = .not. is_lumped .and. finite_steps > 0
         refused = refused .or. is_plane_only(body_1%compliance) &
             & .or. is_plane_only(body_2%compliance)
-        if (refused) call fatal_error(error, code_not_in_slices, &
-            & 'slices: flanks with two ends only, cells without finite forces')
+        if (refused) call fatal_error(error, code_not_in_slices)
     end subroutine check_slices
 
     !> Return whether a compliance has parts that are defined for plane sections only.
@@ -161,7 +160,7 @@ contains
 
         integer :: k
         logical :: slides
-        real(wp) :: tangent(2), n(3), r(3)
+        real(wp) :: tangent(2), n(3)
 
         slides = .false.
         if (present(along)) slides = along
@@ -174,13 +173,31 @@ contains
                 n = [zones(k)%cosine*tangent(2), -zones(k)%cosine*tangent(1), &
                     & -body_1%compliance%twist*zones(k)%lever]
                 if (slides) n = [-tangent, 0.0_wp]
-                r = [place%point_1 - body%origin, middle_of(body_1%slices, zones(k)%site) &
-                    & - body%shaft%z]
+                wrenches(:, k) = wrench_on(body, place%point_1, middle_of(body_1%slices, &
+                    & zones(k)%site), n)
             end associate
-            wrenches(:3, k) = n
-            wrenches(4:, k) = [r(2)*n(3) - r(3)*n(2), r(3)*n(1) - r(1)*n(3), r(1)*n(2) - r(2)*n(1)]
         end do
     end function wrenches_on
+
+    !> Return a unit force and its moment about the section of a shaft.
+    pure function wrench_on(body, point, z, direction) result(wrench)
+        !> The body, with a shaft
+        type(body_type), intent(in) :: body
+        !> Point in the transverse plane, and its axial position [mm]
+        real(wp), intent(in) :: point(2)
+        real(wp), intent(in) :: z
+        !> Direction of the force
+        real(wp), intent(in) :: direction(3)
+        !> Force and moment [-, mm]
+        real(wp) :: wrench(6)
+
+        real(wp) :: r(3)
+
+        r = [point - body%origin, z - body%shaft%z]
+        wrench(:3) = direction
+        wrench(4:) = [r(2)*direction(3) - r(3)*direction(2), r(3)*direction(1) &
+            & - r(1)*direction(3), r(1)*direction(2) - r(2)*direction(1)]
+    end function wrench_on
 
     !> Add wᵀ S w: normal displacement of a body due to its shaft and bearings, between all flanks.
     pure subroutine add_shaft(shaft, wrenches, matrix)

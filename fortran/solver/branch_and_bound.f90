@@ -17,7 +17,7 @@ module flankload_branch_and_bound
     private
 
     public :: branch_and_bound
-    public :: search_found, search_infeasible, search_undecided
+    public :: search_found, search_infeasible
 
     !> A solution was found.
     integer, parameter :: search_found = 0

@@ -217,13 +217,13 @@ contains
         n = size(diagonal)
         if (any(shape(columns) /= [n, size(known)]) .or. size(normal_gaps) /= n &
             & .or. size(motions, 1) /= n .or. any(shape(load_rows) /= shape(motions))) then
-            call fatal_error(error, invalid_input, 'columns: expected a row a pair')
+            call fatal_error(error, invalid_input, 'columns: expected one row per pair')
         else if (any(known < 1 .or. known > n)) then
             call fatal_error(error, invalid_input, 'known: expected numbers of pairs')
         else if (.not. all(diagonal > 0.0_wp .and. diagonal <= huge(1.0_wp))) then
             call fatal_error(error, invalid_input, 'diagonal: expected numbers > 0')
         else if (method == method_paper) then
-            call fatal_error(error, invalid_input, 'method: paper expects all columns')
+            call fatal_error(error, invalid_input, 'method: method_paper needs all columns')
         end if
     end subroutine check_columns
 

@@ -94,7 +94,7 @@ contains
             & problem, error)
         if (allocated(error)) return
         if (.not. same_loads(problem, loads)) then
-            call fatal_error(error, out_of_range, 'other units: these are lost in scaling')
+            call fatal_error(error, out_of_range, 'loads: lost in scaling, choose other units')
             return
         end if
         if (method == method_paper) then
@@ -141,7 +141,7 @@ contains
                 call fatal_error(error, invalid_input, 'warm_pairs: expected numbers of pairs')
                 return
             else if (seen(warm_pairs(k))) then
-                call fatal_error(error, invalid_input, 'warm_pairs: a pair stands in it twice')
+                call fatal_error(error, invalid_input, 'warm_pairs: expected distinct pairs')
                 return
             end if
             seen(warm_pairs(k)) = .true.
@@ -240,7 +240,7 @@ contains
         if (result%backward_error <= max_residual) return
         call blank(result, problem%n, problem%n_motions)
         result%pivots = pivots
-        call fatal_error(error, pivot_limit, 'what was found does not meet its equations')
+        call fatal_error(error, pivot_limit, 'the state does not satisfy its equations')
     end subroutine retry
 
     !> Report an error if the caller's units cannot represent the state.
@@ -256,7 +256,7 @@ contains
 
         if (is_in_range(problem, state, result)) return
         call blank(result, problem%n, problem%n_motions)
-        call fatal_error(error, out_of_range, 'other units: the state is out of the range of these')
+        call fatal_error(error, out_of_range)
     end subroutine check_range
 
     !> Return the levels to try, in order, if the equations of a state are not satisfied.
@@ -298,7 +298,7 @@ contains
         call check_range(problem, state, result, error)
         if (allocated(error)) return
         if (any(state%forces < -row_tolerance*maxval(abs(state%forces)))) then
-            call fatal_error(error, negative_force, 'the paper''s final state needs tension')
+            call fatal_error(error, negative_force)
         end if
     end subroutine run_paper
 

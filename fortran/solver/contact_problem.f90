@@ -148,7 +148,7 @@ contains
         if (n < 1 .or. size(loads) < 1) then
             call fatal_error(error, invalid_input, 'expected at least one pair and one motion')
         else if (any(shape(compliance) /= n)) then
-            call fatal_error(error, invalid_input, 'compliance: expected one row and column a pair')
+            call fatal_error(error, invalid_input, 'compliance: expected shape (pairs, pairs)')
         else if (any(shape(motions) /= [n, size(loads)])) then
             call fatal_error(error, invalid_input, 'motions: expected shape (pairs, loads)')
         else if (any(shape(load_rows) /= [n, size(loads)])) then
@@ -156,7 +156,7 @@ contains
         else if (.not. (all(abs(normal_gaps) <= huge(1.0_wp)) .and. all(is_finite(loads)) &
             & .and. all(abs(motions) <= huge(1.0_wp)) &
             & .and. all(abs(load_rows) <= huge(1.0_wp)))) then
-            call fatal_error(error, invalid_input, 'expected finite numbers, found NaN or infinity')
+            call fatal_error(error, invalid_input, 'gaps, B, R, Q: expected finite numbers')
         end if
         if (allocated(error)) return
         if (.not. all([(is_finite(compliance(i, i)), i=1, n)])) then

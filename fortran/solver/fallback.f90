@@ -84,7 +84,7 @@ contains
         state%pivots = pivots
         exists = problem%definite .or. is_unique(problem, compliance, [(i, i=1, problem%n)])
         if (exists .and. .not. none_proven) then
-            call fatal_error(error, pivot_limit, 'no rung of the ladder found the state')
+            call fatal_error(error, pivot_limit, 'a state exists, but no method found it')
             return
         end if
         if (path%outcome == lemke_ray) then
@@ -92,7 +92,7 @@ contains
             state%motion = path%motion*problem%motion_scale/problem%load_row_scale
             state%motion = state%motion/max(maxval(abs(state%motion)), tiny(1.0_wp))
         end if
-        call fatal_error(error, no_contact_state, 'no state was found')
+        call fatal_error(error, no_contact_state)
     end subroutine run_fallback
 
     !> Solve from a given active set. K may be indefinite or singular among these pairs: an LU

@@ -12,7 +12,7 @@ module flankload_feasible_start
     private
 
     public :: feasible_start
-    public :: start_found, start_infeasible, start_unconstrained
+    public :: start_found, start_infeasible
 
     !> Forces that balance the loads were found.
     integer, parameter :: start_found = 0

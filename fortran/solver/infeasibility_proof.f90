@@ -13,7 +13,7 @@
 module flankload_infeasibility_proof
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_lapack, only: getrf, permute_rows, solve_triangle
+    use flankload_lapack, only: getrf, solve_lu
     use flankload_twice_precision, only: two_part, add_product, rounded
     implicit none
     private
@@ -191,9 +191,7 @@ contains
                 met = met .and. abs(rounded(total)) <= epsilon(1.0_wp)**2*terms
             end do
             if (met) return
-            call permute_rows(residual, swaps)
-            call solve_triangle(m, matrix, 'L', 'N', 'U', residual)
-            call solve_triangle(m, matrix, 'U', 'N', 'N', residual)
+            call solve_lu(m, matrix, residual, swaps)
             do k = 1, m
                 if (k <= n_rows) then
                     call add_product(y(given%rows(k)), residual(k, 1), 1.0_wp)

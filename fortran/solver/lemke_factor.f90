@@ -11,7 +11,7 @@
 module flankload_lemke_factor
     use flankload_kinds, only: wp
     use flankload_contact_problem, only: contact_problem
-    use flankload_lapack, only: getrf, permute_rows, solve_triangle
+    use flankload_lapack, only: getrf, solve_lu
     implicit none
     private
 
@@ -109,7 +109,7 @@ contains
             factor%rows(:, j) = 0.0_wp
             factor%rows(place, j) = 1.0_wp
         end if
-        call solve_stored(factor, column)
+        call solve_lu(m, factor%matrix, column, factor%swaps)
         factor%columns(:, j) = column(:, 1)
     end subroutine exchange_pair
 
@@ -158,7 +158,7 @@ contains
             call getrf(m, matrix, factor%swaps, info)
             solved = info == 0
             if (.not. solved) return
-            call solve_stored(factor, right)
+            call solve_lu(m, matrix, right, factor%swaps)
         end associate
         solved = all(abs(right) <= huge(1.0_wp))
         factor%solution = right
@@ -183,21 +183,6 @@ contains
         row = [problem%row_scale(pair)*compliance(pair, pairs)*problem%row_scale(pairs), &
             & -problem%motions(pair, :), -path%cover(pair)]
     end function gap_row
-
-    !> Solve with the stored factor.
-    pure subroutine solve_stored(factor, x)
-        !> Factor and the changes of the active set
-        type(lemke_factor), intent(in) :: factor
-        !> Right-hand sides, then solutions, shape (m, number of right-hand sides)
-        real(wp), contiguous, intent(inout) :: x(:, :)
-
-        integer :: m
-
-        m = size(factor%matrix, 1)
-        call permute_rows(x, factor%swaps)
-        call solve_triangle(m, factor%matrix, 'L', 'N', 'U', x)
-        call solve_triangle(m, factor%matrix, 'U', 'N', 'N', x)
-    end subroutine solve_stored
 
     !> Compute the line from the stored factor.
     !>
@@ -231,9 +216,7 @@ contains
         call getrf(s + 1, matrix, swaps, info)
         solved = info == 0
         if (.not. solved) return
-        call permute_rows(right, swaps)
-        call solve_triangle(s + 1, matrix, 'L', 'N', 'U', right)
-        call solve_triangle(s + 1, matrix, 'U', 'N', 'N', right)
+        call solve_lu(s + 1, matrix, right, swaps)
         kept = -matmul(columns, right)
         kept(:, 1) = kept(:, 1) + factor%solution(:, 1)
         solved = all(abs(kept) <= huge(1.0_wp))

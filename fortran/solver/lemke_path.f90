@@ -16,7 +16,7 @@ module flankload_lemke_path
 
     public :: lemke_end
     public :: follow_lemke_path
-    public :: lemke_solved, lemke_ray, lemke_failed
+    public :: lemke_solved, lemke_ray
 
     !> λ = 1 was reached.
     integer, parameter :: lemke_solved = 0

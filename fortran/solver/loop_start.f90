@@ -67,10 +67,10 @@ contains
         if (outcome == start_infeasible) then
             state%motion = motion
             state%none_proven = loads_infeasible(problem, first, motion)
-            call fatal_error(error, no_contact_state, 'no forces >= 0 hold the loads')
+            call fatal_error(error, no_contact_state, 'no forces >= 0 balance the loads')
         else if (outcome /= start_found) then
             state%motion = motion
-            call fatal_error(error, singular_contact, 'a motion is held by no pair')
+            call fatal_error(error, singular_contact, 'no pair constrains a motion')
         else
             ! A pair without a lever on the motion is not brought into contact.
             distance_left = problem%gaps(first) - matmul(problem%motions(first, :), motion)

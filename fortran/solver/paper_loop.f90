@@ -40,10 +40,10 @@ contains
         integer :: first, entering
 
         if (problem%n_motions /= 1) then
-            call fatal_error(error, invalid_input, 'method paper: expected one motion')
+            call fatal_error(error, invalid_input, 'method_paper: expected one motion')
             return
         else if (.not. all(problem%motions(:, 1) > 0.0_wp)) then
-            call fatal_error(error, invalid_scale, 'method paper: expected row levers > 0')
+            call fatal_error(error, invalid_scale, 'method_paper: expected B > 0')
             return
         end if
         allocate (state%forces(problem%n), state%gaps(problem%n), state%motion(1), source=0.0_wp)
@@ -139,7 +139,7 @@ contains
             state%system%refactorisations = state%system%refactorisations + 1
         end if
         if (.not. accepted) then
-            call fatal_error(error, singular_contact, 'the equations (32) are singular')
+            call fatal_error(error, singular_contact, 'Eq. (32) is singular')
         end if
     end subroutine extend_equations
 

@@ -72,7 +72,7 @@ contains
         if (.not. ready) then
             call start_cold(problem, compliance, first, first_forces, state, ready)
             if (.not. ready) then
-                call fatal_error(error, singular_contact, 'the first pairs depend on each other')
+                call fatal_error(error, singular_contact, 'the first pairs are linearly dependent')
                 return
             end if
         end if
@@ -86,7 +86,7 @@ contains
             end if
             call update_progress(problem, state, progress)
             if (progress%steps_without > stall_limit) then
-                call fatal_error(error, pivot_limit, 'the loop gets no nearer to a state')
+                call fatal_error(error, pivot_limit, 'no progress towards a state')
                 return
             end if
             if (entering > 0) call add_entering(problem, compliance, entering, state, error)
@@ -162,7 +162,7 @@ contains
                 return
             end if
             if (state%pivots >= pivots_per_pair*problem%n + pivots_at_least) then
-                call fatal_error(error, pivot_limit, 'the loop used up its pivots')
+                call fatal_error(error, pivot_limit)
                 return
             end if
             pair = state%system%pairs(leaving)
@@ -181,7 +181,7 @@ contains
             state%pivots = state%pivots + 1
             if (.not. solved) exit
         end do
-        call fatal_error(error, singular_contact, 'the pairs in contact are singular')
+        call fatal_error(error, singular_contact, 'the active pairs are linearly dependent')
     end subroutine solve_active
 
     !> Add the pair that left last again: it alone constrains a motion, so that its force follows
@@ -220,7 +220,7 @@ contains
         logical :: accepted
 
         if (state%pivots >= pivots_per_pair*problem%n + pivots_at_least) then
-            call fatal_error(error, pivot_limit, 'the loop used up its pivots')
+            call fatal_error(error, pivot_limit)
             return
         end if
         do
@@ -249,7 +249,7 @@ contains
             state%pivots = state%pivots + 1
             if (.not. accepted) exit
         end do
-        call fatal_error(error, singular_contact, 'a pair depends on the pairs in contact')
+        call fatal_error(error, singular_contact, 'the entering pair depends on active pairs')
     end subroutine add_entering
 
     !> Check that waiting pairs penetrate only by rounding; otherwise the loop cycles.
@@ -267,7 +267,7 @@ contains
         do i = 1, problem%n
             if (.not. state%waiting(i)) cycle
             if (penetrates(problem, compliance, state, i, waiting_tolerance)) then
-                call fatal_error(error, pivot_limit, 'the loop goes in circles: a pair would pull')
+                call fatal_error(error, pivot_limit, 'the loop cycles: a pair would have tension')
                 return
             end if
         end do

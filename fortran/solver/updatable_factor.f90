@@ -5,7 +5,7 @@
 !> row exchanges. A factor with row exchanges can be extended, but not reduced.
 module flankload_updatable_factor
     use flankload_kinds, only: wp
-    use flankload_lapack, only: potrf, getrf, permute_rows, solve_triangle
+    use flankload_lapack, only: potrf, getrf, solve_cholesky, solve_lu, solve_triangle
     implicit none
     private
 
@@ -215,12 +215,11 @@ contains
         real(wp), contiguous, intent(inout) :: x(:, :)
 
         if (factor%symmetric) then
-            call solve_triangle(factor%order, factor%matrix, 'L', 'N', 'N', x)
-            call solve_triangle(factor%order, factor%matrix, 'L', 'T', 'N', x)
+            call solve_cholesky(factor%order, factor%matrix, x)
+        else if (factor%n_exchanged > 0) then
+            call solve_lu(factor%order, factor%matrix, x, factor%row_swaps)
         else
-            if (factor%n_exchanged > 0) call permute_rows(x, factor%row_swaps)
-            call solve_triangle(factor%order, factor%matrix, 'L', 'N', 'U', x)
-            call solve_triangle(factor%order, factor%matrix, 'U', 'N', 'N', x)
+            call solve_lu(factor%order, factor%matrix, x)
         end if
     end subroutine solve_factored
 
@@ -250,8 +249,7 @@ contains
             x = sign(1.0_wp, x)
             call solve_factored(factor, x)
         else
-            call solve_triangle(k, factor%matrix, 'L', 'N', 'U', x)
-            call solve_triangle(k, factor%matrix, 'U', 'N', 'N', x)
+            call solve_lu(k, factor%matrix, x)
             condition = sum(abs(x))/size_before
             x = sign(1.0_wp, x)
             call solve_triangle(k, factor%matrix, 'U', 'T', 'N', x)

@@ -32,33 +32,31 @@ def solve(
     Parameters
     ----------
     scene : Scene, typed pair, path or mapping
-        A scene, a `GearPair` or its like, the path of a scene file, or its keys as
-        `Scene.from_dict` takes them.
+        A scene, a typed pair such as `GearPair`, the path of a scene file, or its keys as for
+        `Scene.from_dict`.
     progress : callable, optional
-        Called as progress(stage, done, total) when a stage begins, on the way through its
-        positions, and at the end; done grows up to total. An exception that it raises ends the
-        solution.
+        Called as progress(stage, done, total) at the beginning of a stage, during its positions and
+        at the end; done increases to total. An exception that it raises ends the solution.
     plan : Plan, optional
-        Of this scene: `result.cost` shows its predictions beside what is spent. Exact counters are
-        shown in any case.
+        Plan of this scene, whose predictions `result.cost` shows beside the actual cost. Exact
+        counters are always shown.
     on_duration : callable, optional
         Called once with the predicted duration of the run, before its elements are solved.
 
     Returns
     -------
     Result
-        If the scene has a list of torques, its arrays have an axis of torques in front
-        (`result.TorqueSeries`); `result.at(torque_Nm)` is the result of one of them.
+        For a list of torques, arrays have a first axis of torques (`result.TorqueSeries`), and
+        `result.at(torque_Nm)` is the result of one torque.
 
     Raises
     ------
     InputError
-        If an argument is of a wrong type.
+        If an argument has a wrong type.
     SceneError
-        If the scene asks for something impossible; `PremiseError` if it breaks a premise of the
-        model.
+        If the scene is impossible; `PremiseError` if it violates a premise of the model.
     FlankloadError
-        If a position has no answer, or the plan is one of another scene.
+        If a position has no solution, or the plan belongs to another scene.
     """
     _check_calls(progress=progress, on_duration=on_duration)
     require("plan", plan, "a Plan", fits=plan is None or hasattr(plan, "predicted"))
@@ -71,7 +69,7 @@ def prepare(scene: SceneLike) -> Prepared:
     Parameters
     ----------
     scene : Scene, path or mapping
-        As of `solve`. With `effects.choose` the first run prepares, since it finds the effects.
+        As for `solve`. With `effects.choose`, the first run prepares, since it chooses the effects.
 
     Returns
     -------
@@ -88,31 +86,31 @@ def prepare(scene: SceneLike) -> Prepared:
 def sensitivity(scene: SceneLike | Prepared, paths: Sequence[str]) -> Sensitivity:
     """Derivatives of all results of a scene with respect to some of its keys.
 
-    They are exact for the pairs in contact of each state: central differences over a step so small
-    that its square is 1e-8, between systems of the same pairs on cells that follow the contact.
-    Contact on cells is not solved again; lumped contact and slices, which have no cells, are solved
-    again on both sides (`solved_states` of the cost).
+    They are exact for the pairs in contact of each state: central differences with a step whose
+    square is 1e-8, between systems of the same pairs on cells that follow the contact. Only lumped
+    contact and slices, which have no cells, are solved again on both sides (`solved_states` of the
+    cost).
 
     Parameters
     ----------
     scene : Scene, path, mapping or Prepared
-        A prepared scene lends its bodies and compliances. `accuracy.tolerance` and
-        `effects.choose` are refused, since derivatives need one discretization.
+        Bodies and compliances of a prepared scene are reused. `accuracy.tolerance` and
+        `effects.choose` are refused, since derivatives require one discretization.
     paths : sequence of str
         Keys with numbers, by path as in `Scene.replace`: "body_1.tip_relief_um",
-        "body_2.pitch_errors_um[3]", "pair.center_distance_mm". A key that reaches the elements of
-        a body costs two solutions of these.
+        "body_2.pitch_errors_um[3]", "pair.center_distance_mm". A key that changes the elements of a
+        body costs two solutions of these.
 
     Returns
     -------
     Sensitivity
-        `derivative("transmission_error_peak_to_peak_um")`, and so on for each number of
-        `Result.summary`, each array of `Result`, and each function of a Result.
+        `derivative("transmission_error_peak_to_peak_um")`, also for each number of
+        `Result.summary`, each array of `Result` and each function of a Result.
 
     Raises
     ------
     SceneError, FlankloadError
-        As `solve`; if a path leads to no number, or no scene beside its value is possible.
+        As `solve`; also if a path leads to no number, or if no close value of it is possible.
     """
     if isinstance(scene, Prepared):
         return derivatives.sensitivity(scene.scene, paths, scene.parts)
@@ -120,6 +118,6 @@ def sensitivity(scene: SceneLike | Prepared, paths: Sequence[str]) -> Sensitivit
 
 
 def _check_calls(**calls: object) -> None:
-    """Refuse what cannot be called, before anything is solved."""
+    """Refuse arguments that cannot be called."""
     for name, call in calls.items():
         require(name, call, "a function", fits=call is None or callable(call))

@@ -1,8 +1,7 @@
 """Cost of a run: seconds, bytes and counted work, by stage.
 
-Work is counted where it is done (a factorisation by the code that factorises, a column by the code
-that computes it), in the account of the stage that requested it. Predictions before the run are
-separate: both are shown side by side in the cost of a result.
+The code that does the work counts it, in the account of the stage that requested it. The cost of a
+result shows predictions beside it.
 """
 
 from __future__ import annotations
@@ -52,7 +51,7 @@ class Account:
     ----------
     wall_s, cpu_s : float
     bytes : int
-        Arrays that the stage holds, or returns, at its end.
+        Arrays held or returned at the end of the stage.
     workspace_bytes : int
         Largest temporary arrays, if known.
     counters : dict of str to int
@@ -116,19 +115,19 @@ def beside_plan(
     counted: Mapping[str, Mapping[str, int]],
     guessed: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> dict[str, dict[str, Any]]:
-    """Predictions of a run, shown beside its cost.
+    """Predictions of a run, for its cost.
 
     Parameters
     ----------
     counted : mapping of str to mapping
-        By stages, counters of the run that are known in advance.
+        Exact counters by stage.
     guessed : mapping of str to mapping, optional
-        By stages, seconds, bytes and all counters from a plan of the scene.
+        Seconds, bytes and all counters by stage, from a plan of the scene.
 
     Returns
     -------
     dict of str to dict
-        By stages: "counters", and the other predictions.
+        "counters" and the other predictions by stage.
 
     Raises
     ------
@@ -149,6 +148,10 @@ def beside_plan(
     return found
 
 
+#: Types that hold no array.
+PLAIN = (str, float, int)
+
+
 def held_bytes(*things: object) -> int:
     """Bytes of all distinct arrays in objects: in dataclasses, sequences and mappings.
 
@@ -166,17 +169,18 @@ def held_bytes(*things: object) -> int:
     left, seen = list(things), set()
     while left:
         thing = left.pop()
-        if isinstance(thing, str | float | int) or id(thing) in seen:
+        if thing is None or isinstance(thing, PLAIN) or id(thing) in seen:
             continue
         seen.add(id(thing))
         if isinstance(thing, np.ndarray):
             while isinstance(thing.base, np.ndarray):
                 thing = thing.base
             owners[id(thing)] = thing.nbytes
-        elif is_dataclass(thing) and hasattr(thing, "nbytes"):
-            owners[id(thing)] = thing.nbytes
         elif is_dataclass(thing):
-            left += [getattr(thing, item.name) for item in fields(thing)]
+            if hasattr(thing, "nbytes"):
+                owners[id(thing)] = thing.nbytes
+            else:
+                left += [getattr(thing, item.name) for item in fields(thing)]
         elif isinstance(thing, Mapping):
             left += thing.values()
         elif isinstance(thing, list | tuple):

@@ -1,4 +1,4 @@
-"""Exceptions, one class per kind; each states what was expected and what was found."""
+"""Exceptions of the package."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class FlankloadError(Exception):
     """Base class of all exceptions that flankload raises on purpose."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # the default calls the class with its args, but these classes have keyword arguments
+        # the default would call the class with its args, but some arguments are keywords
         return _restored, (type(self), self.args, dict(vars(self)))
 
 
@@ -95,9 +95,9 @@ class ContactError(FlankloadError):
     code : int
         The core's code: -1 … -7.
     place : tuple of int
-        For several problems solved at once: indices of the position and of the torque.
+        Indices of position and torque, if several problems are solved at once.
     states : tuple
-        For several problems solved at once: the states of the others, None if there is none.
+        States of the other problems solved at once; None for those without a state.
     """
 
     code = 0
@@ -116,8 +116,8 @@ class NoContactState(ContactError):  # noqa: N818 - a public name
     largest_torque : float
         The largest torque in equilibrium on the path from zero load [N mm].
     motion : ndarray of shape (q,)
-        If no forces balance the loads: a motion that opens or keeps all gaps while the loads do
-        work; else the motion in which the path from zero load ends. Zero if neither was found.
+        If no forces balance the loads: a motion that closes no gap while the loads do work;
+        otherwise the motion at the end of the path from zero load. Zero if neither was found.
     """
 
     code = -1
@@ -137,7 +137,7 @@ class NoContactState(ContactError):  # noqa: N818 - a public name
 
 
 class PivotLimit(ContactError):  # noqa: N818 - a public name
-    """The loop reached its limit of pivots before a state (code -2)."""
+    """The loop reached its limit of pivots before it found a state (code -2)."""
 
     code = -2
 

@@ -2,7 +2,7 @@
 
 A process of its own replays calls whose arguments were taken down, each twice: the first time the
 linker and the libraries make themselves ready. Only what happens between entry and return of the
-door is counted, so that the numbers depend on arguments, compiler and processor type alone.
+interface is counted, so that the numbers depend on arguments, compiler and processor type alone.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-DOOR = "flankload_sweep"
+INTERFACE = "flankload_sweep"
 #: Each call is made so often; the first makes libraries ready, of the others the least counts.
 TIMES = 4
 #: What finds and gives back memory does so in as many steps as what was asked for before has left
@@ -70,7 +70,7 @@ def count_instructions(core: Path, calls: Sequence[dict[str, Any]]) -> list[Coun
     core : Path
         The extension module.
     calls : sequence of dict
-        Arguments of the door by name; a core that does not know one is called without it.
+        Arguments of the interface by name; a core that does not know one is called without it.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def count_instructions(core: Path, calls: Sequence[dict[str, Any]]) -> list[Coun
         profile = Path(folder) / "profile"
         command = [
             *("valgrind", "--quiet", "--tool=callgrind", f"--callgrind-out-file={profile}"),
-            *(f"--toggle-collect={DOOR}_", f"--dump-after={DOOR}_", "--compress-pos=no"),
+            *(f"--toggle-collect={INTERFACE}_", f"--dump-after={INTERFACE}_", "--compress-pos=no"),
             *(sys.executable, __file__, str(core), str(arguments)),
         ]
         one = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
@@ -136,11 +136,11 @@ def _replay(core: str, path: str) -> None:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    door = getattr(module, DOOR)
-    names = door.__doc__.partition("(")[2].partition(")")[0].split(",")
+    interface = getattr(module, INTERFACE)
+    names = interface.__doc__.partition("(")[2].partition(")")[0].split(",")
     for call in pickle.loads(Path(path).read_bytes()):
         known = deepcopy({name: call[name] for name in names})
-        info = door(**known)[-1]
+        info = interface(**known)[-1]
         assert info == 0
 
 

@@ -77,8 +77,8 @@ ROOM = 4
 #: Procedures that lead a position, and what they call in its stages.
 LEADING = ("solve_position", "solve_load", "solve_pairs", "solve_matrix", "solve_lumped")
 STAGES = {
-    "zones": ("look_at_position",),
-    "lumped": ("lumped_contact",),
+    "zones": ("locate_contacts",),
+    "lumped": ("estimate_forces",),
     "pairs": ("lay_pairs", "measure_reach", "append_place", "reach_of"),
     "influence": ("influence_matrix",),
     "loop": ("solve_contact_problem", "solve_pass"),
@@ -155,13 +155,13 @@ def _case(name: str, changes: Mapping[str, Mapping[str, Any]]) -> Case:
     for table, keys in merged(plain, changes).items():
         tables.setdefault(table, {}).update(keys)
     scene = fl.Scene.from_dict(tables)
-    door = _core.flankload_sweep
-    names = door.__doc__.partition("(")[2].partition(")")[0].split(",")
+    interface = _core.flankload_sweep
+    names = interface.__doc__.partition("(")[2].partition(")")[0].split(",")
     calls: list[dict[str, Any]] = []
 
     def watched(*arguments: Any) -> Any:
         calls.append(deepcopy(dict(zip(names, arguments, strict=True))))
-        return door(*arguments)
+        return interface(*arguments)
 
     with patch.object(_core, "flankload_sweep", watched):
         fl.solve(scene)

@@ -9,8 +9,8 @@ program bench_sweep
         & grid_settings, method_single, position_state, solve_contact_problem, solve_position, &
         & symmetric_matrix
     use flankload_contact_pairs, only: pairs_type
-    use flankload_influence_number, only: influence_matrix
-    use flankload_lumped_hertz, only: lumped_contact
+    use flankload_influence_coefficients, only: influence_matrix
+    use flankload_lumped_estimate, only: estimate_forces
     use flankload_position_zones, only: locate_contacts, position_type
     use flankload_position_cells, only: cells_type, expected_pairs, lay_pairs, &
         & measure_reach, new_cells
@@ -122,7 +122,7 @@ contains
     !> Add the times of one position.
     subroutine take_position(case, angles, times, pairs)
         !> Sweep
-        type(bench_case), intent(in) :: case
+        type(bench_case), target, intent(in) :: case
         !> Angles of the bodies [rad]
         real(wp), intent(in) :: angles(2)
         !> Times of the stages [s]
@@ -147,15 +147,12 @@ contains
                 & position, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_zones))
-            call lumped_contact(position%coupling, position%gap, position%zones%lever, &
-                & position%zones%curvature, &
-                & 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low), &
-                & position%flank_length, position%kernel, position%images, torque, estimate, &
-                & rotation, pivots, error)
+            call estimate_forces(position, position%zones%curvature, torque, estimate, rotation, &
+                & states(1), error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_lumped))
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp, case%settings)
-            call measure_reach(body_1, body_2, position, cells)
+            call measure_reach(position, cells)
             call lay_pairs(body_1, body_2, position, case%settings, cells, laid, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_pairs))

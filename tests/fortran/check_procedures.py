@@ -1,8 +1,8 @@
-"""Check that no procedure below fortran/ has more than 60 lines of code or 8 arguments.
+"""Check that procedures below fortran/ are short, and that another file uses each public name.
 
-Comments and blank lines do not count; a procedure counts with the ones inside it. Those of flat/,
-whose arguments are arrays without descriptors, are as long as their lists of arguments, and those
-of LAPACK take what they take. `--list` prints what is above a bound.
+A procedure has at most 60 lines of code and 8 arguments. Comments and blank lines do not count; a
+procedure counts with the ones inside it. Those of flat/, whose arguments are arrays without
+descriptors, are as long as their lists of arguments, and those of LAPACK take what they take.
 """
 
 import re
@@ -34,19 +34,6 @@ PUBLIC = {
     "position/recorded_sweep.f90: unpack_sweep",
     "points/nodal_sweep.f90: sweep_nodal_positions",
 }
-#: Other procedures above a bound, with their lines and arguments: none may grow, none may join.
-LARGER: dict[str, tuple[int, int]] = {
-    "cells/contact_pairs.f90: append_pairs": (47, 11),
-    "cells/friction.f90: add_friction": (35, 9),
-    "cells/friction.f90: slide_at": (33, 12),
-    "flank/contact_zones.f90: find_zones": (50, 10),
-    "position/lumped_hertz.f90: lumped_contact": (49, 13),
-    "position/lumped_pass.f90: solve_pass": (78, 11),
-    "position/lumped_place.f90: reach_of": (61, 8),
-    "position/lumped_place.f90: slide_place": (40, 9),
-    "position/lumped_position.f90: solve_lumped": (67, 6),
-    "position/lumped_position.f90: update_contacts": (55, 9),
-}
 
 
 def procedures(path: Path) -> Iterator[tuple[str, int, int]]:
@@ -71,9 +58,9 @@ def procedures(path: Path) -> Iterator[tuple[str, int, int]]:
             yield name, number - first + 1, arguments
 
 
-def larger() -> dict[str, tuple[int, int]]:
-    """Procedures above a bound as `folder/file.f90: name`."""
-    found = {}
+def complaints() -> list[str]:
+    """One sentence for each procedure above a bound."""
+    found = []
     for path in sorted(FORTRAN.rglob("*.f90")):
         place = path.relative_to(FORTRAN)
         if place.parts[0] == "flat":
@@ -81,29 +68,33 @@ def larger() -> dict[str, tuple[int, int]]:
         for name, lines, arguments in procedures(path):
             called = f"{place.as_posix()}: {name}"
             if lines > MOST_LINES or (arguments > MOST_ARGUMENTS and called not in PUBLIC):
-                found[called] = lines, arguments
+                found.append(
+                    f"{called}: {lines} lines and {arguments} arguments, "
+                    f"at most {MOST_LINES} and {MOST_ARGUMENTS}"
+                )
     return found
 
 
-def complaints() -> list[str]:
-    """One sentence for each procedure that has grown, and for each entry that is not needed."""
-    found, now = [], larger()
-    for name, (lines, arguments) in now.items():
-        bound = LARGER.get(name, (MOST_LINES, MOST_ARGUMENTS))
-        if lines > max(bound[0], MOST_LINES) or arguments > max(bound[1], MOST_ARGUMENTS):
-            found.append(f"{name}: {lines} lines and {arguments} arguments, at most {bound}")
-    for name, bound in LARGER.items():
-        if name not in now:
-            found.append(f"{name}: is within both bounds or gone, but noted with {bound}")
-    return found
+def unused() -> list[str]:
+    """One sentence for each public name of a module that neither another file nor a test uses."""
+    codes = {
+        path: re.sub(r"&\s*\n\s*&", " ", re.sub(r"!.*", "", path.read_text(encoding="utf-8")))
+        for folder in (FORTRAN, Path(__file__).resolve().parent)
+        for path in sorted(folder.rglob("*.f90"))
+    }
+    words = {path: set(re.findall(r"\w+", code.lower())) for path, code in codes.items()}
+    return [
+        f"{path.relative_to(FORTRAN.parent).as_posix()}: no other file uses {name}"
+        for path, code in codes.items()
+        if FORTRAN in path.parents and path.parent != FORTRAN
+        for names in re.findall(r"^ *public *:: *(.*)$", code, re.MULTILINE)
+        for name in re.findall(r"\w+", names)
+        if not any(name.lower() in words[other] for other in words if other != path)
+    ]
 
 
 if __name__ == "__main__":
-    if "--list" in sys.argv:
-        for name, sizes in larger().items():
-            print(f'    "{name}": {sizes},')
-        sys.exit()
-    lines = complaints()
+    lines = complaints() + unused()
     for line in lines:
         print(line, file=sys.stderr)
     sys.exit(bool(lines))

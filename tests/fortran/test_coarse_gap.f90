@@ -4,8 +4,8 @@
 program test_coarse_gap
     use flankload, only: wp
     use flankload_coarse_gap, only: coarse_gap
-    use flankload_flank_curve, only: flank_curve_type, frame_type, new_flank_curve, new_frame
-    use flankload_circle_pair, only: flank_type, new_flank
+    use flankload_flank_curve, only: flank_curve_type, new_flank_curve, new_frame
+    use flankload_circle_pair, only: facing_type, flank_type, new_flank
     use flankload_contact_zones, only: find_zones, zone_type
     implicit none
 
@@ -16,8 +16,8 @@ program test_coarse_gap
     integer :: i, k, n_zones, n_seen, n_far
     real(wp) :: bases(2), rounding(2), distance, bound, least, turn, draws(8)
     logical :: conforms, lost
-    type(flank_type) :: flank_1, flank_2
-    type(frame_type) :: frame_1, frame_2
+    type(flank_type), target :: flank_1, flank_2
+    type(facing_type) :: facing
     type(zone_type) :: zones(8)
     integer, allocatable :: seed(:)
 
@@ -37,13 +37,14 @@ program test_coarse_gap
         do k = 1, n_places
             call random_number(draws)
             turn = 1.2_wp*(draws(1) - 0.5_wp)
-            frame_1 = new_frame([0.0_wp, 0.0_wp], turn)
-            frame_2 = new_frame([distance, 0.0_wp], half_turn - turn*bases(1)/bases(2) &
+            facing%flank_1 => flank_1
+            facing%flank_2 => flank_2
+            facing%frame_1 = new_frame([0.0_wp, 0.0_wp], turn)
+            facing%frame_2 = new_frame([distance, 0.0_wp], half_turn - turn*bases(1)/bases(2) &
                 & + 0.1_wp*(draws(2) - 0.3_wp))
-            bound = coarse_gap(flank_1, frame_1, flank_2, frame_2)
+            bound = coarse_gap(facing)
             n_zones = 0
-            call find_zones(flank_1, frame_1, flank_2, frame_2, 1, 0.0_wp, zones, n_zones, &
-                & conforms, lost)
+            call find_zones(facing, 1, 0.0_wp, zones, n_zones, conforms, lost)
             if (n_zones == 0) then
                 n_far = n_far + 1
                 cycle

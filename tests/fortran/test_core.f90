@@ -9,7 +9,9 @@ program test_core
     use flankload_contact_problem, only: contact_problem, new_contact_problem
     use flankload_contact_certificate, only: certify, is_unique
     use flankload_twice_precision, only: two_part, add_product, rounded
-    use flankload_lumped_hertz, only: lumped_contact
+    use flankload_lumped_estimate, only: estimate_forces
+    use flankload_position_state, only: position_state
+    use flankload_position_zones, only: position_type
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve, curve_point
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pairs, &
         & drop_pair
@@ -325,7 +327,7 @@ contains
     subroutine test_near_field_of_cells
         real(wp), parameter :: kernel = 1.7_wp, growth(3) = [1.0_wp, 1.004_wp, 1.05_wp]
         real(wp), parameter :: wedge(2) = [0.3_wp, 0.9_wp], away(3) = [0.0_wp, 0.3_wp, 3.0_wp]
-        integer, parameter :: first = 3
+        integer, parameter :: first = 3, last = first + n - 1
         !> Far images of nearly equal cells have derivatives of a logarithm
         real(wp), parameter :: series = 1.0e-7_wp
         real(wp) :: s(n), cell(n), matrix(n + first, n + first), plain(n + first, n + first)
@@ -344,10 +346,10 @@ contains
                 body%s_high = maxval(s + 0.5_wp*cell) + away(k)
                 body%wedge = 0.0_wp
                 plain = 1.0_wp
-                call add_near_field(body, s, cell, first, plain)
+                call add_near_field(body, s, cell, plain(first:last, first:last))
                 body%wedge = wedge
                 matrix = 1.0_wp
-                call add_near_field(body, s, cell, first, matrix)
+                call add_near_field(body, s, cell, matrix(first:last, first:last))
                 slack = merge(20.0_wp*round_off, series, &
                     & modulo(way, size(growth)) == 1 .and. sense == 1)*kernel
                 do j = 1, n
@@ -458,7 +460,7 @@ contains
             s = [(sum(cell(:i)) - 0.5_wp*cell(i), i=1, n)]
             body%s_high = sum(cell)
             matrix = 0.0_wp
-            call add_near_field(body, s, cell, 1, matrix)
+            call add_near_field(body, s, cell, matrix)
             do j = 1, n
                 matrix(j, j:) = matrix(j:, j)
             end do
@@ -792,15 +794,21 @@ contains
     subroutine test_estimate_of_one_place
         real(wp), parameter :: kernel = 1.0e-5_wp, force = 100.0_wp, lever = 2.0_wp
         real(wp), parameter :: half_width = 0.2_wp
-        real(wp) :: coupling(1, 1), rotation, approach
+        real(wp) :: rotation, approach
         real(wp), allocatable :: forces(:)
-        integer :: pivots
-        type(image_type) :: none(2, 1)
+        type(position_type) :: position
+        type(position_state) :: state
         type(error_type), allocatable :: error
 
-        coupling = 0.0_wp
-        call lumped_contact(coupling, [0.0_wp], [lever], [2.0_wp*force*kernel/half_width**2], &
-            & [1.0_wp], 10.0_wp, [kernel], none, lever*force, forces, rotation, pivots, error)
+        allocate (position%zones(1), position%images(2, 1))
+        allocate (position%coupling(1, 1), source=0.0_wp)
+        position%zones%lever = lever
+        position%gap = [0.0_wp]
+        position%widest = [1.0_wp]
+        position%kernel = [kernel]
+        position%flank_length = 10.0_wp
+        call estimate_forces(position, [2.0_wp*force*kernel/half_width**2], lever*force, forces, &
+            & rotation, state, error)
         call expect(.not. allocated(error), 'one place is estimated')
         approach = kernel*force*(0.5_wp + log(2.0_wp/half_width))
         call expect(abs(lever*rotation - approach) <= round_off*approach, 'the approach of Hertz')

@@ -173,20 +173,62 @@ PROGRAMS: dict[str, Callable[[str], None]] = {
 }
 
 
+@pytest.fixture
+def build(prefix: Path, workshop: Path, environment: dict[str, str]) -> Callable[[str, str], Path]:
+    """Builds a program of the documentation with the command in its first line."""
+
+    def built(name: str, source: str) -> Path:
+        folder = workshop / name.replace(".", "_")
+        folder.mkdir(exist_ok=True)
+        (folder / name).write_text(source, encoding="utf-8")
+        made = subprocess.run(
+            ["sh", "-c", COMMAND.search(source.splitlines()[0])[0]],
+            cwd=folder,
+            env={**environment, "LD_LIBRARY_PATH": str(prefix / "lib")},
+            capture_output=True,
+            check=True,
+        )
+        assert made.stderr == b""
+        return folder / "a.out"
+
+    return built
+
+
 @pytest.mark.parametrize("name", [*PROGRAMS])
 def test_programs_of_the_documentation(
-    name: str, prefix: Path, workshop: Path, environment: dict[str, str]
+    name: str, build: Callable[[str, str], Path], prefix: Path, environment: dict[str, str]
 ) -> None:
     environment = {**environment, "LD_LIBRARY_PATH": str(prefix / "lib")}
-    folder = workshop / name.replace(".", "_")
-    folder.mkdir(exist_ok=True)
-    (folder / name).write_text(SOURCES[name], encoding="utf-8")
-    command = COMMAND.search(SOURCES[name].splitlines()[0])[0]
-    made = subprocess.run(
-        ["sh", "-c", command], cwd=folder, env=environment, capture_output=True, check=True
+    PROGRAMS[name](run(build(name, SOURCES[name]), None, environment))
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "printed"),
+    [
+        ("[10.0_wp, 9.4_wp", "[-10.0_wp, 9.4_wp", "  -5 compliance: expected a positive diagonal"),
+        ("[10.0_wp], &", "[-10.0_wp], &", "  -1 no forces >= 0 balance the loads"),
+        ("method_auto, [", "99, [", "  -4 method: expected one of the constants method_…"),
+    ],
+    ids=["diagonal", "torque", "method"],
+)
+def test_a_fortran_program_prints_why_there_is_no_state(
+    right: str,
+    wrong: str,
+    printed: str,
+    build: Callable[[str, str], Path],
+    prefix: Path,
+    environment: dict[str, str],
+) -> None:
+    source = SOURCES["three.f90"]
+    assert source.count(right) == 1
+    ended = subprocess.run(
+        [build("three.f90", source.replace(right, wrong))],
+        env={**environment, "LD_LIBRARY_PATH": str(prefix / "lib")},
+        capture_output=True,
+        check=False,
+        text=True,
     )
-    assert made.stderr == b""
-    PROGRAMS[name](run(folder / "a.out", None, environment))
+    assert (ended.returncode, ended.stdout.rstrip("\n")) == (1, printed)
 
 
 def test_every_program_of_the_documentation_is_run() -> None:
@@ -197,5 +239,5 @@ def test_every_procedure_has_a_program() -> None:
     """But for the tests of numbers (the examples)."""
     said = "".join(SOURCES.values()).lower()
     said += "flankload_double_vector flankload_integer_vector"
-    door = [name for name in dir(_core) if name.startswith("flankload_")]
-    assert [name for name in door if not re.search(rf"{name}(?![a-z])", said)] == []
+    interface = [name for name in dir(_core) if name.startswith("flankload_")]
+    assert [name for name in interface if not re.search(rf"{name}(?![a-z])", said)] == []

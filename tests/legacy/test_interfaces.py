@@ -1,4 +1,4 @@
-"""A call that does not fit the door does not compile, whatever way a program names the door."""
+"""A call with wrong arguments does not compile, whichever interface a program names."""
 
 from __future__ import annotations
 

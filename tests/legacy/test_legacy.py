@@ -157,17 +157,17 @@ def problem_file(workshop: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("door", "static"),
+    ("program", "static"),
     [("bits", False), ("bits_fortran", False), ("bits_modern", False), ("bits", True)],
     ids=["bits-shared", "bits_fortran-shared", "bits_modern-shared", "bits-static"],
 )
-def test_the_same_bits_through_every_door(
-    door, static, problem_file, workshop, environment
+def test_the_same_bits_through_every_interface(
+    program, static, problem_file, workshop, environment
 ) -> None:
     name = "programs" + ("_static" if static else "")
-    folder = built(PROGRAMS, workshop / name, environment, static=static, program=door)
-    read = float.fromhex if door == "bits" else float
-    lines = run(folder / door, problem_file, environment).splitlines()
+    folder = built(PROGRAMS, workshop / name, environment, static=static, program=program)
+    read = float.fromhex if program == "bits" else float
+    lines = run(folder / program, problem_file, environment).splitlines()
     for line, (structure, method, arrays) in zip(lines, contact_problems(), strict=True):
         info, pivots, *numbers = line.split()
         answer = _core.flankload_solve_contact(
@@ -191,7 +191,7 @@ def test_threads_of_the_caller(static, problem_file, workshop, environment) -> N
     assert printed.split() == ["0", "of", "800", "differ"]
 
 
-def test_every_door_tells_the_version(prefix, workshop, environment) -> None:
+def test_every_interface_has_the_version(prefix, workshop, environment) -> None:
     text = (ROOT / "meson.build").read_text(encoding="utf-8")
     version = re.search(r"^    version: '([\d.]+)'", text, re.MULTILINE)[1]
     folder = built(PROGRAMS, workshop / "programs", environment, static=False)

@@ -112,11 +112,13 @@ def sweep_file(sweep: NodalSweep, workshop: Path) -> Path:
     return written(workshop / "sweep.txt", "\n".join(lines) + "\n")
 
 
-@pytest.mark.parametrize("door", ["sweep_bits", "sweep_bits_fortran", "sweep_bits_modern"])
-def test_the_same_bits_through_every_door(door, solved, sweep_file, workshop, environment) -> None:
+@pytest.mark.parametrize("program", ["sweep_bits", "sweep_bits_fortran", "sweep_bits_modern"])
+def test_the_same_bits_through_every_interface(
+    program, solved, sweep_file, workshop, environment
+) -> None:
     folder = built(PROGRAMS, workshop / "programs", environment, static=False)
-    read = float.fromhex if door == "sweep_bits" else float
-    info, *numbers = run(folder / door, sweep_file, environment).split()
+    read = float.fromhex if program == "sweep_bits" else float
+    info, *numbers = run(folder / program, sweep_file, environment).split()
     assert int(info) == 0
     expected = [
         solved[name].ravel(order="F")

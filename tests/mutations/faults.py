@@ -105,7 +105,7 @@ _FORTRAN = (
     *_in(
         "pair_influence.f90",
         "physics/test_friction_of_slices.py",
-        ("matrix = matrix - recession", "matrix = matrix + recession"),
+        ("matrix = matrix - displacement", "matrix = matrix + displacement"),
         ("[pairs%normal(2, i), -pairs%normal(1, i)]", "[-pairs%normal(2, i), pairs%normal(1, i)]"),
     ),
     *_in(
@@ -118,7 +118,7 @@ _FORTRAN = (
         "slice_coupling.f90",
         "physics/test_shafts.py",
         ("& -body_1%compliance%twist*zones(k)%lever]", "& body_1%compliance%twist*zones(k)%lever]"),
-        ("[place%point_1 - body%origin, middle_of", "[place%point_1, middle_of"),
+        ("r = [point - body%origin, z", "r = [point, z"),
         ("wrenches_on(body_2, body_1, &", "wrenches_on(body_1, body_1, &"),
     ),
     *_in(
@@ -245,8 +245,12 @@ _FORTRAN = (
         "bodies/free_corner.py",
         "unit/elasticity/test_free_corner.py",
         ("across / (w - np.sin(w))", "across / (w + np.sin(w))"),
-        ("- 3 * mesh.nodes[node]", "- 2 * mesh.nodes[node]"),
-        ("SMOOTH - LEAST_TURN", "SMOOTH + LEAST_TURN"),
+        ("STRAIGHT_ANGLE - LEAST_CORNER_TURN", "STRAIGHT_ANGLE + LEAST_CORNER_TURN"),
+    ),
+    *_in(
+        "bodies/corner_angle.py",
+        "unit/elasticity/test_free_corner.py",
+        ("- 3 * nodes[node]", "- 2 * nodes[node]"),
     ),
     *_in(
         "finite_influence.f90",
@@ -263,6 +267,10 @@ _FORTRAN = (
         "lumped_hertz.f90",
         "core",
         ("sqrt(2.0_wp*max(force, 0.0_wp)*kernel", "sqrt(4.0_wp*max(force, 0.0_wp)*kernel"),
+    ),
+    *_in(
+        "lumped_estimate.f90",
+        "core",
         ("kernel(i)*(0.5_wp + log(2.0_wp/near))", "kernel(i)*log(2.0_wp/near)"),
     ),
     *_in(
@@ -363,7 +371,7 @@ _FORTRAN = (
         "unit/contact/test_sweep.py unit/mechanisms/test_tip_contact.py "
         "regression/test_regression.py::test_reference[scene_cam]",
         ("weight = room**2/sum(room**2)", "weight = room/sum(room)"),
-        ("angle = normal%turning(body)*", "angle = 2.0_wp*normal%turning(body)*"),
+        ("normal%turning(body)*(s_1", "2.0_wp*normal%turning(body)*(s_1"),
     ),
     *_in(
         "gap_shift.f90",
@@ -577,7 +585,7 @@ _PYTHON = (
         "mechanisms/flank_pair/from_sweep.py",
         "physics/test_friction_of_slices.py",
         ("np.column_stack([-up, across,", "np.column_stack([up, across,"),
-        ("sign * (normal + rubbing)", "sign * normal"),
+        ("sign * (normal + friction)", "sign * normal"),
     ),
     *_in(
         "pairing/expansion.py",
@@ -608,8 +616,8 @@ _PYTHON = (
     *_in(
         "elasticity/compliance/job.py",
         "unit/pairing/test_growth.py",
-        ("growth.strain - growth.held_strain", "growth.strain + growth.held_strain"),
-        ("growth.speed_rad_per_s**2", "growth.speed_rad_per_s"),
+        ("body_load.strain - body_load.held_strain", "body_load.strain + body_load.held_strain"),
+        ("body_load.speed_rad_per_s**2", "body_load.speed_rad_per_s"),
     ),
     *_in(
         "pairing/expansion.py",

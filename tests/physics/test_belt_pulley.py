@@ -19,8 +19,8 @@ from flankload.mechanisms.belt.contact import solve_belt, spring_row
 from flankload.mechanisms.belt.pulley_compliance import (
     PulleyResponse,
     land_forces,
+    on_elastic_pulley,
     pulley_compliance,
-    rest_on,
     solve_pulley,
     touches_of,
     unit_forces,
@@ -87,7 +87,7 @@ def resting(
     strip: Strip = T10, material: Material = PLASTIC, elements: int = 6, phase: float = 0.0
 ) -> StripResponse:
     pulley = known(replace(strip, prestress_N_per_mm=0.0), material, elements)
-    return rest_on(held(strip, elements, phase), strip, pulley)
+    return on_elastic_pulley(held(strip, elements, phase), strip, pulley)
 
 
 # --- the pulley -----------------------------------------------------------------------------------
@@ -439,7 +439,7 @@ def test_other_grooves_have_sound_elements_and_balance(
     moved = []
     for material in (PLASTIC, Material(1e9, 0.35)):
         own = solve_pulley(replace(mesh, pulley=replace(pulley, material=material)), sliding=True)
-        found = rest_on(response(strip, 4), strip, own)
+        found = on_elastic_pulley(response(strip, 4), strip, own)
         state = solve_belt(strip, found, FORCE, 20.0)
         np.testing.assert_allclose(state.tight_N_per_mm, 20.0 + FORCE, rtol=SOLVER, atol=0.0)
         moved.append(state.rotation_rad / rigid.rotation_rad - 1)

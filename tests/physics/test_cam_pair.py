@@ -11,7 +11,7 @@ from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import degrees_of, factored, stiffness
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.cam_motion import Stand
+from flankload.pairing.cam_motion import CamContacts
 from tests.support.cam_scenes import FLAT_FOLLOWER, TORQUE, WIDTH, cam_scene, lift_and_dwell, waves
 from tests.support.solving import solve
 
@@ -27,22 +27,22 @@ PLAIN, FINER = 2e-3, 3e-3
 FOLLOWERS = pytest.mark.parametrize("follower", [{}, FLAT_FOLLOWER], ids=["roller", "flat"])
 
 
-def solved(*args: object, **keys: object) -> tuple[fl.Result, BodyPair, Stand]:
+def solved(*args: object, **keys: object) -> tuple[fl.Result, BodyPair, CamContacts]:
     scene = fl.Scene.from_dict(cam_scene(*args, **keys))
     pair = build_bodies(scene)
     motion = pair.pairing.motion
     assert motion is not None
     result = solve(scene)
     assert isinstance(result, fl.Result)
-    return result, pair, motion.stand(pair.position_rad)
+    return result, pair, motion.contacts(pair.position_rad)
 
 
 @FOLLOWERS
 @pytest.mark.parametrize("profile", [None, waves()], ids=["disc", "hollows"])
 def test_pressure_is_that_of_hertz(profile: list | None, follower: dict) -> None:
     """With the curvatures at the place of contact, convex and concave."""
-    result, pair, stand = solved(profile, follower, positions={"count": 24})
-    own = pair.body_2.curve.curvature(stand.arc_length_mm)
+    result, pair, contacts = solved(profile, follower, positions={"count": 24})
+    own = pair.body_2.curve.curvature(contacts.arc_length_mm)
     if profile is not None and not follower:
         assert own.min() < -0.02
     curvature = own + (0.0 if follower else 1 / 10.0)
@@ -71,8 +71,8 @@ def test_pressure_is_that_of_hertz(profile: list | None, follower: dict) -> None
 )
 def test_force_is_torque_over_lever(follower: dict, one: dict, two: dict) -> None:
     follower = {**(follower or {}), **one}
-    result, _, stand = solved(lift_and_dwell(), follower, two, positions={"count": 12})
-    force = 1000 * TORQUE / stand.levers()
+    result, _, contacts = solved(lift_and_dwell(), follower, two, positions={"count": 12})
+    force = 1000 * TORQUE / contacts.levers()
     np.testing.assert_allclose(result.site_force_N[:, 0], force, rtol=STATICS)
 
 
@@ -82,13 +82,13 @@ def test_long_arm_does_not_bend_the_gap() -> None:
     Statics of steel: the place of contact moves along the roller by what the arm's end turns.
     """
     slender = {"arm_width_mm": 5.0}
-    result, pair, stand = solved(None, slender, positions={"count": 4})
+    result, pair, contacts = solved(None, slender, positions={"count": 4})
     force = result.site_force_N[:, 0] / WIDTH
-    curvature = pair.body_2.curve.curvature(stand.arc_length_mm) + 0.1
+    curvature = pair.body_2.curve.curvature(contacts.arc_length_mm) + 0.1
     peak = np.sqrt(force * MODULUS / 2 * curvature / np.pi)
     assert result.rotation_rad.min() > 0.02
     np.testing.assert_allclose(result.peak_pressure_MPa[:, 0], peak, rtol=HERTZ)
-    np.testing.assert_allclose(force * WIDTH * stand.levers(), 1000 * TORQUE, rtol=2e-4)
+    np.testing.assert_allclose(force * WIDTH * contacts.levers(), 1000 * TORQUE, rtol=2e-4)
 
 
 def test_flat_over_a_hollow_goes_from_nose_to_nose() -> None:
@@ -120,7 +120,7 @@ def test_flat_over_a_hollow_goes_from_nose_to_nose() -> None:
 def place(pair: BodyPair, angle_deg: float) -> float:
     """Arc length on the cam where a follower lies without load, mm."""
     assert pair.pairing.motion is not None
-    return float(pair.pairing.motion.stand(np.radians([angle_deg])).arc_length_mm[0])
+    return float(pair.pairing.motion.contacts(np.radians([angle_deg])).arc_length_mm[0])
 
 
 # --- wind-up against plain elements -------------------------------------------------------------
@@ -180,7 +180,7 @@ def test_wind_up_is_that_of_plain_elements(
     soft, rigid = {"young_modulus_MPa": 3000.0}, {"rigid": True}
     bodies = (soft, rigid) if z == 0 else (rigid, soft)
     keys = {"positions": {"angles_deg": [angle]}, "load": {"torque_Nm": torque}}
-    result, pair, stand = solved(lift_and_dwell(), *bodies, **keys)
+    result, pair, contacts = solved(lift_and_dwell(), *bodies, **keys)
     fine = {
         **keys,
         "accuracy": {"estimate": False, "tangents": False, "flank_element_mm": element_mm},
@@ -188,10 +188,10 @@ def test_wind_up_is_that_of_plain_elements(
     plain = build_bodies(fl.Scene.from_dict(cam_scene(lift_and_dwell(), *bodies, **fine)))
     table = result.pairs(0)
     one = np.stack([table.x_mm, table.y_mm], axis=1)
-    curve = pair.body_2.curve.rotated(float(stand.turn_2[0]))
+    curve = pair.body_2.curve.rotated(float(contacts.turn_2[0]))
     two = curve.point(table.arc_length_2_mm) + np.array([80.0, 0.0])
     gap = np.arctan2(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0], (one * two).sum(axis=1))
-    own = pair.body_1.curve.rotated(float(stand.turn_1[0])).tangent(table.arc_length_1_mm)
+    own = pair.body_1.curve.rotated(float(contacts.turn_1[0])).tangent(table.arc_length_1_mm)
     tangents, places = (own, curve.tangent(table.arc_length_2_mm)), (one, two)
     lever = np.abs((places[z] * tangents[z]).sum(axis=1))
     cell = table.cell_mm

@@ -67,13 +67,13 @@ def _compliance(k: int, finer: float) -> BodyCompliance:
 def test_smoothed_stresses_tell_what_elements_miss(k: int) -> None:
     """Under a unit force anywhere on the flank, in the mean over it."""
     coarse, fine = _compliance(k, 1.0), _compliance(k, 3.0)
-    assert coarse.missed is not None
+    assert coarse.fe_error is not None
     low, high = coarse.modes.range_mm
     places, count = np.linspace(low, high, 41), len(coarse.smooth[0])
     at = mode_values(places, (low, high), count, tip=coarse.modes.tip)
     true = np.einsum("xa,ab,xb->x", at, fine.smooth[0] - coarse.smooth[0], at)
-    told = np.einsum("xa,ab,xb->x", at, coarse.missed[0], at)
-    assert np.linalg.eigvalsh(coarse.missed[0]).min() > 0
+    told = np.einsum("xa,ab,xb->x", at, coarse.fe_error[0], at)
+    assert np.linalg.eigvalsh(coarse.fe_error[0]).min() > 0
     assert LEAST_TOLD < told.mean() / true.mean() < MOST_TOLD
 
 
@@ -87,9 +87,9 @@ def test_corners_of_a_follower_shrink_with_its_elements() -> None:
         return flank_compliance(body, JobOptions(n_modes=6, plane="strain", estimate=finer == 1))
 
     coarse = compliance(1.0)
-    assert coarse.missed is not None
+    assert coarse.fe_error is not None
     gone = compliance(2.0).smooth[0, 0, 0] - coarse.smooth[0, 0, 0]
-    assert LEAST_GONE < gone / coarse.missed[0, 0, 0] < 1
+    assert LEAST_GONE < gone / coarse.fe_error[0, 0, 0] < 1
 
 
 def test_rotation_converges_with_the_elements() -> None:
@@ -287,7 +287,7 @@ def test_secant_stiffness_is_estimated_where_body_1_stands_behind() -> None:
 
 def test_without_an_estimate_nothing_is_smoothed() -> None:
     body = build_bodies(_built(6)).body_1
-    assert flank_compliance(body, JobOptions(n_modes=4, plane="strain")).missed is None
+    assert flank_compliance(body, JobOptions(n_modes=4, plane="strain")).fe_error is None
 
 
 def test_single_angles_claim_nothing_of_what_is_between() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.elasticity.nodal_loads import hat_values
+from flankload.elasticity.nodal_loads import linear_shapes
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import FINITE_STEPS, compliance_of
 from flankload.pairing.body_pair import BodyPair
@@ -82,7 +82,7 @@ class Flank:
         teeth = pair.pairing.site_teeth[z][sites]
         block = found.block_of(teeth[:, None], teeth[None, :], body.teeth)
         assert found.modes.nodes is not None
-        values = hat_values(s, found.modes.nodes)
+        values = linear_shapes(s, found.modes.nodes)
         self.normal, self.tangential = (
             np.einsum("ia,ijab,jb->ij", values, part[block], values)
             for part in (found.smooth, found.tangential)

@@ -136,14 +136,14 @@ def test_relief_of_a_ring_takes_metal_off() -> None:
     # what rolls off on one flank rolls off on the other, from the ring's tip to the pinion's
     assert active_1[1] - active_1[0] == pytest.approx(active_2[1] - active_2[0], rel=1e-12)
     assert active_2[0] == found.roll_length_mm[0]
-    mesh = build_bodies(fl.Scene.from_dict(tables)).pairing.mesh
+    mesh = build_bodies(fl.Scene.from_dict(tables)).pairing.gear_geometry
     assert mesh is not None
     path = mesh.path_end_mm - mesh.path_start_mm
     assert active_1[1] - active_1[0] == pytest.approx(path, abs=0.2)
 
 
 def test_active_profile_is_the_path_of_contact_of_plain_flanks() -> None:
-    result, mesh = solved(), build_bodies(scene()).pairing.mesh
+    result, mesh = solved(), build_bodies(scene()).pairing.gear_geometry
     assert mesh is not None
     for active in result.drawing.active_roll_mm:
         assert active is not None
@@ -244,7 +244,7 @@ def test_centre_distance_error_leaves_involutes_conjugate() -> None:
         np.testing.assert_allclose(
             found.transmission_error_um / 1000, 0.0, rtol=0, atol=GEOMETRY_MM
         )
-        mesh = build_bodies(scene(pair=pair)).pairing.mesh
+        mesh = build_bodies(scene(pair=pair)).pairing.gear_geometry
         assert mesh is not None
         ratios.append((mesh.backlash_mm, mesh.contact_ratio))
     backlash, contact_ratio = np.array(ratios).T
@@ -276,7 +276,7 @@ def test_pair_relieved_by_more_than_it_yields_does_not_touch() -> None:
     assert (found.status >= 0).all()
     pair = build_bodies(scene(one, two))
     profiles = [profile_deviation(pair.body_1), profile_deviation(pair.body_2)]
-    mesh = pair.pairing.mesh
+    mesh = pair.pairing.gear_geometry
     assert mesh is not None
     alone = 0
     for p, position in enumerate(found.position_rad):

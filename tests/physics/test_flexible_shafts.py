@@ -70,7 +70,7 @@ def line_compliance(**pinion: Any) -> np.ndarray:
         degree=8,
         load_degree=3,
         regions=body.axial.regions,
-        shaft=body.axial.carrying,
+        shaft=body.axial.flexible,
     )
     found = prism_compliance(body, prism, n_modes=1)
     norms = mode_norms(body.mode_range_mm, 1)[0] * mode_norms_z(WIDTH, 3)

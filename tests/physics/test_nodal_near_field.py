@@ -75,12 +75,12 @@ def test_unit_forces_of_all_nodes_make_an_even_pressure() -> None:
     body = build_bodies(nodal_scene(0.5)).body_1
     assert body.mesh is not None
     places = nodal_loads.flank_nodes(body.mesh)
-    loads = nodal_loads.hat_loads(body.mesh, places)
+    loads = nodal_loads.nodal_unit_loads(body.mesh, places)
     even = mode_loads(body.mesh, body.mode_range_mm, 1)[:, 0]
-    widths = nodal_loads.hat_widths(places)
+    widths = nodal_loads.shape_widths(places)
     np.testing.assert_allclose(loads @ widths, even, rtol=0, atol=ROUND_OFF * np.abs(even).max())
-    fewer, parts = nodal_loads.every_second(places)
-    coarse = nodal_loads.hat_loads(body.mesh, fewer)
+    fewer, parts = nodal_loads.every_second_node(places)
+    coarse = nodal_loads.nodal_unit_loads(body.mesh, fewer)
     np.testing.assert_allclose(loads @ parts, coarse, rtol=0, atol=ROUND_OFF * np.abs(coarse).max())
     np.testing.assert_allclose(parts.sum(axis=0), 1.0, rtol=0, atol=ROUND_OFF)
 
@@ -151,7 +151,7 @@ def test_nodes_stand_a_fifth_of_the_half_width_apart_by_themselves() -> None:
         assert 0.15 * half_width < apart.min() <= apart.max() < 0.21 * half_width
 
 
-def test_one_position_is_that_of_the_plain_door(nodes: fl.Result) -> None:
+def test_one_position_is_that_of_the_plain_interface(nodes: fl.Result) -> None:
     """The same tables and nodes through `flankload_position` and the contact loop.
 
     There the flanks are splines through the nodes.

@@ -102,8 +102,8 @@ def test_the_elements_of_the_section_miss_as_much_as_estimated(helix: float) -> 
     prism = Prism(ENDS, _twist(helix), degree=5, load_degree=1, cut_degree=2)
     coarse = prism_compliance(_pinion(2.0), prism, n_modes=3, estimate=True)
     fine = prism_compliance(_pinion(0.7), prism, n_modes=3)
-    assert coarse.missed is not None
-    told = np.diag(coarse.missed[0]).reshape(3, 2)
+    assert coarse.fe_error is not None
+    told = np.diag(coarse.fe_error[0]).reshape(3, 2)
     true = np.diag(fine.smooth[0] - coarse.smooth[0]).reshape(3, 2)
     ratio = true / told
     assert ((ratio[:, 0] > 0.6) & (ratio[:, 0] < 2.4)).all()

@@ -204,8 +204,8 @@ def test_a_misalignment_by_an_exact_rotation(name: str, key: str) -> None:
     """Axis 2 is rotated in space; the gap along the base tangent grows by the key times z."""
     tree = tree_of(name, {"body_1__lead_crowning_um": None, "body_2__lead_crowning_um": None})
     pair = build_bodies(fl.Scene.from_dict(tree))
-    assert pair.pairing.mesh is not None
-    alpha = pair.pairing.mesh.pressure_angle_rad
+    assert pair.pairing.gear_geometry is not None
+    alpha = pair.pairing.gear_geometry.pressure_angle_rad
     # the axes of an internal pair approach where the gap opens
     outward = 1.0 if name == "helical_gear" else -1.0
     angle, z = 1e-5, 10.0

@@ -18,7 +18,7 @@ from flankload.elasticity.sector_closure import close_ring, condense
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.meshes.plane_mesh import EDGES
 from flankload.scene import Gear, Ring
-from tests.support.plain_elements import hat_loads
+from tests.support.plain_elements import nodal_unit_loads
 from tests.support.ring_bodies import RING
 from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF
@@ -161,7 +161,7 @@ def plain_stress(
     assert mesh is not None
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
     columns, places = nodal_stress_columns(body)
-    loads = hat_loads(mesh, along_flank=along_flank)
+    loads = nodal_unit_loads(mesh, along_flank=along_flank)
     sector, _ = condense(matrix, loads, mesh, {"stress_recoveries": columns})
     response = close_ring(sector, mesh.teeth)[:, loads.shape[1] :]
     ends = np.append(mesh.flank_edges[:, 0], mesh.flank_edges[-1, 1])

@@ -171,8 +171,8 @@ def test_displaced_bodies_turn_by_the_work_of_the_force() -> None:
     np.testing.assert_allclose(
         found.slices.force_N, rigid.slices.force_N, rtol=0.0, atol=SETTLED * scale
     )
-    assert pair.pairing.mesh is not None
-    angle = pair.pairing.mesh.pressure_angle_rad
+    assert pair.pairing.gear_geometry is not None
+    angle = pair.pairing.gear_geometry.pressure_angle_rad
     normal = np.array([np.sin(angle), np.cos(angle)])
     work = rigid.site_force_N.sum(axis=1) ** 2 * (normal @ rows[:2, :2] @ normal)
     turned = found.rotation_rad - rigid.rotation_rad

@@ -55,7 +55,7 @@ def sliding_contact(mu: float, *, elastic: tuple[bool, bool], sense: int = 1) ->
         site_teeth=(np.zeros(1, int), np.zeros(1, int)),
         site_angles_rad=(none, none),
         site_deviations_mm=(none, none),
-        mesh=None,
+        gear_geometry=None,
         warnings=(),
     )
     # body 1 turns faster than body 2, so that body 2 slides along +x, towards the tip of body 1

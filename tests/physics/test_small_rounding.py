@@ -150,7 +150,7 @@ def solved(shape: Shape, strips: float) -> Found:
                 site_teeth=(np.zeros(1, int), np.zeros(1, int)),
                 site_angles_rad=(none, none),
                 site_deviations_mm=(none, none),
-                mesh=None,
+                gear_geometry=None,
                 warnings=(),
             ),
             face_width_mm=1.0,

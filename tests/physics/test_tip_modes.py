@@ -22,8 +22,8 @@ from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.compliance.body_compliance import BodyCompliance
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.near_field import (
-    carrying_edges,
     consistent_loads,
+    loaded_edges,
     mode_products,
     mode_values,
     projected_near_field,
@@ -81,7 +81,7 @@ def plainly(body: Body, places: np.ndarray) -> np.ndarray:
         lambda s: bumps(s, places),
         count=places.size,
         gauss_points=8,
-        edges=carrying_edges(mesh),
+        edges=loaded_edges(mesh),
     )
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
     return tooth_response(matrix, loads, mesh)[0][0]
@@ -141,7 +141,7 @@ def test_a_turned_force_at_the_corner_of_a_chamfer() -> None:
             count=1,
             along=direction,
             gauss_points=8,
-            edges=carrying_edges(mesh),
+            edges=loaded_edges(mesh),
         )
         for direction in ("normal", "tangent")
     )

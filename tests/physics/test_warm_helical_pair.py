@@ -14,7 +14,7 @@ import flankload as fl
 from flankload.elasticity.compliance import no_compliance
 from flankload.elasticity.compliance.parts import Expansion
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import grown_pair
+from flankload.mechanisms.flank_pair.stages import expanded_pair
 from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import HELICAL, SMALL, deviation, tree_of
 from tests.support.tolerances import ROUND_OFF
@@ -61,7 +61,7 @@ def test_a_helix_of_one_warm_body_is_longer(warm: int) -> None:
         replace(no_compliance(body), expansion=expansion)
         for body, expansion in zip(bodies, expansions, strict=True)
     )
-    grown, compliances = grown_pair(pair, (one, two))
+    grown, compliances = expanded_pair(pair, (one, two))
     assert pair.slices is not None
     assert grown.slices is not None
     middle = (3.0, 0.0)[warm]

@@ -126,7 +126,7 @@ calls=1 20
 fn=(2)
 20 30
 +1 70
-cfn=(3) __flankload_influence_number_MOD_influence_matrix.isra.0
+cfn=(3) __flankload_influence_coefficients_MOD_influence_matrix.isra.0
 calls=2 40
 * 400
 cfn=(4) malloc

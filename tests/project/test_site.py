@@ -70,7 +70,7 @@ def test_every_quantity_of_a_result_is_in_the_reference() -> None:
     named = set(made_up_result().to_csv().splitlines()[0].split(","))
     named = {re.sub(r"_pair_-?\d+$", "", name) for name in named}
     named |= {"friction_loss_J_per_rad", "follower_angle_rad", "slice_line_load_N_per_mm"}
-    for drive in (BeltDrive.along, BeltDrive.over_sites, ChainDrive.over_sites):
+    for drive in (BeltDrive.units("P"), BeltDrive.units("PS"), ChainDrive.units("PS")):
         named |= set(drive)
     assert named <= set(rows)
     assert all(rows.values()), [name for name, meaning in rows.items() if not meaning]

@@ -218,7 +218,7 @@ def _several_torques(seed: int) -> Case:
 
 
 def _with_rows_exchanged(seed: int) -> Case:
-    """The loop that elimination with exchange of rows stands under: the door alone offers it."""
+    """Loop of elimination with row exchanges: only the flat interface offers it."""
     rng = np.random.default_rng(seed)
     problem = gear_like(rng)
     while problem.gap_angles.size < 40 or problem.friction == 0:
@@ -254,7 +254,7 @@ def _with_rows_exchanged(seed: int) -> Case:
             "seed": seed,
             "friction": problem.friction,
             "torque_Nmm": problem.torque,
-            "method": "single, rows exchanged (5 at the flat door)",
+            "method": "single, rows exchanged (5 at the flat interface)",
         },
         provenance="seeded gear-like problem; state judged in 60 digits by tests/hard_cases",
         solve=solve,

@@ -185,7 +185,7 @@ _PARTS = _CountedParts()
 
 def _quantities(tree: dict[str, Any], beside: tuple[str, ...]) -> dict[str, Any]:
     scene = fl.Scene.from_dict(_paths_made_whole(deepcopy(tree), SCENES))
-    assert not scene.steers
+    assert not scene.names_tolerance
     results, factorisations = _PARTS.solve(scene)
     several = len(results) > 1
     found: dict[str, Any] = {}

@@ -99,7 +99,7 @@ def press(
         site_teeth=(np.zeros(1, int), np.zeros(1, int)),
         site_angles_rad=(none, none),
         site_deviations_mm=(none, none),
-        mesh=None,
+        gear_geometry=None,
         warnings=(),
     )
     (found,) = sweep(

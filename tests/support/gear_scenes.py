@@ -72,7 +72,7 @@ def usable_contact_ratio(pair: BodyPair) -> float:
 
     Sampled along the path, to 1e-5 of it.
     """
-    mesh, sense = pair.pairing.mesh, pair.body_2.outward
+    mesh, sense = pair.pairing.gear_geometry, pair.body_2.outward
     assert mesh is not None
     x = np.linspace(mesh.path_start_mm, mesh.path_end_mm, 100_001)
     on_both = np.ones(x.size, dtype=bool)

@@ -49,7 +49,7 @@ class Hats:
         return found
 
 
-def hat_loads(mesh: SectorMesh, *, along_flank: bool = False) -> np.ndarray:
+def nodal_unit_loads(mesh: SectorMesh, *, along_flank: bool = False) -> np.ndarray:
     """Consistent loads (2N, p) of the shape functions of sum 1, normal or tangential."""
     points, weights = np.polynomial.legendre.leggauss(8)
     shape = np.stack([points * (points - 1) / 2, points * (points + 1) / 2, 1 - points**2])
@@ -72,7 +72,7 @@ def hats_of(body: Body, plane: str) -> Hats:
     mesh = body.mesh
     assert mesh is not None
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
-    sector, _ = condense(matrix, hat_loads(mesh), mesh)
+    sector, _ = condense(matrix, nodal_unit_loads(mesh), mesh)
     ends = np.append(mesh.flank_edges[:, 0], mesh.flank_edges[-1, 1])
     return Hats(mesh.flank_arc_length[ends], close_ring(sector, mesh.teeth))
 

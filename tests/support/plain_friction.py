@@ -14,7 +14,7 @@ from flankload.bodies import Body
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.sector_closure import close_ring, condense
 from flankload.pairing.body_pair import BodyPair
-from tests.support.plain_elements import Hats, blind_pairs, fine_bodies, hat_loads
+from tests.support.plain_elements import Hats, blind_pairs, fine_bodies, nodal_unit_loads
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ def rubbed_hats(body: Body) -> RubbedHats:
     mesh = body.mesh
     assert mesh is not None
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
-    loads = np.hstack([hat_loads(mesh), hat_loads(mesh, along_flank=True)])
+    loads = np.hstack([nodal_unit_loads(mesh), nodal_unit_loads(mesh, along_flank=True)])
     sector, _ = condense(matrix, loads, mesh)
     ends = np.append(mesh.flank_edges[:, 0], mesh.flank_edges[-1, 1])
     places, ring = mesh.flank_arc_length[ends], close_ring(sector, mesh.teeth)

@@ -48,7 +48,7 @@ def one_site(center_distance_mm: float) -> Pairing:
         site_teeth=(np.zeros(1, int), np.zeros(1, int)),
         site_angles_rad=(none, none),
         site_deviations_mm=(none, none),
-        mesh=None,
+        gear_geometry=None,
         warnings=(),
     )
 

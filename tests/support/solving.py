@@ -29,7 +29,7 @@ def solve(
     -------
     Result, or a tuple of Results if the scene has a list of torques
     """
-    if scene.steers or scene.effects.choose is not None:
+    if scene.names_tolerance or scene.effects.choose is not None:
         assert discretization is None
         results = fl.solve(scene).by_torque
     else:

@@ -35,12 +35,12 @@ LEAST_VARIATION = 0.01
 #: tolerance.
 SAFETY = 1.5
 #: Intervals with at least this part of the largest doubt are refined in the same round.
-SHARE = 0.3
+REFINED_TOGETHER = 0.3
 #: A kink this close to the end of its interval, relative to its length, is resolved; the rest of
 #: the interval is halved.
-FOUND = 0.1
+RESOLVED = 0.1
 #: New positions of several torques that are closer than this part of their interval are merged.
-SAME = 0.05
+MERGED = 0.05
 #: Intervals below this part of a pitch are not divided: the curve has a step there.
 LEAST_INTERVAL = 1e-7
 
@@ -58,15 +58,15 @@ class Window:
         Whether the curves are periodic over the window.
     sites : (S,) array
         Pair numbers.
-    whole_circle : bool
-        Whether the sites are all flanks (splines and cams).
+    cyclic : bool
+        Whether the sites are all flanks, so that the first follows the last.
     """
 
     pitch_rad: float
     pitches: int
     closed: bool
     sites: Numbers
-    whole_circle: bool
+    cyclic: bool
 
     def curve_of(self, position_rad: Floats, values: Floats, changes: Flags) -> PositionCurve:
         """Values (P,) at positions (P,) over the window, with kinks behind some of them (P,)."""
@@ -75,9 +75,7 @@ class Window:
 
     def changes(self, loaded: Flags) -> Flags:
         """Whether the loaded pairs (P, S) change between a position and the next, (P,)."""
-        return loaded_pair_changes(
-            loaded, self.sites, pitches=self.pitches, whole_circle=self.whole_circle
-        )
+        return loaded_pair_changes(loaded, self.sites, pitches=self.pitches, cyclic=self.cyclic)
 
 
 @dataclass(frozen=True)
@@ -241,7 +239,7 @@ def _next_positions(
                 if over.max() > 0.25 * tolerance * np.ptp(part.rotation_rad):
                     weight = np.maximum(weight, over / over.max())
         place, width = _inside(curve)
-        marked = (weight >= SHARE) & (width > LEAST_INTERVAL * window.pitch_rad)
+        marked = (weight >= REFINED_TOGETHER) & (width > LEAST_INTERVAL * window.pitch_rad)
         places.append(place[marked])
         weights.append(weight[marked])
         widths.append(width[marked])
@@ -249,7 +247,7 @@ def _next_positions(
     chosen = np.sort(np.argsort(-weight, kind="stable")[:room])
     order = chosen[np.argsort(place[chosen], kind="stable")]
     place, width = place[order], width[order]
-    apart = np.diff(place, prepend=-np.inf) > SAME * width
+    apart = np.diff(place, prepend=-np.inf) > MERGED * width
     return place[apart]
 
 
@@ -262,6 +260,6 @@ def _inside(curve: PositionCurve) -> tuple[Floats, Floats]:
     kink = curve.kinks()
     middle = 0.5 * (low + high)
     place = np.where(np.isnan(kink), middle, kink)
-    place = np.where(kink - low < FOUND * width, 0.5 * (kink + high), place)
-    place = np.where(high - kink < FOUND * width, 0.5 * (low + kink), place)
+    place = np.where(kink - low < RESOLVED * width, 0.5 * (kink + high), place)
+    place = np.where(high - kink < RESOLVED * width, 0.5 * (low + kink), place)
     return place, width

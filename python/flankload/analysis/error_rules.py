@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from flankload.analysis.tangent import LARGEST_KINK
+from flankload.base.rounding import TIE
 from flankload.result.slices import face_load_factors
 
 if TYPE_CHECKING:
@@ -84,8 +85,6 @@ LINE_LOADS, FACE_LOADS = 1.5, 2.0
 #: Smoothed stresses give 0.5 to 1.0 of the error under pressures that the flank elements hardly
 #: resolve.
 ELEMENTS = Rule(-1.45, 1.0, 2.0, 1.0)
-#: Smaller changes of a share are roundoff.
-SAME_SHARE = 1e-9
 #: Doubt of the peak to peak, relative to the changes at the largest and the smallest rotation.
 EXTREMES = 0.35
 #: A half-ellipse of pressure with its middle on the edge of two cells appears lower by 0.5 % with
@@ -288,7 +287,7 @@ def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> RemainingError:
     changes = np.abs(_shares(other) - _shares(base))
     change = float(changes.max(initial=0.0))
     largest = _largest_peak(found)
-    if change < SAME_SHARE:  # one pair carries alone throughout
+    if change < TIE:  # one pair carries alone throughout
         return _at_each(_of_pressures(MODES), _peak_change(found, base, other), largest)
     peak = np.where(_smooth(found, base, other), found.site_peak_N_per_mm, 0.0)
     part = peak / largest if largest > 0 else np.zeros_like(peak)

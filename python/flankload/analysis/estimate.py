@@ -235,8 +235,8 @@ def estimate_errors(
     coarse = found if lumped else run(compliances=compliances, grid=cells, part=0)
     fewer = tuple(compliance.fewer_modes(MODES_DROPPED) for compliance in compliances)
     others = {"modes": run(compliances=fewer, grid=cells, part=1)}
-    if any(compliance.missed is not None for compliance in compliances):
-        better = tuple(compliance.with_missed(1.0) for compliance in compliances)
+    if any(compliance.fe_error is not None for compliance in compliances):
+        better = tuple(compliance.with_fe_error(1.0) for compliance in compliances)
         others["elements"] = run(compliances=better, grid=cells, part=len(others) + 1)
     for source, arguments in variants.items():
         others[source] = run(

@@ -18,8 +18,9 @@ import numpy as np
 
 from flankload.analysis.adaptive_positions import HARMONICS, LEAST_HARMONIC
 from flankload.analysis.error_rules import RemainingError
+from flankload.base.rounding import round_down
 from flankload.elasticity.near_field import mode_values, projected_near_field
-from flankload.elasticity.nodal_loads import hat_values, hat_widths
+from flankload.elasticity.nodal_loads import linear_shapes, shape_widths
 
 if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 
 #: Additional quantity if the positions close.
 HARMONICS_KEY = "transmission_error_harmonics"
-#: Positions less than this part of a pitch before the next pitch belong to that.
-SAME = 1e-6
 #: Teeth whose compliances differ by less than this part of the tolerance are alike; meshes that are
 #: not the same at all teeth differ by less.
 ALIKE = 0.25
@@ -67,7 +66,7 @@ def _of_even_pressure(compliance: BodyCompliance) -> Floats:
     low, high = compliance.modes.range_mm
     length, f = high - low, len(compliance.flanks)
     if compliance.modes.nodes is not None:
-        evenly = hat_widths(compliance.modes.nodes) / length
+        evenly = shape_widths(compliance.modes.nodes) / length
         return np.asarray(evenly @ compliance.smooth @ evenly)
     moved = compliance.smooth[:, 0, 0].copy()
     near = projected_near_field(1, length, wedge=compliance.near.wedge)[0, 0]
@@ -108,7 +107,7 @@ class OtherTeeth:
                 by_tooth = self._work(found, z)
                 total += (by_tooth - by_tooth[0])[steps[z] * number % self.teeth[z]]
         pitch = (position - position[0]) / self.window.pitch_rad
-        total[number[:, None] + np.floor(pitch + SAME) >= self.pitches] = np.nan
+        total[number[:, None] + round_down(pitch) >= self.pitches] = np.nan
         return total / (self.face_width_mm * found.torque_Nmm)
 
     def _work(self, found: Sweep, z: int) -> Floats:
@@ -141,7 +140,7 @@ def _loads(
     end = high if compliance.modes.tip is None else compliance.modes.tip.end_mm
     s = np.clip(pairs.column(f"s_{z + 1}"), low, end)
     if compliance.modes.nodes is not None:
-        values = hat_values(s, compliance.modes.nodes)
+        values = linear_shapes(s, compliance.modes.nodes)
     else:
         values = mode_values(
             s,

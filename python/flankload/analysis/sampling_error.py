@@ -92,8 +92,9 @@ def between_positions(
     found = {"transmission_error_mean": of_mean(rotation, changes)}
     secant = mean_stiffness(part.turned_rad)
     if secant is not None:
-        touches = part.unloaded_contact
-        kinks = changes if touches is None else changes | window.changes(touches)
+        kinks = changes
+        if part.unloaded is not None:
+            kinks = changes | window.changes(part.unloaded.touches)
         found["stiffness_secant"] = of_mean(secant, kinks)
     if adaptive:
         return found

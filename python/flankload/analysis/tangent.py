@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.contact.sweep import END_WOULD_TOUCH, known_contacts
+from flankload.contact.sweep import END_WOULD_TOUCH, UnloadedStates, known_contacts
 from flankload.errors import ContactError
 
 if TYPE_CHECKING:
@@ -94,9 +94,8 @@ def with_unloaded(
             return found
     corner = none.site_corner
     touches = (corner != 0) & (corner != END_WOULD_TOUCH)
-    return tuple(
-        replace(part, unloaded_rad=none.rotation_rad, unloaded_contact=touches) for part in found
-    )
+    unloaded = UnloadedStates(none.rotation_rad, touches)
+    return tuple(replace(part, unloaded=unloaded) for part in found)
 
 
 def _differenced(part: Sweep, less: Sweep, more: Sweep) -> Sweep:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 #: A site takes part where it takes up more than this part of what the stiffest does.
-LEAST_PART = 1e-3
+LEAST_MARGINAL_FORCE = 1e-3
 #: The compliance of a site under its own force is at least this part of its whole compliance.
 LEAST_OWN = 0.1
 #: Distance from the end of the flank, relative to its length, at which its own normal is evaluated.
@@ -104,7 +104,9 @@ def _answer(found: Sweep, lost: Floats, between: Floats) -> tuple[Floats, Floats
     for p, (marginal, softness) in enumerate(
         zip(found.site_force_per_torque, found.tangent_rad_per_Nmm, strict=True)
     ):
-        at = np.flatnonzero((found.site_force_N[p] > 0) & (marginal > LEAST_PART * marginal.max()))
+        at = np.flatnonzero(
+            (found.site_force_N[p] > 0) & (marginal > LEAST_MARGINAL_FORCE * marginal.max())
+        )
         w, n = marginal[at], at.size
         if not n:
             continue

@@ -1,1 +1,1 @@
-"""Small tools that every package uses: rounding, atomic file writes, read-only arrays, archives."""
+"""Small tools shared by all packages: rounding, atomic file writes, read-only arrays, archives."""

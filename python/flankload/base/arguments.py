@@ -1,4 +1,4 @@
-"""Arguments of a wrong type: one line with the name, the expected and the found value."""
+"""Checks of argument types; an error line names the argument, the expected and the found value."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def refuse_argument(name: str, value: object, expected: str) -> NoReturn:
 
 
 def require_names(name: str, value: Any) -> None:
-    """Refuse anything but a sequence of names; a single string is none."""
+    """Refuse anything but a sequence of names; a single string is refused."""
     fits = isinstance(value, Sequence) and not isinstance(value, str)
     fits = fits and all(isinstance(item, str) for item in value)
     require(name, value, "a sequence of names", fits=fits)
@@ -51,10 +51,10 @@ def require_number(name: str, value: object) -> None:
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is a real number, of Python or of NumPy; a truth value is none."""
+    """Whether a value is a real number of Python or NumPy; Booleans do not count."""
     return isinstance(value, Real) and not isinstance(value, bool)
 
 
 def is_index(value: object) -> bool:
-    """Whether a value is an integer, of Python or of NumPy; a truth value is none."""
+    """Whether a value is an integer of Python or NumPy; Booleans do not count."""
     return isinstance(value, Integral) and not isinstance(value, bool)

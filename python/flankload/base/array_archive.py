@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 from zipfile import ZipFile, ZipInfo
 
 import numpy as np
@@ -25,7 +25,7 @@ MOST_ARRAYS = 100
 SUFFIX = ".npy"
 
 
-class BadArchive(Exception):  # noqa: N818 - not an error of flankload's users yet
+class BadArchive(Exception):  # noqa: N818 - internal; callers convert it to a public error
     """A file that is not an archive of arrays, or that contains something refused.
 
     Parameters
@@ -97,7 +97,7 @@ def read_members(path: Path) -> dict[str, Member]:
 
 def archive_of(arrays: Mapping[str, NDArray[Any]]) -> bytes:
     """Content of a .npz file; the same arrays give the same bytes."""
-    # numpy 2.0 takes the option allow_pickle for the name of an array
+    # numpy 2.0 would store the argument allow_pickle as an array of that name
     named: dict[str, Any] = dict(arrays)
     assert not any(array.dtype.hasobject for array in named.values())
     out = io.BytesIO()
@@ -121,21 +121,22 @@ def _member(archive: ZipFile, part: ZipInfo, name: str) -> Member:
         if version not in ((1, 0), (2, 0)):
             raise BadArchive(name, f"version {version[0]}.{version[1]} of numpy's format")
         read_head = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-        shape, _, dtype = read_head(stream)
+        shape, by_columns, dtype = read_head(stream)
         head = stream.tell()
     if dtype.hasobject:
         raise BadArchive(name, "pickled objects, which are never loaded")
     if min(shape, default=0) < 0 or head + prod(shape) * dtype.itemsize != part.file_size:
         raise BadArchive(name, f"{part.file_size} bytes, which are not of its shape {shape}")
-    return Member(tuple(shape), dtype, lambda: _read(archive, part, name))
 
+    def read() -> NDArray[Any]:
+        try:
+            content = archive.read(part)
+        except Exception as error:
+            raise BadArchive(name, _reason(error)) from None
+        order: Literal["F", "C"] = "F" if by_columns else "C"
+        return np.ndarray(shape, dtype, content, head, order=order).copy(order)
 
-def _read(archive: ZipFile, part: ZipInfo, name: str) -> NDArray[Any]:
-    try:
-        with archive.open(part) as stream:
-            return np.asarray(npy.read_array(stream, allow_pickle=False))
-    except Exception as error:
-        raise BadArchive(name, _reason(error)) from None
+    return Member(tuple(shape), dtype, read)
 
 
 def _reason(error: Exception) -> str:

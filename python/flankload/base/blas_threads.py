@@ -1,4 +1,4 @@
-"""One thread for BLAS, in all threads of the process at once."""
+"""Limit BLAS to one thread for all Python threads of the process."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _limits: Any = None
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Limit BLAS to one thread until all threads of Python have left this block.
+    """Limit BLAS to one thread until all Python threads have left this block.
 
-    The number of threads belongs to the process, except with OpenMP: if each thread of Python set
-    and restored it by itself, one would restore what another has set, and it would remain 1.
+    The number of BLAS threads is a property of the process, except with OpenMP. If each Python
+    thread saved and restored it separately, one could save the 1 set by another and restore that.
     """
     global _inside, _limits
     found = _blas(len(sys.modules))
@@ -44,17 +44,17 @@ def one_blas_thread() -> Iterator[None]:
 
 @lru_cache(maxsize=1)
 def _blas(_modules: int) -> Any:
-    """Libraries of BLAS, sought again after another module is loaded: that takes milliseconds."""
+    """Loaded BLAS libraries; the search takes milliseconds and is repeated after each import."""
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController().select(user_api="blas")
 
 
 def _restore(limits: Any) -> None:
-    """Restore numbers of threads that another thread of Python may have set."""
+    """Restore the numbers of BLAS threads, also if another Python thread has set them."""
     from threadpoolctl import OpenBLASController
 
-    # from version 3.7 on, a thread that has not set the number cannot restore it
+    # since version 3.7 only the thread that set the number can restore it
     forget = getattr(OpenBLASController, "clear_controlling_thread", lambda **_: None)
     forget(force=True)
     limits.restore_original_limits()

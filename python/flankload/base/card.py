@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-#: Largest number of lines, and of characters of a value.
+#: Largest number of lines of a card, and of characters of a value.
 MOST_LINES, MOST_LETTERS = 20, 100
-#: Largest number of entries of an array that is shown as it is.
+#: Largest number of entries of an array that is shown in full.
 MOST_ENTRIES = 6
 
 
@@ -33,9 +33,9 @@ class Card:
 
     def _cut_lines(self) -> list[tuple[str, str]]:
         lines = [(name, cut(value)) for name, value in self._card_lines()]
-        room = MOST_LINES - 1  # below the title
-        if len(lines) > room:
-            lines = [*lines[: room - 1], ("...", f"{len(lines) - room + 1} more")]
+        most = MOST_LINES - 1  # below the title
+        if len(lines) > most:
+            lines = [*lines[: most - 1], ("...", f"{len(lines) - most + 1} more")]
         return lines
 
     def __repr__(self) -> str:
@@ -45,7 +45,7 @@ class Card:
         return "\n".join([self._card_title(), *rows])
 
     def _repr_html_(self) -> str:
-        """Return the same as an HTML table, for notebooks."""
+        """The card as an HTML table, for notebooks."""
         rows = (
             f"<tr><th style='text-align:left'>{escape(name)}</th>"
             f"<td style='text-align:left'>{escape(value)}</td></tr>"
@@ -61,8 +61,7 @@ def cut(text: str) -> str:
 
 
 def shortened(value: Any) -> str:
-    """A value in a few words: numbers and texts as they are, of mappings their keys, of others
-    their kind and size."""
+    """A value in a few words: numbers and text in full, mappings by their keys, others by kind."""
     if value is None or isinstance(value, bool | int | str):
         return str(value)
     if isinstance(value, float | np.floating):

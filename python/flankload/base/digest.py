@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 #: Types whose text identifies the value.
 PLAIN = (str, float, int, type(None), bytes, PurePath, np.generic)
-#: Bytes of a digest: two of 1e12 pieces of data share one with a probability of 1e-24.
+#: Bytes of a digest: among 1e12 digests, two are equal with a probability of 1e-24.
 SIZE = 20
 
 
@@ -28,7 +28,7 @@ def digest_of(data: object) -> bytes:
     ----------
     data : object
         Numbers, text, paths, arrays, tables, dataclasses, sequences and mappings of these, and
-        partial calls of functions with such arguments. Fields and arguments all count.
+        partial calls of functions with such arguments. All fields and arguments are included.
 
     Returns
     -------
@@ -37,7 +37,7 @@ def digest_of(data: object) -> bytes:
     Raises
     ------
     TypeError
-        If the data contain anything else, whose bits are unknown.
+        If the data contain anything else.
     """
     found = blake2b(digest_size=SIZE)
     for part in _parts(data):

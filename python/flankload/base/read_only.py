@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 
 class KeepsReadOnly:
-    """Base of classes with read-only arrays; NumPy's pickles and deep copies lose that flag."""
+    """Base of classes with read-only arrays; pickles and deep copies by NumPy lose that flag."""
 
     def __post_init__(self) -> None:
         """Make the arrays of a dataclass read-only."""

@@ -17,6 +17,12 @@ def turned(vectors: Floats, angle_rad: Floats | float) -> Floats:
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
+def all_around(sector: Floats, teeth: int, angle_rad: float = 0.0) -> Floats:
+    """(teeth n, 2) Points (n, 2) of a sector, rotated to the place of each tooth."""
+    angles: Floats = angle_rad + 2 * np.pi / teeth * np.arange(1.0 * teeth)[:, np.newaxis]
+    return turned(sector, angles).reshape(-1, 2)
+
+
 def directions(angles_rad: Floats) -> Floats:
     """(n, 2) Unit vectors at polar angles (n,)."""
     return np.column_stack([np.cos(angles_rad), np.sin(angles_rad)])

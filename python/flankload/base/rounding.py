@@ -1,8 +1,7 @@
 """Rounding of quotients that are whole numbers in exact arithmetic.
 
-Examples: a flank is exactly three elements long, a position is exactly half a pitch away, a strand
-ends exactly where a land ends. Rounding errors decide on which side of the whole number such a
-quotient falls; the number of elements, sites or teeth must not depend on that.
+Example: a flank is exactly three elements long. Rounding errors put such a quotient just above or
+below the whole number; the number of elements, sites or teeth must not depend on them.
 """
 
 from __future__ import annotations
@@ -14,8 +13,9 @@ import numpy as np
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
 
-#: A quotient within this distance of a whole number counts as that number: far above rounding
-#: errors, far below any difference that matters.
+#: A quotient within this distance of a whole number counts as that number, and quantities that
+#: differ by less than this part of their scale are equal: far above rounding errors, far below any
+#: difference that matters.
 TIE = 1e-9
 
 

@@ -1,4 +1,4 @@
-"""Bodies: flank curve, sector mesh and material from the keys of a scene; one module per kind."""
+"""Bodies from the keys of a scene: flank curve, mesh and material; one module per kind."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 __all__ = ["Body", "Material", "SectorMesh", "WholeMesh", "build_body"]
 
 
-#: Flank elements of splines relative to those of gears: their flanks are about half as high.
-SPLINE_PART = 0.45
+#: Length of flank elements of splines over that of gears, whose flanks are twice as high.
+SPLINE_ELEMENT_FACTOR = 0.45
 
 
 def build_body(
@@ -40,7 +40,7 @@ def build_body(
     flank_nodes_mm: float | None = None,
     pair_width_mm: float | None = None,
 ) -> Body:
-    """Build the body that a table of a scene describes.
+    """Build a body from its table of a scene.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def build_body(
     Raises
     ------
     SceneError
-        If the body is impossible; names the key. MeshError, ComplianceFileError: a faulty file.
+        If the body is impossible, with the key; MeshError, ComplianceFileError for a faulty file.
     """
     assert not isinstance(spec, DriveTable)  # built by their drives
     if isinstance(spec, ComplianceBody):
@@ -78,7 +78,7 @@ def build_body(
     else:
         if flank_element_mm is None:
             flank_element_mm = flank_element_parts * spec.module_mm
-            flank_element_mm *= SPLINE_PART if spec.conforms else 1.0
+            flank_element_mm *= SPLINE_ELEMENT_FACTOR if spec.conforms else 1.0
         body = build_involute_body(
             spec,
             key,
@@ -98,7 +98,7 @@ def _along_axis(
 ) -> Body:
     """The body with its shape along the axis.
 
-    A mirrored helical mesh is refused, since its hand would be the other one.
+    A mirrored helical mesh is refused, since mirroring reverses its hand.
     """
     if isinstance(spec, MeshBody):
         radius_mm = spec.helix_radius_mm

@@ -1,4 +1,4 @@
-"""Shape of a body along its axis: width, twist of the helix, metal removed from its flanks."""
+"""Shape of a body along its axis: width, helix, lead modifications, shaft and regions."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rounding import TIE
-from flankload.bodies.shaft import Shaft, build_shaft, carrying_shaft
+from flankload.bodies.shaft import Shaft, build_shaft, flexible_shaft
 from flankload.scene.table import RELIEF_EXPONENTS
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
     from flankload.bodies.flank_surface import FlankSurface
-    from flankload.bodies.shaft import CarryingShaft
+    from flankload.bodies.shaft import FlexibleShaft
     from flankload.scene.axial import AxialKeys
 
 
@@ -32,9 +32,9 @@ class LeadModifications:
     slope_mm : float
         Linear: this amount at the end of larger z; negative: its magnitude at the other end.
     end_relief_mm, end_relief_length_mm : (float, float)
-        Amounts at the ends of smaller and larger z, and the lengths over which they vanish.
+        Amounts at the ends of smaller and larger z, and lengths of the reliefs.
     end_relief_exponent : int
-        Exponent of the distance from where they vanish (`RELIEF_EXPONENTS`).
+        Exponent of the distance from the start of the relief (`RELIEF_EXPONENTS`).
     """
 
     crowning_mm: float = 0.0
@@ -44,10 +44,7 @@ class LeadModifications:
     end_relief_exponent: int = 1
 
     def at(self, zeta: Floats, width_mm: float) -> Floats:
-        """Metal removed (n,) at places zeta (n,) along the face width, mm, >= 0.
-
-        zeta is 0 at the end of smaller z, 1 at the other.
-        """
+        """Metal removed (n,), mm, >= 0, at zeta (n,): 0 at the end of smaller z, 1 at the other."""
         removed = self.crowning_mm * (2.0 * zeta - 1.0) ** 2
         removed += _sloped(self.slope_mm, zeta)
         for amount, length, from_end in zip(
@@ -59,13 +56,13 @@ class LeadModifications:
 
 
 def _sloped(slope_mm: float, zeta: Floats) -> Floats:
-    """Metal removed (n,) by a helix slope; none is ever added."""
+    """Metal removed (n,) by a helix slope, >= 0."""
     return slope_mm * zeta if slope_mm > 0 else -slope_mm * (1.0 - zeta)
 
 
 @dataclass(frozen=True)
 class AxialShape:
-    """A body along its axis.
+    """Shape of a body along its axis.
 
     Attributes
     ----------
@@ -75,15 +72,15 @@ class AxialShape:
         Rotation of the transverse section per length along z, counter-clockwise: tan(beta)/r on
         the reference circle, positive for a right-hand helix.
     lead : LeadModifications
-        What is removed from all flanks, alike over their height.
+        Metal removed from all flanks, constant over their height.
     tooth_slopes_mm : tuple of float
-        Empty, or a helix slope like that of `lead` for each tooth, in the order of pitch errors.
+        Empty, or a further helix slope for each tooth, in the order of pitch errors.
     surface : FlankSurface or None
-        What varies over the height of the flanks.
+        Metal removed that varies over the height of the flanks.
     shaft : Shaft or None
         Shaft and bearings; None: the bore does not move.
     regions : tuple of (str, (float, float))
-        Names and ends of regions of other width: web, hub, sets of a mesh.
+        Names and axial ranges of regions not as wide as the teeth: web, hub, sets of a mesh.
     """
 
     range_mm: tuple[float, float]
@@ -105,22 +102,22 @@ class AxialShape:
         return int(np.sign(self.twist_rad_per_mm))
 
     def without_lead(self) -> AxialShape:
-        """The extent along the axis: no modified flanks, no shaft but one that the bore follows."""
-        shaft = None if self.carrying is None else self.shaft
+        """The shape without flank modifications and without a shaft, unless it is flexible."""
+        shaft = None if self.flexible is None else self.shaft
         return AxialShape(self.range_mm, self.twist_rad_per_mm, shaft=shaft, regions=self.regions)
 
     @property
-    def carrying(self) -> CarryingShaft | None:
-        """The shaft that the bore follows, if it bends and twists under the teeth."""
-        return None if self.shaft is None else self.shaft.carrying
+    def flexible(self) -> FlexibleShaft | None:
+        """The shaft, if it bends and twists under the teeth."""
+        return None if self.shaft is None else self.shaft.flexible
 
     def zeta(self, z_mm: Floats) -> Floats:
-        """Places along the face width of axial positions: 0 at smaller z, 1 at larger z."""
+        """Relative axial positions: 0 at the end of smaller z, 1 at that of larger z."""
         return (z_mm - self.range_mm[0]) / self.width_mm
 
     @property
     def symmetric(self) -> bool:
-        """Whether a straight body has a plane of symmetry across the axis."""
+        """Whether the body has no helix and a plane of symmetry across the axis."""
         extents = [self.range_mm, *(extent for _, extent in self.regions)]
         return not self.twist_rad_per_mm and share_middle(extents)
 
@@ -129,13 +126,13 @@ class AxialShape:
         return self.lead.at(self.zeta(z_mm), self.width_mm)
 
     def tooth_gaps_mm(self, z_mm: Floats) -> Floats:
-        """Metal removed in addition from each tooth with a slope of its own (T, n), mm."""
+        """Metal removed by the individual helix slope of each tooth (T, n), mm."""
         zeta = self.zeta(z_mm)
         return np.array([_sloped(slope, zeta) for slope in self.tooth_slopes_mm])
 
 
 def share_middle(extents_mm: Sequence[tuple[float, float]]) -> bool:
-    """Whether extents along the axis have one middle, up to rounding."""
+    """Whether axial ranges have the same middle, up to rounding."""
     middles = [low + high for low, high in extents_mm]
     widest = max(high - low for low, high in extents_mm)
     return max(middles) - min(middles) <= TIE * widest
@@ -147,9 +144,9 @@ def axial_shape(
     reference_radius_mm: float,
     surface: FlankSurface | None = None,
 ) -> AxialShape:
-    """Shape along the axis from the keys of a body, with the positions of both ends.
+    """Shape along the axis from the keys of a body and the range of its teeth.
 
-    The helix angle is that on the reference radius; `surface` varies over the height of the flanks.
+    The helix angle is that on the reference radius.
     """
     one, two = keys.end_relief_um or (0.0, 0.0)
     lengths = keys.end_relief_length_mm or (1.0, 1.0)
@@ -181,4 +178,4 @@ def _shaft_of(keys: AxialKeys, range_mm: tuple[float, float]) -> Shaft | None:
         return shaft
     bore = keys.bore_of(range_mm)
     assert bore is not None  # refused with the keys
-    return replace(shaft, carrying=carrying_shaft(keys.shaft, middle, *bore))
+    return replace(shaft, flexible=flexible_shaft(keys.shaft, middle, *bore))

@@ -1,12 +1,14 @@
-"""The common interface of all bodies: flank curve, mesh and material."""
+"""The common data of all bodies: flank curve, mesh and material."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.corner_angle import STRAIGHT_ANGLE, angle_at
 from flankload.bodies.tip_modes import Tip
 from flankload.meshes.blocks import edges_along
 from flankload.scene.refusal import refuse
@@ -14,14 +16,14 @@ from flankload.scene.refusal import refuse
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.axial_shape import AxialShape
-    from flankload.bodies.imported.given import GivenCompliance
+    from flankload.bodies.imported.compliance import ImportedCompliance
     from flankload.bodies.profile.involute import Involute
     from flankload.flank import FlankCurve
     from flankload.meshes.blocks import BlockMesh
 
 
-#: So near to the end of the modes' range, as part of it, the flank has its last direction.
-FLANK_SIDE = 1e-9
+#: Relative distance from the end of the modes' range at which the flank's last normal is computed.
+BEFORE_END = 1e-9
 
 
 @dataclass(frozen=True)
@@ -59,11 +61,11 @@ class SectorMesh:
     teeth : int
         Number of equal sectors.
     tip_edges, tip_arc_length : (k, 3) arrays
-        Edges of a tip rounding or chamfer as those of the flank, behind these, and the arc lengths
-        of their nodes, mm. Empty without.
+        Edges of a tip rounding or chamfer, in the order of `flank_edges`, and the arc lengths of
+        their nodes, mm; empty without one.
     regions : tuple of str
         Name of the region of each entry of `cells`, "" if it is as wide as the teeth; empty if all
-        are.
+        elements are.
     """
 
     nodes: Floats
@@ -85,13 +87,21 @@ class SectorMesh:
 
     @property
     def flanks(self) -> tuple[SectorMesh, ...]:
-        """Its only flank, as those of a `WholeMesh`."""
+        """The only flank, as in a `WholeMesh`."""
         return (self,)
+
+    @cached_property
+    def end_angles_deg(self) -> tuple[float, float]:
+        """Interior angles of the metal at both ends of the flank's modes; 180 on a cut."""
+        low, high = _end_angles(self, self.flank_edges)
+        cut = np.concatenate([self.left_nodes, self.right_nodes])
+        on_cut = np.isin(self.flank_edges[[0, -1], [0, 1]], cut)
+        return STRAIGHT_ANGLE if on_cut[0] else low, STRAIGHT_ANGLE if on_cut[1] else high
 
 
 @dataclass(frozen=True)
 class MeshedFlank:
-    """One flank of a whole body, with the data that pressure modes need.
+    """One flank of a whole body, for its pressure modes.
 
     Attributes
     ----------
@@ -126,7 +136,7 @@ class WholeMesh:
 
     @classmethod
     def of_blocks(cls, blocks: BlockMesh, fixed: Numbers, flank: Numbers, s: Floats) -> WholeMesh:
-        """Mesh of blocks with one flank, of nodes (2 m + 1,) at arc lengths s, mm."""
+        """Mesh from blocks, with one flank: its nodes (2 m + 1,) and their arc lengths s, mm."""
         nodes = blocks.nodes
         arc_length = np.full(len(nodes), np.nan)
         arc_length[flank[::-1]] = s[::-1]  # a closed flank ends at its first node
@@ -135,13 +145,24 @@ class WholeMesh:
 
     @property
     def flank_elements(self) -> int:
-        """Number of elements along the flank that has the fewest."""
+        """Least number of elements along a flank."""
         return min(len(flank.flank_edges) for flank in self.flanks)
+
+    @cached_property
+    def end_angles_deg(self) -> tuple[float, float]:
+        """Interior angles of the metal at both ends of the modes of the first flank."""
+        return _end_angles(self, self.flanks[0].flank_edges)
+
+
+def _end_angles(mesh: SectorMesh | WholeMesh, edges: Numbers) -> tuple[float, float]:
+    """Interior angles at both ends of the edges of a flank, degrees."""
+    low, high = (angle_at(mesh.nodes, mesh.cells, int(node)) for node in edges[[0, -1], [0, 1]])
+    return low, high
 
 
 @dataclass(frozen=True)
 class FlankNodes:
-    """Nodes through which a flank curve is fitted.
+    """The nodes from which a flank curve was fitted.
 
     Attributes
     ----------
@@ -167,7 +188,7 @@ class Roller:
         Distance of the roller's centre from the axis, along x of the follower's frame.
     radius_mm : float
     angles_rad : (float, float)
-        Polar angles about the roller's centre between which it can touch the cam.
+        Polar angles about the roller's centre that limit its possible contact with the cam.
     """
 
     arm_mm: float
@@ -184,7 +205,7 @@ class Flat:
     offset_mm : float
         Distance of the flat's line from the axis, positive towards the cam.
     ends_mm : (float, float)
-        Start and end along the line, from the foot of the axis, both positive.
+        Start and end along the line, from the foot of the perpendicular from the axis; positive.
     """
 
     offset_mm: float
@@ -193,28 +214,28 @@ class Flat:
 
 @dataclass(frozen=True, kw_only=True)
 class BodySites:
-    """What pairing, pictures and notes need of a body: its elements do not depend on these fields.
+    """Fields for pairing, pictures and notes; the elements of a body do not depend on them.
 
     Attributes
     ----------
     reference_radius_mm : float
-        Radius by which a rotation is multiplied to give a transmission error. Gears: base radius;
-        splines: pitch radius; followers: length of the arm, or distance of the middle of the flat.
+        Factor from rotation to transmission error. Gears: base radius; splines: pitch radius;
+        followers: length of the arm, or distance of the middle of the flat.
     flank_angle_known : bool
-        True: pairing rotates the body so that pair 0 is at the pitch point. False: the body keeps
-        the angle that it has in its file.
+        True: pairing rotates the body so that pair 0 is at the pitch point. False: the body remains
+        at the angle in its file.
     turns_clockwise : bool
         Sense of rotation of a cam.
     pitch_errors_um : tuple of float
         Empty, or one per tooth.
     flank_turns_rad : tuple of float
-        Empty, or the angle of each tooth's flank from its equal share, counter-clockwise.
+        Empty, or the angle of each flank from its nominal position, counter-clockwise.
     named_teeth : tuple of int
-        Empty if every tooth has a flank; else the teeth that have one, ascending.
+        Empty if every tooth has a flank; otherwise the teeth with a flank, ascending.
     flank_nodes : FlankNodes or None
-        Nodes of a curve through nodes; None if the exact profile is known.
+        The nodes of a curve through nodes; None if the exact profile is known.
     active_range_mm : (float, float) or None
-        Arc lengths (two breaks of the curve) between which the flank may touch; None: anywhere.
+        Arc lengths (two breaks of the curve) that limit contact; None: no limits.
     outline : (k, 2) array
         Toothed contour of one sector from cut to cut, counter-clockwise, mm; for pictures.
     notes : tuple of str
@@ -235,11 +256,10 @@ class BodySites:
 
 @dataclass(frozen=True, kw_only=True)
 class Body(BodySites):
-    """A body of equal teeth: its flank curve, and the data for its sites and its compliance.
+    """A body with equal teeth.
 
-    The axis is the origin. `curve` is the working flank of tooth 0; tooth k is tooth 0 rotated by
-    k pitches counter-clockwise. From root to tip the radius increases; it decreases for internal
-    teeth.
+    The axis is the origin. Tooth k is tooth 0 rotated by k pitches counter-clockwise. From root to
+    tip the radius increases; for internal teeth it decreases.
 
     Attributes
     ----------
@@ -252,25 +272,24 @@ class Body(BodySites):
     rigid : bool
     mode_range_mm : (float, float)
         Arc lengths between which pressure modes are defined.
-    modes_part : float
-        Number of pressure modes relative to that of a gear's flank.
+    modes_factor : float
+        Number of pressure modes over that of a gear flank.
     bore_radius_mm : float
         Radius at which the body is fixed: its bore, or the outside of a ring.
     mesh : SectorMesh, WholeMesh or None
         None for a rigid body and for a body with an imported compliance.
     mirrored : bool
-        The flank in the file faces the opposite way: the mirror image of the body is used.
+        The body is the mirror image of that in the file, whose flank faces the opposite way.
     involute : Involute or None
         Radii and angles of an involute flank; None if the profile is unknown.
     touches : Roller, Flat or None
         The part of a follower that touches the cam.
-    given : ModalCompliance, NodalCompliance or None
+    imported : ModalCompliance, NodalCompliance or None
         Imported compliance, if any.
     axial : AxialShape or None
         Width, twist and lead modifications of a three-dimensional body; None in a plane scene.
     elements : Body or None
-        The body that the elements follow, if not this one: without flank modifications. `mesh` is
-        that of this body.
+        The body without flank modifications, if the elements (`mesh`) are to follow that one.
     """
 
     kind: str
@@ -279,18 +298,18 @@ class Body(BodySites):
     material: Material
     rigid: bool
     mode_range_mm: tuple[float, float]
-    modes_part: float = 1.0
+    modes_factor: float = 1.0
     bore_radius_mm: float
     mesh: SectorMesh | WholeMesh | None = None
     mirrored: bool = False
     involute: Involute | None = None
     touches: Roller | Flat | None = None
-    given: GivenCompliance | None = None
+    imported: ImportedCompliance | None = None
     axial: AxialShape | None = None
     elements: Body | None = None
 
     def for_elements(self) -> Body:
-        """The body as the elasticity sees it: without the fields of `BodySites` and lead."""
+        """The body for the elasticity: without the fields of `BodySites` and lead modifications."""
         body = self if self.elements is None else self.elements
         none = BodySites()
         without = {entry.name: getattr(none, entry.name) for entry in fields(BodySites)}
@@ -307,23 +326,23 @@ class Body(BodySites):
         """Whether the body is a spline, whose flanks conform to those of the other body."""
         return self.kind in ("spline_shaft", "spline_hub")
 
-    @property
+    @cached_property
     def tip(self) -> Tip | None:
-        """Where the modes of a tip rounding or chamfer end; None without one."""
-        if self.given is not None:
-            return self.given.tip
+        """The tip of a flank with rounding or chamfer, for its modes; None without one."""
+        if self.imported is not None:
+            return self.imported.tip
         rounded = {"tip_radius", "tip_chamfer"}.intersection(self.curve.labels)
         if not rounded or not isinstance(self.mesh, SectorMesh) or not self.mesh.tip_edges.size:
             return None
         end, high = self.curve.length_mm, self.mode_range_mm[1]
-        before = high - FLANK_SIDE * (high - self.mode_range_mm[0])
+        before = high - BEFORE_END * (high - self.mode_range_mm[0])
         one, other = self.curve.normal([before, end])
         turn = float(np.arccos(np.clip(one @ other, -1.0, 1.0)))
         return Tip(end, 0 if "tip_chamfer" in self.curve.labels else 1, turn)
 
     @property
     def outward(self) -> int:
-        """1 if the flank's tip is farther from the axis than its root, else -1."""
+        """1 for external teeth, -1 for internal teeth."""
         root, tip = (self.curve.point([s])[0] for s in (0.0, self.curve.length_mm))
         return 1 if tip @ tip > root @ root else -1
 
@@ -334,7 +353,7 @@ class Body(BodySites):
 
     @property
     def normal_lever_mm(self) -> float:
-        """Lever about the axis of the normal in the middle of the flank, mm; signed."""
+        """Signed lever arm of the normal in the middle of the flank about the axis, mm."""
         middle = [0.5 * (self.mode_range_mm[0] + self.mode_range_mm[1])]
         (x, y), (n_x, n_y) = self.curve.point(middle)[0], self.curve.normal(middle)[0]
         return float(x * n_y - y * n_x)
@@ -351,7 +370,7 @@ class Body(BodySites):
 
 
 def checked_pitch_errors(errors_um: tuple[float, ...], teeth: int, key: str) -> tuple[float, ...]:
-    """Pitch errors of a body: none, or one per tooth; another number is refused."""
+    """Pitch errors of a body, checked: none, or one per tooth."""
     if errors_um and len(errors_um) != teeth:
         expected = f"one entry per tooth: {teeth}"
         refuse(f"{key}.pitch_errors_um", expected, f"{len(errors_um)} entries")

@@ -1,11 +1,12 @@
-"""Line elements along a flank, which interpolate nodal loads and displacements."""
+"""Line elements along a flank for the interpolation of nodal loads and displacements."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
+
+from flankload.base.gauss import leggauss
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -15,11 +16,11 @@ GAUSS_POINTS = 8
 
 
 def gauss_places(nodes: Floats, *, quadratic: bool) -> tuple[Floats, Floats, Floats]:
-    """Gauss points of all elements, with the shape functions there.
+    """Gauss points of all elements, and the shape functions there.
 
-    The nodes (n,) are ascending arc lengths, mm; `quadratic`: every second one is the middle node
-    of an element. Returns arc lengths (g,) of the points and weights (g,) of an integral over arc
-    length, mm, and values (g, n) of the nodes' shape functions.
+    The nodes (n,) are ascending arc lengths, mm; `quadratic`: every second one is a middle node.
+    Returns arc lengths (g,) and weights (g,) of the points, mm, and values (g, n) of the shape
+    functions.
     """
     points, weights = leggauss(GAUSS_POINTS)
     if quadratic:
@@ -40,6 +41,6 @@ def gauss_places(nodes: Floats, *, quadratic: bool) -> tuple[Floats, Floats, Flo
 
 
 def mass_matrix(nodes: Floats, *, quadratic: bool) -> Floats:
-    """Mass matrix (n, n) of the shape functions, mm: converts nodal pressures to nodal forces."""
+    """Mass matrix (n, n) of the shape functions, mm, from nodal pressures to nodal forces."""
     _, weights, shapes = gauss_places(nodes, quadratic=quadratic)
     return np.asarray(shapes.T @ (weights[:, None] * shapes))

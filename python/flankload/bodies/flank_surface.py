@@ -1,8 +1,8 @@
-"""Metal removed from a flank over its height and its width: twist, measured topography.
+"""Metal removed from a flank as a function of its height and width: twist, measured topography.
 
-The point of each diameter is turned about the axis by the metal removed there over the base radius:
-so the modified flank deviates from the other one by that amount along the base tangent, as in a
-profile diagram, and tip and root keep their circles.
+Each point is rotated about the axis by the metal removed there over the base radius. The modified
+flank then deviates by that amount along the base tangent, as in a profile diagram, and tip and root
+circles are unchanged.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Body
     from flankload.scene.axial import AxialKeys
 
-#: Files round: the grid may end by so much inside the flank, mm.
-ROUNDED = 1e-3
-#: Places on the flank from which arc lengths of diameters are interpolated.
-PLACES = 4001
+#: Largest distance of the end of a grid from that of the flank, mm, for rounded numbers in files.
+GRID_TOLERANCE_MM = 1e-3
+#: Number of points on the flank from which arc lengths at diameters are interpolated.
+SAMPLES = 4001
 ON_FLANK = "diameters from {:.3f} or less to {:.3f} or more, those of the active flank"
 ON_WIDTH = "distances z from {:g} or less to {:g} or more, the face width of the body"
 WANTED = (
@@ -59,7 +59,7 @@ class Topography:
     removed_mm: Floats
 
     def at(self, z_mm: Floats) -> Floats:
-        """Metal removed (n, m) at all rows of sections at distances (n,) from that end, mm."""
+        """Metal removed (n, m) at all rows, in sections at distances z (n,) from that end, mm."""
         z = np.clip(z_mm, self.z_mm[0], self.z_mm[-1])
         k = np.clip(np.searchsorted(self.z_mm, z) - 1, 0, self.z_mm.size - 2)
         part = (z - self.z_mm[k]) / (self.z_mm[k + 1] - self.z_mm[k])
@@ -74,7 +74,7 @@ class FlankSurface:
     Attributes
     ----------
     range_mm : (float, float)
-        Arc lengths at the ends of the active flank: between root fillet and tip rounding or tip.
+        Arc lengths at the ends of the active flank.
     twist_mm : float
         Half of it is removed at the root at the end of smaller z and at the tip at the other end,
         half is added at the two other corners.
@@ -88,13 +88,13 @@ class FlankSurface:
 
     @property
     def places_mm(self) -> Floats:
-        """(m,) Arc lengths at which the metal removed is known, ascending; between: a spline."""
+        """(m,) Arc lengths of the known metal removed, ascending; a spline interpolates it."""
         return np.array(self.range_mm) if self.topography is None else self.topography.s_mm
 
     def at(self, zeta: Floats, width_mm: float) -> Floats:
         """Metal removed (n, m) at all places of n sections, mm; negative where metal is added.
 
-        `zeta` (n,): places along the face width, 0 at the end of smaller z, 1 at the other.
+        `zeta` (n,): relative axial positions, 0 at the end of smaller z, 1 at the other.
         """
         low, high = self.range_mm
         xi = (self.places_mm - low) / (high - low)
@@ -117,7 +117,7 @@ def flank_surface(
 ) -> FlankSurface | None:
     """Twist and topography from the keys of a body; None without these keys.
 
-    The file of the topography is relative to the folder; the width is that of the body.
+    Paths are relative to the folder; the width is that of the body.
 
     Raises
     ------
@@ -134,10 +134,7 @@ def flank_surface(
 
 
 def section_curves(body: Body, removed_mm: Floats) -> list[FlankCurve]:
-    """Flanks of a body with a surface in n sections, all with the same breaks.
-
-    `removed_mm`: metal removed (n, m) at the places of the surface in these sections.
-    """
+    """Flanks of a body in n sections, with the same breaks; `removed_mm`: metal removed (n, m)."""
     from scipy.interpolate import CubicSpline
 
     assert body.axial is not None
@@ -155,10 +152,10 @@ def section_curves(body: Body, removed_mm: Floats) -> list[FlankCurve]:
 def _faded(
     spline: CubicSpline, ends: tuple[float, float, float, float], s: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """Values of a spline and two derivatives; beside the active flank they become constant.
+    """Values of a spline and two derivatives, continued beyond the active flank.
 
-    The slope fades over root fillet and tip rounding by a quintic, so that the curvature has no
-    jump.
+    Over root fillet and tip rounding, a quintic reduces the slope to 0 without a jump of the
+    curvature.
     """
     low, high = ends[1], ends[2]
     inside = np.clip(s, low, high)
@@ -169,8 +166,8 @@ def _faded(
         h = far - end
         x = (s[side] - end) / h
         slope, bend = h * float(spline(end, 1)), h**2 * float(spline(end, 2))
-        # value, slope and bend of the end at x = 0; constant from x = 1 on, at the same value
-        c = np.array([0.0, slope, 0.5 * bend, *_closing(slope, bend)])
+        # value, slope and bend of the spline at x = 0; the same value and no slope at x = 1
+        c = np.array([0.0, slope, 0.5 * bend, *_fading(slope, bend)])
         polynomial = np.polynomial.Polynomial(c)
         value[side] = float(spline(end)) + polynomial(x)
         first[side] = polynomial.deriv(1)(x) / h
@@ -178,8 +175,8 @@ def _faded(
     return value, first, second
 
 
-def _closing(slope: float, bend: float) -> tuple[float, float, float]:
-    """Coefficients of x^3 to x^5 with which slope x + bend x^2/2 + ... ends in 0, flat."""
+def _fading(slope: float, bend: float) -> tuple[float, float, float]:
+    """Coefficients of x^3 to x^5: slope x + bend x^2/2 + ... is 0 at 1, with two derivatives."""
     return -6.0 * slope - 1.5 * bend, 8.0 * slope + 1.5 * bend, -3.0 * slope - 0.5 * bend
 
 
@@ -194,11 +191,11 @@ def read_topography(
         If the file is missing or faulty, or the grid ends inside the flank.
     """
     diameters, z, removed_um = _read_grid(path, key)
-    s = np.linspace(*range_mm, PLACES)
+    s = np.linspace(*range_mm, SAMPLES)
     at = 2.0 * np.hypot(*curve.point(s).T)
     _check_cover(diameters, (at[0], at[-1]), key, path.name, ON_FLANK)
     _check_cover(z, (0.0, width_mm), key, path.name, ON_WIDTH)
-    # rows beyond the active flank only shape the spline: they keep their distance
+    # rows beyond the active flank only affect the spline: their distance is extrapolated
     beyond = np.clip(diameters, at[0], at[-1]) - diameters
     rate = np.gradient(at, s)
     places = np.interp(diameters, at, s)
@@ -210,7 +207,7 @@ def _check_cover(
     values: Floats, ends: tuple[float, float], key: str, name: str, wanted: str
 ) -> None:
     """Refuse a grid that ends inside the flank."""
-    if values[0] > ends[0] + ROUNDED or values[-1] < ends[1] - ROUNDED:
+    if values[0] > ends[0] + GRID_TOLERANCE_MM or values[-1] < ends[1] - GRID_TOLERANCE_MM:
         refuse(key, wanted.format(*ends), f"{values[0]:g} to {values[-1]:g} in {name}")
 
 

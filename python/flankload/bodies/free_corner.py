@@ -1,16 +1,17 @@
-"""Free corners of metal at which the pressure modes of a flank end, and their near field.
+"""Near field of the free corners at the ends of a flank's pressure modes.
 
-Between two places at distances d and d' from a corner of interior angle w the flank yields by
+Along a flank that ends at a corner of interior angle w, a force at the distance d' from the corner
+causes, per force and width, the normal displacement at the distance d
 
     -c0 [ln|s - s'| + psi(w) ln(d + d')],
     psi(w) = pi [sin^2(w/2)/(w + sin w) + cos^2(w/2)/(w - sin w)] - 1                          (W1)
 
-along its normal, per force and width: by the logarithm of a half-plane, and by that of a mirror
-image of the load behind the corner. A force at the apex of a wedge, normal to its flank, moves the
-flank at a distance r by -(2/E') [sin^2(w/2)/(w + sin w) + cos^2(w/2)/(w - sin w)] ln r: it is held
-by radial stress (Johnson, Contact Mechanics, section 5.1), and its parts are those along the
-bisector and across it. With c0 = 2/(pi E') that is -c0 (1 + psi) ln r, which both logarithms sum up
-to for d' = 0. Both leave out what stays finite at the corner: the modes carry it.
+the logarithm of a half-plane and that of a mirror image of the load behind the corner. A force
+normal to the flank at the apex of a wedge causes radial stress only (Johnson, Contact Mechanics,
+section 5.1) and moves the flank at a distance r by
+-(2/E') [sin^2(w/2)/(w + sin w) + cos^2(w/2)/(w - sin w)] ln r, with parts along and across the
+bisector. With c0 = 2/(pi E') this is -c0 (1 + psi) ln r, the sum of both logarithms for d' = 0. The
+modes represent the part that remains finite at the corner.
 """
 
 from __future__ import annotations
@@ -19,26 +20,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies.body import SectorMesh, WholeMesh
+from flankload.bodies.corner_angle import STRAIGHT_ANGLE
 
 if TYPE_CHECKING:
     from flankload.bodies.body import Body
 
-#: Interior angle where the surface goes on smoothly.
-SMOOTH = 180.0
-#: Metal that turns by less than this is no corner, degrees: straight-sided elements on a rounding
-#: turn by a few, and psi is below 0.0002 there.
-LEAST_TURN = 5.0
-#: The curve of a sharp flank ends with its modes, to this part of their range.
-SAME_PLACE = 1e-6
+#: Least turn of the surface at a corner, degrees; straight-sided elements on a rounding turn by
+#: less, and psi is below 0.0002 there.
+LEAST_CORNER_TURN = 5.0
+#: Largest distance of the end of a sharp flank from the end of its modes, over their range.
+END_TOLERANCE = 1e-6
 
 
 def image_strength(angle_deg: float) -> float:
-    """Strength psi of the mirror image behind a corner of an interior angle > 0, Eq. (W1).
-
-    0 where the metal turns by less than 5 degrees, or inwards.
-    """
-    if angle_deg > SMOOTH - LEAST_TURN:
+    """Strength psi of the image behind a corner with an interior angle, Eq. (W1); 0 if smooth."""
+    if angle_deg > STRAIGHT_ANGLE - LEAST_CORNER_TURN:
         return 0.0
     w = float(np.radians(angle_deg))
     axial, across = np.sin(0.5 * w) ** 2, np.cos(0.5 * w) ** 2
@@ -46,16 +42,16 @@ def image_strength(angle_deg: float) -> float:
 
 
 def image_strengths(body: Body) -> tuple[float, float]:
-    """Psi at the low and the high end of the range of a body's modes."""
+    """Psi at the low and the high end of a body's modes."""
     low, high = corner_angles(body)
     return image_strength(low), image_strength(high)
 
 
 def along_strength(angle_deg: float) -> float:
-    """Strength psi_nt of the image of a force along the flank, towards the corner, Eq. (W3).
+    """Strength psi_nt of the image of a tangential force towards the corner, Eq. (W3).
 
-    By that force the flank moves along its normal by -c0 psi_nt ln(d + d') beside the jump.
-    -pi sin^2 w/(w^2 - sin^2 w) with the interior angle w > 0 of the metal; 0 without a corner.
+    Beside the jump, this force causes the normal displacement -c0 psi_nt ln(d + d') with
+    psi_nt = -pi sin^2 w/(w^2 - sin^2 w) and the interior angle w; 0 without a corner.
     """
     if not image_strength(angle_deg):
         return 0.0
@@ -64,57 +60,34 @@ def along_strength(angle_deg: float) -> float:
 
 
 def along_strengths(body: Body) -> tuple[float, float]:
-    """Psi_nt at the low and the high end of a body's modes, of a force towards the high end."""
+    """Psi_nt at the low and the high end of a body's modes, for a force towards the high end."""
     low, high = corner_angles(body)
     return -along_strength(low), along_strength(high)
 
 
 def corner_angles(body: Body) -> tuple[float, float]:
-    """Interior angles of the metal at the low and the high end of the modes of a body, degrees.
+    """Interior angles at the low and the high end of a body's modes, degrees; 180: no corner.
 
-    180 without a corner. The body has elements, or a compliance that tells the angles.
+    They are those of the elements, or of the imported compliance.
     """
-    if body.given is not None:
-        return body.given.corner_angles_deg
+    if body.imported is not None:
+        return body.imported.corner_angles_deg
     if body.mesh is None or body.curve.closed:
-        return SMOOTH, SMOOTH
-    flank = body.mesh.flanks[0] if isinstance(body.mesh, WholeMesh) else body.mesh
-    return angle_at(body.mesh, int(flank.flank_edges[0, 0])), tip_angle(body)
+        return STRAIGHT_ANGLE, STRAIGHT_ANGLE
+    return body.mesh.end_angles_deg[0], tip_angle(body)
 
 
 def tip_angle(body: Body) -> float:
-    """Interior angle of the metal at the high end of the modes of a body with elements, degrees."""
+    """Interior angle at the high end of the modes of a body with elements, degrees."""
     if body.mesh is None or body.curve.closed or not _tip_is_sharp(body):
-        return SMOOTH
-    flank = body.mesh.flanks[0] if isinstance(body.mesh, WholeMesh) else body.mesh
-    return angle_at(body.mesh, int(flank.flank_edges[-1, 1]))
+        return STRAIGHT_ANGLE
+    return body.mesh.end_angles_deg[1]
 
 
 def _tip_is_sharp(body: Body) -> bool:
-    """Whether the flank ends with its modes: no rounding and no chamfer follows.
+    """Whether the flank ends with its modes, without a rounding or chamfer.
 
-    Behind these the corner is another one, further away than the modes end: it has no image.
+    A corner behind a rounding or chamfer is too far from the end of the modes for an image.
     """
     low, high = body.mode_range_mm
-    return body.curve.length_mm - high <= SAME_PLACE * (high - low)
-
-
-def angle_at(mesh: SectorMesh | WholeMesh, node: int) -> float:
-    """Interior angle of the elements at a corner node of theirs, degrees; 180 on a cut face."""
-    if isinstance(mesh, SectorMesh) and node in np.append(mesh.left_nodes, mesh.right_nodes):
-        return SMOOTH
-    whole = 0.0
-    for kind, cells in mesh.cells:
-        corners = 3 if kind.startswith("triangle") else 4
-        cell, at = np.nonzero(cells[:, :corners] == node)
-        before, behind = (at - 1) % corners, (at + 1) % corners
-        # an edge leaves its end in the direction 4 middle - 3 here - other end
-        one, two = (
-            4 * mesh.nodes[cells[cell, corners + edge]]
-            - 3 * mesh.nodes[node]
-            - mesh.nodes[cells[cell, end]]
-            for edge, end in ((at, behind), (before, before))
-        )
-        cross = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
-        whole += float(np.abs(np.arctan2(cross, np.sum(one * two, axis=1))).sum())
-    return float(np.degrees(whole))
+    return body.curve.length_mm - high <= END_TOLERANCE * (high - low)

@@ -1,7 +1,8 @@
-"""Directions, mirror images, lines and circles in the plane; a contour of a tooth for pictures."""
+"""Mirror images, lines and circles in the plane, and the contour of a tooth for pictures."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,7 +26,7 @@ def across(vectors: Floats) -> Floats:
 
 
 def line(start: Floats, direction: Floats) -> Place:
-    """A straight line by the distance from its start."""
+    """A straight line, parametrised by the distance from its start."""
 
     def place(u: Floats) -> tuple[Floats, Floats, Floats]:
         ones = np.ones((u.size, 1))
@@ -34,20 +35,29 @@ def line(start: Floats, direction: Floats) -> Place:
     return place
 
 
+@dataclass(frozen=True)
+class Circle:
+    """A circle; a dataclass, so that bodies with the same circle share cached fits."""
+
+    center_mm: tuple[float, float]
+    radius_mm: float
+
+    def place(self, angle: Floats) -> tuple[Floats, Floats, Floats]:
+        """Points at polar angles (m,) about the centre, with two derivatives: (m, 2) each."""
+        out, radius = directions(angle), self.radius_mm
+        return self.center_mm + radius * out, radius * across(out), -radius * out
+
+
 def circle(center: Floats, radius: float) -> Place:
-    """A circle by the polar angle about its centre; a negative radius: its opposite points."""
-
-    def place(angle: Floats) -> tuple[Floats, Floats, Floats]:
-        out = directions(angle)
-        return center + radius * out, radius * across(out), -radius * out
-
-    return place
+    """A circle, parametrised by its polar angle; with a negative radius, by that angle plus pi."""
+    x, y = center.tolist()
+    return Circle((x, y), radius).place
 
 
 def sketched_tooth(flank: Floats, teeth: int) -> Floats:
     """Contour (2 n, 2) of a tooth, counter-clockwise: the flank and its mirror image.
 
-    They are a quarter pitch apart from the centre. The points (n, 2) of the flank are from root to
+    Both are a quarter pitch from the centre line. The points (n, 2) of the flank are from root to
     tip, mm; the teeth are internal if the radius decreases.
     """
     root, tip = np.linalg.norm(flank[[0, -1]], axis=1)

@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from flankload.bodies.profile.involute import Involute
 
 
-#: Points in each interval of the curve.
+#: Number of points in each interval of the curve.
 PLACES = 8
 
-#: Names of features that begin at an interval of the curve, by its label.
+#: Names of features at the start of an interval of the curve, by its label.
 MARKS = {"relief": "relief", "tip_radius": "tip rounding", "tip_chamfer": "tip chamfer"}
 
 
@@ -27,8 +27,8 @@ class ProfileDeviation:
     Attributes
     ----------
     roll_length_mm : (m,) array
-        Length of the involute's normal from the base circle, ascending (from root to tip; for a
-        ring from tip to root).
+        Length of the involute's normal from the base circle, ascending (for a ring from tip to
+        root).
     deviation_um : (m,) array
         Deviation along that normal; negative where material is missing.
     base_radius_mm : float
@@ -46,10 +46,9 @@ class ProfileDeviation:
 def deviation_at(involute: Involute, places: Floats) -> tuple[Floats, Floats]:
     """Roll length and deviation (m,) of points (m, 2) near an involute, mm.
 
-    A point of the involute is r_b e_r(a) + r_b t e_theta(a) with a = th0 - t; the points on its
-    normal differ only in the length along the same e_theta(a). The roll length is r_b t, the
-    deviation the distance of the point from the involute, positive for extra material. Points are
-    not inside the base circle.
+    The normal of the involute at the roll parameter t is r_b e_r(a) + l e_theta(a) with a = th0 - t
+    and l = r_b t, the roll length, on the involute. The deviation is the distance along the normal,
+    positive for extra material. Points are not inside the base circle.
     """
     base = involute.base_radius_mm
     reach = np.sqrt(np.maximum(np.sum(places**2, axis=1) - base**2, 0.0))
@@ -61,7 +60,7 @@ def deviation_at(involute: Involute, places: Floats) -> tuple[Floats, Floats]:
 
 
 def profile_deviation(body: Body) -> ProfileDeviation | None:
-    """Deviation of a body's flank between root fillet and tip rounding; None without involute."""
+    """Deviation of a body's active flank; None without an involute."""
     involute, curve = body.involute, body.curve
     if involute is None:
         return None

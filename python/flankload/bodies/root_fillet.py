@@ -1,13 +1,12 @@
 """Points on the root fillets for tooth root stress, and the stress from nodal displacements.
 
-A fillet is a free surface: its only stress component is tangential and follows from the tangential
-strain,
+The stress of a free surface is tangential and follows from the tangential strain,
 
     sigma = E/(1 - nu²) t·du/ds   (plane strain; E t·du/ds in plane stress),
 
-with the unit tangent t. The strain of quadratic elements is most accurate at the two Gauss points
-of an element's edge; these are the points. The local stress under a force that acts on the fillet
-itself is not included.
+with the unit tangent t. The points are the two Gauss points of each element edge, where the strain
+of quadratic elements is most accurate. The local stress under a force on the fillet is not
+included.
 """
 
 from __future__ import annotations
@@ -30,14 +29,14 @@ if TYPE_CHECKING:
 
 
 #: Key of the scene that requests the tooth root stress.
-KEY = "effects.root_stress"
-#: Largest distance of edges of the mesh from the fillet, relative to their length. On an arc of 25
-#: degrees, the largest turn of one element, the middle of a chord has half this distance.
-ON_FILLET = 0.06
-#: Least part of the fillet's length that the edges found must cover.
-LEAST_COVER = 0.98
+SCENE_KEY = "effects.root_stress"
+#: Largest distance of mesh edges from the fillet, over their length: twice that of the middle of a
+#: chord over 25 degrees, the largest turn of one element.
+FILLET_TOLERANCE = 0.06
+#: Least part of the fillet's length that mesh edges cover.
+LEAST_COVERAGE = 0.98
 #: Gauss points of an edge on [-1, 1].
-GAUSS = (-(3.0**-0.5), 3.0**-0.5)
+GAUSS_POINTS = (-(3.0**-0.5), 3.0**-0.5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +54,7 @@ class RootPoints:
     slant_rad : (q,) array
         Angle of the fillet's tangent to the tooth's centre line.
     working : (q,) array of bool
-        Whether the point is on the side of the working flank.
+        Points on the side of the working flank.
     """
 
     arc_length_mm: Floats
@@ -67,15 +66,15 @@ class RootPoints:
 
 @dataclass(frozen=True, eq=False)
 class FilletNodes:
-    """Nodes of both fillets of a tooth, and their shape functions at its points.
+    """Nodes of both fillets of a tooth, and their shape functions at its stress points.
 
     Attributes
     ----------
     nodes : (m,) array
     shapes, slopes : (m, q) arrays
-        Value of the shape function of each node at each point, and its change per length, 1/mm.
+        Shape function of each node at each point, and its tangential derivative, 1/mm.
     places, tangents : (q, 2) arrays
-        The points in the frame of the mesh, mm, and the unit tangents there.
+        Points in the frame of the mesh, mm, and unit tangents there.
     """
 
     nodes: Numbers
@@ -92,12 +91,12 @@ class RootFillets:
     Attributes
     ----------
     points : RootPoints
-        Points of any tooth.
+        Points of each tooth.
     degrees, strains : tuples of (m,) and (m, q) arrays
         By flank of the mesh (one for a sector): degrees of freedom of the fillets' nodes, and the
         matrix from their displacements to tangential strains.
     on_elements : FilletNodes
-        Of the first flank.
+        Those of the first flank.
     """
 
     points: RootPoints
@@ -113,7 +112,7 @@ class RootFillets:
 
 
 def root_fillets(body: Body, key: str) -> RootFillets:
-    """Find both fillets of every tooth that has a flank in the mesh of a body.
+    """Find both fillets of every tooth with a flank in the mesh of a body.
 
     `key` is "body_1" or "body_2", for messages.
 
@@ -128,7 +127,7 @@ def root_fillets(body: Body, key: str) -> RootFillets:
         if body.kind == "mesh":
             found += " without a profile"
         raise SceneError(
-            key=KEY,
+            key=SCENE_KEY,
             expected="bodies with finite elements and a known root fillet "
             "(gear, ring, splines, mesh with profile)",
             found=found,
@@ -150,7 +149,7 @@ def root_fillets(body: Body, key: str) -> RootFillets:
 def _both_sides(
     mesh: SectorMesh | WholeMesh, curve: FlankCurve, turn: float, center: float, key: str
 ) -> tuple[RootPoints, Floats, Numbers]:
-    """Gauss points of both fillets of the tooth rotated by `turn`, their strains and edges."""
+    """Gauss points of both fillets of the tooth at the angle `turn`, their strains and edges."""
     edges = boundary_edges(mesh.cells)
     form = curve.range_of("fillet")[1]
     own = turned(mesh.nodes, -turn)
@@ -162,7 +161,7 @@ def _both_sides(
         places, strains = edge_strains(mesh.nodes, image, edges[on])
         s = curve.arc_length_of(places)[0]
         order = np.argsort(s)
-        # the edge of each point, and which of its two points it is
+        # edge of each point, and number of the point on its edge
         number = np.column_stack([np.repeat(edges[on], 2, axis=0), np.tile([0, 1], on.size)])
         parts.append((s[order], strains[:, order], number[order]))
     s = np.concatenate([part[0] for part in parts])
@@ -182,9 +181,9 @@ def _both_sides(
 
 
 def _on_elements(mesh: SectorMesh | WholeMesh, numbers: Numbers) -> FilletNodes:
-    """Shape functions of the edges (q, 3) of points, of which a fourth column has the number."""
+    """Shape functions at points, by their edge and the number of the point on it (q, 4)."""
     edges, which = numbers[:, :3], numbers[:, 3]
-    shape, slope = (part[which] for part in _line_shapes(np.array(GAUSS)))
+    shape, slope = (part[which] for part in _line_shapes(np.array(GAUSS_POINTS)))
     nodes, column = np.unique(edges, return_inverse=True)
     column = column.reshape(edges.shape)
     along = np.einsum("qk,qkd->qd", slope, mesh.nodes[edges])
@@ -197,7 +196,7 @@ def _on_elements(mesh: SectorMesh | WholeMesh, numbers: Numbers) -> FilletNodes:
 
 
 def _line_shapes(x: Floats) -> tuple[Floats, Floats]:
-    """Shape functions (n, 3) of an edge's first, last and middle node on [-1, 1]; their slopes."""
+    """Shape functions (n, 3) of first, last and middle node on [-1, 1], and their derivatives."""
     values = np.stack([0.5 * x * (x - 1), 0.5 * x * (x + 1), 1 - x**2], axis=-1)
     return values, np.stack([x - 0.5, x + 0.5, -2 * x], axis=-1)
 
@@ -213,11 +212,11 @@ def _edges_on_fillet(
     length = np.linalg.norm(nodes[edges[candidates, 1]] - nodes[edges[candidates, 0]], axis=1)
     s, away = curve.arc_length_of(nodes[edges[candidates]].reshape(-1, 2))
     s, away = s.reshape(-1, 3), away.reshape(-1, 3)
-    lies = (away < ON_FILLET * length[:, None]).all(axis=1) & (s[:, 2] < form)
+    lies = (away < FILLET_TOLERANCE * length[:, None]).all(axis=1) & (s[:, 2] < form)
     covered = float(np.ptp(s[lies][:, :2], axis=1).sum())
-    if not abs(covered / form - 1) <= 1 - LEAST_COVER:
+    if not abs(covered / form - 1) <= 1 - LEAST_COVERAGE:
         expected = f"a mesh of {key} that holds both root fillets of a tooth in one piece"
-        refuse(KEY, expected, f"edges along {100 * covered / form:.0f} % of a fillet")
+        refuse(SCENE_KEY, expected, f"edges along {100 * covered / form:.0f} % of a fillet")
     return candidates[lies]
 
 
@@ -225,11 +224,10 @@ def edge_strains(nodes: Floats, image: Floats, edges: Numbers) -> tuple[Floats, 
     """Strain along edges (m, 3) at their Gauss points.
 
     `image`: the same nodes (N, 2), rotated or mirrored. Returns the Gauss points (2 m, 2) in the
-    frame of `image`, and the columns (2N, 2 m) that give t·du/ds from displacements numbered
-    2*node + component.
+    frame of `image`, and the matrix (2N, 2 m) of t·du/ds for displacements 2*node + component.
     """
     places, strains = [], np.zeros((len(nodes), 2, 2 * len(edges)))
-    for g, x in enumerate(GAUSS):
+    for g, x in enumerate(GAUSS_POINTS):
         shape, slope = (part[0] for part in _line_shapes(np.array([x])))
         tangent = np.einsum("k,mkd->md", slope, nodes[edges])
         squared = (tangent**2).sum(axis=1)
@@ -241,7 +239,7 @@ def edge_strains(nodes: Floats, image: Floats, edges: Numbers) -> tuple[Floats, 
 
 
 def _at_places(wanted: RootPoints, found: RootPoints, rows: Floats) -> Floats:
-    """Columns of a tooth at the points of the first one, interpolated from its own Gauss points."""
+    """Columns of a tooth, interpolated from its Gauss points to the points of the first tooth."""
     if np.array_equal(wanted.arc_length_mm, found.arc_length_mm):
         return rows
     columns = []

@@ -1,9 +1,8 @@
-"""A shaft on bearings: as a compliance of the section that carries the gear, or inside the bore.
+"""A shaft on bearings: the compliance of its section at the gear, or a flexible beam in the bore.
 
-The shaft is a Timoshenko beam with exact elements between the places where a step, a bearing or
-the gear is; it is round, so both planes of bending are alike. The gear adds no stiffness. A shaft
-that bends and twists under the teeth fills the bore over its width; its steps and bearings outside
-of the bore act on the two ends as condensed stiffnesses.
+The shaft is a round Timoshenko beam with exact elements between steps, bearings and the gear, which
+adds no stiffness. A flexible shaft fills the bore over its width; the parts outside of the bore,
+with their bearings, act on both ends as condensed stiffnesses.
 """
 
 from __future__ import annotations
@@ -23,42 +22,42 @@ if TYPE_CHECKING:
     from flankload.scene import shaft as keys
 
     Extent = tuple[float, float]
-    #: Axial stiffness; stiffness in a plane of bending: force and moment under displacement and
-    #: rotation, as (force/displacement, force/rotation, moment/rotation).
+    #: Axial stiffness; stiffness in a plane of bending: force/displacement, force/rotation,
+    #: moment/rotation.
     Springs = tuple[float, float, float, float]
 
-#: Decimals of places on the shaft, mm: to 1 um, the shortest length of a scene.
+#: Decimals of positions on the shaft, mm: 1 um is the shortest length of a scene.
 DECIMALS = 3
 #: N/mm per N/um, and N mm/rad per N m/mrad.
 PER_MM, PER_RAD = 1e3, 1e6
 
 
 @dataclass(frozen=True)
-class CarryingShaft:
-    """A round shaft inside the bore of a body, over the width of the bore.
+class FlexibleShaft:
+    """A round shaft that bends and twists in the bore of a body, which follows it.
 
     Attributes
     ----------
     range_mm : (float, float)
         Ends of the bore on the common axis direction z.
     radius_mm, inner_radius_mm : float
-        Of the bore; of the bore of the shaft itself, 0 if it is solid.
+        Radius of the bore of the body, and of that of the shaft, 0 if it is solid.
     stiffness : (float, float, float, float)
-        Of the beam in the bore against extension E A (N), bending E I (N mm²), shear k G A (N) and
-        twist G I_p (N mm²).
+        Extension E A (N), bending E I (N mm²), shear k G A (N) and torsion G I_p (N mm²) of the
+        beam in the bore.
     beyond : two tuples of four floats
-        Stiffness of the shaft beyond each end, on the section there, with its bearings: axial
-        (N/mm); in a plane of bending force per displacement (N/mm), force per rotation (N), moment
-        per rotation (N mm).
+        Stiffness of the shaft beyond each end, with its bearings, at this end: axial (N/mm); in a
+        plane of bending force per displacement (N/mm), force per rotation (N), moment per rotation
+        (N mm).
     end_radii_mm : (float, float)
         Outer radius of the shaft just beyond each end; 0 if there is none.
     bearings : tuple of (z, radial, axial, tilt)
-        Bearings in the bore: mm, N/mm, N/mm, N mm/rad.
+        Bearings within the width of the bore: mm, N/mm, N/mm, N mm/rad.
     axially_held : bool
         Whether a bearing resists axial forces.
     torque_end : "I", "II" or "even"
-        Where the torque enters: the section whose rotation is that of the body; "even": over all
-        the width, and the rotation is the mean one.
+        Section at which the torque enters, whose rotation is that of the body; "even": the torque
+        is distributed over the width, and the rotation is the mean.
     """
 
     range_mm: Extent
@@ -74,27 +73,27 @@ class CarryingShaft:
 
 @dataclass(frozen=True, eq=False)
 class Shaft(KeepsReadOnly):
-    """What the contact needs to know of a shaft and its bearings.
+    """A shaft and its bearings.
 
     Attributes
     ----------
     compliance : (6, 6) array
-        Displacements and rotations of the section under forces and moments there, mm/N, rad/N,
-        rad/(N mm); symmetric, zeros in row and column 6.
+        Displacements and rotations of the section per force and moment there, mm/N, rad/N,
+        rad/(N mm); symmetric, with zeros in row and column 6.
     z_mm : float
         Axial position of the section: the middle of the face width.
     bearing_loads : (B, 3, 6) array
-        Force on each bearing per force and moment at the section, -, 1/mm; B = 0 if the shaft is
-        known by its compliance only.
-    carrying : CarryingShaft or None
+        Force on each bearing per force and moment at the section, -, 1/mm; B = 0 for a shaft from a
+        compliance.
+    flexible : FlexibleShaft or None
         The shaft as a part of the elastic body, if it bends and twists under the teeth; the section
-        then only serves the tilt and the forces on the bearings.
+        then serves only the tilt and the bearing forces.
     """
 
     compliance: Floats
     z_mm: float
     bearing_loads: Floats
-    carrying: CarryingShaft | None = None
+    flexible: FlexibleShaft | None = None
 
 
 def build_shaft(table: keys.Shaft, z_mm: float) -> Shaft:
@@ -127,13 +126,13 @@ def build_shaft(table: keys.Shaft, z_mm: float) -> Shaft:
     return Shaft(0.5 * (compliance + compliance.T), z_mm, forces)
 
 
-def carrying_shaft(
+def flexible_shaft(
     table: keys.Shaft, middle_mm: float, range_mm: Extent, bore_diameter_mm: float
-) -> CarryingShaft:
-    """The shaft that fills a bore over its range, with `under_teeth = "flexible"`.
+) -> FlexibleShaft:
+    """The shaft in a bore, with `under_teeth = "flexible"`.
 
-    The middle is that of the face width; the diameter of the bore is at most that of the shaft
-    there: metal outside of it belongs to the body.
+    The middle is that of the face width. Metal of the shaft outside the diameter of the bore
+    belongs to the body.
     """
     assert table.torque_end is not None
     shift = middle_mm - table.dimensions.gear_position_mm
@@ -143,7 +142,7 @@ def carrying_shaft(
     inner = table.bore_diameter_mm or 0.0
     area, moment, sheared = _round_section(np.array(bore_diameter_mm), inner, table.poisson_ratio)
     end = round(sum(table.dimensions.lengths_mm), DECIMALS)
-    return CarryingShaft(
+    return FlexibleShaft(
         range_mm=range_mm,
         radius_mm=0.5 * bore_diameter_mm,
         inner_radius_mm=0.5 * inner,
@@ -167,7 +166,7 @@ def carrying_shaft(
 
 @dataclass(frozen=True)
 class _Beam:
-    """A shaft between nodes (N,), with bearings of some stiffness at some of these."""
+    """Beam elements between nodes (N,), with bearings (numbers of nodes) and their stiffness."""
 
     table: keys.Shaft
     nodes: Floats
@@ -178,15 +177,15 @@ class _Beam:
 
     @classmethod
     def of(cls, table: keys.Shaft, marks: Sequence[float]) -> _Beam:
-        """The whole shaft, with nodes at further places."""
+        """The whole shaft, with nodes also at `marks`."""
         places, stiffness = _bearings(table)
         steps = np.concatenate([[0.0], np.cumsum(table.dimensions.lengths_mm)])
-        # an element of rounding errors in length would be too stiff
+        # nodes that differ by rounding errors are one
         nodes = np.unique(np.round(np.concatenate([marks, places, steps]), DECIMALS))
         return cls(table, nodes, np.searchsorted(nodes, places), *stiffness)
 
     def between(self, low: float, high: float, *, without: float) -> _Beam:
-        """The part between two nodes, without the bearings at one place."""
+        """The part between two nodes, without the bearings at the position `without`."""
         places = self.nodes[self.bearings]
         own = (places >= low) & (places <= high) & (places != without)
         nodes = self.nodes[(self.nodes >= low) & (self.nodes <= high)]
@@ -204,7 +203,7 @@ class _Beam:
         return int(np.searchsorted(self.nodes, round(place, DECIMALS)))
 
     def _sections(self) -> tuple[Floats, Floats, Floats]:
-        """Area, second moment of area and shear area of the element behind each node."""
+        """Area, second moment of area and shear area of each element."""
         sizes = self.table.dimensions
         middles = 0.5 * (self.nodes[1:] + self.nodes[:-1])
         step = np.searchsorted(np.cumsum(sizes.lengths_mm)[:-1], middles)
@@ -212,7 +211,7 @@ class _Beam:
         return _round_section(np.array(sizes.diameters_mm)[step], inner, self.table.poisson_ratio)
 
     def bending(self) -> Floats:
-        """(2 N, 2 N) Stiffness in one plane: displacement and rotation of each node."""
+        """(2 N, 2 N) Bending stiffness: displacement and rotation of each node in one plane."""
         modulus, shear_modulus = _moduli(self.table)
         stiffness = np.zeros((2 * self.nodes.size, 2 * self.nodes.size))
         _, moments, shears = self._sections()
@@ -234,7 +233,7 @@ class _Beam:
         return stiffness
 
     def pushing(self) -> Floats:
-        """(N, N) Stiffness along the axis."""
+        """(N, N) Axial stiffness."""
         stiffness = np.zeros((self.nodes.size, self.nodes.size))
         areas, _, _ = self._sections()
         for e, length in enumerate(np.diff(self.nodes)):
@@ -246,7 +245,7 @@ class _Beam:
 
 
 def _bearings(table: keys.Shaft) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-    """Places of the bearings, mm; radial, axial (N/mm) and tilting stiffness (N mm/rad)."""
+    """Positions of the bearings, mm; radial, axial (N/mm) and tilting stiffness (N mm/rad)."""
     places = np.round(table.dimensions.bearing_positions_mm, DECIMALS)
     none = (0.0,) * places.size
     return places, (
@@ -264,7 +263,7 @@ def _moduli(table: keys.Shaft) -> tuple[float, float]:
 def _round_section(
     outer: Floats, inner: float, poisson_ratio: float
 ) -> tuple[Floats, Floats, Floats]:
-    """Area, second moment of area and shear area (Cowper 1966) between two diameters."""
+    """Area, second moment of area and shear area (Cowper 1966) of hollow circles."""
     area = np.pi / 4.0 * (outer**2 - inner**2)
     moment = np.pi / 64.0 * (outer**4 - inner**4)
     nu, ratio = poisson_ratio, (inner / outer) ** 2
@@ -274,7 +273,7 @@ def _round_section(
 
 
 def _radius_at(table: keys.Shaft, place: float, side: int) -> float:
-    """Outer radius just beyond a place, on the side of smaller (-1) or larger z (1)."""
+    """Outer radius just beyond a position, towards smaller (-1) or larger z (1)."""
     ends = np.round(np.cumsum(table.dimensions.lengths_mm), DECIMALS)
     beyond = place + side * 10.0**-DECIMALS
     if not 0.0 < beyond < ends[-1]:
@@ -283,7 +282,7 @@ def _radius_at(table: keys.Shaft, place: float, side: int) -> float:
 
 
 def _beyond(table: keys.Shaft, free: float, end: float) -> Springs:
-    """Stiffness at `end` of the part of a shaft from there to its free end."""
+    """Stiffness at `end` of the part of a shaft up to its free end."""
     low, high = min(free, end), max(free, end)
     beam = _Beam.of(table, [low, high]).between(low, high, without=end)
     if not beam.bearings.size:
@@ -295,7 +294,7 @@ def _beyond(table: keys.Shaft, free: float, end: float) -> Springs:
 
 
 def _condensed(stiffness: Floats, kept: Numbers) -> Floats:
-    """Stiffness of some unknowns when no load acts on the others; symmetric."""
+    """Stiffness condensed to the unknowns `kept`; symmetric."""
     rest = np.setdiff1d(np.arange(len(stiffness)), kept)
     scaled, scale = _scaled(stiffness)
     between = scaled[np.ix_(rest, kept)]
@@ -306,12 +305,12 @@ def _condensed(stiffness: Floats, kept: Numbers) -> Floats:
 
 
 def _solved(stiffness: Floats, loads: Floats) -> Floats:
-    """Displacements under loads."""
+    """Displacements under loads, solved with scaled unknowns."""
     scaled, scale = _scaled(stiffness)
     return np.asarray(scale[:, np.newaxis] * np.linalg.solve(scaled, scale[:, np.newaxis] * loads))
 
 
 def _scaled(stiffness: Floats) -> tuple[Floats, Floats]:
-    """A stiffness with forces and moments scaled to one size, and the factors."""
+    """A stiffness scaled to a unit diagonal, and the factors."""
     scale = 1.0 / np.sqrt(np.diag(stiffness))
     return stiffness * np.outer(scale, scale), scale

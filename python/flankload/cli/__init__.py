@@ -11,12 +11,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from flankload.cli.body_files import compliance, mesh
 from flankload.cli.checking import check, schema
 from flankload.cli.designing import optimise, study
-from flankload.cli.importing import scene
 from flankload.cli.judging import accuracy, benchmark, verify
 from flankload.cli.solving import plan, report, run
+from flankload.cli.writing import compliance, mesh, scene
 from flankload.errors import FlankloadError, SceneError
 
 if TYPE_CHECKING:
@@ -32,17 +31,9 @@ SOLVED, NOT_SOLVED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line.
+    """Run the command line, by default with the arguments of the process.
 
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        Arguments; by default those of the process.
-
-    Returns
-    -------
-    int
-        0 done, 1 not solved, 2 invalid input, 130 interrupted.
+    Returns 0 if done, 1 if not solved, 2 for invalid input, 130 if interrupted.
     """
     line = shlex.join(["flankload", *(sys.argv[1:] if argv is None else argv)])
     arguments = parser().parse_args(argv, argparse.Namespace(line=line))
@@ -97,13 +88,7 @@ class _Version(argparse.Action):
 
 
 def parser() -> argparse.ArgumentParser:
-    """All commands with their arguments.
-
-    Returns
-    -------
-    argparse.ArgumentParser
-        Each command stores its function in `command`.
-    """
+    """All commands with their arguments; each stores its function in `command`."""
     top = _Parser(
         prog="flankload",
         description="Load distribution on the flanks of two elastic bodies on parallel axes.",
@@ -112,8 +97,8 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = top.add_subparsers(metavar="COMMAND", required=True)
     for add in (
-        *(_add_run, _add_report, _add_plan, _add_mesh, _add_compliance, _add_accuracy, _add_study),
-        *(_add_verify, _add_benchmark, _add_optimise, _add_scene, _add_check, _add_schema),
+        *(_add_run, _add_report_and_plan, _add_mesh_and_compliance, _add_accuracy, _add_study),
+        *(_add_verify, _add_benchmark, _add_optimise, _add_scene, _add_check_and_schema),
     ):
         add(commands)
     return top
@@ -183,7 +168,7 @@ def _add_run(commands: Any) -> None:
     add("--quiet", "print no table and no progress")
 
 
-def _add_report(commands: Any) -> None:
+def _add_report_and_plan(commands: Any) -> None:
     words = (
         "solve a scene and write one self-contained HTML page about it; adaptive positions if the "
         "scene names none"
@@ -192,8 +177,6 @@ def _add_report(commands: Any) -> None:
     add("-o FILE", "page to write (- for stdout)", dest="output", required=True)
     add("--quiet", "print no progress and no file name")
 
-
-def _add_plan(commands: Any) -> None:
     words = "print the effects that a run will include, with reason, cost and size"
     add = _command(commands, "plan", plan, words)
     add("--json", JSON_TABLE)
@@ -201,13 +184,11 @@ def _add_plan(commands: Any) -> None:
     add("--dimension", "also try three dimensions of a plane scene")
 
 
-def _add_mesh(commands: Any) -> None:
+def _add_mesh_and_compliance(commands: Any) -> None:
     add = _command(commands, "mesh", mesh, "write the finite element meshes of both bodies")
     add("-o DIR", "output folder", dest="folder", required=True)
     add("--format", "default: msh", action="store", choices=("msh", "vtu", "inp"), default="msh")
 
-
-def _add_compliance(commands: Any) -> None:
     words = "write the flanks of both bodies and their compliance"
     add = _command(commands, "compliance", compliance, words)
     add("-o DIR", "output folder", dest="folder", required=True)
@@ -322,11 +303,9 @@ def _add_scene(commands: Any) -> None:
     )
 
 
-def _add_check(commands: Any) -> None:
+def _add_check_and_schema(commands: Any) -> None:
     words = "validate a scene or a mesh file and print how it is interpreted"
     _command(commands, "check", check, words, ("FILE", "scene (.toml) or mesh file"))
 
-
-def _add_schema(commands: Any) -> None:
     add = _command(commands, "schema", schema, "print the JSON schema of scene files", None)
     add("--paths", "print a line for each key instead: path, unit, range, meaning")

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import signal
 import sys
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder, write_text
+from flankload.cli.outputs import STDOUT, check_apart, check_file, check_outputs, refuse, write_text
 from flankload.cli.solving import Progress
-from flankload.errors import FlankloadError, SceneError
+from flankload.errors import FlankloadError
 
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Iterator
-    from concurrent.futures import Executor
-    from contextlib import AbstractContextManager
 
     from flankload.scene import Scene
     from flankload.studies.design import DesignStudy
@@ -32,38 +31,33 @@ PATIENCE_S = 10
 
 def study(arguments: Namespace) -> None:
     """Solve the designs of a study that its store lacks, write and print them."""
-    outputs = _outputs(arguments.outputs)
+    outputs = list(dict.fromkeys(arguments.outputs))
+    _check_suffixes(outputs)
+    places = check_outputs(
+        (("-o", path) for path in outputs), [("--plot", arguments.plot, "PNG files")]
+    )
     if arguments.workers is not None and arguments.workers < 1:
-        raise SceneError(key="--workers", expected="an integer > 0", found=arguments.workers)
+        refuse("--workers", "an integer > 0", arguments.workers)
     if arguments.workers is not None and arguments.scheduler is not None:
         expected = "no such option with --scheduler, which has its own workers"
-        raise SceneError(key="--workers", expected=expected, found=arguments.workers)
-    if arguments.plot is not None:
-        check_folder("--plot", arguments.plot, content="PNG files")
+        refuse("--workers", expected, arguments.workers)
+    from flankload.scene.refusal import in_file
     from flankload.studies.design import read_study, run_study
 
     asked = read_study(arguments.file)
     store = f"{asked.file}: store"
     check_file(store, asked.store)
-    places = [("the study", asked.file), (store, asked.store)]
-    places += [("-o", Path(path)) for path in outputs if path != STDOUT]
-    places += [("--plot", arguments.plot)] if arguments.plot is not None else []
-    check_apart(places, asked.scene)
+    check_apart([("the study", asked.file), (store, asked.store), *places], asked.scene)
     try:
         with (
+            in_file(asked.file),
             Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress,
             _executor(arguments) as executor,
         ):
+            tell = _Rate(progress).tell
             found = run_study(
-                asked.scene,
-                asked.designs,
-                asked.quantities,
-                asked.store,
-                executor,
-                _Rate(progress).tell,
+                asked.scene, asked.designs, asked.quantities, asked.store, executor, tell
             )
-    except SceneError as error:
-        raise (error if error.file else error.with_file(asked.file)) from None
     except KeyboardInterrupt as stop:
         said = str(stop) or "interrupted"
         raise KeyboardInterrupt(f"{said}; {arguments.line} resumes") from None
@@ -98,19 +92,15 @@ class _Rate:
         self._progress.tell(words, done, total)
 
 
-def _outputs(paths: list[str]) -> list[str]:
-    """Output files; refused if they could not be written."""
+def _check_suffixes(paths: list[str]) -> None:
+    """Refuse output files of a kind that is not written."""
     for path in paths:
-        if path == STDOUT:
-            continue
         suffix = Path(path).suffix.lower()
-        if suffix not in (".csv", ".parquet"):
-            raise SceneError(key="-o", expected="a file ending in .csv or .parquet", found=path)
+        if path != STDOUT and suffix not in (".csv", ".parquet"):
+            refuse("-o", "a file ending in .csv or .parquet", path)
         if suffix == ".parquet" and find_spec("pyarrow") is None:
             expected = "a CSV file, since Parquet needs pyarrow: pip install 'flankload[parquet]'"
-            raise SceneError(key="-o", expected=expected, found=path)
-        check_file("-o", Path(path))
-    return list(dict.fromkeys(paths))
+            refuse("-o", expected, path)
 
 
 def _pictures(found: DesignStudy, folder: Path | None) -> list[str]:
@@ -136,13 +126,10 @@ def _executor(arguments: Namespace) -> AbstractContextManager[Executor | None]:
 
         # processes that are forked from one with threads of OpenMP hang in their first sweep
         context = multiprocessing.get_context("spawn")
-        return ProcessPoolExecutor(workers, context, initializer=_ignore_interrupts)
+        # Ctrl-C is left to the process that has the store
+        ignore = partial(signal.signal, signal.SIGINT, signal.SIG_IGN)
+        return ProcessPoolExecutor(workers, context, initializer=ignore)
     return nullcontext() if arguments.workers is None else ThreadPoolExecutor(workers)
-
-
-def _ignore_interrupts() -> None:
-    """Leave Ctrl-C to the process that has the store."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @contextmanager
@@ -150,7 +137,7 @@ def _dask(address: str) -> Iterator[Executor]:
     """Workers of a dask scheduler."""
     if find_spec("distributed") is None:
         expected = "the package distributed: pip install 'flankload[dask]'"
-        raise SceneError(key="--scheduler", expected=expected, found="no such package")
+        refuse("--scheduler", expected, "no such package")
     from distributed import Client
 
     try:
@@ -166,27 +153,23 @@ def optimise(arguments: Namespace) -> None:
     from flankload.scene import read_scene
     from flankload.scene.form import read_table
     from flankload.scene.reader import read_tables
+    from flankload.scene.refusal import in_file
     from flankload.studies.optimisation import OptimisationFile
     from flankload.studies.optimisation import optimise as optimum_of
 
     file: Path = arguments.file
     tree = read_tables(file, "a file of an optimisation")
     options = {key: value for key, value in tree.items() if key not in TABLES}
-    try:
+    with in_file(file):
         scene_path = file.parent / read_table(OptimisationFile, options, "").scene
-    except SceneError as error:
-        raise error.with_file(file) from None
     scene = read_scene(scene_path)
     if arguments.output is not None:
         _check_output(arguments.output, scene, file)
     del options["scene"]
     tables: dict[str, Any] = {"variables": (), "objective": {}, "constraints": ()}
     tables |= {key: tree[key] for key in TABLES if key in tree}
-    try:
-        with Progress(wanted=sys.stderr.isatty()) as progress:
-            optimum = optimum_of(scene, **tables, progress=progress.tell, **options)
-    except SceneError as error:
-        raise (error if error.file is not None else error.with_file(file)) from None
+    with in_file(file), Progress(wanted=sys.stderr.isatty()) as progress:
+        optimum = optimum_of(scene, **tables, progress=progress.tell, **options)
     if arguments.output is not None:
         from flankload.base.files import write_atomically
 
@@ -199,8 +182,5 @@ def _check_output(path: Path, scene: Scene, file: Path) -> None:
     check_file("-o", path)
     check_apart([("-o", path)], scene, {"the optimisation": file})
     if scene.files and path.resolve().parent != scene.folder.resolve():
-        raise SceneError(
-            key="-o",
-            expected=f"a file in the folder {scene.folder} of the scene, which names other files",
-            found=path,
-        )
+        expected = f"a file in the folder {scene.folder} of the scene, which names other files"
+        refuse("-o", expected, path)

@@ -5,12 +5,10 @@ from __future__ import annotations
 import json
 import sys
 from math import isfinite
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flankload.cli.outputs import STDOUT, check_apart, check_file, check_folder, write_text
+from flankload.cli.outputs import STDOUT, check_apart, check_file, check_outputs, refuse, write_text
 from flankload.cli.solving import Progress
-from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -25,21 +23,16 @@ FEWEST, FEWEST_SOLID, MOST = 1.0, 0.2, 100.0
 def accuracy(arguments: Namespace) -> None:
     """Run, write and print the study; after an interruption, the finished part of it."""
     if not (isfinite(arguments.budget) and arguments.budget > 0):
-        raise SceneError(key="--budget", expected="CPU seconds > 0", found=f"{arguments.budget:g}")
+        refuse("--budget", "CPU seconds > 0", f"{arguments.budget:g}")
     files = {"--csv": arguments.csv, "--json": arguments.json}
-    if STDOUT in files.values() and files["--csv"] == files["--json"]:
-        raise SceneError(key="--json", expected="a file, since --csv uses stdout", found="-")
-    named = {**files, "--resume": arguments.resume}
-    places = {key: Path(path) for key, path in named.items() if path not in (None, STDOUT)}
-    for key, path in places.items():
-        check_file(key, path)
-    if arguments.plot is not None:
-        check_folder("--plot", arguments.plot, content="PNG files")
-        places["--plot"] = arguments.plot
+    places = check_outputs(files.items(), [("--plot", arguments.plot, "PNG files")])
+    if arguments.resume is not None:
+        check_file("--resume", arguments.resume)
+        places.append(("--resume", arguments.resume))
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
-    check_apart(places.items(), scene)
+    check_apart(places, scene)
     from flankload.studies.accuracy import accuracy as study_of
 
     with Progress(wanted=sys.stderr.isatty()) as progress:
@@ -65,18 +58,19 @@ def accuracy(arguments: Namespace) -> None:
 
 def verify(arguments: Namespace) -> None:
     """Print both solutions side by side."""
-    if arguments.folder is not None:
-        check_folder("-o", arguments.folder, content="the deck")
+    check_outputs([], [("-o", arguments.folder, "the deck")])
     limit = arguments.time_limit
     if limit is not None and not (isfinite(limit) and limit > 0):
-        raise SceneError(key="--time-limit", expected="seconds > 0", found=f"{limit:g}")
+        refuse("--time-limit", "seconds > 0", f"{limit:g}")
     from flankload.scene import read_scene
     from flankload.scene.effects import is_spatial
 
     scene = read_scene(arguments.scene)
     if arguments.dimension is not None:
         scene = scene.replace({"effects.dimension": arguments.dimension})
-    _check_elements(arguments.elements, solid=is_spatial(scene).on)
+    fewest, elements = FEWEST_SOLID if is_spatial(scene).on else FEWEST, arguments.elements
+    if elements is not None and not fewest <= elements <= MOST:
+        refuse("--elements", f"a number from {fewest:g} to {MOST:g}", f"{elements:g}")
     from flankload.studies.verification import files_of_deck
     from flankload.studies.verification import verify as compared
 
@@ -89,22 +83,11 @@ def verify(arguments: Namespace) -> None:
         folder=arguments.folder,
         run=not arguments.no_run,
         time_limit_s=limit,
-        elements_per_half_width=arguments.elements,
+        elements_per_half_width=elements,
         large_displacement=arguments.large_displacement,
         program=arguments.program,
     )
     print(found.to_json() if arguments.json else found.table(), end="" if arguments.json else "\n")
-
-
-def _check_elements(elements: float | None, *, solid: bool) -> None:
-    """Refuse a number of elements on the half-width outside its range."""
-    fewest = FEWEST_SOLID if solid else FEWEST
-    if elements is not None and not fewest <= elements <= MOST:
-        raise SceneError(
-            key="--elements",
-            expected=f"a number from {fewest:g} to {MOST:g}",
-            found=f"{elements:g}",
-        )
 
 
 def benchmark(arguments: Namespace) -> None:
@@ -113,9 +96,8 @@ def benchmark(arguments: Namespace) -> None:
 
     printed = str(arguments.output) == STDOUT
     if printed and arguments.json:
-        raise SceneError(key="-o", expected="a file, since --json uses stdout", found="-")
-    if arguments.output is not None and not printed:
-        check_file("-o", arguments.output)
+        refuse("-o", "a file, since --json uses stdout", STDOUT)
+    check_outputs([("-o", arguments.output)])
     cases = read_cases(arguments.folder, arguments.cases)
     if arguments.answers is None:
         answers = _solve(cases, arguments)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from flankload.base.files import is_stream, write_atomically
 from flankload.errors import SceneError
@@ -23,37 +23,53 @@ OF_FILES = (
 )  # fmt: skip
 
 
-def check_folder(key: str, folder: Path, *, content: str) -> None:
+def refuse(key: str, expected: str, found: object, file: Path | None = None) -> NoReturn:
+    """Raise the error of an option, or of a key of a file."""
+    raise SceneError(file=file, key=key, expected=expected, found=found)
+
+
+def check_outputs(
+    files: Iterable[tuple[str, str | Path | None]],
+    folders: Iterable[tuple[str, Path | None, str]] = (),
+) -> list[tuple[str, Path]]:
+    """Refuse outputs that could not be written; return their paths without stdout, by option.
+
+    Files and folders follow their options; None: not wanted. A folder has its content in words.
+    """
+    wanted = [(key, path) for key, path in files if path is not None]
+    printed = [key for key, path in wanted if str(path) == STDOUT]
+    if len(printed) > 1:
+        refuse(printed[1], f"a file, since {printed[0]} uses stdout", STDOUT)
+    places = [(key, Path(path)) for key, path in wanted if str(path) != STDOUT]
+    for key, path in places:
+        check_file(key, path)
+    for key, folder, content in folders:
+        if folder is not None:
+            check_folder(key, folder, content)
+            places.append((key, folder))
+    return places
+
+
+def check_folder(key: str, folder: Path, content: str) -> None:
     """Refuse a folder (of an option) that cannot be written to, or that has the name of a file."""
     there = next(part for part in (folder, *folder.parents) if part.exists())
     if not there.is_dir():
-        raise SceneError(key=key, expected="a folder", found=f"the file {there}")
+        refuse(key, "a folder", f"the file {there}")
     if there != folder and folder.suffix.lower() in OF_FILES:
-        raise SceneError(
-            key=key,
-            expected=f"a folder for {content}, such as {folder.with_suffix('')}",
-            found=f"{folder}, the name of a file",
-        )
+        expected = f"a folder for {content}, such as {folder.with_suffix('')}"
+        refuse(key, expected, f"{folder}, the name of a file")
     if not os.access(there, os.W_OK):
-        raise SceneError(
-            key=key, expected="a folder to write in", found=f"{there}, which is read-only"
-        )
+        refuse(key, "a folder to write in", f"{there}, which is read-only")
 
 
 def check_file(key: str, path: Path) -> None:
     """Refuse a file that cannot be written."""
     if path.is_dir():
-        raise SceneError(key=key, expected="a file", found=f"the folder {path}")
+        refuse(key, "a file", f"the folder {path}")
     if not path.parent.is_dir():
-        raise SceneError(
-            key=key, expected="a file in a folder that exists", found=f"no folder {path.parent}"
-        )
-    if path.exists() and not path.is_file():
-        return  # a device or a pipe
-    if not os.access(path.parent, os.W_OK):
-        raise SceneError(
-            key=key, expected="a folder to write in", found=f"{path.parent}, which is read-only"
-        )
+        refuse(key, "a file in a folder that exists", f"no folder {path.parent}")
+    if not is_stream(path) and not os.access(path.parent, os.W_OK):
+        refuse(key, "a folder to write in", f"{path.parent}, which is read-only")
 
 
 def check_apart(
@@ -72,7 +88,7 @@ def check_apart(
             continue
         for owner, other in taken.items():
             if _same(path, other):
-                raise SceneError(key=key, expected=f"a file other than {owner}", found=path)
+                refuse(key, f"a file other than {owner}", path)
         taken[f"that of {key}"] = path
 
 

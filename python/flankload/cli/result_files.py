@@ -6,20 +6,18 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import STDOUT, check_file, check_folder, write_text
-from flankload.errors import SceneError
+from flankload.cli.outputs import STDOUT, check_outputs, refuse, write_text
 
 if TYPE_CHECKING:
     from argparse import Namespace
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from flankload.result import Result, StiffnessTable
     from flankload.result.export import CsvForm
     from flankload.scene import Scene
 
-#: Options that name a file, by their names in the arguments; those that can be printed first.
-PRINTABLE = ("json", "csv", "stiffness_csv", "modelica", "report")
-FILES = (*PRINTABLE, "xlsx", "fmu")
+#: Options that name a file, by their names in the arguments.
+FILES = ("json", "csv", "stiffness_csv", "modelica", "report", "xlsx", "fmu")
 FORM_WORDS = ("semicolon", "tab", "decimal-comma", "degrees")
 FORMATS = ("png", "svg", "pdf")
 #: Range of pixels per inch, and of width and height in mm.
@@ -32,47 +30,23 @@ def files_of(arguments: Namespace) -> dict[str, str]:
     return {key: path for key, path in named.items() if path is not None}
 
 
-def places_of(arguments: Namespace) -> Iterator[tuple[str, Path]]:
-    """Paths that will be written, by option."""
-    for key, path in files_of(arguments).items():
-        if path != STDOUT:
-            yield key, Path(path)
-    for key in ("plot", "vtu"):
-        if getattr(arguments, key) is not None:
-            yield f"--{key}", getattr(arguments, key)
-
-
-def check_outputs(arguments: Namespace, formats: Sequence[str]) -> None:
-    """Refuse outputs that could not be written (plots in these formats), before the computation."""
+def check_files(arguments: Namespace, formats: Sequence[str]) -> list[tuple[str, Path]]:
+    """Refuse outputs that could not be written (plots in these formats); their paths by option."""
     files = files_of(arguments)
-    printed = [key for key, path in files.items() if path == STDOUT]
-    for key in printed:
-        if key not in {f"--{name.replace('_', '-')}" for name in PRINTABLE}:
-            raise SceneError(key=key, expected="a file, since it is no text", found="-")
-    if len(printed) > 1:
-        raise SceneError(
-            key=printed[1], expected=f"a file, since {printed[0]} uses stdout", found="-"
-        )
-    for key, path in files.items():
-        if path != STDOUT:
-            check_file(key, Path(path))
+    for key in ("--xlsx", "--fmu"):
+        if files.get(key) == STDOUT:
+            refuse(key, "a file, since it is no text", STDOUT)
+    kinds = " and ".join(kind.upper() for kind in formats)
+    folders = [("--plot", arguments.plot, f"{kinds} files"), ("--vtu", arguments.vtu, "VTU files")]
+    places = check_outputs(files.items(), folders)
     if arguments.xlsx is not None and find_spec("openpyxl") is None:
-        expected = "the package openpyxl: pip install 'flankload[xlsx]'"
-        raise SceneError(key="--xlsx", expected=expected, found="none")
-    if arguments.plot is not None:
-        kinds = " and ".join(kind.upper() for kind in formats)
-        check_folder("--plot", arguments.plot, content=f"{kinds} files")
-    if arguments.vtu is not None:
-        check_folder("--vtu", arguments.vtu, content="VTU files")
+        refuse("--xlsx", "the package openpyxl: pip install 'flankload[xlsx]'", "none")
     csv_form(arguments.csv_format)
     if arguments.csv_format and arguments.csv is None and arguments.stiffness_csv is None:
-        expected = "--csv FILE or --stiffness-csv FILE beside it"
-        raise SceneError(key="--csv-format", expected=expected, found="neither")
-    positions = indices(arguments.vtu_positions)
-    if positions is not None and arguments.vtu is None:
-        raise SceneError(
-            key="--vtu-positions", expected="--vtu DIR beside it", found=arguments.vtu_positions
-        )
+        refuse("--csv-format", "--csv FILE or --stiffness-csv FILE beside it", "neither")
+    if indices(arguments.vtu_positions) is not None and arguments.vtu is None:
+        refuse("--vtu-positions", "--vtu DIR beside it", arguments.vtu_positions)
+    return places
 
 
 def csv_form(words: str) -> CsvForm:
@@ -82,11 +56,8 @@ def csv_form(words: str) -> CsvForm:
     found = [word.strip() for word in words.split(",")] if words else []
     separators = [word for word in found if word in SEPARATORS]
     if not set(found) <= set(FORM_WORDS) or len(separators) > 1:
-        raise SceneError(
-            key="--csv-format",
-            expected=f"words among {', '.join(FORM_WORDS)}, with one separator",
-            found=words,
-        )
+        expected = f"words among {', '.join(FORM_WORDS)}, with one separator"
+        refuse("--csv-format", expected, words)
     return CsvForm(
         separator=SEPARATORS[separators[0]] if separators else None,
         decimal_comma="decimal-comma" in found,
@@ -98,9 +69,7 @@ def indices(text: str) -> list[int] | None:
     """Indices with commas between them; None if there are none."""
     parts = [part.strip() for part in text.split(",")] if text else []
     if not all(part.isascii() and part.isdigit() for part in parts):
-        raise SceneError(
-            key="--vtu-positions", expected="indices such as 0,8,16", found=f"'{text}'"
-        )
+        refuse("--vtu-positions", "indices such as 0,8,16", f"'{text}'")
     return [int(part) for part in parts] or None
 
 
@@ -111,31 +80,25 @@ def write_files(
 
     There is a result per torque; `listed`: the scene has a list of torques.
     """
-    from flankload.result import (
-        results_to_csv,
-        results_to_json,
-        results_to_xlsx,
-        stiffness_table,
-    )
+    from flankload import result as forms
+    from flankload.scene.refusal import in_file
 
     form, said = csv_form(arguments.csv_format), []
     if arguments.json is not None:
-        write_text(arguments.json, results_to_json(results if listed else results[0]))
+        write_text(arguments.json, forms.results_to_json(results if listed else results[0]))
     if arguments.csv is not None:
-        write_text(arguments.csv, results_to_csv(results, form=form))
+        write_text(arguments.csv, forms.results_to_csv(results, form=form))
     if arguments.xlsx is not None:
-        results_to_xlsx(results, arguments.xlsx)
+        forms.results_to_xlsx(results, arguments.xlsx)
     tables = (arguments.stiffness_csv, arguments.modelica, arguments.fmu)
     if any(path is not None for path in tables):
-        try:
-            said += _write_tables(arguments, stiffness_table(results), form)
-        except SceneError as error:
-            raise error.with_file(scene.file or "scene") from None
+        with in_file(scene.file or "scene"):
+            said += _write_tables(arguments, forms.stiffness_table(results), form)
     if arguments.vtu is not None:
         from flankload.export import write_vtu
 
-        positions = indices(arguments.vtu_positions)
-        said += write_vtu(scene, results, arguments.vtu, positions=positions)
+        chosen = indices(arguments.vtu_positions)
+        said += write_vtu(scene, results, arguments.vtu, positions=chosen)
     return said
 
 
@@ -157,7 +120,7 @@ def plot_options(arguments: Namespace) -> dict[str, Any]:
     given = {"--format": arguments.formats, "--dpi": arguments.dpi, "--size": arguments.size}
     for key, value in given.items():
         if value and arguments.plot is None:
-            raise SceneError(key=key, expected="--plot DIR beside it", found="no --plot")
+            refuse(key, "--plot DIR beside it", "no --plot")
     dpi, size, sizes = arguments.dpi, arguments.size, "WxH, such as 160x100, each {} mm"
     return {
         "formats": _formats(arguments.formats),
@@ -171,8 +134,7 @@ def _formats(given: list[str]) -> tuple[str, ...]:
     names = [name.strip().lower() for each in given for name in each.split(",")]
     for name in names:
         if name not in FORMATS:
-            expected = "png, svg or pdf, or several with commas"
-            raise SceneError(key="--format", expected=expected, found=repr(name))
+            refuse("--format", "png, svg or pdf, or several with commas", repr(name))
     return tuple(dict.fromkeys(names)) or FORMATS[:1]
 
 
@@ -186,6 +148,5 @@ def _numbers(
         numbers = ()
     low, high = bounds
     if len(numbers) != count or not all(low <= number <= high for number in numbers):
-        expected = what.format(f"from {low:g} to {high:g}")
-        raise SceneError(key=key, expected=expected, found=repr(text))
+        refuse(key, what.format(f"from {low:g} to {high:g}"), repr(text))
     return numbers

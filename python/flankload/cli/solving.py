@@ -8,14 +8,8 @@ from pathlib import Path
 from threading import Thread, Timer
 from typing import TYPE_CHECKING, Any, Self
 
-from flankload.cli.outputs import STDOUT, check_apart, check_file, write_text
-from flankload.cli.result_files import (
-    check_outputs,
-    files_of,
-    places_of,
-    plot_options,
-    write_files,
-)
+from flankload.cli.outputs import STDOUT, check_apart, check_outputs, write_text
+from flankload.cli.result_files import check_files, files_of, plot_options, write_files
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -34,11 +28,11 @@ LONG_S = 10.0
 def run(arguments: Namespace) -> None:
     """Solve a scene; write and print the results."""
     options = plot_options(arguments)
-    check_outputs(arguments, options["formats"])
+    places = check_files(arguments, options["formats"])
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
-    check_apart(places_of(arguments), scene)
+    check_apart(places, scene)
     drawn = arguments.plot is not None or arguments.report is not None
     found = _solve(scene, quiet=arguments.quiet, drawn=drawn, planned=arguments.cost)
     results = found.by_torque
@@ -67,14 +61,12 @@ def run(arguments: Namespace) -> None:
 def report(arguments: Namespace) -> None:
     """Solve a scene and write its report."""
     output: str = arguments.output
-    if output != STDOUT:
-        check_file("-o", Path(output))
+    places = check_outputs([("-o", output)])
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
-    if output != STDOUT:
-        check_apart([("-o", Path(output))], scene)
-    from flankload.report.positions import scene_of_report
+    check_apart(places, scene)
+    from flankload.report import scene_of_report
 
     scene = scene_of_report(scene)
     found = _solve(scene, quiet=arguments.quiet, drawn=True)

@@ -1,7 +1,6 @@
-"""Contact loop: pairs in contact and their forces.
+"""Contact problems: the pairs in contact and their forces.
 
-The angle form (equations (16), (17) and (20) of the paper) is a thin wrapper around the general
-form
+The angle form (equations (16), (17) and (20) of the paper) is converted to the general form
 
     g = K F + g0 - B q >= 0,   F >= 0,   g F = 0,   R^T F = Q.
 """
@@ -70,7 +69,7 @@ def solve_contact(
     normal_lever_arms : array_like of shape (n,), optional
         Row scale b > 0 [mm] if it differs from ``abs(lever_arms)``.
     warm_pairs : array_like of int, optional
-        Initial pairs, from 0; a good guess saves time and never changes the result.
+        Initial pairs, from 0; a good guess saves time and does not change the result.
     positive_definite : bool, optional
         Basis for the uniqueness of the state. None (default): a symmetric diag(b) A is assumed to
         be the compliance of elastic bodies, which is positive definite; this is checked on all

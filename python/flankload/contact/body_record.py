@@ -1,4 +1,4 @@
-"""A body as one array for the core: flank curve, sites and compliance (`flankload_pack_body`)."""
+"""Record of a body for the core: flank curve, sites and compliance (`flankload_pack_body`)."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ PARTS = (
     "shaft",
     "sections",
 )
-#: Label of a curve end that is only a cut: nothing touches there first.
-CUT_END = 2
+#: Value of the core for a curve end that is a cut, where contact cannot begin.
+CUT_CORNER = 2
 
 
 def body_records(contact: FlankContact) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -59,7 +59,7 @@ def body_records(contact: FlankContact) -> tuple[NDArray[np.float64], NDArray[np
 
 
 def _record_of(contact: FlankContact, z: int) -> NDArray[np.float64]:
-    """Record of body z; body 1 has the parts that concern both."""
+    """Record of body z; that of body 1 has the parts that concern both."""
     body, pairing, slices = contact.bodies[z], contact.pairing, contact.slices
     width = contact.face_width_mm if slices is None else 1.0
     compliance = _of_width(contact.compliances[z], width)
@@ -79,7 +79,7 @@ def _record_of(contact: FlankContact, z: int) -> NDArray[np.float64]:
 
 
 def _of_width(compliance: BodyCompliance, face_width_mm: float) -> BodyCompliance:
-    """Compliance of a body of a width, mm/N instead of mm²/N: the only division by the width."""
+    """Compliance in mm/N instead of mm²/N: the only division by the width."""
     near = replace(
         compliance.near,
         kernel=compliance.near.kernel / face_width_mm,
@@ -112,7 +112,7 @@ def _main_arguments(
         block = slices.site_blocks(block)
     corners = curve.corners.astype(np.intc)
     if body.active_range_mm is not None:
-        corners[[0, -1]] = CUT_END
+        corners[[0, -1]] = CUT_CORNER
     return (
         curve.breaks,
         _powers_first(curve),
@@ -127,7 +127,7 @@ def _main_arguments(
 
 
 def _sections(body: Body, slices: Slices | None, z: int) -> list[FlankCurve]:
-    """Flanks of body z in all slices, if these differ; else empty."""
+    """Flanks of body z in all slices, if they differ; otherwise empty."""
     removed = None if slices is None else slices.surfaces_mm[z]
     if removed is None:
         return []
@@ -135,7 +135,7 @@ def _sections(body: Body, slices: Slices | None, z: int) -> list[FlankCurve]:
 
 
 def _active(body: Body, curve: FlankCurve) -> FlankCurve:
-    """The part of a flank that may touch."""
+    """The part of a flank on which contact is possible."""
     return curve if body.active_range_mm is None else curve.cut(*body.active_range_mm)
 
 
@@ -145,9 +145,9 @@ def _powers_first(curve: FlankCurve) -> NDArray[np.float64]:
 
 
 def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> list[Part]:
-    """Parts of a compliance under loads along the normal; those that it lacks are left out."""
+    """Parts of a compliance under normal loads, if present."""
     modes, near = compliance.modes, compliance.near
-    given = {
+    values_of = {
         "tip": modes.tip,
         "wedge": near.wedge if any(near.wedge) else None,
         "wedge_along": near.wedge_along if any(near.wedge_along) else None,
@@ -157,17 +157,17 @@ def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> l
     }
     return [
         (name, np.asarray(values, dtype=float).ravel())
-        for name, values in given.items()
+        for name, values in values_of.items()
         if values is not None
     ]
 
 
 def _slice_parts(body: Body, compliance: BodyCompliance, slices: Slices, z: int) -> list[Part]:
-    """Parts of a three-dimensional body: axial modes, shaft; of body 1 the ends of the slices."""
+    """Parts of a three-dimensional body: axial modes, shaft, and for body 1 the slices."""
     parts: list[Part] = [("slices", slices.edges_mm)] if z == 0 else []
     shaft = None if body.axial is None else body.axial.shaft
-    # a rigid body keeps its shaft straight
-    if shaft is not None and (shaft.carrying is None or body.rigid):
+    # a flexible shaft is part of the elements, except in a rigid body
+    if shaft is not None and (shaft.flexible is None or body.rigid):
         parts.append(("shaft", np.append(shaft.compliance.ravel(), shaft.z_mm)))
     axial = compliance.modes.axial
     if axial is None:  # refused by the core
@@ -177,10 +177,10 @@ def _slice_parts(body: Body, compliance: BodyCompliance, slices: Slices, z: int)
 
 
 def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:
-    """Parts of a compliance under loads along the flank; none of a rigid body."""
+    """Parts of a compliance under tangential loads; empty for a rigid body."""
     parts: list[Part] = []
     blocks = {"tangential": compliance.all_blocks()[1]}
-    if not coast:  # finite forces, which need it, exclude coast flanks
+    if not coast:  # for finite forces, which exclude coast flanks
         blocks["along"] = compliance.along
     for name, values in blocks.items():
         if values is not None:
@@ -197,9 +197,9 @@ def _pair_parts(pairing: Pairing, friction: Friction | None, slices: Slices | No
         parts.append(("sides", np.repeat([1.0, -1.0], pairing.sites.size)))
     if friction is not None:
         coefficients = friction.coefficients
-        if pairing.coast is not None:  # the same coefficients as on the working flanks
+        if pairing.coast is not None:  # as on the working flanks
             coefficients = np.hstack([coefficients, coefficients])
-        if slices is not None:  # and in all slices of a flank
+        if slices is not None:  # equal in all slices of a flank
             coefficients = np.repeat(coefficients, slices.count, axis=1)
         table = np.column_stack([friction.places_mm, coefficients])
         parts.append(("friction", table.ravel(order="F")))
@@ -220,7 +220,7 @@ def _packed(
 
 
 def _checked(procedure: str, info: int) -> int:
-    """`info` of a procedure; raises an InputError if it refuses an argument."""
+    """`info` of a procedure; raises an InputError for an invalid argument."""
     if info < 0:
         raise InputError(f"argument {-info} of {procedure} is not valid")
     return int(info)

@@ -1,13 +1,13 @@
-"""Slices of splines in three dimensions: flanks that lie on each other over a common height.
+"""Contact of splines in three dimensions: slices whose flanks conform over a common height.
 
-A slice has one unknown, the force F on it. Along the height it is spread over strips, in parts q_i
-of the force, q that of a coupling that is loaded evenly over the width and on all teeth:
+A slice has one unknown, its force F. It is distributed over strips of the height, q_i F on strip i,
+like that of a coupling with equal forces on all slices and teeth:
 
     sum_k (sum over teeth and slices of C)_ik q_k = const,  sum q = 1                          (U1)
     K = q' C q,  g0 = sum_i q_i g_i,  K F + g0 - r_b phi >= 0,  r_b sum F = T                  (U2)
 
 C is the compliance of both bodies between strips of slices. All normals of an involute have the
-lever r_b. An even load thus has the rotation of C itself; where gaps differ over the height, the
+lever arm r_b. For a uniform load the rotation is exact; for gaps that vary over the height, the
 error of K is of second order in the change of q.
 """
 
@@ -42,8 +42,8 @@ if TYPE_CHECKING:
 class ConformingSlices:
     """Compliance and gaps of S sites and J slices.
 
-    `spread` (N,), q, is the part of the force on each strip of the height; `compliance` (S J, S J),
-    K, mm/N; `gap_mm` (S, J) are gaps by deviations of the teeth and along the width.
+    `spread` (N,): q, the part of the force on each strip of the height; `compliance` (S J, S J): K,
+    mm/N; `gap_mm` (S, J): gaps by deviations of the teeth and along the width.
     """
 
     spread: Floats
@@ -60,7 +60,7 @@ def sweep_splines(
     progress: Callable[[int, int], None] | None = None,
     **_: object,
 ) -> tuple[Sweep, ...]:
-    """`sweep` of splines whose slices have a common height; options of the core have no effect."""
+    """`sweep` of splines with conforming slices; options of the core have no effect."""
     slices, positions = contact.slices, np.asarray(position_rad, dtype=float)
     if account is not None and slices is not None:
         states = positions.size * len(torques_Nmm)
@@ -70,7 +70,7 @@ def sweep_splines(
 
 
 def conforming_slices(contact: FlankContact) -> ConformingSlices:
-    """Reduce both bodies, whose slices have a common height, to one unknown per slice."""
+    """Reduce the compliance of two bodies with conforming slices to one unknown per slice."""
     pairing, slices, height, _ = _of_splines(contact)
     fields = [
         StripField.of(compliance, body.teeth, s, height.strip_mm, slices.edges_mm)
@@ -94,7 +94,7 @@ def conforming_slices(contact: FlankContact) -> ConformingSlices:
 
 
 def _of_splines(contact: FlankContact) -> tuple[Pairing, Slices, CommonHeight, float]:
-    """Pairing, slices, their common height and the lever of all normals."""
+    """Pairing, slices, their common height and the lever arm of all normals."""
     slices, base_mm = contact.slices, contact.bodies[0].base_radius_mm
     assert slices is not None
     assert slices.conforming is not None
@@ -103,7 +103,7 @@ def _of_splines(contact: FlankContact) -> tuple[Pairing, Slices, CommonHeight, f
 
 
 def _gaps(contact: FlankContact) -> Floats:
-    """Gaps (S, J) of teeth on a common axis: pitch errors, lead modifications, slopes of teeth."""
+    """Gaps (S, J) of teeth on a common axis by pitch errors and lead modifications."""
     pairing, slices, _, base_mm = _of_splines(contact)
     one, two = pairing.site_angles_rad
     gaps = base_mm * (two - one)[:, None] + slices.removed_mm[0] + slices.removed_mm[1]
@@ -121,9 +121,9 @@ def conforming_sweep(
     *,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Sweep, ...]:
-    """Solve all positions (P,) for all torques, >= 0; raises a ContactError without a state.
+    """Solve all positions (P,) for all torques >= 0, with progress(done, P) after each position.
 
-    Called as progress(done, P) after each position.
+    Raises a ContactError if there is no state.
     """
     pairing, slices, height, base_mm = _of_splines(contact)
     turns = pairing.turns(position_rad)[0][:, None] + pairing.site_angles_rad[0]
@@ -157,7 +157,7 @@ class _State(NamedTuple):
 def _solved(
     compliance: Floats, gaps: Floats, base_mm: float, torque: float, warm: NDArray[np.intp] | None
 ) -> _State:
-    """State under a torque; without torque the least gap is closed."""
+    """State under a torque; without torque, the smallest gap is closed."""
     if not torque:
         rotation = float(gaps.min()) / base_mm
         left = gaps - rotation * base_mm
@@ -179,7 +179,7 @@ def _solved(
 def _as_sweep(
     torque: float, states: Sequence[_State], turns_rad: Floats, slices: Slices, base_mm: float
 ) -> Sweep:
-    """States of all positions under a torque; the pressure is the mean over the height."""
+    """States of all positions under a torque; pressures are means over the height."""
     height = slices.conforming
     assert height is not None
     forces = np.array([state.force_N for state in states])

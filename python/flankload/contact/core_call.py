@@ -1,4 +1,4 @@
-"""Calls of the sweep of the core, which can be interrupted and report their progress."""
+"""Interruptible calls of the sweep of the core, with progress."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
     Outcome = TypeVar("Outcome")
 
-#: Contact models in order of decreasing cost, as numbered in the core.
+#: Contact models and their numbers in the core.
 Level = Literal["pairs", "lumped"]
 LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
-#: Lumped contacts, summed over the states, that take less than 0.02 s.
+#: Number of lumped contacts, summed over the states, that take less than 0.02 s.
 SHORT_CALL = 1000
-#: Seconds between two reads of the core's progress.
+#: Seconds between two readings of the core's progress.
 TICK_S = 0.05
 #: Counters of the core for every state, in its order.
 CORE_COUNTERS = (
@@ -43,11 +43,11 @@ CORE_COUNTERS = (
 
 
 @dataclass
-class Found:
+class CoreOutput:
     """Outputs of the core for P positions and T torques; S sites.
 
     Arrays are (P, T), with another axis in front for certificate (3), counters (7) and sites (S).
-    `first_pair` is -1 where no pair is stored; `pair_site` (N,) and `pair_table` (N, columns) have
+    `first_pair` is -1 if no pair is stored; `pair_site` (N,) and `pair_table` (N, columns) contain
     the pairs of all states.
     """
 
@@ -66,7 +66,7 @@ class Found:
 
     @property
     def states(self) -> dict[str, NDArray[Any]]:
-        """Outputs with a column for each position, by name."""
+        """Outputs for each position, by name."""
         pairs = ("first_pair", "pair_site", "pair_table")
         return {name: values for name, values in vars(self).items() if name not in pairs}
 
@@ -83,8 +83,8 @@ class Found:
         count = np.where(first >= 0, self.n_pairs[:, t], 0)
         return PackedPairs(self.pair_site, self.pair_table, first, count)
 
-    def take_over(self, other: Found, positions: NDArray[np.int64]) -> None:
-        """Fill in positions from another call."""
+    def replace_positions(self, other: CoreOutput, positions: NDArray[np.int64]) -> None:
+        """Replace positions by those of another call."""
         for name, values in self.states.items():
             values[..., positions, :] = other.states[name]
         self.first_pair[positions] = other.first_pair + len(self.pair_site)
@@ -96,8 +96,8 @@ class Found:
 class KnownContacts:
     """Pairs in contact in a sweep, for a similar one.
 
-    `touches` (N,) is 1 for a pair in contact, else 0; `count`, `first` (P, T) are the number of
-    pairs of each state, 0 if they are not to be used, and the index of the first of them.
+    `touches` (N,): 1 for a pair in contact, 0 otherwise; `count`, `first` (P, T): number of pairs
+    of each state, 0 if they are not used, and index of the first one.
     """
 
     touches: NDArray[np.intc]
@@ -114,9 +114,8 @@ class KnownContacts:
 class CoreCall:
     """The constant arguments of the core, and its call.
 
-    `n_sites` are those of the core, which has several for each pair of flanks; `motion` (4, P) has
-    the angles of both bodies, rad, and their speeds, rad per rad of the position; `records` are
-    from `body_records`.
+    `n_sites`: sites of the core, several for each pair of flanks; `motion` (4, P): angles of both
+    bodies, rad, and their speeds, rad per rad of the position; `records`: from `body_records`.
     """
 
     contact: FlankContact
@@ -130,7 +129,7 @@ class CoreCall:
     known: KnownContacts | None = None
 
     def holds(self, position: int, torques_Nmm: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whether a position has a state under other torques (T,): (T,)."""
+        """Whether a position has a state under each of other torques (T,)."""
         alone = replace(
             self,
             motion=self.motion[:, position : position + 1],
@@ -140,27 +139,30 @@ class CoreCall:
         )
         return np.asarray(alone.all_positions(0).status[0] >= 0)
 
-    def all_positions(self, room: int) -> Found:
+    def all_positions(self, capacity: int) -> CoreOutput:
         """Solve every position; repeat those whose pairs exceeded the allocated number.
 
-        `room` is the number of allocated pairs of a state in the first call; 0: none are stored.
+        `capacity` is the number of allocated pairs of a state in the first call; 0: none are
+        stored.
         """
         n = self.motion.shape[1]
-        found = self._call(np.arange(n), room * n, done=0)
+        found = self._call(np.arange(n), capacity * n, done=0)
         while True:
             short = np.flatnonzero((found.status == Status.NO_ROOM).any(axis=1))
             if short.size == 0:
                 return found
-            room = max(2 * room, 2 * len(found.pair_site) // max(1, n - short.size))
-            found.take_over(self._call(short, room * short.size, done=n - short.size), short)
+            capacity = max(2 * capacity, 2 * len(found.pair_site) // max(1, n - short.size))
+            found.replace_positions(
+                self._call(short, capacity * short.size, done=n - short.size), short
+            )
 
-    def _call(self, which: NDArray[np.int64], room: int, *, done: int) -> Found:
-        """Solve some positions; `done` of the others are solved already."""
+    def _call(self, which: NDArray[np.int64], capacity: int, *, done: int) -> CoreOutput:
+        """Solve some positions; `done`: number of positions that are already solved."""
         control = np.zeros(2, dtype=np.intc)
-        room *= len(self.torques_Nmm)
-        site = np.empty(room, dtype=np.intc)
+        capacity *= len(self.torques_Nmm)
+        site = np.empty(capacity, dtype=np.intc)
         n_columns = len(columns_of(friction=self.contact.friction is not None))
-        table = np.empty(room * n_columns)
+        table = np.empty(capacity * n_columns)
 
         core = _core.flankload_sweep if self.known is None else _core.flankload_sweep_continued
         known = () if self.known is None else self.known.at(which)
@@ -181,18 +183,18 @@ class CoreCall:
             )
             return found
 
-        def tell(now: int) -> None:
+        def report(now: int) -> None:
             if self.progress is not None:
                 self.progress(done + now, self.motion.shape[1])
 
         watched = self.watched and not self._is_short(which.size)
-        outputs = call_and_watch(call, control, tell=tell) if watched else call()
+        outputs = call_and_watch(call, control, report=report) if watched else call()
         found = self._found(outputs, site, table.reshape(-1, n_columns))
-        tell(int(control[1]))
+        report(int(control[1]))
         return found
 
     def _is_short(self, n_positions: int) -> bool:
-        """Whether the call ends before anyone would look at its progress."""
+        """Whether the call ends before the first reading of its progress."""
         sites = n_positions * self.torques_Nmm.size * self.n_sites
         return self.contact.level == "lumped" and sites <= SHORT_CALL
 
@@ -204,8 +206,8 @@ class CoreCall:
 
     def _found(
         self, outputs: tuple[Any, ...], site: NDArray[np.intc], table: NDArray[np.float64]
-    ) -> Found:
-        """Outputs by name; the work is counted, and pairs are numbered from 0."""
+    ) -> CoreOutput:
+        """Outputs by name, with pairs numbered from 0; counts the work."""
         status, rotation, tangent, certificate, counters, force, peak, corner, info = outputs
         if info < 0:
             raise InputError(f"argument {-info} of flankload_sweep is not valid")
@@ -215,12 +217,13 @@ class CoreCall:
         used = int(np.max(first_pair - 1 + n_pairs, initial=0, where=first_pair > 0))
         site[:used] -= 1
         states = (status, rotation, tangent, certificate, work, force, peak, corner, n_pairs)
-        return Found(*states, first_pair - 1, site[:used], table[:used])
+        return CoreOutput(*states, first_pair - 1, site[:used], table[:used])
 
 
 def _count(status: NDArray[Any], counters: NDArray[Any], account: Account) -> None:
     """Count the work of a call of the core, including states that exceeded the allocation."""
-    begun = ~np.isin(status, (Status.NO_ROOM, Status.STOPPED)) | counters.any(axis=0)
+    undone = (status == Status.NO_ROOM) | (status == Status.STOPPED)
+    begun = ~undone | counters.any(axis=0)
     sums = counters.sum(axis=(1, 2), dtype=np.int64).tolist()
     account.count(states=int(begun.sum()), **dict(zip(CORE_COUNTERS, sums, strict=True)))
 
@@ -229,13 +232,13 @@ def call_and_watch(
     call: Callable[[], Outcome],
     control: NDArray[np.intc],
     *,
-    tell: Callable[[int], None] | None = None,
+    report: Callable[[int], None] | None = None,
 ) -> Outcome:
-    """Return the value of a call of the core, which runs in a separate thread without the GIL.
+    """Run a call of the core in a separate thread without the GIL; returns its value.
 
-    An exception during the waiting (Ctrl-C, or from `tell`) stops the core and is raised again once
-    the core has returned. `control`, two C ints, is shared with the core: [0] requests it to stop,
-    [1] is the completed work, with which `tell` is called several times a second.
+    An exception during the waiting (Ctrl-C, or from `report`) stops the core and is raised again
+    once the core has returned. `control`, two C ints, is shared with the core: [0] requests it to
+    stop, [1] is the completed work, with which `report` is called several times a second.
     """
     outcome: list[Outcome] = []
     failure: list[BaseException] = []
@@ -252,8 +255,8 @@ def call_and_watch(
     Thread(target=work, name="flankload core").start()
     try:
         while not ended.wait(TICK_S):
-            if tell is not None:
-                tell(int(control[1]))
+            if report is not None:
+                report(int(control[1]))
     except BaseException:
         control[0] = 1
         ended.wait()

@@ -1,4 +1,4 @@
-"""Several contact problems in one call of the core: a list of torques, a sequence of positions."""
+"""Several contact problems in one call of the core: lists of torques, sequences of positions."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def solve_contact_torques(
 ) -> tuple[ContactState, ...]:
     """States of contact of one position for a list of torques, in one call of the core.
 
-    The torques are solved in ascending order: each state starts from the pairs of the previous one
-    and, if possible, from its factor.
+    The torques are solved in ascending order; each state starts from the pairs and, if possible,
+    the factor of the previous one.
 
     Parameters
     ----------
@@ -80,8 +80,8 @@ def solve_contact_sequence(
 ) -> tuple[ContactState, ...] | tuple[tuple[ContactState, ...], ...]:
     """States of contact of a sequence of positions, in one call of the core.
 
-    Each position starts from the pairs in contact at the previous one. Threads share groups of
-    eight positions: the result is bitwise independent of their number.
+    Each position starts from the pairs in contact at the previous one. Threads process groups of
+    eight positions; the result is bitwise independent of their number.
 
     Parameters
     ----------
@@ -92,12 +92,12 @@ def solve_contact_sequence(
     torque : float or array_like of shape (T,)
         Torque, or the torques for each position [N mm].
     pair_keys : sequence of P array_like of int of shape (n,), optional
-        Identification of a pair from one position to the next, distinct within a position: for a
-        moving point of contact, its place relative to that point. Default: its number.
+        Identification of a pair from one position to the next, distinct within a position; for a
+        moving point of contact, the place relative to that point. Default: its number.
     method, positive_definite
         As in `solve_contact`.
     threads : int, optional
-        Threads that share the work; 0 (default): the default number of OpenMP.
+        Number of threads; 0 (default): the default of OpenMP.
 
     Returns
     -------
@@ -174,7 +174,7 @@ def _with_states(
 def _keys(
     pair_keys: Sequence[ArrayLike] | NDArray[np.integer], problems: list[ContactProblem]
 ) -> list[NDArray[np.int32]]:
-    """Integers, distinct within a position."""
+    """Keys, checked: integers, distinct within a position."""
     result = []
     for p, problem in enumerate(problems):
         keys = np.asarray(pair_keys[p])

@@ -1,4 +1,4 @@
-"""Contact problem without a stored matrix: influence columns are computed on demand."""
+"""Contact problems with influence columns on demand instead of a stored matrix."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ def solve_contact_on_demand(
     symmetric: bool = True,
     positive_definite: bool | None = None,
 ) -> ContactState:
-    """Find the state of contact of a problem whose influence columns are expensive or large.
+    """Find the state of contact of a problem with expensive or large influence columns.
 
-    Most potential pairs never touch. Columns are requested in groups, for pairs that come near
-    contact only; `info.influence_columns` is the number of computed columns.
+    Columns are requested in groups, for pairs near contact only; `info.influence_columns` is the
+    number of computed columns.
 
     Parameters
     ----------
@@ -55,8 +55,8 @@ def solve_contact_on_demand(
         Whether K is symmetric: the compliance of elastic bodies without friction (default).
     positive_definite : bool, optional
         Whether K, or the symmetric part of an asymmetric K, is known to be positive definite.
-        Default: the value of `symmetric`. If False, uniqueness is not certain, since only the whole
-        matrix would prove it.
+        Default: the value of `symmetric`. If False, uniqueness is not certain, since its proof
+        requires the whole matrix.
 
     Returns
     -------
@@ -80,24 +80,24 @@ def solve_contact_on_demand(
         raise InputError("method: 'paper' expected the whole matrix, found columns on demand")
     definite = symmetric if positive_definite is None else positive_definite
     problem = replace(problem, structure=structure_of(symmetric=symmetric, definite=definite))
-    return _follow(influence_columns, scale, problem, load, method_number(method, problem))
+    return _solve_stepwise(influence_columns, scale, problem, load, method_number(method, problem))
 
 
-def _follow(
+def _solve_stepwise(
     influence_columns: Callable[[NDArray[np.intp]], ArrayLike],
     diagonal: Vector,
     problem: ContactProblem,
     loads: Vector,
     method: int,
 ) -> ContactState:
-    """Solve with the known columns and compute the requested ones, step by step."""
+    """Solve with the known columns and compute the requested ones, until none is requested."""
     known = np.empty(0, dtype=np.int32)
     warm = np.empty(0, dtype=np.int32)
-    made = problem.compliance
+    computed = problem.compliance
     while True:
         count, wanted, *parts = _core.flankload_contact_columns(
             known + 1,
-            made.ravel(order="F"),
+            computed.ravel(order="F"),
             diagonal,
             problem.gaps,
             problem.motions,
@@ -111,10 +111,12 @@ def _follow(
         if answer.code < 0:
             raise failure(problem, loads, answer)
         if count == 0:
-            return state_of(problem, loads, answer, known=known, columns=made)
+            return state_of(problem, loads, answer, known=known, columns=computed)
         pairs = wanted[:count] - 1
         known = np.concatenate([known, pairs])
-        made = np.asfortranarray(np.hstack([made, _columns(influence_columns, pairs, diagonal)]))
+        computed = np.asfortranarray(
+            np.hstack([computed, _columns(influence_columns, pairs, diagonal)])
+        )
         warm = np.flatnonzero(answer.active).astype(np.int32)
 
 
@@ -124,9 +126,9 @@ def _columns(
     diagonal: Vector,
 ) -> Vector:
     """The requested columns, checked."""
-    made = array("influence_columns", influence_columns(pairs.astype(np.intp)), 2)
-    expect_shape("influence_columns", made, (diagonal.size, pairs.size))
-    own = made[pairs, np.arange(pairs.size)]
+    computed = array("influence_columns", influence_columns(pairs.astype(np.intp)), 2)
+    expect_shape("influence_columns", computed, (diagonal.size, pairs.size))
+    own = computed[pairs, np.arange(pairs.size)]
     wrong = np.flatnonzero(np.abs(own - diagonal[pairs]) > 1e-12 * diagonal[pairs])
     if wrong.size:
         pair = int(pairs[wrong[0]])
@@ -134,4 +136,4 @@ def _columns(
             f"influence_columns: expected {diagonal[pair]:g} of the diagonal at pair {pair}, "
             f"found {own[wrong[0]]:g}"
         )
-    return made
+    return computed

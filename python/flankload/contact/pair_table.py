@@ -1,4 +1,4 @@
-"""Contact pairs of many states in one table without unused rows."""
+"""Contact pairs of many states in one table."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: Columns of the core's table of pairs: arc lengths on both flanks, radius, place and normal (out
-#: of body 1), force, cell, final gap [mm, N], lever arm of the torque row.
+#: Columns of the core's table of pairs: arc lengths on both flanks, radius, position and normal
+#: (out of body 1), force, cell width, final gap [mm, N], lever arm of the torque row.
 COLUMNS = (
     "s_1",
     "s_2",
@@ -75,7 +75,7 @@ class PackedPairs:
         return slice(int(self.first[p]), int(self.first[p] + self.count[p]))
 
     def in_slices(self, count: int) -> PackedPairs:
-        """The same with sites of the core, which are numbered slice by slice, split into both."""
+        """The pairs with the sites of the core split into sites and slices."""
         site, slice_number = np.divmod(self.site, count)
         return replace(self, site=site.astype(np.intc), slice_number=slice_number.astype(np.intc))
 
@@ -110,10 +110,10 @@ class PackedPairs:
         before = np.cumsum(self.count) - self.count
         return np.arange(total) + np.repeat(self.first - before, self.count)
 
-    def parted_at(self, site: int) -> tuple[PackedPairs, PackedPairs]:
-        """Split the pairs at a site number; the numbers of the second part restart at 0.
+    def split_at(self, site: int) -> tuple[PackedPairs, PackedPairs]:
+        """Split the pairs at a site number; site numbers of the second part begin at 0.
 
-        At each position the pairs of smaller numbers come first. Both parts use the same table.
+        At each position, pairs of smaller site numbers are first. Both parts use the same table.
         """
         above = self.site >= site
         rows = np.concatenate([[0], np.cumsum(above)])

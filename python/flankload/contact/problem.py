@@ -1,4 +1,4 @@
-"""Contact problem in the form of the core, and the validation of all arguments, by name."""
+"""Contact problems in the form of the core, and validation of all arguments."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ METHODS = {
     "cascade": 6,
     "primal": 7,
 }
-RUNGS = {number: name for name, number in METHODS.items()} | {5: "single_pivoted"}
+METHOD_NAMES = {number: name for name, number in METHODS.items()} | {5: "single_pivoted"}
 
 # properties of K that are passed to the core
 GENERAL, SYMMETRIC, DEFINITE, DEFINITE_PART = range(4)
-# for this number of pairs, scaling and a proof of uniqueness cost nothing
+# largest number of pairs for which scaling and a proof of uniqueness have negligible cost
 _FEW_PAIRS = 60
 
 
@@ -37,10 +37,10 @@ class ContactProblem:
     """A contact problem of n pairs in the general form, its arrays in Fortran order.
 
     `compliance` K [mm/N] is (n, n), `gaps` g0 [mm] (n,), `motions` B and `load_rows` R are (n, q).
-    `names` are those of K for the caller, in errors of an entry and of the whole; `structure` has
-    the properties of K that are passed to the core. `gap_scale` divides final gaps: the row scales
-    of the angle form, else one. `load_unit` divides loads and load rows: the row scale of the angle
-    form if it is the same for all rows, else one.
+    `names`: those of K in errors about an entry and about the matrix; `structure`: properties of K
+    for the core. `gap_scale` divides final gaps: the row scales of the angle form, otherwise 1.
+    `load_unit` divides loads and load rows: the row scale of the angle form if it is the same for
+    all rows, otherwise 1.
     """
 
     compliance: Vector
@@ -66,7 +66,7 @@ def from_angles(
     normal_lever_arms: ArrayLike | None,
     positive_definite: bool | None,
 ) -> ContactProblem:
-    """Problem of influence coefficients and gap angles: K = diag(b) A, g0 = b ε, B = b, R = m."""
+    """The problem in the angle form: K = diag(b) A, g0 = b ε, B = b, R = m."""
     matrix = _square("flexibility_matrix", flexibility_matrix)
     n = matrix.shape[0]
     torque_row = vector("lever_arms", lever_arms, n)
@@ -86,8 +86,8 @@ def from_angles(
             f"lever_arms: expected at least one > 0, found none above {torque_row.max():g}",
             code=Status.INVALID_SCALE,
         )
-    # a common scale for all rows does not make a matrix symmetric: rows remain those of angles,
-    # without a copy, and the loads are scaled, so that B = R without friction
+    # with one scale for all rows, the matrix is used without a copy, and the loads are scaled, so
+    # that B = R without friction
     scaled = n <= _FEW_PAIRS or row_scale.max() > least
     load_unit = 1.0 if scaled else float(least)
     if not scaled:
@@ -127,7 +127,7 @@ def unchecked(
     load_rows: ArrayLike | None,
     n_motions: int,
 ) -> ContactProblem:
-    """The problem in its general form, before its compliance is checked or known."""
+    """The problem in its general form, without a check of the compliance."""
     n = len(compliance)
     gaps = vector("normal_gaps", normal_gaps, n)
     levers = columns("motions", motions, (n, n_motions))
@@ -156,7 +156,7 @@ def loads_of_motions(loads: ArrayLike) -> Vector:
 
 
 def method_number(method: str, problem: ContactProblem) -> int:
-    """The core's number of a method."""
+    """Number of a method in the core."""
     if method not in METHODS:
         available = ", ".join(repr(name) for name in METHODS)
         raise InputError(f"method: expected one of {available}, found {method!r}")
@@ -195,9 +195,8 @@ def _checked(
 ) -> ContactProblem:
     """Scale rows and check the whole matrix in one pass, without unnecessary copies.
 
-    A symmetric matrix is assumed to belong to elastic bodies unless an entry contradicts this or
-    the caller requests a proof; for few pairs the proof costs nothing. Nothing is assumed about a
-    matrix that is not symmetric.
+    A symmetric matrix is assumed to be that of elastic bodies, unless an entry contradicts this,
+    the caller requests a proof, or there are few pairs.
     """
     matrix, name = problem.compliance, problem.names[0]
     if not matrix.flags.forc:
@@ -224,18 +223,18 @@ def _checked(
 
 
 def structure_of(*, symmetric: bool, definite: bool) -> int:
-    """Properties of K that are passed to the core."""
+    """Properties of K for the core."""
     if symmetric:
         return DEFINITE if definite else SYMMETRIC
     return DEFINITE_PART if definite else GENERAL
 
 
 def array(name: str, values: Any, n_axes: int | None, *, finite: bool = True) -> Vector:
-    """Double-precision numbers, or an InputError that names the argument."""
+    """Real numbers in double precision, checked."""
     try:
         given = np.asarray(values)
         real = not np.iscomplexobj(given)
-        # a cast would drop imaginary parts without a warning
+        # a cast would drop imaginary parts
         numbers = given.astype(np.float64, copy=False) if real else np.empty(0)
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name}: expected an array of numbers, found {error}") from None
@@ -254,7 +253,7 @@ def array(name: str, values: Any, n_axes: int | None, *, finite: bool = True) ->
 
 def expect_finite(name: str, numbers: Vector) -> None:
     """Raise an InputError if a number is NaN or infinite."""
-    # The sum of squares is the fastest check; if it overflows, each number is checked.
+    # the sum of squares is the fastest check; each number is checked if it overflows
     flat = numbers.ravel(order="K")
     if not np.vdot(flat, flat) < np.inf and not np.isfinite(flat).all():
         place = np.argwhere(~np.isfinite(numbers))[0].tolist()

@@ -1,4 +1,4 @@
-"""State of contact and its certificate, or an exception, from the output of the core."""
+"""States of contact with their certificates, or exceptions, from the output of the core."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
-from flankload.contact.problem import DEFINITE, RUNGS, ContactProblem
+from flankload.contact.problem import DEFINITE, METHOD_NAMES, ContactProblem
 from flankload.contact.status import Status
 from flankload.errors import (
     ContactError,
@@ -23,7 +23,7 @@ from flankload.errors import (
 
 Vector = NDArray[np.float64]
 
-# force directions whose stiffness is below this part of the largest are undetermined
+# largest stiffness of an undetermined force direction, over the largest of all
 _UNDETERMINED = 1e-8
 
 
@@ -56,7 +56,7 @@ class ContactInfo:
         Number of computed columns of the influence matrix: all, except for
         `solve_contact_on_demand`.
     undetermined : tuple of tuple of int
-        Groups of pairs of which only the sum of the forces is determined.
+        Groups of pairs for which only the sum of the forces is determined.
     """
 
     rung: str
@@ -122,10 +122,10 @@ class ContactState(Card, KeepsReadOnly):
 def _undetermined_groups(
     compliance: Vector, load_rows: Vector, forces: Vector, gaps: Vector
 ) -> list[list[int]]:
-    """Groups of touching pairs of which only the sum of the forces is determined.
+    """Groups of touching pairs for which only the sum of the forces is determined.
 
-    Directions in force space that change neither gaps nor loads: right singular vectors of the
-    equilibrated equations with small singular values. Pairs that one of them couples are one group.
+    Force directions that change neither gaps nor loads are right singular vectors of the
+    equilibrated equations with small singular values. Pairs that are coupled by them form a group.
     """
     touching = np.flatnonzero(gaps <= 0.0)
     if touching.size < 2 or not forces.any():
@@ -174,14 +174,14 @@ def state_of(
 ) -> ContactState:
     """The state of contact, or the exception for the core's status code.
 
-    If only some columns of K were computed, `known` are their pairs.
+    `known`: pairs with computed columns of K, if these are not all.
     """
     code = int(answer.code)
     if code < 0 and code != Status.NEGATIVE_FORCE:
         raise failure(problem, loads, answer)
     unique = bool(answer.counters[2])
     info = ContactInfo(
-        rung=RUNGS[int(answer.counters[3])],
+        rung=METHOD_NAMES[int(answer.counters[3])],
         pivots=int(answer.counters[0]),
         refactorisations=int(answer.counters[1]),
         condition=float(answer.certificate[0]),
@@ -218,7 +218,7 @@ def _undetermined(
     known: NDArray[np.int32] | None,
     columns: Vector | None,
 ) -> tuple[tuple[int, ...], ...]:
-    """Groups of pairs of which only the sum is determined, numbered among all pairs."""
+    """Groups of pairs for which only the sum of the forces is determined, by pair number."""
     if answer.code <= 0:
         return ()
     own: NDArray[np.integer] = np.arange(problem.n) if known is None else known
@@ -248,7 +248,7 @@ def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> Conta
 
 
 def _singular(problem: ContactProblem, motion: Vector) -> SingularContact:
-    """The exception that names the unconstrained motion, or the matrix."""
+    """The exception with the unconstrained motion, or about the matrix."""
     largest = motion[np.abs(motion).argmax()]
     if not abs(largest) > 0.0:
         return SingularContact(
@@ -265,7 +265,7 @@ def _singular(problem: ContactProblem, motion: Vector) -> SingularContact:
 
 
 def _no_state(answer: CoreAnswer, held: Vector) -> NoContactState:
-    """The exception that states whether no state exists or none was found."""
+    """The exception with the information whether no state exists or none was found."""
     proven = bool(answer.counters[4])
     message = (
         "no pairs can hold these loads"

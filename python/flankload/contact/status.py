@@ -1,4 +1,4 @@
-"""Status codes of the core and their exceptions, with the largest possible torque of a position."""
+"""Status codes of the core, their exceptions, and the largest possible torque of a position."""
 
 from __future__ import annotations
 
@@ -67,8 +67,8 @@ EXCEPTIONS: dict[int, type[ContactError]] = {
     Status.NOT_IN_SLICES: InputError,
 }
 
-#: Replacements for general terms of the core by terms of a scene.
-IN_A_SCENE: dict[int, str] = {
+#: Texts in terms of a scene that replace those of the core.
+SCENE_TEXTS: dict[int, str] = {
     Status.NO_CONTACT_STATE: "no state of contact was found for this torque",
     Status.SINGULAR_CONTACT: (
         "no pair holds the rotation, or the pairs in contact depend on each other"
@@ -86,12 +86,12 @@ IN_A_SCENE: dict[int, str] = {
         "cells in slices along the face width are without finite forces, slices without growth"
     ),
 }
-#: Start and number of steps of the search for the largest torque that a jammed pair can hold; the
-#: given number of rounds locates it to 3e-4.
+#: Search for the largest torque that a jammed pair can hold: first torque over the requested one,
+#: steps per round, and rounds; accurate to 3e-4.
 LEAST_HELD, HELD_STEPS, HELD_ROUNDS = 1e-4, 40, 3
 
 
-def words(code: int) -> str:
+def status_text(code: int) -> str:
     """Message of a status (`fortran/base/status.f90`)."""
 
     return _core.flankload_status_text(code).decode("ascii").strip()
@@ -109,9 +109,8 @@ def raise_first_failure(
     """Raise the exception of the first state without a solution, if there is one.
 
     `status` (P, T) is negative if no state was found; `certificate` (3, P, T) then has the part of
-    the torque, N mm, that can be held, and 1 if that is proven. `has_friction`: friction acts.
-    `holds(k, torques)` returns which torques position k can hold: `NoContactState` contains the
-    largest one.
+    the torque that can be held, and 1 if this is proven. `holds(k, torques)`: whether position k
+    can hold each torque; `NoContactState` contains the largest one.
     """
     failed = np.argwhere(status < 0)
     if failed.size == 0:
@@ -122,7 +121,7 @@ def raise_first_failure(
     )
     more = f" ({len(failed)} of {status.size} states failed)" if len(failed) > 1 else ""
     code = int(status[k, t])
-    kind, reason = EXCEPTIONS[code], IN_A_SCENE.get(code) or words(code)
+    kind, reason = EXCEPTIONS[code], SCENE_TEXTS.get(code) or status_text(code)
     if code != Status.NO_CONTACT_STATE:
         raise kind(f"{where}: {reason}{more}")
     part, proven = certificate[:2, k, t]
@@ -140,10 +139,9 @@ def raise_first_failure(
 def _largest_held(
     guess: float, torque: float, holds: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 ) -> float:
-    """Largest torque that can be held, N mm; the guess if none of those tried can be held.
+    """Largest torque that can be held, N mm; the guess if none of the tried torques can be held.
 
-    The guess comes from cells for the requested torque, as wide as its contacts would be; here each
-    torque has its own cells.
+    The guess is based on the cells of the requested torque; each tried torque has its own cells.
     """
     found = guess
     tried = np.geomspace(LEAST_HELD * torque, torque, HELD_STEPS)

@@ -1,4 +1,4 @@
-"""Sweep over all positions and torques in one call of the core, from bodies and compliances."""
+"""Sweep over all positions and torques in one call of the core."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from flankload.contact.body_record import body_records
-from flankload.contact.core_call import CORE_COUNTERS, CoreCall, Found, KnownContacts, Level
+from flankload.contact.core_call import CORE_COUNTERS, CoreCall, CoreOutput, KnownContacts, Level
 from flankload.contact.pair_table import PackedPairs, join_pairs
 from flankload.contact.status import raise_first_failure
 from flankload.cost import Account
@@ -25,48 +25,45 @@ if TYPE_CHECKING:
     from flankload.pairing.slices import Slices
     from flankload.scene.discretization import Grid
 
-    Record = TypeVar("Record", "Sweep", "CoastSweep", "SliceStates")
+    Record = TypeVar("Record", "Sweep", "CoastSweep", "SliceStates", "UnloadedStates")
 
-#: Fields of a sweep that have no row for each position.
-OF_ALL_POSITIONS = ("torque_Nmm", "edges_mm", "conforming")
-#: Value of the core for a site at which an omitted end would touch.
+#: Fields of a sweep without an axis of positions.
+WITHOUT_POSITIONS = ("torque_Nmm", "edges_mm", "conforming")
+#: Value of the core for a site where an omitted end of a flank would touch.
 END_WOULD_TOUCH = -3
-#: Allocated pairs in the first call, per position and torque: twice the number that most jobs need.
-#: Memory that is never written costs nothing.
-FIRST_ROOM = 256
-#: The same for contact on all teeth, per site and cell between its middle and the edge of its zone:
-#: two sides, finer cells at the ends of conforming flanks (2.8 in all), and a reserve.
-ROOM_OF_CELL = 3.2
-#: Cells in slices: of a slice beside those in its zone, and flanks with as many cells as slices.
+#: Allocated pairs in the first call, per position and torque: twice the usual number.
+INITIAL_PAIRS = 256
+#: The same for contact on all teeth, per site and cell between the middle and the edge of its zone:
+#: 2.8 for two sides and finer cells at the ends of conforming flanks, and a reserve.
+PAIRS_PER_CELL = 3.2
+#: Further cells of a flank or slice besides those of its zone; in slices, number of flanks in mesh.
 LEAST_CELLS, MESHING_FLANKS = 8, 4
 
 
 @dataclass(frozen=True)
 class FlankContact:
-    """Two bodies whose flanks can touch, and how their contact is modelled.
+    """Two bodies whose flanks can touch, and the model of their contact.
 
     Attributes
     ----------
     bodies, compliances, pairing
-        From the previous stages. Compliances of slices are those of the whole width in mm/N, their
-        modes products with Legendre polynomials over it.
+        From the previous stages. With slices, compliances are those of the whole width in mm/N,
+        with modes that are products with Legendre polynomials over the width.
     face_width_mm : float
         Width over which both bodies are in contact.
     grid : Grid
         Cell sizes.
     level : str
-        "pairs": contact pairs on cells. "lumped": one unknown for each place of contact, with the
-        width of a Hertz contact; no cells, hence no influence columns, and one pair per place in
-        the table. Its cell is π/2 half-widths, over which the largest pressure would carry the
-        force. Conforming flanks have no such place.
+        "pairs": contact pairs on cells. "lumped": one unknown per place of contact, with the width
+        of a Hertz contact, and one pair in the table, whose cell width is force over largest
+        pressure (π/2 half-widths). Not for conforming flanks.
     friction : Friction or None
         Friction of the flanks; it requires compliances with tangential parts.
     finite_steps : int
-        Number of force steps for influence coefficients of finite forces, 0: of small forces.
-        Finite steps require compliances with tangential parts, with friction also those along the
-        flanks.
+        Number of force steps for influence coefficients of finite forces; 0: small forces. Finite
+        forces require compliances with `tangential`, with friction also `along`.
     slices : Slices or None
-        Flanks cut along the face width: contact in three dimensions.
+        Slices of the face width for contact in three dimensions.
     """
 
     bodies: tuple[Body, Body]
@@ -82,10 +79,7 @@ class FlankContact:
 
 @dataclass(frozen=True)
 class CoastSweep:
-    """Results of the core on coast flanks, at the pair numbers of the working flanks.
-
-    As in `Sweep`; the torque lever arms of their pairs are negative.
-    """
+    """Results on coast flanks, as in `Sweep`; the lever arms of their pairs are negative."""
 
     site_force_N: NDArray[np.float64]
     site_peak_N_per_mm: NDArray[np.float64]
@@ -104,7 +98,7 @@ class SliceStates:
     edges_mm : (J + 1,) array
         Ends of the slices along the axis.
     conforming : bool
-        Whether the flanks conform: their pressures are means over the height.
+        Whether the flanks conform; pressures are then means over the height.
     """
 
     force_N: NDArray[np.float64]
@@ -112,6 +106,21 @@ class SliceStates:
     corner: NDArray[np.int64]
     edges_mm: NDArray[np.float64]
     conforming: bool = False
+
+
+@dataclass(frozen=True)
+class UnloadedStates:
+    """States without torque.
+
+    Attributes
+    ----------
+    rotation_rad : (P,) array
+    touches : (P, S) array of bool
+        Sites that touch.
+    """
+
+    rotation_rad: NDArray[np.float64]
+    touches: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -127,25 +136,23 @@ class Sweep:
     counters : (P, 7) array
         Cost of each state: `core_call.CORE_COUNTERS`.
     site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
-        Force; maximum of force divided by cell width; body with contact on a sharp corner (0: none;
-        -1: the site that touches without torque, -2: a lumped contact that no parabola
-        approximates, both off corners; -3: an omitted end would touch). Of slices, the sum of the
-        forces and the largest pressure, in MPa.
+        Force; largest force over cell width; body with contact on a sharp corner (0: none; -1: the
+        site that touches without torque, -2: a lumped contact that no parabola approximates, both
+        off corners; -3: an omitted end would touch). With slices: sum of the forces, largest
+        pressure, MPa.
     site_force_per_torque : (P, S) array
-        Derivative of the forces with respect to the torque, 1/mm; before it is known, force divided
-        by torque.
+        Derivative of the forces with respect to the torque, 1/mm; force over torque until it is
+        computed.
     n_pairs : (P,) array
         Including those of coast flanks.
     pairs : PackedPairs
-        Pairs of working flanks; empty if pairs are not kept.
+        Pairs of working flanks; empty if they are not stored.
     coast : CoastSweep or None
         Results of the coast flanks, if they can carry load.
     slices : SliceStates or None
-        If flanks are cut.
-    unloaded_rad : (P,) array or None
-        Rotation without torque, if computed.
-    unloaded_contact : (P, S) array of bool or None
-        Sites that touch without torque, if computed.
+        Results in slices, if any.
+    unloaded : UnloadedStates or None
+        Results without torque, if computed.
     """
 
     torque_Nmm: float
@@ -162,14 +169,14 @@ class Sweep:
     pairs: PackedPairs
     coast: CoastSweep | None = None
     slices: SliceStates | None = None
-    unloaded_rad: NDArray[np.float64] | None = None
-    unloaded_contact: NDArray[np.bool_] | None = None
+    unloaded: UnloadedStates | None = None
 
     @property
     def turned_rad(self) -> NDArray[np.float64]:
-        """(P,) Rotation minus that without torque, if the latter is known."""
-        unloaded = self.unloaded_rad
-        return self.rotation_rad if unloaded is None else self.rotation_rad - unloaded
+        """(P,) Rotation minus that without torque, if computed."""
+        if self.unloaded is None:
+            return self.rotation_rad
+        return self.rotation_rad - self.unloaded.rotation_rad
 
 
 def sweep(
@@ -185,10 +192,9 @@ def sweep(
 ) -> tuple[Sweep, ...]:
     """Solve all positions for all torques in one call of the core: a Sweep for each torque.
 
-    The core runs beside the main thread: Ctrl-C, or an exception from `progress`, stops it within
-    milliseconds, unless it is not `watched`: a very short call needs no thread. The result for a
-    torque at a position is bitwise independent of other torques, other positions and the number of
-    threads.
+    If `watched`, the core runs in another thread: Ctrl-C, or an exception from `progress`, stops it
+    within milliseconds. The result for a torque at a position is bitwise independent of other
+    torques, other positions and the number of threads.
 
     Parameters
     ----------
@@ -197,19 +203,19 @@ def sweep(
     torques_Nmm : sequence of float
         Torques on body 1, >= 0.
     known : KnownContacts, optional
-        Pairs in contact in a similar sweep (`known_contacts`): states with as many pairs are those
-        of these, without a search and without a certificate.
+        Pairs in contact in a similar sweep (`known_contacts`), which are used for states with the
+        same number of pairs, without a search and a certificate.
     keep_pairs : bool
-        Whether single pairs are stored; results per site are always stored.
+        Whether single pairs are stored, besides results per site.
     account, progress : optional
-        Account of all work, including that for states without a solution; progress(done, P) is
-        called several times a second.
+        Account of all work, also that for states without a solution; progress(done, P) is called
+        several times a second.
 
     Raises
     ------
     FlankloadError
-        Names the first position without a solution for a torque. `NoContactState` contains the
-        largest torque that is possible there.
+        For the first position without a solution for a torque. `NoContactState` contains the
+        largest possible torque there.
     """
     spent, slices = Account() if account is None else account, contact.slices
     torques = np.asarray(torques_Nmm, dtype=float)
@@ -225,7 +231,7 @@ def sweep(
         watched=watched,
         known=known,
     )
-    found = core.all_positions(_first_room(contact) if keep_pairs else 0)
+    found = core.all_positions(_initial_capacity(contact) if keep_pairs else 0)
     spent.workspace_bytes = max(spent.workspace_bytes, found.nbytes)
     raise_first_failure(
         found.status,
@@ -238,21 +244,21 @@ def sweep(
     if slices is not None:
         spent.count(slices=slices.count * positions.size * torques.size)
     by_torque = (_sweep_of(found, contact.pairing, t, torque) for t, torque in enumerate(torques))
-    return tuple(by_torque if slices is None else (_summed(one, slices) for one in by_torque))
+    return tuple(by_torque if slices is None else (_over_slices(one, slices) for one in by_torque))
 
 
 def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
-    """Pairs in contact in sweeps of the same positions, one for each torque, for similar ones.
+    """Pairs in contact in sweeps of the same positions, one for each torque, for similar sweeps.
 
-    None for lumped contacts in slices, which have no cells. States whose cells were laid more than
-    once are left out: their cells depend on the forces found before.
+    None for lumped contacts in slices. States with repeated divisions into cells are left out,
+    since their cells depend on previous forces.
     """
     passes = CORE_COUNTERS.index("contact_passes")
     if any(part.slices is not None and not part.counters[:, passes].any() for part in found):
         return None
     touches, count = [], []
     for part in found:
-        # at each position, pairs of coast flanks follow those of working flanks
+        # at each position, pairs of coast flanks are behind those of working flanks
         both = [part.pairs] if part.coast is None else [part.pairs, part.coast.pairs]
         position = np.concatenate([pairs.position for pairs in both])
         forces = np.concatenate([pairs.column("force") for pairs in both])
@@ -269,19 +275,19 @@ def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
 
 
 def _core_sites(contact: FlankContact) -> int:
-    """Sites of the core: those of each pair of flanks, coast flanks, slices."""
+    """Number of sites of the core: pairs of flanks, coast flanks, slices."""
     sites = contact.pairing.sites.size * (1 if contact.pairing.coast is None else 2)
     return sites * (1 if contact.slices is None else contact.slices.count)
 
 
-def _summed(found: Sweep, slices: Slices) -> Sweep:
-    """Results of the slices, summed over the sites."""
+def _over_slices(found: Sweep, slices: Slices) -> Sweep:
+    """Results of the sites, from those of their slices."""
     shape = (*found.site_force_N.shape[:1], -1, slices.count)
     force, peak, corner = (
         part.reshape(shape)
         for part in (found.site_force_N, found.site_peak_N_per_mm, found.site_corner)
     )
-    # a corner that works in any slice, else another kind of contact in any
+    # contact on a corner in any slice has precedence over other values
     worst = np.where(corner.max(axis=2) > 0, corner.max(axis=2), corner.min(axis=2))
     return replace(
         found,
@@ -295,7 +301,7 @@ def _summed(found: Sweep, slices: Slices) -> Sweep:
 
 
 def _motion(contact: FlankContact, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(4, P) angles of both bodies, rad, and with friction their speeds, else 0."""
+    """(4, P) angles of both bodies, rad, and their speeds, which are 0 without friction."""
     motion = np.zeros((4, position_rad.size))
     motion[:2] = contact.pairing.turns(position_rad)
     if contact.friction is not None:
@@ -303,14 +309,14 @@ def _motion(contact: FlankContact, position_rad: NDArray[np.float64]) -> NDArray
     return motion
 
 
-def _sweep_of(found: Found, pairing: Pairing, t: int, torque_Nmm: float) -> Sweep:
-    """Results for one torque; those of coast flanks separately."""
+def _sweep_of(found: CoreOutput, pairing: Pairing, t: int, torque_Nmm: float) -> Sweep:
+    """Results for one torque, with separate results of the coast flanks."""
     sites = ("site_force_N", "site_peak_N_per_mm", "site_corner")
     of_torque: dict[str, Any] = {name: part[..., t].T for name, part in found.states.items()}
     pairs, coast = found.pairs_of(t), None
     if pairing.coast is not None:
         n = of_torque["site_force_N"].shape[1] // 2
-        pairs, coast_pairs = pairs.parted_at(n)
+        pairs, coast_pairs = pairs.split_at(n)
         coast = CoastSweep(**{name: of_torque[name][:, n:] for name in sites}, pairs=coast_pairs)
         of_torque |= {name: of_torque[name][:, :n] for name in sites}
     return Sweep(
@@ -322,8 +328,8 @@ def _sweep_of(found: Found, pairing: Pairing, t: int, torque_Nmm: float) -> Swee
     )
 
 
-def _first_room(contact: FlankContact) -> int:
-    """Allocated pairs of a state, sufficient for nearly all states."""
+def _initial_capacity(contact: FlankContact) -> int:
+    """Number of allocated pairs per state, sufficient for nearly all states."""
     pairing, slices = contact.pairing, contact.slices
     sides, sites = 1 if pairing.coast is None else 2, pairing.sites.size
     cells = contact.grid.zone_half_widths * contact.grid.strips_per_half_width
@@ -331,8 +337,8 @@ def _first_room(contact: FlankContact) -> int:
         of_cells = int(min(sites, MESHING_FLANKS) * (2.0 * cells + LEAST_CELLS))
         return slices.count * (2 * sites if contact.level == "lumped" else of_cells)
     if not pairing.whole_circle:
-        return sides * FIRST_ROOM
-    return sides * max(FIRST_ROOM, int(ROOM_OF_CELL * cells * sites))
+        return sides * INITIAL_PAIRS
+    return sides * max(INITIAL_PAIRS, int(PAIRS_PER_CELL * (cells + LEAST_CELLS) * sites))
 
 
 def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
@@ -344,11 +350,11 @@ def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
 
 
 def _joined(parts: Sequence[Record], order: NDArray[np.int64]) -> Record:
-    """Records with a row for each position, joined field by field."""
+    """Records with an axis of positions, joined field by field."""
     joined: dict[str, Any] = {}
     for item in fields(parts[0]):
         values = [getattr(part, item.name) for part in parts]
-        if values[0] is None or item.name in OF_ALL_POSITIONS:
+        if values[0] is None or item.name in WITHOUT_POSITIONS:
             continue
         if isinstance(values[0], PackedPairs):
             joined[item.name] = join_pairs(values, order)

@@ -1,1 +1,1 @@
-"""The compliance of one body at its flanks, from linear finite elements."""
+"""The compliance of a body at its flanks from linear finite elements."""

@@ -1,20 +1,19 @@
 """Estimate of the discretization error of a compliance by stress recovery.
 
-A compliance from displacement elements is too small by the energy of the error. Stresses at the
+The compliance of displacement elements is too small by the energy of the error. Stresses at the
 superconvergent Gauss points, averaged at the nodes and interpolated with the shape functions, are
-more accurate than the discontinuous stresses of the elements: the energy of the difference
+more accurate than the discontinuous stresses of the elements; the energy of the difference
 estimates that of the error (O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Meth. Eng. 24, 1987). The
-estimate is bilinear in the loads: one matrix holds it for all loads, with no second mesh and no
-further solution.
+estimate is bilinear in the loads: a matrix for all loads, without further solutions.
 
-The stresses of a sector are those with both cuts held: the error in the rim and in other teeth is
-small compared with that under the flank. Measured ratio of the true error to the estimate: gears,
-rings and splines with 7 to 24 elements along the flank 0.8 to 2.3 (0.9 to 1.1 under uniform
-pressure, 1.4 to 1.75 in the mean over a flank), followers 1.0 to 1.1, cams 0.5, rectangles 0.7 to
-1.2 under smooth pressures and 0.8 to 2.5 under pressures as narrow as an element.
+The stresses of a sector are those with fixed cuts, since the error in the rim and in other teeth is
+small. Measured ratio of the true error to the estimate: gears, rings and splines with 7 to 24
+elements along the flank 0.8 to 2.3 (0.9 to 1.1 under uniform pressure, 1.4 to 1.75 in the mean over
+a flank), followers 1.0 to 1.1, cams 0.5, rectangles 0.7 to 1.2 under smooth pressures and 0.8 to
+2.5 under pressures as narrow as an element.
 
-Strains of quadratic triangles are linear and have no superconvergent points: recovery finds half of
-the energy of the error (0.43 to 0.52 on rectangles with 4 to 12 rows), so it is counted twice.
+Quadratic triangles have no superconvergent points; recovery finds half of the energy of the error
+(0.43 to 0.52 on rectangles with 4 to 12 rows).
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
 
-#: Elements times loads in a block: its arrays fit the cache.
+#: Elements times loads in a block, whose arrays fit the cache.
 BLOCK = 320
 #: Part of the energy of the error that stress recovery finds on quadratic triangles.
 TRIANGLES = 0.5
@@ -42,7 +41,7 @@ TRIANGLES = 0.5
 
 @dataclass(frozen=True)
 class _Element:
-    """An element of n nodes on its reference shape.
+    """A reference element with n nodes.
 
     Attributes
     ----------
@@ -66,7 +65,7 @@ class _Element:
     weights: Floats
 
 
-def missed_compliance(
+def compliance_error(
     nodes: Floats, cells: Cells, material: Material, plane: str, moved: Floats
 ) -> Floats:
     """Estimated error (p, p) of the compliance between p loads, positive semidefinite.
@@ -91,7 +90,7 @@ def missed_compliance(
     p = moved.shape[1]
     displaced = moved.reshape(len(nodes), 2 * p)
     smoothed = recovered_strains(nodes, cells, moved)
-    missed = np.zeros((p, p))
+    fe_error = np.zeros((p, p))
     for kind, connectivity in cells:
         element = _element(kind)
         for block in _blocks(len(connectivity), p):
@@ -102,14 +101,14 @@ def missed_compliance(
             change = ((root @ elastic) @ change).reshape(own.shape)
             change *= np.sqrt(element.weights * area / element.part)[:, :, None]
             flat = change.reshape(-1, p)
-            missed += flat.T @ flat
-    return missed
+            fe_error += flat.T @ flat
+    return fe_error
 
 
 def recovered_strains(nodes: Floats, cells: Cells, moved: Floats) -> Floats:
-    """Strains at the nodes: those at the superconvergent points, extrapolated and averaged.
+    """Strains at the nodes, extrapolated from the superconvergent points and averaged.
 
-    Arguments as of `missed_compliance`; (N, 3 p): e_xx, e_yy and twice e_xy, each of all p loads.
+    Arguments as of `compliance_error`; (N, 3 p): e_xx, e_yy and 2 e_xy, each for all p loads.
     """
     p = moved.shape[1]
     displaced = moved.reshape(len(nodes), 2 * p)
@@ -137,7 +136,7 @@ def _blocks(n_elements: int, n_loads: int) -> Iterator[slice]:
 
 
 def _to_nodes(connectivity: Numbers, outward: Floats, n_nodes: int) -> csr_array:
-    """Sum at the nodes (N) of the values extrapolated from the recovery points (E b)."""
+    """Matrix of the sums at nodes (N) of extrapolations from the recovery points (E b)."""
     n_elements, n = connectivity.shape
     n_best = outward.shape[1]
     rows = np.repeat(connectivity.ravel(), n_best)
@@ -167,7 +166,7 @@ def _strains(places: Floats, displaced: Floats, slopes: Floats) -> tuple[Floats,
 
 @cache
 def _element(kind: str) -> _Element:
-    """Elements of scikit-fem with quadratures exact to degree 4, for recovery to degree 2."""
+    """Element of scikit-fem with quadratures exact to degree 4, recovery points to degree 2."""
     import skfem
     from skfem.quadrature import get_quadrature
 
@@ -180,7 +179,7 @@ def _element(kind: str) -> _Element:
         return values.T, slopes.transpose(2, 1, 0)
 
     def recovered(at: Floats) -> Floats:
-        """Terms of the strains that the recovery points determine."""
+        """Polynomials that the values at the recovery points determine."""
         x, y = at
         return np.column_stack([np.ones_like(x), x, y, *([x * y] if kind == "quad9" else [])])
 

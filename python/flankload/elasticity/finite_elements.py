@@ -1,7 +1,6 @@
 """Plane finite elements: stiffness matrix, loads and factorisation, per mm of width.
 
-Shape functions and quadrature are those of scikit-fem. Degrees of freedom are numbered by the nodes
-of the mesh: 2*node + component.
+Shape functions and quadrature are those of scikit-fem; degrees of freedom are 2*node + component.
 """
 
 from __future__ import annotations
@@ -22,15 +21,15 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
 
-#: Degree of exactness of the quadrature; degree 6 changes the compliance of a gear by 1e-9.
+#: Degree of the quadrature; degree 6 changes the compliance of a gear by 1e-9.
 INTEGRATION_DEGREE = {"quad9": 4, "triangle6": 4, "quad4": 2, "triangle3": 1}
 #: The same for loads that are linear in the coordinates.
 LOAD_DEGREE = 6
 #: Index of the first mid-edge node of a cell, and of its centre.
 CORNERS = {"quad9": (4, 8), "triangle6": (3, 6)}
-#: Right-hand sides solved at once; all at once take twice the time (cache).
+#: Number of right-hand sides solved at once; all at once take twice the time (cache).
 BLOCK = 16
-#: Number of kept unknowns above which a second factorisation is cheaper than their solutions.
+#: Number of kept unknowns above which a second factorisation is cheaper than a solution for each.
 MANY_KEPT = 150
 
 
@@ -95,7 +94,7 @@ def assembled(values: Floats, rows: Numbers, columns: Numbers, shape: tuple[int,
 
 
 def linear_cells(cells: Cells) -> Cells:
-    """Linear elements with the corners of the given cells."""
+    """Linear elements with the corners of quadratic ones."""
     linear = {"quad9": "quad4", "triangle6": "triangle3"}
     return tuple(
         (linear[kind], connectivity[:, : CORNERS[kind][0]]) for kind, connectivity in cells
@@ -103,10 +102,9 @@ def linear_cells(cells: Cells) -> Cells:
 
 
 def linear_edges(nodes: Floats, cells: Cells) -> csc_array:
-    """Displacements (2N, 2N) of all nodes from those of the corners, for linear elements: T.
+    """Map T (2N, 2N) from the displacements of corners to those of all nodes, for linear elements.
 
-    A quarter of the unknowns remains; T' reduces the loads of all nodes to the corners. Columns of
-    nodes that are no corners are empty.
+    T' reduces the loads of all nodes to the corners. Columns of other nodes are empty.
     """
     rows, columns, parts = [], [], []
     for kind, connectivity in cells:
@@ -127,12 +125,12 @@ def linear_edges(nodes: Floats, cells: Cells) -> csc_array:
     return coo_array((weights, degrees), shape=(2 * len(nodes),) * 2).tocsc()
 
 
-def place_load(nodes: Floats, cells: Cells, *, lumped: bool = False) -> Floats:
-    """Consistent nodal loads of a force per area equal to the coordinates: centrifugal force.
+def centrifugal_load(nodes: Floats, cells: Cells, *, lumped: bool = False) -> Floats:
+    """Consistent nodal loads of a force per area equal to the coordinates.
 
-    Integral of N_q x, (2N,), mm³; times density and the square of the speed a force per mm of
-    width. If lumped, the force of an element acts in equal parts on its corners; its edges are
-    straight.
+    Integral of N_q x, (2N,), mm³; times density and the square of the speed, the centrifugal force
+    per mm of width. If lumped, equal parts of the force act on the corners of straight-sided
+    elements.
     """
     loads = np.zeros_like(nodes)
     for kind, connectivity in cells:
@@ -152,7 +150,7 @@ def place_load(nodes: Floats, cells: Cells, *, lumped: bool = False) -> Floats:
 
 
 def block_basis(nodes: Floats, kind: str, connectivity: Numbers, degree: int) -> Basis:
-    """scikit-fem's basis of a block; shape k of an element belongs to its node k."""
+    """Basis of a block in scikit-fem; shape function k of an element belongs to its node k."""
     import skfem
 
     mesh_type, element = {
@@ -173,9 +171,9 @@ def degrees_of(nodes: Numbers) -> Numbers:
 
 
 def factored(matrix: csc_array, account: Account | None = None) -> Callable[[Floats], Floats]:
-    """Factorise a symmetric positive definite matrix (n, n) once.
+    """Factorise a symmetric positive definite matrix (n, n); the account counts the work.
 
-    Returns the solutions (n, k) of right-hand sides (n, k) as a function; the account counts both.
+    Returns a function from right-hand sides (n, k) to solutions (n, k).
     """
     if account is None:
         account = Account()
@@ -187,14 +185,14 @@ def condensed(
 ) -> tuple[Callable[[Floats], Floats], Floats]:
     """Factorise the inner part of a symmetric positive definite matrix and condense it to the rest.
 
-    A few kept unknowns need a solution each. For many, a second factorisation with the kept
-    unknowns last is cheaper: its last block is the Schur complement (588 of 21044 unknowns: a sixth
-    of the time). Unknowns that are neither inner nor kept are held.
+    The Schur complement of many kept unknowns is the last block of a second factorisation, which is
+    cheaper than a solution for each (588 of 21044 unknowns: a sixth of the time). Unknowns that are
+    neither inner nor kept are fixed.
 
     Returns
     -------
     solve : callable
-        Right-hand sides of the inner unknowns (i, k) to their solutions, with the kept ones at 0.
+        Right-hand sides of the inner unknowns (i, k) -> solutions, with the kept ones at 0.
     complement : (m, m) array
         Schur complement of the kept unknowns.
     """
@@ -233,7 +231,7 @@ def _in_blocks(factor: SuperLU, account: Account) -> Callable[[Floats], Floats]:
 def _last_block(
     matrix: csc_array, inner: Numbers, kept: Numbers, account: Account
 ) -> Floats | None:
-    """L22 U22 of the factors with the kept unknowns last; None if pivoting mixes them."""
+    """L22 U22 of the factors with the kept unknowns last; None if pivoting changes the order."""
     order = np.concatenate([inner, kept])
     factor = _factor(matrix[order][:, order].tocsc(), "NATURAL", account)
     place = factor.perm_c

@@ -8,7 +8,7 @@ import numpy as np
 
 from flankload.bodies.flank_elements import gauss_places
 from flankload.bodies.free_corner import along_strengths, image_strengths
-from flankload.bodies.imported.given import ModalCompliance, NodalCompliance
+from flankload.bodies.imported.compliance import ModalCompliance, NodalCompliance
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.elasticity.job_log import JobCost
 from flankload.elasticity.near_field import (
@@ -18,7 +18,7 @@ from flankload.elasticity.near_field import (
     mode_values,
     projected_near_field,
 )
-from flankload.elasticity.nodal_loads import hat_values, hat_widths
+from flankload.elasticity.nodal_loads import linear_shapes, shape_widths
 from flankload.elasticity.sector_closure import made_symmetric
 from flankload.errors import ComplianceFileError
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 LARGEST_ASYMMETRY = 1e-6
 
 
-def given_compliance(
+def imported_compliance(
     body: Body,
     *,
     modes: int | None,
@@ -41,65 +41,67 @@ def given_compliance(
     tangential: str | None = None,
     nodal: bool = False,
 ) -> BodyCompliance:
-    """Compliance of a body from its compliance file, `body.given`; no finite elements are counted.
+    """Compliance of a body from its compliance file, `body.imported`.
 
     Parameters
     ----------
     modes : int or None
-        Number of pressure modes set by the scene; at most that of a file with modes.
+        Number of pressure modes of the scene; at most that of a file with modes.
     default_modes : int
-        Number otherwise, for a matrix between nodes, limited by the number of nodes; a file with
-        modes gives all of them.
+        Default number for a matrix between nodes, limited by the number of nodes; the default for a
+        file with modes is their number.
     plane : {"strain", "stress"}
         Plane state of the scene, which must be that of the file.
     tangential : str, optional
-        Key of the scene that needs the response to loads along the flank.
+        Key of the scene that requires the response to tangential loads.
     nodal : bool
         Tables between the nodes of the file instead of pressure modes.
 
     Raises
     ------
     ComplianceFileError
-        If the file's plane is another one, the compliance is not symmetric and positive, or the
-        response to loads along the flank is wanted and the file has none.
+        If the plane state differs, the compliance is not symmetric and positive definite, or the
+        response to tangential loads is required but missing.
     """
-    given = body.given
-    assert given is not None
-    if given.plane != plane:
+    imported = body.imported
+    assert imported is not None
+    if imported.plane != plane:
         raise ComplianceFileError(
-            file=given.file,
+            file=imported.file,
             key="plane",
             expected=f"'{plane}', as in accuracy.plane",
-            found=f"'{given.plane}'",
+            found=f"'{imported.plane}'",
         )
-    if tangential and given.tangential is None:
-        modal = isinstance(given, ModalCompliance)
+    if tangential and imported.tangential is None:
+        modal = isinstance(imported, ModalCompliance)
         raise ComplianceFileError(
-            file=given.file,
+            file=imported.file,
             key="smooth_nt" if modal else "format",
             expected=f"the response to loads along the flank, since the scene has {tangential}: "
             "as flankload compliance writes it for a scene with friction",
             found="nothing" if modal else "a matrix of normal displacements and forces alone",
         )
-    if isinstance(given, ModalCompliance):
-        return _of_modes(body, given, modes or given.smooth.shape[1], friction=bool(tangential))
+    if isinstance(imported, ModalCompliance):
+        return _of_modes(
+            body, imported, modes or imported.smooth.shape[1], friction=bool(tangential)
+        )
     if nodal:
-        return _tables(body, given, plane)
-    enough = max(2, min(default_modes, given.flank_elements // 2 + 1))
-    return _of_nodes(body, given, modes or enough, plane)
+        return _tables(body, imported, plane)
+    enough = max(2, min(default_modes, imported.flank_elements // 2 + 1))
+    return _of_nodes(body, imported, modes or enough, plane)
 
 
 def _of_modes(
-    body: Body, given: ModalCompliance, n_modes: int, *, friction: bool
+    body: Body, imported: ModalCompliance, n_modes: int, *, friction: bool
 ) -> BodyCompliance:
-    """Modes of the file, checked for symmetry and positive definiteness, or the lower ones."""
-    smooth, f = given.smooth, len(given.flanks)
+    """Compliance from modes, checked for symmetry and positive definiteness."""
+    smooth, f = imported.smooth, len(imported.flanks)
     own = np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
     across = np.arange(f * f).reshape(f, f).T.ravel() if f else -np.arange(len(smooth))
     symmetric, asymmetry = made_symmetric(smooth, across)
     if asymmetry > LARGEST_ASYMMETRY:
         raise ComplianceFileError(
-            file=given.file,
+            file=imported.file,
             key="smooth",
             expected=f"smooth[{'j f + i' if f else '-t'}] to be smooth[{'i f + j' if f else 't'}] "
             "transposed (what a moves at b, b moves at a), to "
@@ -107,7 +109,7 @@ def _of_modes(
             found=f"{asymmetry:.3g}",
         )
     low, high = body.mode_range_mm
-    n, tip = smooth.shape[1], given.tip
+    n, tip = smooth.shape[1], imported.tip
     if tip is None:
         norms = mode_norms(body.mode_range_mm, n)
         whole = smooth * norms[:, None] * norms[None, :]
@@ -117,11 +119,11 @@ def _of_modes(
     wedge = image_strengths(body)
     behind = None if tip is None else tip.behind(low)
     near = projected_near_field(n, high - low, wedge=wedge, tip=behind)
-    whole[own] -= given.kernel * near
+    whole[own] -= imported.kernel * near
     least = _least_eigenvalue(whole, f)
     if not least > 0.0:
         raise ComplianceFileError(
-            file=given.file,
+            file=imported.file,
             key="smooth",
             expected="a compliance that is positive definite together with its kernel, since any "
             "load takes up work",
@@ -130,44 +132,44 @@ def _of_modes(
     found = BodyCompliance(
         smooth=symmetric,
         near=NearField(
-            given.kernel,
-            jump=given.jump if friction else 0.0,
+            imported.kernel,
+            jump=imported.jump if friction else 0.0,
             wedge=wedge,
             wedge_along=along_strengths(body),
         ),
         modes=FlankModes(body.mode_range_mm, tip=tip),
-        flanks=given.flanks,
-        tangential=given.tangential if friction else None,
-        turned=given.turned,
-        job=JobCost(max(given.asymmetry, asymmetry)),
+        flanks=imported.flanks,
+        tangential=imported.tangential if friction else None,
+        turned=imported.turned,
+        job=JobCost(max(imported.asymmetry, asymmetry)),
     )
     spare = found.flank_modes - n_modes
     return found.fewer_modes(spare) if spare > 0 else found
 
 
 def _least_eigenvalue(whole: Floats, flanks: int) -> float:
-    """Least eigenvalue of the matrix of all flanks, from blocks by tooth or by pairs of flanks."""
+    """Least eigenvalue of the matrix of all flanks, from blocks by tooth or by pair of flanks."""
     if flanks:
         p = whole.shape[1]
         matrix = whole.reshape(flanks, flanks, p, p).transpose(0, 2, 1, 3)
         return float(np.linalg.eigvalsh(matrix.reshape(flanks * p, -1)).min())
-    # equal teeth: the matrix is block-circulant, and a Fourier transform over the teeth splits it
+    # a Fourier transform over the equal teeth decouples the block-circulant matrix
     waves = np.fft.fft(whole, axis=0)
     return float(np.linalg.eigvalsh(0.5 * (waves + waves.conj().transpose(0, 2, 1))).min())
 
 
-def _of_nodes(body: Body, given: NodalCompliance, n_modes: int, plane: str) -> BodyCompliance:
-    """Projection of nodal forces on the pressure modes, without the near field.
+def _of_nodes(body: Body, imported: NodalCompliance, n_modes: int, plane: str) -> BodyCompliance:
+    """Compliance from a matrix between nodes, projected on pressure modes without the near field.
 
     With the consistent nodal forces B_qa = integral of N_q P_a ds of the modes, the response is
     B' C B, with their nodal pressures P' M C P; without the logarithm and as coefficients,
     D^-1 (B' C B - <P, K P>) D^-1.
     """
-    if given.of_pressures:
-        loads = mode_values(given.arc_length_mm, body.mode_range_mm, n_modes)
+    if imported.of_pressures:
+        loads = mode_values(imported.arc_length_mm, body.mode_range_mm, n_modes)
     else:
-        loads = nodal_mode_forces(given, body.mode_range_mm, n_modes)
-    response = _responses(body, given, loads)
+        loads = nodal_mode_forces(imported, body.mode_range_mm, n_modes)
+    response = _responses(body, imported, loads)
     low, high = body.mode_range_mm
     strength = logarithm_strength(body.material, plane)
     wedge = image_strengths(body)
@@ -177,47 +179,47 @@ def _of_nodes(body: Body, given: NodalCompliance, n_modes: int, plane: str) -> B
         smooth=response / (norms[:, None] * norms[None, :]),
         near=NearField(strength, wedge=wedge),
         modes=FlankModes(body.mode_range_mm),
-        job=JobCost(given.asymmetry),
+        job=JobCost(imported.asymmetry),
     )
 
 
-def _responses(body: Body, given: NodalCompliance, loads: Floats) -> Floats:
-    """Response (z, p, p) of all teeth to p loads on tooth 0, read by the same loads."""
+def _responses(body: Body, imported: NodalCompliance, loads: Floats) -> Floats:
+    """Response (z, p, p) of all teeth to p loads on tooth 0, with readings by the same loads."""
     response = np.zeros((body.teeth, loads.shape[1], loads.shape[1]))
-    for offset, block in zip(given.offsets.tolist(), given.matrix, strict=True):
+    for offset, block in zip(imported.offsets.tolist(), imported.matrix, strict=True):
         response[offset] = loads.T @ block @ loads
-        if -offset % body.teeth not in given.offsets:
+        if -offset % body.teeth not in imported.offsets:
             response[-offset % body.teeth] = response[offset].T
     return response
 
 
-def _tables(body: Body, given: NodalCompliance, plane: str) -> BodyCompliance:
-    """Tables between nodes; of quadratic elements only the ends of edges (see `nodal_loads`)."""
-    nodes = given.arc_length_mm[:: 2 if given.quadratic else 1]
+def _tables(body: Body, imported: NodalCompliance, plane: str) -> BodyCompliance:
+    """Compliance as tables between nodes; for quadratic elements, ends of edges (`nodal_loads`)."""
+    nodes = imported.arc_length_mm[:: 2 if imported.quadratic else 1]
 
     def pressures(s: Floats) -> Floats:
-        return hat_values(s, nodes) / hat_widths(nodes)
+        return linear_shapes(s, nodes) / shape_widths(nodes)
 
-    if given.of_pressures:
-        loads = pressures(given.arc_length_mm)
+    if imported.of_pressures:
+        loads = pressures(imported.arc_length_mm)
     else:
-        loads = consistent_forces(given, pressures)
+        loads = consistent_forces(imported, pressures)
     return BodyCompliance(
-        smooth=_responses(body, given, loads),
+        smooth=_responses(body, imported, loads),
         near=NearField(logarithm_strength(body.material, plane)),
         modes=FlankModes(body.mode_range_mm, nodes=nodes),
-        job=JobCost(given.asymmetry),
+        job=JobCost(imported.asymmetry),
     )
 
 
 def nodal_mode_forces(
-    given: NodalCompliance, mode_range_mm: tuple[float, float], n_modes: int
+    imported: NodalCompliance, mode_range_mm: tuple[float, float], n_modes: int
 ) -> Floats:
-    """Consistent nodal forces (n, n_modes) of the pressure modes along the normal, mm."""
-    return consistent_forces(given, lambda s: mode_values(s, mode_range_mm, n_modes))
+    """Consistent normal nodal forces (n, n_modes) of the pressure modes, mm."""
+    return consistent_forces(imported, lambda s: mode_values(s, mode_range_mm, n_modes))
 
 
-def consistent_forces(given: NodalCompliance, pressures: Callable[[Floats], Floats]) -> Floats:
-    """Consistent nodal forces (n, p) along the normal of p pressures over the arc length."""
-    places, weights, shapes = gauss_places(given.arc_length_mm, quadratic=given.quadratic)
+def consistent_forces(imported: NodalCompliance, pressures: Callable[[Floats], Floats]) -> Floats:
+    """Consistent normal nodal forces (n, p) of p pressures over the arc length."""
+    places, weights, shapes = gauss_places(imported.arc_length_mm, quadratic=imported.quadratic)
     return np.asarray(shapes.T @ (weights[:, None] * pressures(places)))

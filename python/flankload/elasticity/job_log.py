@@ -1,4 +1,4 @@
-"""Counters, CPU seconds by step, and solutions of one finite-element job."""
+"""Counters, CPU seconds and error estimates of one finite-element job."""
 
 from __future__ import annotations
 
@@ -23,10 +23,9 @@ class JobCost:
     Attributes
     ----------
     asymmetry : float
-        Largest relative difference between a response and its transpose, before their mean was
-        taken: the rounding error of the job.
+        Largest relative difference between a response and its transpose: the rounding error.
     degrees_of_freedom : int
-        Number of unknowns that are not held.
+        Number of unknowns.
     counters : mapping of str to int
         Work by the names of `cost.COUNTERS`, without zeros.
     workspace_bytes : int
@@ -56,7 +55,7 @@ class JobLog:
     Attributes
     ----------
     errors : list of (p, p) arrays
-        These errors, one per solution.
+        Estimated errors, one per solution.
     """
 
     def __init__(
@@ -69,18 +68,18 @@ class JobLog:
         self._wall, self._clock = perf_counter(), process_time()
 
     def end_step(self, name: str) -> None:
-        """Charge the CPU time since the last step to the step that ends."""
+        """Add the CPU time since the last step to the step that ends."""
         now = process_time()
         self._seconds[name] = self._seconds.get(name, 0.0) + now - self._clock
         self._clock = now
 
     def count_loads(self, columns: int, *, friction: bool) -> None:
-        """Count the load cases of a flank: normal ones, with friction as many tangential ones."""
+        """Count the load cases of a flank, with friction half of them tangential."""
         tangential = columns // 2 if friction else 0
         self.account.count(unit_loads_normal=columns - tangential, unit_loads_tangential=tangential)
 
     def solution(self, free: Numbers, moved: Floats, unknowns: int) -> None:
-        """Report a solution (n, p) under the unit loads of a flank; all but `free` (n,) are 0."""
+        """Record a solution (n, p) of the unknowns `free` (n,) under the unit loads of a flank."""
         if self._estimate is None:
             return
         self.end_step("solution")

@@ -1,10 +1,8 @@
 """Displacement and stress at all nodes of a body under forces on its flanks.
 
-The elements of a run give the compliance between flanks only. Here the same elements give the
-displacement of every node under known forces: a body of equal sectors has the stiffness of one
-sector factorised, its cuts are solved one sector harmonic at a time, and each sector then takes one
-back substitution. The forces act on the edges of elements; their concentration under a contact that
-is narrower than an element is that of the elements.
+For a body of equal sectors, the stiffness of one sector is factorised, the cuts are solved by
+sector harmonics, and each sector requires one back substitution. Forces act on edges of elements,
+which do not resolve contacts that are narrower than an element.
 """
 
 from __future__ import annotations
@@ -24,7 +22,7 @@ from flankload.elasticity.finite_elements import (
     lame_parameters,
     stiffness,
 )
-from flankload.elasticity.near_field import carrying_edges, mirrored_loads
+from flankload.elasticity.near_field import loaded_edges, mirrored_loads
 from flankload.elasticity.sector_closure import CondensedSector, ring_displacements
 
 if TYPE_CHECKING:
@@ -33,27 +31,27 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Body, WholeMesh
 
-#: Largest distance of fixed nodes on both cuts, relative to the size of the mesh.
-SAME_CUT = 1e-6
+#: Largest distance of matching fixed nodes on both cuts, over the size of the mesh.
+CUT_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class LoadedBody:
-    """The elements of a whole body, in its own frame, ready for forces on its flanks.
+    """The factorised elements of a whole body, in its frame, for forces on its flanks.
 
     Attributes
     ----------
     body : Body
-        As `Body.for_elements` returns it.
+        From `Body.for_elements`.
     plane : {"strain", "stress"}
     nodes : (M, 2) array
-        Of the whole body, mm; nodes of the cuts between sectors occur once.
+        Nodes of the whole body, mm, without duplicates on the cuts.
     cells : ((kind, (E, k) array), ...)
         Elements of the whole body.
     numbers : (z, N) array
-        Node of the whole body of each node of each sector; one row for a body meshed as a whole.
+        Node of the whole body for each node of each sector; one row for a whole mesh.
     solve : callable
-        Nodal forces (2M,) per mm of width, N/mm, to displacements (2M,), mm.
+        Nodal forces (2M,) per mm of width, N/mm -> displacements (2M,), mm.
     """
 
     body: Body
@@ -68,9 +66,8 @@ class LoadedBody:
     ) -> Floats:
         """Consistent nodal forces (2M,) of point forces (n, 2) on flanks, per mm of width.
 
-        In the frame of the body, on teeth (n,) from 0, at arc lengths (n,); beyond the elements of
-        a flank its last node carries the force. Coast flanks exist on bodies of equal sectors with
-        involutes only.
+        In the frame of the body, on teeth (n,) from 0, at arc lengths (n,); forces beyond the
+        elements act on the last node. Coast flanks require involutes and equal sectors.
         """
         total = np.zeros((len(self.nodes), 2))
         for each in np.unique(tooth):
@@ -85,9 +82,9 @@ class LoadedBody:
         return node_widths(*self._edges(tooth, coast=coast))
 
     def stress_MPa(self, moved: Floats) -> Floats:
-        """Stress (M, 4) at the nodes: xx, yy, zz and xy in the frame of the body.
+        """Stress (M, 4) at the nodes, averaged over elements: xx, yy, zz and xy, frame of the body.
 
-        Recovered from the displacements (2M,), mm, and averaged over the elements of a node.
+        `moved`: displacements (2M,), mm.
         """
         strain = recovered_strains(self.nodes, self.cells, moved[:, None])
         lame_lambda, lame_mu = lame_parameters(self.body.material, self.plane)
@@ -104,20 +101,20 @@ class LoadedBody:
         assert mesh is not None
         if not isinstance(mesh, SectorMesh):
             flank = next(flank for flank in mesh.flanks if flank.tooth == tooth)
-            return carrying_edges(flank)
-        edges, s = carrying_edges(mesh)
+            return loaded_edges(flank)
+        edges, s = loaded_edges(mesh)
         if coast:
             edges, of_sector = self._coast_edges(mesh, edges)
             tooth -= of_sector
         return self.numbers[tooth % mesh.teeth][edges], s
 
     def _coast_edges(self, mesh: SectorMesh, edges: Numbers) -> tuple[Numbers, int]:
-        """Edges of the coast flank in a sector, as mirror images, and the number of its tooth."""
+        """Edges of the coast flank in a sector (mirror images), and the number of its tooth."""
         assert self.body.involute is not None
         marks = np.zeros((2 * len(mesh.nodes), 1))
         marks[2 * edges.ravel(), 0] = 1.0 + edges.ravel()
         mirrored, tooth = mirrored_loads(mesh, marks, self.body.involute.turn_rad)
-        # a mirrored mark keeps its magnitude, which is the number of its node
+        # the magnitude of a mark, which mirroring does not change, is the number of its node
         source = np.rint(np.hypot(*mirrored.reshape(-1, 2).T)).astype(np.int64) - 1
         image = np.full(len(mesh.nodes), -1)
         image[source[source >= 0]] = np.flatnonzero(source >= 0)
@@ -138,12 +135,12 @@ def loaded_body(body: Body, plane: str) -> LoadedBody:
 
 
 def on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
-    """Edges of places on a flank, and the values (n, 3) of the edges' shape functions there.
+    """Edges of points on a flank, and the shape functions (n, 3) there.
 
-    s (m, 3) are the arc lengths of the first, last and middle nodes; s is quadratic on an edge.
+    `s` (m, 3): arc lengths of the first, last and middle nodes, interpolated quadratically.
     """
     ends = np.append(s[:, 0], s[-1, 1])
-    if ends[-1] - ends[0] > 0 and (s[:, 1] < s[:, 0]).any():  # a turn: the last edge ends at 0
+    if ends[-1] - ends[0] > 0 and (s[:, 1] < s[:, 0]).any():  # closed: the last edge ends at 0
         ends[-1] = s[-1, 0] + 2 * (s[-1, 2] - s[-1, 0])
     at = np.clip(np.searchsorted(ends, places, side="right") - 1, 0, len(s) - 1)
     first, middle = s[at, 0], s[at, 2]
@@ -157,18 +154,18 @@ def on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
 def node_widths(edges: Numbers, s: Floats) -> tuple[Numbers, Floats]:
     """Nodes (k,) of the edges (m, 3) of a flank, and the arc length (k,) of each, mm."""
     nodes, place = np.unique(edges, return_inverse=True)
-    # Simpson's weights: the integrals of the shape functions of an edge
+    # Simpson weights: integrals of the shape functions of an edge
     parts = np.abs(s[:, 1] - s[:, 0])[:, None] * np.array([1.0, 1.0, 4.0]) / 6.0
     return nodes, np.asarray(np.bincount(place.ravel(), weights=parts.ravel()), dtype=float)
 
 
 def ring_of(mesh: SectorMesh) -> tuple[Floats, Cells, Numbers]:
-    """Nodes (M, 2) and elements of all sectors of a ring, and numbers (z, N) of its nodes."""
+    """Nodes (M, 2) and elements of a whole ring, and numbers (z, N) of the nodes of its sectors."""
     z, n = mesh.teeth, len(mesh.nodes)
     pitch = 2 * np.pi / z
     fixed = mesh.nodes[mesh.fixed_nodes]
     apart = np.linalg.norm(turned(fixed, pitch)[:, None] - fixed, axis=2)
-    left, right = np.nonzero(apart < SAME_CUT * float(np.abs(mesh.nodes).max()))
+    left, right = np.nonzero(apart < CUT_TOLERANCE * float(np.abs(mesh.nodes).max()))
     left = np.concatenate([mesh.left_nodes, mesh.fixed_nodes[left]])
     right = np.concatenate([mesh.right_nodes, mesh.fixed_nodes[right]])
     own = np.setdiff1d(np.arange(n), right)
@@ -180,7 +177,7 @@ def ring_of(mesh: SectorMesh) -> tuple[Floats, Cells, Numbers]:
 
 
 def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats], Floats]:
-    """Displacements of all nodes of a ring of equal sectors."""
+    """Solver for the displacements of all nodes of a ring of equal sectors."""
     mesh = body.mesh
     assert isinstance(mesh, SectorMesh)
     z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
@@ -193,7 +190,7 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
 
     def solve(forces: Floats) -> Floats:
         whole = forces.reshape(-1, 2)
-        # in the frames of the sectors; a force on a cut acts on the left cut of a sector
+        # in the frames of the sectors; forces on cuts act on left cuts
         local = np.stack([turned(whole[row], -k * pitch) for k, row in enumerate(numbers)])
         local[:, mesh.right_nodes] = 0.0
         right = local.reshape(z, -1).T  # (2N, z)
@@ -210,7 +207,7 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
 
 
 def _whole_solver(body: Body, mesh: WholeMesh, plane: str) -> Callable[[Floats], Floats]:
-    """Displacements of all nodes of a body that is meshed as a whole."""
+    """Solver for the displacements of all nodes of a whole mesh."""
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
     free = np.setdiff1d(np.arange(matrix.shape[0]), degrees_of(mesh.fixed_nodes))
     inner = factored(matrix[free][:, free].tocsc())

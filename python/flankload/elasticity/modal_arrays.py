@@ -1,4 +1,4 @@
-"""Contents of a flankload compliance file (read by `bodies.imported.modal_file`)."""
+"""Arrays of a flankload compliance file, which `bodies.imported.modal_file` reads."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.bodies.free_corner import corner_angles
-from flankload.bodies.imported.given import CORNER_ANGLES
+from flankload.bodies.imported.compliance import CORNER_ANGLES
 from flankload.bodies.imported.modal_file import FORMAT, INVOLUTE
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def modal_arrays(
 
 
 def _version(compliance: BodyCompliance) -> int:
-    """Lowest version of the format that holds a compliance."""
+    """Lowest version of the format for a compliance."""
     if any(compliance.near.wedge) or compliance.modes.tip is not None:
         return 3
     return 1 if compliance.tangential is None else 2

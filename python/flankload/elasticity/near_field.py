@@ -1,19 +1,18 @@
 """Pressure modes on a flank, their consistent loads, and the analytic near field.
 
-The compliance of a flank has two parts: the logarithm of a half-plane,
-K(s, s') = -c0 ln|s - s'|, on the same flank, and a smooth remainder, which a few Legendre modes
-over the arc length of the flank represent. These modes are the unit loads of the finite elements.
-Forces at nodes are not: the displacement under a nodal force has no limit under refinement.
+The compliance of a flank is the sum of the logarithm of a half-plane, K(s, s') = -c0 ln|s - s'|, on
+the same flank, and a smooth remainder in terms of Legendre modes over the arc length. These modes
+are the unit loads of the finite elements; the displacement under nodal forces would have no limit
+under refinement.
 
-With friction, loads along the flank also displace it along its normal: the half-plane has a jump,
--j sign(s - s') (the surface in front of the load moves inwards, the surface behind it outwards),
-and modes represent the smooth remainder.
+The near field of tangential loads is a jump of the normal displacement, -j sign(s - s'): the
+surface moves inwards in front of the load, outwards behind it.
 
 At a free corner at the end of the modes, the near field has a mirror image behind the corner,
 -c0 psi ln(d + d') (`bodies.free_corner`).
 
-On a closed flank (a cam) of length L the modes are the harmonics of a turn, and the logarithm is
-that of the chord, K(s, s') = -c0 ln|(L/pi) sin(pi (s - s')/L)|, the same at short distances.
+On a closed flank (a cam) of length L, the modes are harmonics, and the logarithm is that of the
+chord, K(s, s') = -c0 ln|(L/pi) sin(pi (s - s')/L)|.
 """
 
 from __future__ import annotations
@@ -21,10 +20,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander
+from numpy.polynomial.legendre import legvander
 
+from flankload.base.gauss import leggauss
 from flankload.bodies.body import MeshedFlank
-from flankload.bodies.tip_modes import Tip, joined, joined_image, on_tip, tip_modes, tip_values
+from flankload.bodies.tip_modes import (
+    Tip,
+    image_with_tip,
+    on_tip,
+    projected_with_tip,
+    tip_modes,
+    tip_values,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,14 +39,14 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Material, SectorMesh
 
-#: Distance between a node and the mirror image of another one, relative to the size of the mesh.
-SAME_NODE = 1e-9
-#: Gauss points for ln(1 + t) on [0, 1], beyond those for the modes: each reduces the error by 30.
-MORE_POINTS = 14
+#: Largest distance between a node and the mirror image of another one, over the size of the mesh.
+MIRROR_TOLERANCE = 1e-9
+#: Gauss points for ln(1 + t) on [0, 1], besides those for the modes; each divides the error by 30.
+LOGARITHM_POINTS = 14
 
 
 def logarithm_strength(material: Material, plane: str) -> float:
-    """c0 (mm²/N): normal displacement of a half-plane is -c0 ln(distance) per force and width.
+    """c0 (mm²/N) of the normal displacement -c0 ln(distance) of a half-plane per force and width.
 
     2 (1 - nu²)/(pi E) in plane strain, 2/(pi E) in plane stress.
     """
@@ -48,11 +55,11 @@ def logarithm_strength(material: Material, plane: str) -> float:
 
 
 def jump_strength(material: Material, plane: str) -> float:
-    """j (mm²/N): normal displacement of a half-plane beside a load along its surface.
+    """j (mm²/N) of the normal displacement of a half-plane per tangential force and width.
 
-    Out of the material it is -j in front of the load and j behind it, per force and width, at any
-    distance: (1 - 2 nu)(1 + nu)/(2 E) in plane strain, (1 - nu)/(2 E) in plane stress; K. L.
-    Johnson, Contact Mechanics, (2.23).
+    Out of the material, -j in front of the force and j behind it, at any distance:
+    (1 - 2 nu)(1 + nu)/(2 E) in plane strain, (1 - nu)/(2 E) in plane stress; K. L. Johnson, Contact
+    Mechanics, (2.23).
     """
     ratio = material.poisson_ratio
     factor = (1.0 - 2.0 * ratio) * (1.0 + ratio) if plane == "strain" else 1.0 - ratio
@@ -69,9 +76,9 @@ def mode_values(
 ) -> Floats:
     """Legendre polynomials P_0 … P_(n_modes - 1) at arc lengths (n,), mm: (n, n_modes).
 
-    Over the range of the modes; if closed, it is a turn, t from 0 to 2 pi, with 1, cos t, sin t,
-    cos 2t, … instead. With a tip behind the range the last modes are its own (`tip_modes`), and the
-    others keep their end values there.
+    On a closed flank, 1, cos t, sin t, cos 2t, … with t from 0 to 2 pi instead. With a tip behind
+    the range, the last modes are those of the tip (`tip_modes`), on which the others keep their end
+    values.
     """
     low, high = mode_range_mm
     if tip is not None:
@@ -95,10 +102,9 @@ def to_coefficients(
     closed: bool = False,
     tip: Tip | None = None,
 ) -> Floats:
-    """Coefficients (n_modes, …) of functions from their integrals with the modes.
+    """Mode coefficients (n_modes, …) of functions from their integrals with the modes.
 
-    The integrals are those over the range of the modes, a turn if closed, and over the tip behind
-    it.
+    The integrals are over the range of the modes and over the tip behind it.
     """
     n_modes = len(moments)
     if tip is None:
@@ -110,7 +116,7 @@ def to_coefficients(
 
 
 def mode_products(mode_range_mm: tuple[float, float], n_modes: int, tip: Tip) -> Floats:
-    """<P_a, P_b> over flank and tip, mm; those of the flank alone are orthogonal."""
+    """<P_a, P_b> over flank and tip, mm; without a tip the modes are orthogonal."""
     high, flank = mode_range_mm[1], n_modes - tip_modes(n_modes)
     parts = on_tip(n_modes, tip)
     products = parts.T @ (mode_norms((high, tip.end_mm), len(parts))[:, None] * parts)
@@ -119,7 +125,7 @@ def mode_products(mode_range_mm: tuple[float, float], n_modes: int, tip: Tip) ->
 
 
 def mode_norms(mode_range_mm: tuple[float, float], n_modes: int, *, closed: bool = False) -> Floats:
-    """D_a = integral of P_a² over the range, mm: length/(2a + 1); of a harmonic length/2."""
+    """D_a = integral of P_a² over the range, mm: length/(2a + 1); length/2 for a harmonic."""
     low, high = mode_range_mm
     if closed:
         return np.where(np.arange(n_modes) == 0, high - low, 0.5 * (high - low))
@@ -138,9 +144,9 @@ def mode_loads(
 ) -> Floats:
     """Consistent nodal loads of the modes, along the outward normal or the tangent.
 
-    B_qa = integral of N_q P_a n ds over the mesh's flank edges, with the edges' own quadratic
-    geometry and shape functions; s is interpolated like the place. The tangent points to growing
-    arc length. Behind the range of the modes, a turn if closed, the edges of a tip are loaded, too.
+    B_qa = integral of N_q P_a n ds over the flank edges of the mesh and those of a tip, with
+    quadratic geometry and shape functions and the same interpolation of s. The tangent points
+    towards increasing arc length.
 
     Returns
     -------
@@ -155,13 +161,13 @@ def mode_loads(
         along=along,
         turn=turn,
         gauss_points=max(6, n_modes // 2 + 4),
-        edges=None if tip is None else carrying_edges(mesh),
+        edges=None if tip is None else loaded_edges(mesh),
         twist=twist,
     )
 
 
-def carrying_edges(flank: SectorMesh | MeshedFlank) -> tuple[Numbers, Floats]:
-    """Nodes (m, 3) and arc lengths (mm) of the loaded edges, including those of tip roundings."""
+def loaded_edges(flank: SectorMesh | MeshedFlank) -> tuple[Numbers, Floats]:
+    """Nodes (m, 3) and arc lengths (mm) of the edges of a flank and its tip rounding or chamfer."""
     edges, s = flank.flank_edges, flank.flank_arc_length[flank.flank_edges]
     if isinstance(flank, MeshedFlank) or not flank.tip_edges.size:
         return edges, s
@@ -187,17 +193,17 @@ def consistent_loads(
     Parameters
     ----------
     values : callable
-        Arc lengths (k,) to pressures (k, count).
+        Arc lengths (k,) -> pressures (k, count).
     along : {"normal", "tangent"}
-        Out of the material, or towards growing arc length.
+        Out of the material, or towards increasing arc length.
     turn : float, optional
         Length of a closed flank, mm.
     edges : (m, 3) arrays, optional
         Nodes and arc lengths of the loaded edges; by default those of the flank.
     twist : float, optional
-        kappa, rad/mm, by which the section turns along the axis. A pressure on the flank of a prism
-        then has an axial component: (n, -kappa l) per arc length and width, l the lever of n. A
-        load along the profile is 1/cos(beta) = hypot(1, kappa l) of its tangent there.
+        Rotation kappa of the section along the axis, rad/mm. A pressure on the flank of a prism
+        then has an axial component: (n, -kappa l) per arc length and width, with the lever arm l of
+        n. A load along the profile is 1/cos(beta) = hypot(1, kappa l) times its tangent.
     """
     points, weights = leggauss(gauss_points)
     shape = np.stack(
@@ -219,7 +225,7 @@ def consistent_loads(
         else:
             secant = np.hypot(1.0, slope / np.hypot(tangent[..., 0], tangent[..., 1]))
             direction = np.pad(secant[..., None] * tangent, ((0, 0), (0, 0), (0, 1)))
-    if turn is not None:  # a turn begins and ends at the same node
+    if turn is not None:  # a closed flank begins and ends at the same node
         ends = ends - turn * np.round((ends - ends[:, 2:]) / turn)
     s = ends @ shape.T  # (m, g)
     pressures = values(s.ravel()).reshape(*s.shape, count)
@@ -230,13 +236,11 @@ def consistent_loads(
 
 
 def mirrored_loads(mesh: SectorMesh, loads: Floats, center_rad: float) -> tuple[Floats, int]:
-    """Loads of the other flank in the sector, whose halves are mirror images, and its tooth.
+    """Loads on the coast flank of a symmetric sector, and the tooth of this flank.
 
-    Each force (2 N, p) on the flank of tooth 0 acts mirrored at the mirrored node. The coast flank
-    belongs to another tooth where a sector contains a space. `center_rad` is the polar angle of the
-    centre of tooth 0 (of the space, where teeth stand inwards).
-
-    Raises ValueError if a node of the flank has no mirror image.
+    Forces (2 N, p) on the flank of tooth 0 are mirrored. If the sector contains a space, the coast
+    flank belongs to another tooth. `center_rad`: polar angle of the centre of tooth 0, or of its
+    space for internal teeth. Raises ValueError if a node of the flank has no mirror image.
     """
     cuts = np.concatenate([mesh.left_nodes, mesh.right_nodes])
     axis = np.arctan2(*mesh.nodes[cuts].sum(axis=0)[::-1])
@@ -244,10 +248,10 @@ def mirrored_loads(mesh: SectorMesh, loads: Floats, center_rad: float) -> tuple[
     mirror = np.array([[cosine, sine], [sine, -cosine]])
     nodes = np.flatnonzero(loads.reshape(len(mesh.nodes), -1).any(axis=1))
     images = mesh.nodes[nodes] @ mirror
-    # node by node: to import a tree for this search takes longer than the search
+    # faster than the import of a search tree
     image = np.array([np.argmin(((mesh.nodes - place) ** 2).sum(axis=1)) for place in images])
     apart = np.hypot(*(mesh.nodes[image] - images).T)
-    if apart.max() > SAME_NODE * float(np.abs(mesh.nodes).max()):
+    if apart.max() > MIRROR_TOLERANCE * float(np.abs(mesh.nodes).max()):
         raise ValueError("mesh: expected a sector whose halves are mirror images")
     mirrored = np.zeros((len(mesh.nodes), 2, loads.shape[1]))
     mirrored[image] = np.einsum("ij,njp->nip", mirror, loads.reshape(mirrored.shape)[nodes])
@@ -260,8 +264,8 @@ def projected_logarithm(n_modes: int, length_mm: float, *, closed: bool = False)
 
     With x in [-1, 1] and Legendre functions of the second kind, for n >= 1
     int P_n(y) ln|x - y| dy = 2 (Q_(n+1) - Q_(n-1))/(2n + 1), and
-    int P_m Q_n = (1 - (-1)^(m+n))/((m - n)(m + n + 1)) for m != n, else 0. Of the chord on a
-    closed flank: ln|2 sin(t/2)| = -sum cos(k t)/k leaves a diagonal.
+    int P_m Q_n = (1 - (-1)^(m+n))/((m - n)(m + n + 1)) for m != n, else 0. The logarithm of the
+    chord on a closed flank is diagonal: ln|2 sin(t/2)| = -sum cos(k t)/k.
     """
     if closed:
         order = np.arange(1, n_modes + 1) // 2
@@ -288,19 +292,18 @@ def projected_logarithm(n_modes: int, length_mm: float, *, closed: bool = False)
 
 
 def projected_image(n_modes: int, length_mm: float, *, at_high_end: bool) -> Floats:
-    """<P_a, ln(d + d') P_b>, mm², d the distance from one end of the flank, where a corner is.
+    """<P_a, ln(d + d') P_b>, mm², with the distance d from the corner at one end of the flank.
 
     On both halves of the square, with x and x' = x t in [0, 1] from that end,
-    ln(x + x') = ln x + ln(1 + t). The first term times a polynomial is integrated by its shifted
-    Legendre coefficients, int P~_n ln x = (-1)^(n+1)/(n (n + 1)), and -1 for n = 0; the second by
-    Gauss quadrature.
+    ln(x + x') = ln x + ln(1 + t). The first term is integrated by shifted Legendre coefficients,
+    int P~_n ln x = (-1)^(n+1)/(n (n + 1)), -1 for n = 0; the second by Gauss quadrature.
     """
     degree = np.arange(2 * n_modes)  # of two modes and x itself
     x, weights = (0.5 * part for part in leggauss(2 * n_modes))
     x += 0.5
     of_log = np.where(degree > 0, -((-1.0) ** degree) / np.maximum(degree * (degree + 1), 1), -1.0)
     log_weights = weights * (legvander(2 * x - 1, 2 * n_modes - 1) @ ((2 * degree + 1) * of_log))
-    t, t_weights = (0.5 * part for part in leggauss(n_modes + MORE_POINTS))
+    t, t_weights = (0.5 * part for part in leggauss(n_modes + LOGARITHM_POINTS))
     t += 0.5
     sign = -1.0 if at_high_end else 1.0
     near = legvander(sign * (2 * x - 1), n_modes - 1)
@@ -331,14 +334,14 @@ def projected_near_field(
     wedge : (float, float)
         Strengths psi of the mirror images behind its low and its high end.
     tip : Tip, optional
-        Behind the range, measured from the low end of the range. The high end then has no image.
+        Tip behind the range, with arc lengths from the low end of the range; no image at this end.
     """
     if tip is not None:
         span = (0.0, length_mm)
-        near = joined(projected_logarithm, np.log, n_modes, span, tip)
+        near = projected_with_tip(projected_logarithm, np.log, n_modes, span, tip)
         if wedge[0]:
             image = projected_image(n_modes - tip_modes(n_modes), length_mm, at_high_end=False)
-            near = near + wedge[0] * joined_image(image, n_modes, span, tip)
+            near = near + wedge[0] * image_with_tip(image, n_modes, span, tip)
         return near
     near = projected_logarithm(n_modes, length_mm, closed=closed)
     for psi, at_high_end in zip(wedge, (False, True), strict=True):
@@ -355,7 +358,7 @@ def projected_sign(n_modes: int, length_mm: float, *, tip: Tip | None = None) ->
     `projected_near_field`.
     """
     if tip is not None:
-        return joined(
+        return projected_with_tip(
             projected_sign, lambda x: -np.ones_like(x), n_modes, (0.0, length_mm), tip, mirror=-1.0
         )
     n = np.arange(n_modes - 1)

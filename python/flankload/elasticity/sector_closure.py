@@ -1,12 +1,10 @@
-"""Static condensation of one sector of a body to its loads and cuts, and assembly of equal sectors.
+"""Static condensation of one sector to its loads and cuts, and assembly of equal sectors.
 
-A condensed sector consists of the response to its loads with both cuts held, the forces G of these
+A condensed sector consists of the response to its loads with fixed cuts, the forces G of these
 loads on the cuts, and the stiffness S of the cuts. A ring of equal sectors is block-circulant and
-solved one sector harmonic at a time; an open row is solved by block elimination. Both are exact.
-
-A product is formed for each kind of reading (displacements under the loads, coast flank, stress,
-…), since BLAS sums a product of more columns in another order: each reading has the same bits,
-whichever others there are.
+solved by sector harmonics; an open row is solved by block elimination. Both are exact. Each kind of
+reading (displacements under the loads, coast flank, stress, …) has a separate product, so that its
+bits do not depend on other readings.
 """
 
 from __future__ import annotations
@@ -32,21 +30,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CondensedSector:
-    """One sector with free cuts, condensed; interface unknowns in the frame of the sector.
+    """One condensed sector with free cuts, with the unknowns of the cuts in its frame.
 
     Attributes
     ----------
     local : tuple of (r, p) arrays
-        By kind of reading, beginning with the loads: response of its r readings to the p loads with
-        both cuts held.
+        By kind of reading, the loads first: response of its r readings to the p loads with fixed
+        cuts.
     carried : tuple of (2 m, r) arrays
-        By kind of reading: forces on the cuts when the readings act as loads; first the left cut,
-        then the right one.
+        By kind of reading: forces on the left and the right cut if the readings act as loads.
     stiffness : (2 m, 2 m) array
-        Of the cuts.
+        Stiffness of the cuts.
     components : int
         Components of a displacement: 2, or 3 with the axial one last. The unknowns of a point of a
-        cut are consecutive; a rotation about the axis does not change the axial component.
+        cut are consecutive.
     """
 
     local: tuple[Floats, ...]
@@ -69,19 +66,20 @@ def condense(
     matrix : csc_array, (2N, 2N)
         Stiffness of the sector.
     loads : (2N, p) array
-        Load columns; the same columns read the displacements.
+        Loads, which are also readings of the displacements.
     readings : mapping of str to (2N, q) array, optional
-        Further columns that read the displacements, by the counter of their solutions
-        (`cost.COUNTERS`). A known load is also a reading: by reciprocity (Betti) it reads the
-        displacements that it causes itself.
+        Further readings of the displacements, by the counter of their solutions (`cost.COUNTERS`).
+        Body loads are readings, too: by reciprocity (Betti), they read the displacements that they
+        cause.
 
     Returns
     -------
     sector : CondensedSector
         Its kinds of readings are the loads, then `readings` in their order.
     degrees_of_freedom : int
-        Number of unknowns that are not held.
+        Number of unknowns.
     """
+
     log = JobLog() if log is None else log
     cut = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
     inside = np.setdiff1d(
@@ -111,10 +109,9 @@ def condense(
 def close_ring(sector: CondensedSector, teeth: int) -> Floats:
     """Response (z, r, p) of all teeth of a closed ring to the loads on tooth 0.
 
-    The left cut of sector k is the right cut of sector k - 1; its unknowns are in the frame of
-    sector k, so the right cut of sector k - 1 is rotated by one pitch. The ring is block-circulant:
-    a Fourier transform over the sectors separates its harmonics. [t] are the readings on tooth t,
-    in its frame; the first p are those of the loads.
+    The unknowns of the common cut of sectors k - 1 and k are in the frame of sector k. A Fourier
+    transform over the sectors decouples the block-circulant system. [t]: readings on tooth t, in
+    its frame; the first p are those of the loads.
     """
     pitch = 2 * np.pi / teeth
     (left_left, left_right, right_left, right_right), carried = turned_cuts(sector, pitch)
@@ -123,7 +120,7 @@ def close_ring(sector: CondensedSector, teeth: int) -> Floats:
     for k in range(teeth // 2 + 1):
         weight = 1.0 if k == 0 or 2 * k == teeth else 2.0
         shift = np.exp(1j * pitch * k)
-        # w_t = w exp(i k pitch t); sector 0 is loaded on its left cut (t = 0) and right (t = 1)
+        # w_t = w exp(i k pitch t); loads on the left (t = 0) and the right cut (t = 1) of sector 0
         load_left, load_right = carried[0]
         unknown = np.linalg.solve(
             left_left + right_right + left_right * shift + right_left / shift,
@@ -141,7 +138,7 @@ def close_ring(sector: CondensedSector, teeth: int) -> Floats:
 def ring_displacements(sector: CondensedSector, teeth: int) -> Floats:
     """Displacements (2 m, z) of the cuts of all sectors of a closed ring, in the sectors' frames.
 
-    `sector.carried` has the known forces on the cuts of each sector, (2 m, z).
+    `sector.carried` contains the forces on the cuts of each sector, (2 m, z).
     """
     pitch = 2 * np.pi / teeth
     (left_left, left_right, right_left, right_right), ((one, two),) = turned_cuts(sector, pitch)
@@ -156,11 +153,8 @@ def ring_displacements(sector: CondensedSector, teeth: int) -> Floats:
     return np.concatenate([left.T, right.reshape(teeth, -1).T])
 
 
-def alike_response(sector: CondensedSector, teeth: int) -> Floats:
-    """Response (r, p) of any tooth of a ring under the same loads on all teeth: harmonic 0.
-
-    The sum over the teeth of `close_ring`.
-    """
+def uniform_response(sector: CondensedSector, teeth: int) -> Floats:
+    """Response (r, p) of a ring under equal loads on all teeth: the sum over `close_ring`."""
     stiffness, carried = turned_cuts(sector, 2 * np.pi / teeth)
     reads = [left + right for left, right in carried]
     unknown = np.linalg.solve(sum(stiffness), reads[0])
@@ -178,7 +172,7 @@ class RowCell:
     local : tuple of (r, p) arrays
         As in `CondensedSector`; the first p readings are the loads.
     carried : tuple of (left, right)
-        By kind of reading, forces on the two cuts, (m, r) each; not used at the ends of a row.
+        By kind of reading, forces on both cuts, (m, r) each; not used at the ends of a row.
     stiffness : (left-left, left-right, right-left, right-right)
     """
 
@@ -192,23 +186,22 @@ class RowCell:
         return self.local[0].shape[1]
 
     def seen(self, side: int, moved: Floats) -> Floats:
-        """All readings of displacements of the left cut (side 0) or the right one (1)."""
+        """All readings of the displacements of the left (side 0) or the right cut (1)."""
         return np.concatenate([both[side].T @ moved for both in self.carried])
 
 
 def row_response(cells: Sequence[RowCell]) -> Floats:
-    """Response of all cells of an open row to the loads on each.
+    """Response (sum of r, sum of p) of all cells of an open row to the loads on each.
 
-    Interface k lies between cells k and k + 1. The stiffness of the interfaces is block-tridiagonal
-    and is eliminated from one end to the other. Supports and loads at the two ends of the row are
-    part of the first and the last cell. Cells may differ in loads and readings; the response (sum
-    of r, sum of p) has those of the first cell first.
+    The block-tridiagonal stiffness of the interfaces is eliminated from one end to the other.
+    Supports and loads at both ends of the row are part of the first and the last cell. Cells may
+    differ in loads and readings.
     """
     loads = [cell.loads for cell in cells]
     ends = np.concatenate([[0], np.cumsum(loads)])
     found: list[tuple[Floats, Floats]] = []
     for k, (one, two) in enumerate(pairwise(cells)):
-        # interface k under the loads of the cells up to k + 1, of those before through k - 1
+        # interface k, between cells k and k + 1, under the loads of cells up to k + 1
         pivot = one.stiffness[3] + two.stiffness[0]
         force = np.zeros((len(pivot), ends[k + 2]))
         force[:, ends[k] : ends[k + 1]] = one.carried[0][1][:, : loads[k]]
@@ -236,11 +229,10 @@ def row_response(cells: Sequence[RowCell]) -> Floats:
 
 
 def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
-    """Response of all sectors of an open row with held ends to the loads on each.
+    """Response (n, n, r, p) of the sectors of an open row with fixed ends to the loads on each.
 
-    Each sector is turned counter-clockwise by `turn_rad` relative to the previous one. (n, n, r,
-    p): [i, j] is the response of the readings on sector i to the loads on sector j, each in its
-    frame.
+    Each sector is rotated counter-clockwise by `turn_rad` relative to the previous one. [i, j]:
+    readings on sector i under the loads on sector j, each in its frame.
     """
     stiffness, carried = turned_cuts(sector, turn_rad)
     cell = RowCell(sector.local, carried, stiffness)
@@ -249,15 +241,12 @@ def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
 
 
 def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:
-    """Response of the teeth of a body that is reduced to a segment around each pair of teeth.
+    """Response (z, r, p) of a body that is reduced to a segment around each pair of teeth.
 
-    In a fixed segment, teeth near its ends would be stiffer than those in its middle, and results
-    would not repeat with the tooth pitch. Therefore the response between two teeth is that of the
-    two sectors of the segment at the same distance that are nearest to its middle, or the mean of
-    two such pairs. It is symmetric (Betti) and depends on the distance of the teeth only. Teeth at
-    a greater distance than the length of the segment do not affect each other.
-
-    The segment has an odd number of cells, at most that of all teeth; (z, r, p) as in `close_ring`.
+    The response between two teeth is that of the two sectors of the segment at the same distance
+    that are nearest to its middle, or the mean of two such pairs: symmetric (Betti), and periodic
+    with the tooth pitch. Teeth at a greater distance than the length of the segment do not affect
+    each other. `cells` is odd and at most the number of teeth.
     """
     row = open_row(sector, cells, 2 * np.pi / teeth)
     response = np.zeros((teeth, *row.shape[2:]))
@@ -277,11 +266,10 @@ def tooth_response(
     readings: Sequence[Floats] = (),
     log: JobLog | None = None,
 ) -> tuple[Floats, int]:
-    """Response of a single tooth whose cuts are held while all other teeth are at rest.
+    """Response (z, r, p) of a single tooth with fixed cuts, and the number of unknowns.
 
-    Arguments as of `condense`; `readings` are columns (2N, q) by kind, which need no solutions
-    here. (z, r, p) as in `close_ring`, 0 except for the tooth itself, and the number of unknowns
-    not held.
+    Arguments as of `condense`; `readings`: columns (2N, q) by kind, without solutions. The response
+    is 0 for all other teeth.
     """
     log = JobLog() if log is None else log
     held = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes, mesh.fixed_nodes]))
@@ -298,10 +286,10 @@ def tooth_response(
 
 
 def made_symmetric(response: Floats, across: Numbers) -> tuple[Floats, float]:
-    """Mean of responses (k, p, p) and the same with load and reading exchanged, and their change.
+    """Mean of responses (k, p, p) and their transposes, which differ by rounding only (Betti).
 
-    Both are equal but for rounding (Betti): the largest difference, relative to the largest
-    response, is the rounding error. `across` (k,) are the blocks with load and reading exchanged.
+    Also the largest difference over the largest response. `across` (k,): blocks with load and
+    reading exchanged.
     """
     mirrored = response[across].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
@@ -311,7 +299,7 @@ def made_symmetric(response: Floats, across: Numbers) -> tuple[Floats, float]:
 def turned_cuts(
     sector: CondensedSector, turn_rad: float
 ) -> tuple[tuple[Floats, ...], tuple[tuple[Floats, Floats], ...]]:
-    """Stiffness of the cuts and forces carried to them, the right cut in the next sector's frame.
+    """Stiffness of the cuts and forces on them, with the right cut in the frame of the next sector.
 
     Returns
     -------
@@ -323,7 +311,7 @@ def turned_cuts(
     block = np.eye(sector.components)
     block[:2, :2] = [[cosine, -sine], [sine, cosine]]
     turn = np.kron(np.eye(m // sector.components), block)
-    # x_right of sector k in its frame = turn @ (left unknowns of sector k + 1 in that one's frame)
+    # right unknowns of sector k, in its frame = turn @ left unknowns of sector k + 1, in its frame
     return (
         sector.stiffness[:m, :m],
         sector.stiffness[:m, m:] @ turn,

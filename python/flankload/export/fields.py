@@ -15,15 +15,13 @@ from flankload.base.files import write_atomically
 from flankload.errors import SceneError
 from flankload.mechanisms.registry import mechanism_of
 from flankload.meshes.io import vtu_of
-from flankload.result import Result
-from flankload.scene import scene_of
+from flankload.result import PairTable, Result
+from flankload.scene import Scene, SceneLike, scene_of
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.mechanisms.flank_pair.loaded_bodies import FieldBody, SolidBody
-    from flankload.result import PairTable
-    from flankload.scene import Scene, SceneLike
 
 
 #: Name of the collection in each folder.
@@ -84,22 +82,13 @@ def write_vtu(
         part = f"torque_{result.torque_Nm:.15g}_Nm" if len(several) > 1 else ""
         _write_torque(Path(folder) / part, result, bodies, chosen)
     places = f"{len(chosen)} position{'s' * (len(chosen) != 1)}"
-    return tuple(
-        f"{name}: {found}"
-        if isinstance(found, str)
-        else f"{name}: {len(found.loaded.nodes)} nodes at {places}"
-        for name, found in bodies.items()
-    )
+    counts = {name: found for name, found in bodies.items() if not isinstance(found, str)}
+    lines = {n: f"{len(one.loaded.nodes)} nodes at {places}" for n, one in counts.items()}
+    return tuple(f"{name}: {lines.get(name, found)}" for name, found in bodies.items())
 
 
 def checked_positions(results: Sequence[Result], positions: Sequence[int] | None) -> list[int]:
-    """Indices of positions, all if none are given.
-
-    Raises
-    ------
-    SceneError
-        If an index does not exist.
-    """
+    """Indices of positions, all if none are given; refused if an index does not exist."""
     count = min(result.position_rad.size for result in results)
     if positions is None:
         return list(range(count))
@@ -160,10 +149,9 @@ def _write_torque(
 def _fields_of(body: FieldBody | SolidBody, result: Result, p: int) -> bytes:
     """Content of the file of a body at a position."""
     fields = body.at(result, p)
-    none = np.zeros((len(fields.stress_MPa), 6 - fields.stress_MPa.shape[1]))
     values = {
         "displacement_mm": _in_space(fields.displacement_mm),
-        "stress_MPa": np.hstack([fields.stress_MPa, none]),
+        "stress_MPa": _in_space(fields.stress_MPa, 6),
         "von_mises_MPa": fields.von_mises_MPa,
         "contact_pressure_MPa": fields.contact_pressure_MPa,
         "contact_force_N": _in_space(fields.force_N),
@@ -196,7 +184,6 @@ def _contacts_of(tables: Sequence[PairTable]) -> bytes:
     )
 
 
-def _in_space(plane: Floats) -> Floats:
-    if plane.shape[1] == 3:
-        return plane
-    return np.column_stack([plane, np.zeros(len(plane))])
+def _in_space(plane: Floats, count: int = 3) -> Floats:
+    """Components (n, count), the last ones 0 if there are fewer."""
+    return np.pad(plane, ((0, 0), (0, count - plane.shape[1])))

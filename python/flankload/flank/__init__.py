@@ -1,4 +1,4 @@
-"""A flank as a plane curve by arc length: root fillet, active flank and tip in one curve.
+"""Flanks as plane curves parametrised by arc length: root fillet, active flank and tip.
 
 Every body provides its flank in this form: quintic polynomials over intervals of arc length s [mm]
 from the root (s = 0) to the tip. In the direction of increasing s the material is on the right:

@@ -1,4 +1,4 @@
-"""The flank curve: points, tangents, normals and curvature by arc length, closest points."""
+"""The flank curve: points, tangents, normals and curvature at arc lengths, and closest points."""
 
 from __future__ import annotations
 
@@ -11,22 +11,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from flankload.base.arrays import Floats
 
-#: Relative distance (of the length) and angle (rad) within which the ends of a curve coincide, so
-#: that the curve counts as closed.
-SAME_PLACE = 1e-9
-SAME_DIRECTION = 1e-6
+#: Largest gap (relative to the length) and angle (rad) between the ends of a closed curve.
+CLOSURE_GAP, CLOSURE_ANGLE = 1e-9, 1e-6
 #: Labels of the active flank, without fillet and tip.
 ACTIVE = ("root_relief", "flank", "relief")
 
 
 @dataclass(frozen=True)
 class FlankCurve:
-    """A plane curve by its own arc length, piecewise quintic.
+    """A plane curve parametrised by arc length, piecewise quintic.
 
     Attributes
     ----------
     breaks : (n + 1,) array
-        Arc length at the ends of the intervals, mm; ascending; a whole curve begins at 0.
+        Arc length at the ends of the intervals, mm, ascending; a complete curve begins at 0.
     coefficients : (n, 2, degree + 1) array
         Coefficients of ascending powers of s - breaks[k], for x and y in mm.
     labels : tuple of n str
@@ -42,19 +40,19 @@ class FlankCurve:
 
     @property
     def length_mm(self) -> float:
-        """Arc length of the whole curve, mm."""
+        """Arc length of the complete curve, mm."""
         return float(self.breaks[-1])
 
     @cached_property
     def closed(self) -> bool:
-        """Whether the curve ends smoothly where it begins: one turn around a body."""
+        """Whether the curve is closed and smooth at its ends: one turn around a body."""
         if self.corners[0] or self.corners[-1]:
             return False
         ends = [0.0, self.length_mm]
         apart = np.diff(self.point(ends), axis=0), np.diff(self.tangent(ends), axis=0)
         return bool(
-            np.linalg.norm(apart[0]) <= SAME_PLACE * self.length_mm
-            and np.linalg.norm(apart[1]) <= SAME_DIRECTION
+            np.linalg.norm(apart[0]) <= CLOSURE_GAP * self.length_mm
+            and np.linalg.norm(apart[1]) <= CLOSURE_ANGLE
         )
 
     def derivatives(self, s: ArrayLike) -> tuple[Floats, Floats, Floats]:
@@ -125,7 +123,7 @@ class FlankCurve:
 
     @property
     def active_range(self) -> tuple[float, float]:
-        """Arc lengths of the flank with its reliefs; the whole curve if there is no such label."""
+        """Arc lengths of the flank with its reliefs; those of all the curve without such labels."""
         if not set(ACTIVE) & set(self.labels):
             return 0.0, self.length_mm
         return self.range_of(*ACTIVE)

@@ -1,4 +1,4 @@
-"""Fit of exact profile pieces by a curve in arc length."""
+"""Fit of exact profile pieces by a curve parametrised by arc length."""
 
 from __future__ import annotations
 
@@ -12,30 +12,27 @@ import numpy as np
 from flankload.base.arrays import Floats
 from flankload.flank.curve import FlankCurve
 
-#: u (m,) -> point, first and second derivative by u, each (m, 2).
+#: u (m,) -> point, first and second derivative with respect to u, each (m, 2).
 Place = Callable[[Floats], tuple[Floats, Floats, Floats]]
 
 DEGREE = 5
 
-#: Gauss rule for the arc length of an interval; the intervals are short.
+#: Gauss rule for the arc length of an interval.
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)
 
-#: Largest distance of a fit from the exact curve, relative to the length of all pieces …
-TOLERANCE = 1e-11
-#: … or to the distance from the axis, where that is so large that rounding errors are larger.
-ROUNDING = 256 * float(np.finfo(float).eps)
+#: Largest distance of a fit from the exact curve, relative to the length of all pieces; it is not
+#: less than the rounding error of coordinates, relative to the distance from the axis.
+FIT_TOLERANCE, ROUNDING_LIMIT = 1e-11, 256 * float(np.finfo(float).eps)
 
 #: Relative positions in an interval at which a fit is compared with the exact curve.
 _CHECKED_PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
 
-#: Newton's steps to a place at a given arc length end here, in parts of the interval: a parabola
-#: over the rest is off by its cube.
-_NEAR = 1e-4
-
-#: Number of fits that are held, of some kB each.
-HELD_PIECES = 256
-
-#: Largest number of halvings of a piece; a piece that needs more has a jump and is refused.
+#: Last Newton step to a given arc length, relative to the interval; the remaining distance is
+#: evaluated to second order, so that the error is its cube.
+_LAST_STEP = 1e-4
+#: Number of cached fits, a few kB each.
+CACHED_FITS = 256
+#: Largest number of halvings; a piece that needs more has a jump and is refused.
 _MOST_HALVINGS = 50
 
 
@@ -47,7 +44,7 @@ class CurvePiece(NamedTuple):
     label : str
         Kind of the piece: "fillet", "flank", "relief", "tip_radius", "tip_chamfer".
     place : callable
-        u (m,) -> point, first and second derivative by u, each (m, 2), mm.
+        u (m,) -> point, first and second derivative with respect to u, each (m, 2), mm.
     u_start, u_end : float
         Parameter at the ends, in the direction from root to tip.
     corner_before : bool
@@ -67,7 +64,7 @@ class CurvePiece(NamedTuple):
 def fit_flank_curve(
     pieces: Sequence[CurvePiece], *, tolerance_mm: float | None = None, corner_at_end: bool = False
 ) -> FlankCurve:
-    """Fit exact pieces by quintics in arc length.
+    """Fit exact pieces by quintic polynomials in arc length.
 
     Each interval matches point, unit tangent and curvature vector of the exact curve at its ends
     (quintic Hermite). It is halved until its distance from the exact curve, measured at equal arc
@@ -90,7 +87,7 @@ def fit_flank_curve(
     Raises
     ------
     ValueError
-        If there are no pieces, or a piece cannot be fitted (it has a jump).
+        If there are no pieces, or a piece has a jump.
     """
     if not pieces:
         raise ValueError("pieces: expected at least one piece, found none")
@@ -122,32 +119,31 @@ def fit_tolerance_mm(pieces: Sequence[CurvePiece]) -> float:
     Returns
     -------
     float
-        In proportion to the length of the curve.
+        Proportional to the length of the curve.
     """
-    ends = [np.array([[piece.u_start, piece.u_end]]) for piece in pieces]
-    length = sum(_arc_lengths(piece, at)[0] for piece, at in zip(pieces, ends, strict=True))
-    far = max(
-        float(np.linalg.norm(piece.place(at[0])[0], axis=1).max())
-        for piece, at in zip(pieces, ends, strict=True)
-    )
-    return max(TOLERANCE * float(length), ROUNDING * far)
+    length = far = 0.0
+    for piece in pieces:
+        lengths, (end, _, _) = _lengths_and_ends(piece, _intervals(piece))
+        start, _, _ = piece.place(np.array([piece.u_start]))
+        length += float(lengths.sum())
+        far = max(far, float(np.linalg.norm(np.concatenate([start, end]), axis=1).max()))
+    return max(FIT_TOLERANCE * length, ROUNDING_LIMIT * far)
 
 
 def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
     """Lengths (n,) and coefficients (n, 2, 6) of the intervals of one piece, in order.
 
-    Pieces that are methods of dataclasses are held: fillets and involutes, which many designs of a
-    body share.
+    Methods of dataclasses (fillets, involutes) are cached, since designs of a body share them.
     """
     owner = getattr(piece.place, "__self__", None)
     if piece.knots.size or not is_dataclass(owner):
         return _fit(piece, tolerance)
     place = (owner, piece.place.__name__)
-    return _fit_held(place, piece.label, piece.u_start, piece.u_end, tolerance)
+    return _fit_cached(place, piece.label, piece.u_start, piece.u_end, tolerance)
 
 
-@lru_cache(maxsize=HELD_PIECES)
-def _fit_held(
+@lru_cache(maxsize=CACHED_FITS)
+def _fit_cached(
     place: tuple[object, str], label: str, start: float, end: float, tolerance: float
 ) -> tuple[Floats, Floats]:
     """Fit of a piece whose place is the named method of a dataclass."""
@@ -155,16 +151,15 @@ def _fit_held(
 
 
 def _fit(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
-    """Fit a piece."""
-    marks = np.concatenate([[piece.u_start], piece.knots, [piece.u_end]])
-    ends = np.stack([marks[:-1], marks[1:]], axis=1)
+    """Fit of a piece, as from `_fit_piece`."""
+    ends = _intervals(piece)
     done: list[tuple[Floats, Floats, Floats]] = []
     lengths = _arc_lengths(piece, ends)
     for _ in range(_MOST_HALVINGS):
         coefficients = _hermite(piece, ends, lengths)
         halves = _halves(ends)
         parts = _arc_lengths(piece, halves)
-        # a Gauss rule too coarse for the arc length shows in the two halves
+        # the sum over both halves differs if the Gauss rule is too coarse for the arc length
         worst = np.abs(parts.reshape(2, -1).sum(axis=0) - lengths)
         good = np.maximum(worst, _deviations(piece, ends, lengths, coefficients)) <= tolerance
         done.append((ends[good, 0], lengths[good], coefficients[good]))
@@ -184,8 +179,14 @@ def _fit(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
     )
 
 
+def _intervals(piece: CurvePiece) -> Floats:
+    """Both ends (m, 2) of the intervals of a piece between its knots."""
+    marks = np.concatenate([[piece.u_start], piece.knots, [piece.u_end]])
+    return np.stack([marks[:-1], marks[1:]], axis=1)
+
+
 def _halves(ends: Floats) -> Floats:
-    """Both halves of intervals (m, 2): the first ones, then the second ones."""
+    """Halves of intervals (m, 2): all first halves, then all second halves."""
     middle = ends.mean(axis=1)
     return np.concatenate([np.stack([ends[:, 0], middle], 1), np.stack([middle, ends[:, 1]], 1)])
 
@@ -266,10 +267,10 @@ def _deviations(piece: CurvePiece, ends: Floats, lengths: Floats, coefficients: 
         found, (point, first, second) = _lengths_and_ends(piece, np.stack([starts, u], axis=1))
         speed = np.linalg.norm(first, axis=1)
         step = np.sign(span) * (wanted - found) / speed
-        if (np.abs(step) <= _NEAR * np.abs(span)).all():
+        if (np.abs(step) <= _LAST_STEP * np.abs(span)).all():
             break
         u = np.clip(u + step, low, high)
-    # the rest of the way by arc length: the tangent, and what the curve bends on it
+    # the remaining arc length, to second order
     along = (second * first).sum(axis=1) / speed**2
     bend = second - along[:, None] * first
     exact = point + step[:, None] * first + 0.5 * step[:, None] ** 2 * bend

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from flankload.base.arrays import Floats
 from flankload.flank.curve import FlankCurve
 from flankload.flank.fit import CurvePiece, Place, fit_flank_curve
+
+#: Newton's steps to the closest point of a curve end when they are this part of its length.
+NEAR, MOST_STEPS = 1e-12, 50
 
 
 def curve_through_nodes(
@@ -18,7 +19,7 @@ def curve_through_nodes(
     """Smooth curve through the nodes of a mesh flank.
 
     Quintic spline over the chord length (not-a-knot ends) through all points, including mid-side
-    nodes (cubic for fewer than 6 points), refitted by its own arc length.
+    nodes (cubic for fewer than 6 points), refitted as a function of arc length.
 
     Parameters
     ----------
@@ -39,8 +40,8 @@ def curve_through_nodes(
         If there are fewer than 4 points, or two neighbours coincide.
     """
     place, knots = _spline(_checked_nodes(points))
-    pieces = [CurvePiece(label, place, a, b) for a, b in pairwise(knots.tolist())]
-    return fit_flank_curve(pieces, corner_at_end=corner_at_end)
+    piece = CurvePiece(label, place, float(knots[0]), float(knots[-1]), knots=knots[1:-1])
+    return fit_flank_curve([piece], corner_at_end=corner_at_end)
 
 
 def nodes_deviation(points: ArrayLike) -> float:
@@ -58,14 +59,26 @@ def nodes_deviation(points: ArrayLike) -> float:
     Returns
     -------
     float
-        Largest estimated distance; infinite for fewer than 7 nodes, which are too few.
+        Largest estimated distance; infinite for fewer than 7 nodes, which do not suffice.
     """
     nodes = _checked_nodes(points)
     if nodes.shape[0] < 7:
         return float("inf")
     left_out = np.arange(1, nodes.shape[0] - 1, 2)
-    coarse = curve_through_nodes(np.delete(nodes, left_out, axis=0))
-    return float(coarse.arc_length_of(nodes[left_out])[1].max()) / 15.0
+    place, knots = _spline(np.delete(nodes, left_out, axis=0))
+    # the kept node before node 2 k + 1 is number k
+    start, wanted = knots[: left_out.size], nodes[left_out]
+    u = start + np.linalg.norm(wanted - nodes[left_out - 1], axis=1)
+    for _ in range(MOST_STEPS):
+        # Newton's method for the derivative of half the squared distance
+        point, first, second = place(u)
+        away = point - wanted
+        bend = (first**2).sum(axis=1) + (away * second).sum(axis=1)
+        step = -(away * first).sum(axis=1) / np.where(bend > 0, bend, 1.0)
+        u = np.clip(u + step, start, knots[1 : left_out.size + 1])
+        if np.abs(step).max() <= NEAR * knots[-1]:
+            break
+    return float(np.linalg.norm(place(u)[0] - wanted, axis=1).max()) / 15.0
 
 
 def _checked_nodes(points: ArrayLike) -> Floats:
@@ -79,7 +92,7 @@ def _checked_nodes(points: ArrayLike) -> Floats:
 
 
 def _spline(nodes: Floats) -> tuple[Place, Floats]:
-    """Spline through the nodes over the chord length, and the chord length at the nodes."""
+    """Spline through the nodes over the chord length; chord length of each node."""
     from scipy.interpolate import make_interp_spline
 
     chord = np.linalg.norm(np.diff(nodes, axis=0), axis=1)

@@ -1,4 +1,4 @@
-"""A flank whose points are turned about the axis of the body, by an angle that varies along it."""
+"""Rotation of a flank about the axis of its body by an angle that varies along the flank."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
 
-    #: Angles at places and their first two derivatives.
+    #: Arc lengths (m,) -> angles and their first two derivatives.
     Turn = Callable[[Floats], tuple[Floats, Floats, Floats]]
 
-#: Places nearer to a break than this part of the curve's length are not breaks of their own.
-SAME_BREAK = 1e-6
+#: Least distance of two breaks, relative to the length of the curve.
+LEAST_BREAK_DISTANCE = 1e-6
 
 
 def turned_along(curve: FlankCurve, turn: Turn, knots: Floats) -> FlankCurve:
-    """A curve whose point at s is turned about the origin by an angle that depends on s.
+    """Rotate each point of a curve about the origin by an angle that depends on its arc length s.
 
-    Points keep their distance from the origin and their s, which is therefore not exactly the arc
-    length of the new curve: it differs by the turn's small part of it.
+    Points keep their distance from the origin and their s; the arc length of the new curve differs
+    from s by a part of the order of the angle.
 
     Parameters
     ----------
     curve : FlankCurve
     turn : callable
-        Angle in rad, counter-clockwise, and its first two derivatives by s, at places (m,).
+        Angle in rad, counter-clockwise, and its first two derivatives, at s (m,).
     knots : (k,) array
-        Places at which a higher derivative of the angle jumps; they become breaks.
+        Arc lengths at which a higher derivative of the angle jumps; they become breaks.
 
     Returns
     -------
@@ -42,7 +42,7 @@ def turned_along(curve: FlankCurve, turn: Turn, knots: Floats) -> FlankCurve:
     """
     inside = knots[(knots > curve.breaks[0]) & (knots < curve.breaks[-1])]
     apart = np.abs(inside[:, None] - curve.breaks).min(axis=1, initial=np.inf)
-    breaks = np.union1d(curve.breaks, inside[apart > SAME_BREAK * curve.length_mm])
+    breaks = np.union1d(curve.breaks, inside[apart > LEAST_BREAK_DISTANCE * curve.length_mm])
     of = np.searchsorted(curve.breaks, 0.5 * (breaks[1:] + breaks[:-1])) - 1
     corners = np.zeros(breaks.size, dtype=bool)
     corners[np.searchsorted(breaks, curve.breaks)] = curve.corners
@@ -58,7 +58,7 @@ def turned_along(curve: FlankCurve, turn: Turn, knots: Floats) -> FlankCurve:
 def _turned_ends(
     curve: FlankCurve, of: NDArray[np.int64], s: Floats, turn: Turn
 ) -> tuple[Floats, Floats, Floats]:
-    """Turned points (n, 2) of given intervals and their first two derivatives."""
+    """Rotated points (n, 2) of the intervals `of`, and their first two derivatives."""
     x = (s - curve.breaks[of])[:, None] ** np.arange(curve.coefficients.shape[2])
     c = curve.coefficients[of, 0] + 1j * curve.coefficients[of, 1]
     powers = np.arange(1, c.shape[1])

@@ -86,7 +86,7 @@ def require_premises(scene: Scene, broken: Iterable[Broken]) -> tuple[Broken, ..
 
 
 def with_violations(result: Result, broken: Sequence[Broken]) -> Result:
-    """Return a result with the premises that it violates: first warnings, and in its estimate."""
+    """A result with its violated premises, in the estimate and before other warnings."""
     if not broken:
         return result
     names, estimate = tuple(one.premise.name for one in broken), result.estimate
@@ -101,7 +101,7 @@ def with_violations(result: Result, broken: Sequence[Broken]) -> Result:
 
 
 def broken_by_turn(turned_rad: float, pitch_rad: float, torque: Torque) -> Iterator[Broken]:
-    """Violation by a body 1 that turns too far under load."""
+    """Violation by too large a rotation of body 1 under load."""
     unit = min(pitch_rad, 1.0)
     if turned_rad > ROTATION.limit * unit:
         of = "a pitch" if unit < 1.0 else "a radian"
@@ -119,11 +119,11 @@ class Torque:
             self.under = f"already under {part * whole:.3g} N m, a part of {whole:g} N m"
 
     def broken(self, premise: Premise, found: str) -> Broken:
-        """Violation that names an unusual modulus if there is one, else the torque."""
-        asked = questions(self._scene)
+        """Violation by an unusual modulus if there is one, otherwise by the torque."""
+        unusual = questions(self._scene)
         for key in ("body_1.young_modulus_MPa", "body_2.young_modulus_MPa"):
-            if key in asked:
-                return Broken(premise, key, f"{found} {self.under}, with {asked[key]}")
+            if key in unusual:
+                return Broken(premise, key, f"{found} {self.under}, with {unusual[key]}")
         listed = f"[{self._number}]" if self._scene.has_torque_list else ""
         return Broken(premise, f"load.torque_Nm{listed}", f"{found} {self.under}")
 

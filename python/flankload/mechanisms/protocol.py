@@ -100,7 +100,7 @@ class Mechanism(Protocol):
         """
 
     def work(self, scene: Scene, assembly: Any) -> Counted:
-        """Counters of a run by stage, as far as they are known before it."""
+        """Counters by stage that are known before a run."""
 
     def sweeps(self, scene: Scene) -> int:
         """Largest number of sweeps over all positions, including those of the estimate."""

@@ -1,4 +1,4 @@
-"""Selection of the package that solves a scene; a package is imported when a scene needs it."""
+"""Selection of the package that solves a scene; packages are imported on demand."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ if TYPE_CHECKING:
     from flankload.mechanisms.protocol import Mechanism
     from flankload.scene import Scene
 
-#: Package by the kind of body 2; bodies that are not named here touch on their flanks.
+#: Package by the kind of body 2; all other bodies touch on their flanks.
 REGISTRY = {"belt": "belt", "chain": "chain"}
 OTHERS = "flank_pair"
 
 
 def mechanism_of(scene: Scene) -> Mechanism:
     """Kind of drive of a scene."""
-    room = REGISTRY.get(scene.body_2.kind, OTHERS)
-    mechanism: Mechanism = import_module(f"flankload.mechanisms.{room}.mechanism").MECHANISM
+    package = REGISTRY.get(scene.body_2.kind, OTHERS)
+    mechanism: Mechanism = import_module(f"flankload.mechanisms.{package}.mechanism").MECHANISM
     return mechanism
 
 

@@ -71,9 +71,8 @@ class StageClock:
     ) -> Callable[[int, int], None]:
         """Progress of the positions in a sweep of a stage, by completed positions and their total.
 
-        `sweep` is the number of earlier sweeps of the stage. `number` is the index of a round of
-        positions: the number of rounds is unknown, so each round takes half of the remaining
-        progress.
+        `sweep` is the number of earlier sweeps of the stage, `number` the index of a round of
+        positions; the number of rounds is unknown, so each counts as half of the remaining one.
         """
         before = STEPS_BEFORE[name] + sweep * SWEEP_STEPS
         left, part = (1.0, 1.0) if number is None else (0.5**number, 0.5 ** (number + 1))

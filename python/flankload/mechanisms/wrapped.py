@@ -82,7 +82,7 @@ class Sites:
     Parameters
     ----------
     first, count : sequences of P int
-        Number of the first one, and how many there are, at each position.
+        First number, and number of teeth or rollers, at each position.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class Sites:
         self.numbers = np.arange(self._first.min(), (self._first + count).max())
 
     def spread(self, values: Sequence[Floats], nothing: float = np.nan) -> Floats:
-        """(P, S) Values of each position, from its first site on; `nothing` elsewhere."""
+        """(P, S) Values of the sites at each position; `nothing` at absent sites."""
         found = np.full((len(values), self.numbers.size), nothing)
         for row, first, own in zip(found, self._first - self.numbers[0], values, strict=True):
             part = row[first : first + own.size]

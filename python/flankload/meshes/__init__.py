@@ -1,1 +1,1 @@
-"""Plane finite-element meshes: blocks, defects, report; `io` reads and writes files."""
+"""Plane finite-element meshes: blocks, defects, report; `io`: reading and writing of files."""

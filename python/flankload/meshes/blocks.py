@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     T = TypeVar("T", np.int64, np.float64)
 
 
-#: Largest number of nodes of a block and of parts of a line, to limit the memory of a mesh.
+#: Largest number of nodes of a block, and of parts of a line, to limit memory.
 MOST_NODES, MOST_PARTS = 1_000_000, 50_000
 LOW, MIDDLE, HIGH = slice(None, -2, 2), slice(1, None, 2), slice(2, None, 2)
-#: Rows and columns of a block's nodes that are the nodes of its "quad9" elements, in their order.
+#: Rows and columns of a block at the nodes of its "quad9" elements, in their order.
 NODES_OF_QUAD = (
     *((LOW, LOW), (LOW, HIGH), (HIGH, HIGH), (HIGH, LOW)),
     *((LOW, MIDDLE), (MIDDLE, HIGH), (HIGH, MIDDLE), (MIDDLE, LOW), (MIDDLE, MIDDLE)),
@@ -29,7 +29,7 @@ NODES_OF_QUAD = (
 
 
 def check_count(count: float, most: int, what: str) -> None:
-    """Refuse elements so small that a count would exceed `most`."""
+    """Refuse elements that are too small: their count exceeds `most`."""
     if count > most:
         raise SceneError(
             key="accuracy.flank_element_mm",
@@ -39,7 +39,7 @@ def check_count(count: float, most: int, what: str) -> None:
 
 
 def with_middles(breaks: Floats) -> Floats:
-    """The breaks (n + 1,) and the middles between them, in order: (2 n + 1,)."""
+    """Breaks (n + 1,) and the middles between them, in order: (2 n + 1,)."""
     result = np.empty(2 * breaks.size - 1)
     result[::2] = breaks
     result[1::2] = 0.5 * (breaks[:-1] + breaks[1:])
@@ -82,14 +82,14 @@ def growing_breaks(length: float, first: float, growth: float, caps: Floats | No
         check_count(len(ends), MOST_PARTS, "elements along a line")
         ends.append(ends[-1] + part)
         part *= growth
-    # an excess of the last part is distributed over all, unless the length without it is closer
+    # scale all parts to the length; without the last part if that is closer to it
     if len(ends) > 3 and ends[-1] - length > length - ends[-2] + rounding:
         ends.pop()
     return np.array(ends) / ends[-1]
 
 
 def symmetric_breaks(width: float, first: float, growth: float, largest: float) -> Floats:
-    """Divide [0, 1] symmetrically, fine at both ends, into an even number of parts (at least 4)."""
+    """Divide [0, 1] symmetrically into an even number of parts (at least 4), fine at both ends."""
     half = growing_breaks(0.5 * width, first, growth, np.array([[0.0], [largest]]))
     if half.size < 3:
         half = np.array([0.0, 0.4, 1.0])
@@ -130,7 +130,7 @@ def coons(bottom: Floats, top: Floats, left: Floats, right: Floats, x: Floats, y
 
 @dataclass
 class BlockMesh:
-    """A mesh of blocks under construction; blocks share the nodes of common edges.
+    """A mesh under construction from blocks that share the nodes of common edges.
 
     Attributes
     ----------

@@ -1,7 +1,6 @@
-"""Defects of a plane mesh, one line each, and conversion of a sound mesh to standard form.
+"""Defects of a plane mesh, and conversion of a sound mesh to standard form.
 
-Every check returns the expected and the found state. The command `check` prints all defects; a body
-from a mesh raises an error at the first one.
+The command `check` prints all defects; a body from a mesh raises an error at the first one.
 """
 
 from __future__ import annotations
@@ -19,6 +18,7 @@ from flankload.meshes.plane_mesh import (
     counter_clockwise,
     edge_lengths,
     jacobians,
+    pair_numbers,
     raise_to_quadratic,
 )
 
@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from flankload.meshes.io import RawMesh
 
 
-#: Two nodes closer than this part of the shortest edge coincide.
-SAME_PLACE = 1e-3
+#: Largest distance of coincident nodes, over the shortest edge.
+COINCIDENCE_TOLERANCE = 1e-3
 #: Largest distance of a middle node from the middle of its edge, along the edge, in edge lengths;
-#: from a quarter on the element is inverted at its corner.
+#: at 0.25 the element is inverted at its corner.
 MIDDLE_TOLERANCE = 0.15
 
 
@@ -74,9 +74,9 @@ class PlaneBody:
 
 
 def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBody:
-    """Convert a mesh to standard form; `key` is the scene's key that names the file.
+    """Convert a mesh to standard form; `key` is the scene's key of the file.
 
-    `one_material`: groups of elements do not mean different materials.
+    `one_material`: element groups are not materials.
 
     Raises
     ------
@@ -100,9 +100,9 @@ def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBo
 
 
 def find_defects(raw: RawMesh, *, one_material: bool = False) -> Iterator[Defect]:
-    """All defects of a mesh; a defect that prevents further checks is the only one.
+    """All defects of a mesh; if one prevents further checks, only this one.
 
-    `one_material`: groups of elements do not mean different materials.
+    `one_material`: element groups are not materials.
     """
     mixed = _mixed_orders(raw)
     if mixed is not None:
@@ -138,9 +138,9 @@ def _double_nodes(raw: RawMesh) -> Defect | None:
     lengths = np.concatenate(
         [edge_lengths(raw.nodes, kind, data).ravel() for kind, data in raw.cells]
     )
-    reach = SAME_PLACE * float(np.min(lengths[lengths > 0], initial=np.inf))
+    reach = COINCIDENCE_TOLERANCE * float(np.min(lengths[lengths > 0], initial=np.inf))
     if not np.isfinite(reach):
-        return Defect("elements with an area", "only such that are shrunk to a point")
+        return Defect("elements with an area", "only elements that are shrunk to a point")
     pairs = cKDTree(raw.nodes).query_pairs(reach, output_type="ndarray")
     if not len(pairs):
         return None
@@ -211,9 +211,10 @@ def _inverted(nodes: Floats, cells: Cells) -> Defect | None:
 
 
 def _folded(nodes: Floats, cells: Cells) -> Defect | None:
-    """Elements that overlap: both neighbours have their common edge in the same direction."""
+    """Overlapping elements: two elements have their common edge in the same direction."""
     edges = np.vstack([data[:, edge] for kind, data in cells for edge in EDGES[kind]])
-    _, first, count = np.unique(edges[:, :2], axis=0, return_index=True, return_counts=True)
+    numbers = pair_numbers(edges[:, :2])
+    _, first, count = np.unique(numbers, return_index=True, return_counts=True)
     if (count == 1).all():
         return None
     place = edges[first[count > 1][0], 2]
@@ -225,7 +226,7 @@ def _folded(nodes: Floats, cells: Cells) -> Defect | None:
 
 
 def _loose_parts(cells: Cells) -> Defect | None:
-    """Check that the body is connected; a part without a support would be free to move."""
+    """Several parts; those without a support could move freely."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -237,9 +238,9 @@ def _loose_parts(cells: Cells) -> Defect | None:
             for first, (kind, data) in zip(numbers[:-1], cells, strict=True)
         ]
     )
-    _, edge = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
+    _, edge = np.unique(pair_numbers(np.sort(edges, axis=1)), return_inverse=True)
     # elements and edges as one graph: each element is connected to its edges
-    edge = edge.ravel() + numbers[-1]
+    edge = edge + numbers[-1]
     size = int(edge.max()) + 1
     graph = coo_array((np.ones(edge.size), (element, edge)), shape=(size, size))
     _, part = connected_components(graph, directed=False)

@@ -10,25 +10,26 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Floats, Numbers
 
 
-#: Edges of the quadratic elements (first, last, middle), counter-clockwise, in meshio's node order.
+#: Edges of quadratic elements (first, last, middle), counter-clockwise, in the node order of
+#: meshio.
 EDGES = {
     "triangle6": ((0, 1, 3), (1, 2, 4), (2, 0, 5)),
     "quad9": ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7)),
 }
 #: Number of corners of linear elements.
 CORNERS = {"triangle": 3, "quad": 4}
-#: Relative distance (of the radius) within which points lie on a circle.
-ROUND = 1e-6
-#: Node order that makes a clockwise element counter-clockwise.
+#: Largest distance of points from a circle through them, over its radius.
+CIRCLE_TOLERANCE = 1e-6
+#: Node order of a reversed element.
 REVERSED = {"triangle6": [0, 2, 1, 5, 4, 3], "quad9": [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 
 
 def raise_to_quadratic(nodes: Floats, cells: Cells) -> tuple[Floats, Cells]:
-    """Convert every element to "triangle6" or "quad9"; the given nodes (N, 2) stay the first ones.
+    """Convert every element to "triangle6" or "quad9"; added nodes are behind the others (N, 2).
 
-    Linear elements get middle nodes on their straight edges. "quad8" gets a centre node at the
-    place given by its own shape functions (half the sum of the middle nodes minus a quarter of
-    the sum of the corners).
+    Middle nodes of linear elements are on straight edges; the centre node of "quad8" is at the
+    place of its shape functions: half the sum of the middle nodes minus a quarter of that of the
+    corners.
     """
     places = [nodes]
     count = len(nodes)
@@ -59,32 +60,33 @@ def raise_to_quadratic(nodes: Floats, cells: Cells) -> tuple[Floats, Cells]:
 
 
 def boundary_edges(cells: Cells) -> Numbers:
-    """Edges (m, 3) of quadratic elements that belong to only one of them: first, last, middle node.
+    """Boundary edges (m, 3) of quadratic elements: first, last, middle node.
 
-    The material is on the left of elements that are numbered counter-clockwise.
+    The material is on their left if the elements are counter-clockwise.
     """
     edges = np.vstack([data[:, edge] for kind, data in cells for edge in EDGES[kind]])
-    _, first, count = np.unique(
-        np.sort(edges[:, :2], axis=1), axis=0, return_index=True, return_counts=True
-    )
+    ends = np.sort(edges[:, :2], axis=1)
+    _, first, count = np.unique(pair_numbers(ends), return_index=True, return_counts=True)
     return edges[np.sort(first[count == 1])]
+
+
+def pair_numbers(pairs: Numbers) -> Numbers:
+    """Numbers (m,) of pairs (m, 2) of nodes: equal for equal pairs, and in the same order."""
+    one, two = pairs.T
+    return np.asarray(one * (two.max(initial=0) + 1) + two)
 
 
 def jacobians(nodes: Floats, kind: str, data: Numbers) -> Floats:
     """Jacobian determinants (E, g) of quadratic elements at corners, middle nodes and centre, mm².
 
-    The reference element is [0, 1]² or its triangle; negative where an element is inverted.
-    `kind` is "triangle6" or "quad9", with the nodes (E, k) of the elements.
+    The reference element is [0, 1]² or its lower triangle; `kind`: "triangle6" or "quad9".
     """
     along_x, along_y = _tangents(nodes, kind, data)
     return along_x[..., 0] * along_y[..., 1] - along_x[..., 1] * along_y[..., 0]
 
 
 def counter_clockwise(nodes: Floats, cells: Cells) -> tuple[Cells, int]:
-    """Number quadratic elements counter-clockwise; also how many were numbered clockwise.
-
-    A defective element stays defective.
-    """
+    """Quadratic elements counter-clockwise, and the number of elements that were clockwise."""
     done = []
     turned = 0
     for kind, data in cells:
@@ -97,7 +99,7 @@ def counter_clockwise(nodes: Floats, cells: Cells) -> tuple[Cells, int]:
 
 
 def scaled_jacobians(nodes: Floats, kind: str, data: Numbers) -> Floats:
-    """Least sine (E,) of the angle between an element's coordinate lines, scaled to its ideal form.
+    """Least scaled Jacobian (E,) of elements: sine of the angle between coordinate lines.
 
     1 for a rectangle and an equilateral triangle, 0 for a collapsed element; arguments as of
     `jacobians`, counter-clockwise.
@@ -106,7 +108,7 @@ def scaled_jacobians(nodes: Floats, kind: str, data: Numbers) -> Floats:
     area = along_x[..., 0] * along_y[..., 1] - along_x[..., 1] * along_y[..., 0]
     lengths = [np.linalg.norm(along, axis=-1) for along in (along_x, along_y)]
     if kind == "triangle6":
-        # the angle at each corner counts: the third side lies between the other two
+        # sines at all three corners, scaled to the equilateral triangle
         lengths.append(np.linalg.norm(along_x - along_y, axis=-1))
         lengths = [np.sort(np.stack(lengths), axis=0)[k] for k in (1, 2)]
         area = area * 2 / np.sqrt(3.0)
@@ -129,14 +131,14 @@ def aspect_ratios(nodes: Floats, kind: str, data: Numbers) -> Floats:
 
 
 def _tangents(nodes: Floats, kind: str, data: Numbers) -> tuple[Floats, Floats]:
-    """Derivatives of the position by both reference coordinates at the places of `jacobians`."""
+    """Derivatives of the position with respect to both reference coordinates, as in `jacobians`."""
     if kind == "quad9":
         x, y = (axis.ravel() for axis in np.meshgrid([0.0, 0.5, 1.0], [0.0, 0.5, 1.0]))
         lx, ly = (
             np.stack([(2 * c - 1) * (c - 1), 4 * c * (1 - c), c * (2 * c - 1)], 1) for c in (x, y)
         )
         dx, dy = (np.stack([4 * c - 3, 4 - 8 * c, 4 * c - 1], 1) for c in (x, y))
-        # positions of meshio's nodes in the 3 x 3 grid
+        # positions of the nodes in the 3 x 3 grid, in the order of meshio
         column = np.array([0, 2, 2, 0, 1, 2, 1, 0, 1])
         row = np.array([0, 0, 2, 2, 0, 1, 2, 1, 1])
         by_x, by_y = dx[:, column] * ly[:, row], lx[:, column] * dy[:, row]
@@ -147,15 +149,14 @@ def _tangents(nodes: Floats, kind: str, data: Numbers) -> tuple[Floats, Floats]:
         zero = np.zeros_like(x)
         by_x = np.stack([1 - 4 * z, 4 * x - 1, zero, 4 * (z - x), 4 * y, -4 * y], 1)
         by_y = np.stack([1 - 4 * z, zero, 4 * y - 1, -4 * x, 4 * x, 4 * (z - y)], 1)
-    place = nodes[data]
-    return np.einsum("gk,ekd->egd", by_x, place), np.einsum("gk,ekd->egd", by_y, place)
+    elements, k = data.shape
+    place = nodes[data.T].reshape(k, -1)
+    one, two = ((by @ place).reshape(-1, elements, 2) for by in (by_x, by_y))
+    return one.transpose(1, 0, 2), two.transpose(1, 0, 2)
 
 
 def chain(edges: Numbers) -> list[Numbers]:
-    """Sort edges (m, 3) of first, last and middle node into consecutive chains (k, 3).
-
-    Each chain runs from one end to the other; a closed chain may start anywhere.
-    """
+    """Sort edges (m, 3) into open and closed chains (k, 3) of consecutive edges."""
     by_start = {int(edge[0]): edge for edge in edges}
     starts = set(by_start) - {int(edge[1]) for edge in edges}
     runs = []
@@ -173,8 +174,8 @@ def chain(edges: Numbers) -> list[Numbers]:
 def circle_through(points: Floats) -> tuple[Floats, float] | None:
     """Centre (2,) and radius of the circle through points (n, 2).
 
-    None for fewer than 4 points, for points that are not on a circle (to `ROUND` of its radius),
-    and for a radius much larger than the points' coordinates.
+    None for fewer than 4 points, points that are not on a circle, and radii much larger than the
+    coordinates.
     """
     if len(points) < 4:
         return None
@@ -185,6 +186,6 @@ def circle_through(points: Floats) -> tuple[Floats, float] | None:
     centre = np.array([-0.5 * a, -0.5 * b])
     radius = float(np.sqrt(max(float(centre @ centre) - c, 0.0)))
     away = np.hypot(x - centre[0], y - centre[1])
-    if not 0.0 < radius < 2.0 or np.abs(away - radius).max() > ROUND * radius:
+    if not 0.0 < radius < 2.0 or np.abs(away - radius).max() > CIRCLE_TOLERANCE * radius:
         return None
     return centre * scale, radius * scale

@@ -1,4 +1,4 @@
-"""Description of a plane mesh independent of its use: size, quality, sets."""
+"""Description of a plane mesh: size, quality, sets."""
 
 from __future__ import annotations
 
@@ -24,23 +24,19 @@ if TYPE_CHECKING:
 
     Rows = list[tuple[str, str]]
 
-#: Sizes in mm: a smaller body is probably given in metres, a larger one in micrometres.
+#: Usual range of radii, mm; smaller ones are probably in metres, larger ones in micrometres.
 SMALL_MM, LARGE_MM = 1.0, 1e4
-#: Relative difference up to which radii count as equal.
-SAME_RADIUS = 1e-6
-#: Limits of the scaled Jacobian (the sine of the worst angle). The error of an element grows as its
-#: inverse: at the first limit (angles of 30 to 150 degrees) it at most doubles, at the second it is
-#: five times as large.
+#: Largest relative difference of equal radii.
+RADIUS_TOLERANCE = 1e-6
+#: Limits of the scaled Jacobian, the sine of the worst angle. The error of an element is inversely
+#: proportional to it: twice that of a square at the first limit, five times at the second.
 GOOD, USABLE = 0.5, 0.2
-#: Tolerance on the number of sectors in a turn, which must be whole.
-WHOLE_SECTORS = 1e-3
+#: Largest distance of the number of sectors in a turn from a whole number.
+SECTOR_COUNT_TOLERANCE = 1e-3
 
 
 def quality_rows(nodes: Floats, cells: Cells) -> Rows:
-    """Least scaled Jacobian with a verdict, largest aspect ratio, and their places.
-
-    The elements are quadratic, counter-clockwise.
-    """
+    """Least scaled Jacobian with a verdict and largest aspect ratio of quadratic elements."""
     rows = []
     for name, measure, worst_of in (
         ("least scaled Jacobian", scaled_jacobians, np.argmin),
@@ -57,7 +53,7 @@ def quality_rows(nodes: Floats, cells: Cells) -> Rows:
 
 
 def verdict(scaled_jacobian: float) -> str:
-    """Verdict on the least scaled Jacobian over the nodes of all elements of a mesh."""
+    """Verdict on the least scaled Jacobian of a mesh."""
     if scaled_jacobian >= GOOD:
         return "good"
     if scaled_jacobian >= USABLE:
@@ -104,7 +100,7 @@ def natural(name: str) -> list[tuple[str, int]]:
 
 
 def hints(raw: RawMesh) -> Iterator[str]:
-    """Properties that look wrong but may be intended."""
+    """Properties that are probably wrong but may be intended."""
     largest = float(np.hypot(*raw.nodes.T).max())
     if largest < SMALL_MM:
         yield (
@@ -143,7 +139,7 @@ def _shape(nodes: Floats, edges: Numbers, members: Numbers) -> str:
         return f"not on the boundary, {span}"
     runs = chain(chosen)
     closed = [run for run in runs if run[0, 0] == run[-1, 1]]
-    if np.ptp(radii) <= SAME_RADIUS * radii.max():
+    if np.ptp(radii) <= RADIUS_TOLERANCE * radii.max():
         whole = "a circle" if len(closed) == 1 == len(runs) else "an arc" if len(runs) == 1 else ""
         return f"{whole or f'{len(runs)} arcs'} of radius {radii.mean():.4f} mm about the origin"
     if len(runs) > 1:
@@ -178,7 +174,7 @@ def _sectors(raw: RawMesh) -> dict[tuple[str, str], int]:
             count = 2 * np.pi / abs(float(np.angle(turns.mean())) or np.inf)
             whole = round(count)
             same_turn = np.abs(turns - turns.mean()).max() < 1e-5
-            if same_turn and 3 <= whole <= 1000 and abs(count - whole) < WHOLE_SECTORS:
+            if same_turn and 3 <= whole <= 1000 and abs(count - whole) < SECTOR_COUNT_TOLERANCE:
                 found[first, second] = whole
-    # many matching sets are the flanks of a whole body, which do not bound a sector
+    # several pairs are the flanks of a whole body, not cut faces
     return found if len(found) == 1 else {}

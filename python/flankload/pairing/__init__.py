@@ -1,1 +1,1 @@
-"""Two bodies on their axes: ratio, sites, path of contact, interference, friction, period."""
+"""The pairing of two bodies: ratio, sites, path of contact, interference, friction, period."""

@@ -1,4 +1,4 @@
-"""The two bodies of a scene with their pairing and options, before finite elements are solved."""
+"""The two bodies of a scene with their pairing and options, before finite elements."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies import Body
     from flankload.bodies.root_fillet import RootFillets
-    from flankload.pairing.expansion import Growth
+    from flankload.pairing.expansion import BodyLoad
     from flankload.pairing.friction import Friction
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
@@ -34,7 +34,7 @@ class BodyPair:
     pitches : int or None
         Tooth pitches that the positions cover; None for explicit angles.
     closed : bool
-        The positions cover a whole period (with pitch errors, one tooth pitch is not a period).
+        The positions cover a whole period, which with pitch errors is longer than a tooth pitch.
     adaptive : bool
         Positions are added adaptively.
     notes : tuple of str
@@ -43,10 +43,10 @@ class BodyPair:
         None if the scene has no friction.
     fillets : two RootFillets or None
         Root fillets of both bodies, if the root stress is requested.
-    growth : two Growth or None
-        Thermal and centrifugal expansion of both bodies, if any.
-    standing_note : str or None
-        Note on the distance of flanks whose angles are given by files.
+    body_loads : two BodyLoad or None
+        Causes of thermal and centrifugal expansion of both bodies, if any.
+    flank_distance_note : str or None
+        Note on the distance of flanks whose angles follow from files.
     slices : Slices or None
         Slices of the common face width of three-dimensional bodies.
     """
@@ -63,8 +63,8 @@ class BodyPair:
     notes: tuple[str, ...]
     friction: Friction | None = None
     fillets: tuple[RootFillets | None, RootFillets | None] = (None, None)
-    growth: tuple[Growth | None, Growth | None] = (None, None)
-    standing_note: str | None = None
+    body_loads: tuple[BodyLoad | None, BodyLoad | None] = (None, None)
+    flank_distance_note: str | None = None
     slices: Slices | None = None
 
     @property

@@ -1,9 +1,8 @@
 """Motion of a follower on its cam: the follower's angle at each angle of the cam.
 
 The follower's axis is O1 = (0, 0), the cam's axis O2 = (centre distance, 0). The follower turns
-counter-clockwise onto the cam and stops at the first contact. All candidates are points of the
-profile at which roller or flat would be tangent: the first one in the direction of motion is
-reached without overlap, whatever the shape of the profile elsewhere.
+counter-clockwise onto the cam and stops at the first contact. Candidates are the points of the
+profile at which roller or flat would be tangent; no other point is reached before the first one.
 """
 
 from __future__ import annotations
@@ -32,21 +31,21 @@ if TYPE_CHECKING:
 #: Samples in each interval of the profile, between which zeros are searched.
 SAMPLES = 4
 MOST_STEPS = 40
-#: Positions that are processed at once, which limits the memory.
+#: Number of positions that are processed at once, to limit memory.
 BLOCK = 256
-#: Least lever arm of the force about the follower's axis relative to the distance from there; below
-#: it, the line of force is too close to the axis to carry the torque.
+#: Least lever arm of the force about the follower's axis, over the distance of the contact from
+#: there; with less, the force for a torque is too large.
 LEAST_LEVER = 0.1
-#: Largest radius of a roller relative to the radius of the hollow in which it rolls.
-HOLLOW = 0.98
+#: Largest radius of a roller over the radius of a hollow of the cam.
+LARGEST_ROLLER_RATIO = 0.98
 
 
 @dataclass(frozen=True)
-class Places:
-    """Points of a profile, (m,) of them: arc lengths, mm, and vectors (m, 2) in its frame.
+class ProfilePoints:
+    """Points (m,) of a profile: arc lengths, mm, and vectors (m, 2) in its frame.
 
-    `point` is relative to the axis of the profile or to another point; `curvature`, 1/mm, is
-    positive where convex.
+    `point` is relative to the axis of the profile or to another origin; `curvature`, 1/mm, is
+    positive where the profile is convex.
     """
 
     s: Floats
@@ -55,18 +54,18 @@ class Places:
     normal: Floats
     curvature: Floats
 
-    def seen_from(self, apart: Floats) -> Places:
-        """The same points relative to another origin: `apart` (m, 2) or (2,) is added."""
-        return Places(self.s, self.point + apart, self.tangent, self.normal, self.curvature)
+    def shifted(self, shift: Floats) -> ProfilePoints:
+        """The same points relative to another origin: `shift` (m, 2) or (2,) is added."""
+        return ProfilePoints(self.s, self.point + shift, self.tangent, self.normal, self.curvature)
 
-    def repeated(self, count: int) -> Places:
+    def repeated(self, count: int) -> ProfilePoints:
         """All points, repeated `count` times."""
-        return Places(*(np.concatenate([part] * count) for part in vars(self).values()))
+        return ProfilePoints(*(np.concatenate([part] * count) for part in vars(self).values()))
 
 
-def places_of(curve: FlankCurve, s: Floats) -> Places:
+def profile_points(curve: FlankCurve, s: Floats) -> ProfilePoints:
     """Points of a curve at arc lengths s (m,)."""
-    return Places(s, curve.point(s), curve.tangent(s), curve.normal(s), curve.curvature(s))
+    return ProfilePoints(s, curve.point(s), curve.tangent(s), curve.normal(s), curve.curvature(s))
 
 
 @dataclass(frozen=True)
@@ -83,28 +82,28 @@ class CamMotion:
     sense: int
 
     def cam_turns(self, position_rad: Floats) -> Floats:
-        """Angles (P,) of the cam's frame: at position 0 its angle 0 points from O2 to O1."""
+        """Angles (P,) of the cam's frame, whose angle 0 points from O2 to O1 at position 0."""
         return np.pi + self.sense * np.asarray(position_rad, dtype=float)
 
-    def stand(self, position_rad: Floats) -> Stand:
+    def contacts(self, position_rad: Floats) -> CamContacts:
         """Angles and contact points at positions (P,), the angles by which the cam has turned.
 
         Raises
         ------
         SceneError
-            If at a position it does not meet the cam, or meets it only with an end of its flat.
+            If the follower misses the cam at a position, or meets it with an end of its flat.
         """
         position = np.atleast_1d(np.asarray(position_rad, dtype=float))
         turn_2 = self.cam_turns(position)
         parts = [
-            self._stand_of(turn_2[k : k + BLOCK], position[k : k + BLOCK])
+            self._contacts_of(turn_2[k : k + BLOCK], position[k : k + BLOCK])
             for k in range(0, position.size, BLOCK)
         ]
         s, turn_1 = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
-        return Stand(self, position, turn_1, turn_2, s)
+        return CamContacts(self, position, turn_1, turn_2, s)
 
-    def _stand_of(self, turn_2: Floats, position: Floats) -> tuple[Floats, Floats]:
-        s, turn_1 = first_of(turn_2.size, *self._tangent_places(turn_2))
+    def _contacts_of(self, turn_2: Floats, position: Floats) -> tuple[Floats, Floats]:
+        s, turn_1 = first_contact(turn_2.size, *self._tangent_places(turn_2))
         if isinstance(self.head, Roller):
             _refuse_where(
                 np.isnan(turn_1),
@@ -115,7 +114,7 @@ class CamMotion:
             )
             return s, turn_1
         ends = [self._end_places(turn_2, end) for end in self.head.ends_mm]
-        _, at_end = first_of(
+        _, at_end = first_contact(
             turn_2.size, *(np.concatenate([one, two]) for one, two in zip(*ends, strict=True))
         )
         first = np.fmin(turn_1, at_end)
@@ -133,29 +132,29 @@ class CamMotion:
         return s, turn_1
 
     @cached_property
-    def samples(self) -> Places:
+    def samples(self) -> ProfilePoints:
         """Points all around the cam, in its frame."""
-        return places_of(self.cam, along(self.cam, SAMPLES))
+        return profile_points(self.cam, along(self.cam, SAMPLES))
 
-    def apart(self, turn_2: Floats) -> Floats:
+    def shift(self, turn_2: Floats) -> Floats:
         """Vector from O1 to O2 (P, 2) in the frame of the cam, mm."""
         return self.center_distance_mm * np.stack([np.cos(turn_2), -np.sin(turn_2)], axis=1)
 
     def _zeros(
-        self, turn_2: Floats, rest: Callable[[Places], tuple[Floats, Floats]]
-    ) -> tuple[NDArray[np.int64], Places]:
+        self, turn_2: Floats, residual: Callable[[ProfilePoints], tuple[Floats, Floats]]
+    ) -> tuple[NDArray[np.int64], ProfilePoints]:
         """Positions, and points relative to O1, at which a function changes its sign."""
-        apart = self.apart(turn_2)
-        k, s = zeros_on(self.cam, self.samples, apart, rest)
-        return k, places_of(self.cam, s).seen_from(apart[k])
+        shift = self.shift(turn_2)
+        k, s = zeros_on(self.cam, self.samples, shift, residual)
+        return k, profile_points(self.cam, s).shifted(shift[k])
 
     def _tangent_places(self, turn_2: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
-        """Positions, arc lengths and follower angles of all points at which it is tangent."""
+        """Positions, arc lengths and follower angles of all points of tangency."""
         head = self.head
         if isinstance(head, Roller):
             radius, arm = head.radius_mm, head.arm_mm
 
-            def from_arm(at: Places) -> tuple[Floats, Floats]:
+            def from_arm(at: ProfilePoints) -> tuple[Floats, Floats]:
                 centre = at.point + radius * at.normal
                 bend = 1 + radius * at.curvature
                 return dot(centre, centre) - arm**2, 2 * bend * dot(centre, at.tangent)
@@ -164,11 +163,11 @@ class CamMotion:
             return k, at.s, polar(at.point + radius * at.normal, turn_2[k])
         offset, (low, high) = head.offset_mm, head.ends_mm
 
-        def from_line(at: Places) -> tuple[Floats, Floats]:
+        def from_line(at: ProfilePoints) -> tuple[Floats, Floats]:
             return -dot(at.normal, at.point) - offset, -at.curvature * dot(at.point, at.tangent)
 
         k, at = self._zeros(turn_2, from_line)
-        # the flat points against the cam's tangent
+        # the flat and the cam's tangent have opposite directions
         place = -dot(at.point, at.tangent)
         there = (place >= low) & (place <= high)
         return k[there], at.s[there], polar(-at.tangent, turn_2[k])[there]
@@ -178,7 +177,7 @@ class CamMotion:
         assert not isinstance(self.head, Roller)
         offset = self.head.offset_mm
 
-        def from_end(at: Places) -> tuple[Floats, Floats]:
+        def from_end(at: ProfilePoints) -> tuple[Floats, Floats]:
             return dot(at.point, at.point) - end**2 - offset**2, 2 * dot(at.point, at.tangent)
 
         k, at = self._zeros(turn_2, from_end)
@@ -186,7 +185,7 @@ class CamMotion:
 
 
 @dataclass(frozen=True)
-class Stand:
+class CamContacts:
     """Angles and contact points of a follower at P positions.
 
     `turn_1`, `turn_2` (P,) are the angles of both frames, rad; `arc_length_mm` (P,) gives the
@@ -201,8 +200,8 @@ class Stand:
 
     def contact(self) -> tuple[Floats, Floats]:
         """Contact points (P, 2) from O1, and the cam's normals there, in the common frame."""
-        at = places_of(self.motion.cam, self.arc_length_mm)
-        point = at.point + self.motion.apart(self.turn_2)
+        at = profile_points(self.motion.cam, self.arc_length_mm)
+        point = at.point + self.motion.shift(self.turn_2)
         return turned(point, self.turn_2), turned(at.normal, self.turn_2)
 
     def rate(self) -> Floats:
@@ -217,7 +216,7 @@ class Stand:
         return -cross(point, normal)
 
     def check(self) -> None:
-        """Raise a SceneError if the force cannot carry a torque, or the arm touches the cam."""
+        """Raise a SceneError if the lever arm is too short, or the arm touches the cam."""
         head = self.motion.head
         point, normal = self.contact()
         lever, radius = self.levers(), np.hypot(*point.T)
@@ -243,7 +242,7 @@ class Stand:
 def cam_motion(follower: Body, cam: Body, center_distance_mm: float) -> CamMotion:
     """Combine a follower and its cam.
 
-    Raises a SceneError if the cam would reach the follower's axis, or the roller does not fit into
+    Raises a SceneError if the cam extends to the follower's hub, or if the roller does not fit into
     a hollow.
     """
     head = follower.touches
@@ -259,7 +258,7 @@ def cam_motion(follower: Body, cam: Body, center_distance_mm: float) -> CamMotio
             found=f"{center_distance_mm:g}",
         )
     hollow = float(motion.samples.curvature.min())
-    if isinstance(head, Roller) and -hollow * head.radius_mm > HOLLOW:
+    if isinstance(head, Roller) and -hollow * head.radius_mm > LARGEST_ROLLER_RATIO:
         raise SceneError(
             key="body_1.roller_radius_mm",
             expected=f"less than the least concave radius of the cam, {-1 / hollow:.4f}",
@@ -287,18 +286,18 @@ def _refuse_where(
 # --- zeros of functions on a closed profile, at many positions at once ----------------------------
 def zeros_on(
     curve: FlankCurve,
-    samples: Places,
-    apart: Floats,
-    rest: Callable[[Places], tuple[Floats, Floats]],
+    samples: ProfilePoints,
+    shift: Floats,
+    residual: Callable[[ProfilePoints], tuple[Floats, Floats]],
 ) -> tuple[NDArray[np.int64], Floats]:
     """Points of a closed curve at which a function changes its sign, at each of P positions.
 
-    `samples` are all around the curve, the last one equals the first; `apart` (P, 2) is added to
-    the points at each position. `rest` returns values (m,) at Places (m,), and their derivatives by
-    arc length. Returns positions (k,) and arc lengths (k,), accurate to rounding.
+    `samples` are all around the curve, the last one equals the first; `shift` (P, 2) is added to
+    the points at each position. `residual` returns values (m,) at Places (m,), and their
+    derivatives by arc length. Returns positions (k,) and arc lengths (k,), accurate to rounding.
     """
-    count, n = len(apart), samples.s.size
-    value, _ = rest(samples.repeated(count).seen_from(np.repeat(apart, n, axis=0)))
+    count, n = len(shift), samples.s.size
+    value, _ = residual(samples.repeated(count).shifted(np.repeat(shift, n, axis=0)))
     value = value.reshape(count, n)
     value[:, -1] = value[:, 0]
     position, i = np.nonzero((value[:, :-1] < 0) != (value[:, 1:] < 0))
@@ -306,7 +305,7 @@ def zeros_on(
     s = 0.5 * (low + high)
     for _ in range(MOST_STEPS):
         # Newton's method in an interval that encloses the zero, with bisection as the fallback
-        found, slope = rest(places_of(curve, s).seen_from(apart[position]))
+        found, slope = residual(profile_points(curve, s).shifted(shift[position]))
         left = (found < 0) == below
         low, high = np.where(left, s, low), np.where(left, high, s)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -319,10 +318,10 @@ def zeros_on(
     return position, s
 
 
-def first_of(
+def first_contact(
     count: int, position: NDArray[np.int64], s: Floats, turn: Floats
 ) -> tuple[Floats, Floats]:
-    """Arc length and angle of the least angle at each of `count` positions; NaN if none."""
+    """Arc length and angle at the least angle of each of `count` positions; NaN if none."""
     order = np.lexsort((turn, position))
     known, first = np.unique(position[order], return_index=True)
     found = np.full((2, count), np.nan)

@@ -1,11 +1,11 @@
 """Thermal and centrifugal expansion of the bodies.
 
-A temperature rise dT expands a body by the strain e = alpha dT in all directions. The support that
-holds it (the shaft in its bore, the housing around a ring) expands by e_s in its plane together
-with the fixed surface; axial expansion is free. If e_s = e, the body expands uniformly without
-stress: its flanks are scaled by 1 + e. The difference e_s - e and the centrifugal force are loads
-on the finite elements. In three dimensions a helix of another length remains: its section turns by
-1/(1 + e) as much per length, about the middle of the face width.
+A temperature rise dT expands a body by the strain e = alpha dT in all directions. Its support (the
+shaft in its bore, the housing around a ring) and the fixed surface expand by e_s in the plane;
+axial expansion is free. If e_s = e, the body expands uniformly without stress, and its flanks are
+scaled by 1 + e. The difference e_s - e and the centrifugal force are loads on the finite elements.
+In three dimensions, the rotation of the section per length along the axis is divided by 1 + e,
+about the middle of the face width.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from flankload.pairing.slices import Slices
     from flankload.scene import Scene
 
-#: Values of steel, used if a scene gives none.
+#: Default values: steel.
 EXPANSION_PER_K = 11.5e-6
 DENSITY_KG_M3 = 7850.0
 #: kg/m³ in N s²/mm⁴.
@@ -31,8 +31,8 @@ KG_M3 = 1e-12
 
 
 @dataclass(frozen=True)
-class Growth:
-    """Causes of the expansion of a body: speed, density, strains alpha dT of body and support."""
+class BodyLoad:
+    """Causes of the expansion of a body: strains alpha dT of body and support, speed, density."""
 
     strain: float = 0.0
     held_strain: float = 0.0
@@ -41,19 +41,19 @@ class Growth:
 
     @property
     def needs_elements(self) -> bool:
-        """Whether it is more than a uniform expansion."""
+        """Whether the expansion is not uniform."""
         return self.load_cases > 0
 
     @property
     def load_cases(self) -> int:
-        """Number of load cases: one for each cause beyond a uniform expansion."""
+        """Number of load cases: one for each cause of non-uniform expansion."""
         return (self.strain != self.held_strain) + (self.speed_rad_per_s > 0.0)
 
 
-def growth_of(scene: Scene, pairing: Pairing) -> tuple[Growth | None, Growth | None]:
+def body_loads_of(scene: Scene, pairing: Pairing) -> tuple[BodyLoad | None, BodyLoad | None]:
     """Causes of the expansion of both bodies of a scene; None for a body that does not expand.
 
-    A rigid body only expands by its own temperature. Body 2 turns faster or slower by the ratio.
+    A rigid body expands by its own temperature only. The speed of body 2 follows from the ratio.
     """
     asked = scene.effects
     rises = _of_both(asked.temperature_rise_K, 0.0)
@@ -65,14 +65,14 @@ def growth_of(scene: Scene, pairing: Pairing) -> tuple[Growth | None, Growth | N
     for z, body in enumerate((scene.body_1, scene.body_2)):
         held = _of_both(asked.support_expansion_per_K, expansions[z])[z]
         strain = expansions[z] * rises[z]
-        growth = Growth(
+        body_load = BodyLoad(
             strain=strain,
             held_strain=strain if body.rigid else held * rises[z],
             speed_rad_per_s=0.0 if body.rigid else speeds[z],
             density_Ns2_per_mm4=KG_M3 * densities[z],
         )
-        grows = growth.needs_elements or growth.strain != 0.0
-        found.append(growth if grows else None)
+        grows = body_load.needs_elements or body_load.strain != 0.0
+        found.append(body_load if grows else None)
     return found[0], found[1]
 
 
@@ -83,8 +83,8 @@ def _of_both(asked: float | tuple[float, ...] | None, default: float) -> tuple[f
     return (default if asked is None else asked,) * 2
 
 
-def growth_notes(scene: Scene) -> tuple[str, ...]:
-    """Notes on what the expansion of a rigid body does not include."""
+def body_load_notes(scene: Scene) -> tuple[str, ...]:
+    """Notes on causes that do not expand rigid bodies."""
     asked = scene.effects
     left_out = [
         (asked.speed_rpm, "its speed does not stretch it"),
@@ -98,11 +98,8 @@ def growth_notes(scene: Scene) -> tuple[str, ...]:
     )
 
 
-def grown(body: Body, strain: float) -> Body:
-    """The body scaled by 1 + strain: its curve and the range of its modes.
-
-    Mesh, radii and notes are those of the unscaled body.
-    """
+def expanded(body: Body, strain: float) -> Body:
+    """The body with its curve and the range of its modes scaled by 1 + strain."""
     if strain == 0.0:
         return body
     curve, larger, axial = body.curve, 1.0 + strain, body.axial
@@ -122,13 +119,10 @@ def grown(body: Body, strain: float) -> Body:
     )
 
 
-def grown_slices(
+def expanded_slices(
     slices: Slices, shapes: tuple[AxialShape, AxialShape], strains: tuple[float, float]
 ) -> Slices:
-    """Slices of bodies whose helices have grown along the axis; the face widths remain.
-
-    Slices and shapes are those of the bodies before.
-    """
+    """Slices after uniform axial expansion of the helices of bodies of unchanged face widths."""
     one, two = (
         turns
         - shape.twist_rad_per_mm * (slices.z_mm - np.mean(shape.range_mm)) * strain / (1.0 + strain)

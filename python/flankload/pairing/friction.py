@@ -1,4 +1,4 @@
-"""Friction of a scene at the sites of its pairing: coefficients along flank 1, and the driver."""
+"""Friction at the sites of a pairing: coefficients along flank 1, and the driving body."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
     from flankload.pairing.pairing import Pairing
     from flankload.scene import Scene
 
-KEY = "effects.friction_coefficient"
+SCENE_KEY = "effects.friction_coefficient"
 
-#: Steps between two rows of coefficients over the roll position, for conversion to arc length: the
-#: arc length grows with the square of the roll position, so straight lines become parabolas.
-STEPS = 32
+#: Number of steps between two rows of coefficients for the conversion from roll position to arc
+#: length, which is quadratic.
+ROLL_STEPS = 32
 
 
 @dataclass(frozen=True)
 class Friction:
     """Coulomb friction at S sites.
 
-    `coefficients` (n, S) are those at ascending arc lengths (n,) on flank 1; linear between them,
+    `coefficients` (n, S) are at ascending arc lengths (n,) on flank 1, linear in between and
     constant beyond. `sense` is 1 if body 1 drives and turns in the sense of its torque, -1 if it is
     driven against its torque.
     """
@@ -44,18 +44,18 @@ class Friction:
         return "body_1" if self.sense > 0 else "body_2"
 
     def speeds(self, pairing: Pairing, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Speeds (2, P) of both bodies, rad per rad of the position, in their real direction."""
+        """Speeds (2, P) of both bodies in their actual direction, rad per rad of the position."""
         return self.sense * np.array(pairing.speeds(position_rad))
 
 
 def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None:
-    """Friction of a scene at the sites of its pairing; None without any, or if it is 0.
+    """Friction of a scene at the sites of its pairing; None without friction.
 
     Raises
     ------
     SceneError
-        If the length of a list is not the number of teeth, or if a table over the roll position is
-        given for flanks without roll positions.
+        If the length of a list is not the number of teeth, or if the scene has a table over the
+        roll position, but the flanks are not involutes.
     """
     if not scene.has_friction:
         return None
@@ -68,24 +68,20 @@ def friction_of(scene: Scene, body_1: Body, pairing: Pairing) -> Friction | None
         rows = np.array(asked, dtype=float)
         places, values = _along_flank(rows, body_1, pairing)
         return Friction(places, values[:, None] * ones, sense)
-    # entry k belongs to the k-th tooth that comes into contact, as for pitch errors; for a spline
-    # to tooth k
+    # entry k: the k-th tooth that comes into contact, as for pitch errors; tooth k of a spline
     entries = pairing.sites if pairing.whole_circle else -pairing.sites
     by_tooth = np.array(coefficients_by_tooth(scene, body_1))
     return Friction(np.zeros(1), by_tooth[entries % body_1.teeth][None], sense)
 
 
 def coefficients_by_tooth(scene: Scene, body_1: Body) -> tuple[float, ...]:
-    """One coefficient per tooth of body 1, if the scene has such a list; else empty.
-
-    Raises a SceneError if the list has another length.
-    """
+    """One coefficient per tooth of body 1, checked; empty if the scene has no such list."""
     asked = scene.effects.friction_coefficient
     if not isinstance(asked, tuple) or isinstance(asked[0], tuple):
         return ()
     if len(asked) != body_1.teeth:
         raise SceneError(
-            key=KEY,
+            key=SCENE_KEY,
             expected=f"one coefficient per tooth of body_1: {body_1.teeth}",
             found=f"{len(asked)} entries",
         )
@@ -96,21 +92,21 @@ def _along_flank(
     rows: NDArray[np.float64], body: Body, pairing: Pairing
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Arc lengths (n,) and coefficients (n,) from rows of roll position and coefficient (k, 2)."""
-    if pairing.mesh is None or body.involute is None:
+    if pairing.gear_geometry is None or body.involute is None:
         raise SceneError(
-            key=KEY,
+            key=SCENE_KEY,
             expected="a number, or one per tooth of body_1: only pairs of involutes have a roll "
             "position",
             found="a table over the roll position",
         )
-    steps = np.arange(STEPS * (len(rows) - 1) + 1) / STEPS
+    steps = np.arange(ROLL_STEPS * (len(rows) - 1) + 1) / ROLL_STEPS
     roll = np.interp(steps, np.arange(len(rows)), rows[:, 0])
     base = body.involute.base_radius_mm
     pitch_radius = pairing.center_distance_mm * pairing.ratio / (1.0 + pairing.ratio)
     at_pitch_point = np.sqrt(max(0.0, pitch_radius**2 - base**2))
     radius = np.hypot(base, np.maximum(at_pitch_point + roll, 0.0))
     s = _arc_lengths(body, radius)
-    # rows beyond the flank's ends all get the arc length of the end
+    # rows beyond the flank have the arc length of its end
     kept = np.append(True, np.diff(s) > 0.0)
     return s[kept], np.interp(steps, np.arange(len(rows)), rows[:, 1])[kept]
 

@@ -1,8 +1,8 @@
-"""Two involute bodies at their centre distance (DIN 3960): working geometry, checked.
+"""Working geometry of two involute bodies at their centre distance (DIN 3960), checked.
 
-One set of equations holds for external and internal pairs. With the sense s = 1 (external teeth of
-body 2) or -1 (internal teeth), radii of body 2 are multiplied by s, and a circle of radius r about
-O2 intersects the line of centres at the distance s (a - r) from O1, on the side of the pitch point.
+External and internal pairs have the same equations with a sense s = 1 (external teeth of body 2) or
+-1 (internal teeth): radii of body 2 are multiplied by s, and a circle of radius r about O2
+intersects the line of centres at the distance s (a - r) from O1, on the side of the pitch point.
 """
 
 from __future__ import annotations
@@ -20,9 +20,8 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Body
     from flankload.bodies.profile.involute import Involute
 
-#: Largest overlap of the flanks at the pitch circle, in base pitches: with more the gears cannot
-#: mesh; less is a matter of tolerances (FZG C14 overlaps nominally by some micrometres) and only
-#: gives a warning.
+#: Largest overlap of the flanks at the pitch circle, in base pitches; less causes a warning only,
+#: since nominal dimensions may overlap (FZG C14: by some micrometres).
 LARGEST_OVERLAP = 0.01
 
 #: Largest relative difference of the base pitches of two gears that mesh.
@@ -32,7 +31,7 @@ DISTANCE = "pair.center_distance_mm"
 
 
 @dataclass(frozen=True)
-class Mesh:
+class GearGeometry:
     """Geometry of a pair of involute gears at its centre distance.
 
     Attributes
@@ -48,8 +47,8 @@ class Mesh:
     contact_ratio : float
         Length of that path over the base pitch.
     usable_contact_ratio : float
-        The same for the part on which both flanks are involutes: from the form circles, where an
-        undercut or a fillet ends, to the tip roundings or chamfers. Relieved flanks are included.
+        The same for the part on which both flanks are involutes, also with reliefs: between form
+        circles and tip roundings or chamfers.
     backlash_mm : float
         Circular backlash on the working pitch circles; negative if the flanks overlap.
     """
@@ -83,21 +82,21 @@ class _Pair:
         return 2 * pi * self.one.base_radius_mm / self.teeth[0]
 
     def on_centers(self, radius_2: float) -> float:
-        """Distance from O1 at which a circle about O2 intersects the line of centres, mm."""
+        """Distance from O1 at which a circle about O2 meets the line of centres, mm."""
         return self.sense * (self.distance - radius_2)
 
 
-def gear_mesh(
+def gear_geometry(
     body_1: Body,
     body_2: Body,
     distance: float,
     warnings: list[str],
     *,
     coast_flanks: bool = False,
-) -> Mesh:
+) -> GearGeometry:
     """Working geometry of two bodies with involute flanks; body 1 has external teeth.
 
-    Warnings for the user are appended. A SceneError states by how much bodies cannot mesh.
+    Warnings for the user are appended; a SceneError states why bodies cannot mesh.
     """
     assert body_1.involute is not None
     assert body_2.involute is not None
@@ -120,7 +119,7 @@ def gear_mesh(
         *root_contacts((one, two), deepest),
         *overlapping_flanks(body_1, body_2, (radius_1, radius_2), distance),
     ]
-    return Mesh(
+    return GearGeometry(
         pressure_angle_rad=angle,
         pitch_radius_1_mm=radius_1,
         pitch_radius_2_mm=radius_2,
@@ -168,8 +167,7 @@ def _usable_path(sense: int, body_1: Body, body_2: Body, tangents_mm: tuple[floa
     """Length of the path of contact on which both flanks are involutes, mm.
 
     `tangents_mm` are the lengths along the line of action from both base circles to the pitch
-    point. The length that increases on body 1 decreases on body 2, or increases on an internal
-    body 2.
+    point. When the length on body 1 increases, that on an external body 2 decreases.
     """
     (root_1, tip_1), (root_2, tip_2) = (_ends_of_involute(body) for body in (body_1, body_2))
     start = max(root_1 - tangents_mm[0], sense * (tangents_mm[1] - tip_2))
@@ -178,7 +176,7 @@ def _usable_path(sense: int, body_1: Body, body_2: Body, tangents_mm: tuple[floa
 
 
 def _ends_of_involute(body: Body) -> tuple[float, float]:
-    """Lengths along the line of action where a flank's involute begins (root) and ends (tip)."""
+    """Lengths along the line of action at the ends of a flank's involute (root, tip)."""
     involute, curve = body.involute, body.curve
     assert involute is not None
     end = curve.active_range[1]
@@ -187,7 +185,7 @@ def _ends_of_involute(body: Body) -> tuple[float, float]:
 
 
 def _check_teeth(pair: _Pair) -> None:
-    """Check for equal base pitches; inside a ring also for fewer teeth and a smaller tip circle."""
+    """Check for equal base pitches; inside a ring also the number of teeth and the tip circle."""
     pitch_1, pitch_2 = pair.base_pitch, 2 * pi * pair.two.base_radius_mm / pair.teeth[1]
     if abs(pitch_2 / pitch_1 - 1) > PITCH_TOLERANCE:
         raise SceneError(
@@ -214,7 +212,7 @@ def _check_teeth(pair: _Pair) -> None:
 
 
 def _check_distance(pair: _Pair) -> float:
-    """Centre distance at which the working pressure angle is 0, mm; checks the distance."""
+    """Check the centre distance; returns that for a working pressure angle of 0, mm."""
     one, two, distance, name = pair.one, pair.two, pair.distance, "sum"
     if pair.sense < 0:
         name = "difference"
@@ -271,11 +269,11 @@ def _backlash(
 
 
 def _distance_without_backlash(pair: _Pair) -> float | None:
-    """Centre distance (mm) at which both flanks of a tooth touch; None if there is none.
+    """Centre distance without backlash, mm; None if there is none.
 
-    The teeth then fill the pitch on the working circles r_b/cos(alpha_w): the sum over both bodies
-    of r_b times (half angle of the tooth at the base, minus inv(alpha_w), or plus for internal
-    teeth) is half of a base pitch.
+    The teeth fill the pitch on the working circles r_b/cos(alpha_w): the sum over both bodies of
+    r_b (half angle of the tooth at the base -+ inv(alpha_w)), + for internal teeth, is half of a
+    base pitch.
     """
     radii = (pair.one.base_radius_mm, pair.sense * pair.two.base_radius_mm)
     filled = sum(
@@ -303,17 +301,17 @@ def _check_clearances(pair: _Pair) -> None:
             )
 
 
-def describe_mesh(mesh: Mesh) -> tuple[tuple[str, str], ...]:
-    """Main geometry of a gear pair, as (name, value with unit) rows."""
+def describe_gears(gears: GearGeometry) -> tuple[tuple[str, str], ...]:
+    """Main geometry of a gear pair: rows of name and value with unit."""
     return (
-        ("working pressure angle", f"{degrees(mesh.pressure_angle_rad):.4f} deg"),
+        ("working pressure angle", f"{degrees(gears.pressure_angle_rad):.4f} deg"),
         (
             "working pitch diameters",
-            f"{2 * mesh.pitch_radius_1_mm:.4f} / {2 * mesh.pitch_radius_2_mm:.4f} mm",
+            f"{2 * gears.pitch_radius_1_mm:.4f} / {2 * gears.pitch_radius_2_mm:.4f} mm",
         ),
-        ("base pitch", f"{mesh.base_pitch_mm:.4f} mm"),
-        ("contact ratio", f"{mesh.contact_ratio:.4f}"),
-        ("of it, both flanks involutes", f"{mesh.usable_contact_ratio:.4f}"),
-        ("backlash on the pitch circle", f"{mesh.backlash_mm:.4f} mm"),
-        ("backlash, normal", f"{mesh.backlash_mm * cos(mesh.pressure_angle_rad):.4f} mm"),
+        ("base pitch", f"{gears.base_pitch_mm:.4f} mm"),
+        ("contact ratio", f"{gears.contact_ratio:.4f}"),
+        ("of it, both flanks involutes", f"{gears.usable_contact_ratio:.4f}"),
+        ("backlash on the pitch circle", f"{gears.backlash_mm:.4f} mm"),
+        ("backlash, normal", f"{gears.backlash_mm * cos(gears.pressure_angle_rad):.4f} mm"),
     )

@@ -1,9 +1,8 @@
-"""Interference of flanks: contact in a fillet, or anywhere off the path of contact.
+"""Interference of flanks: contact in a fillet or elsewhere off the path of contact.
 
-A point p of flank 1 and a point q of flank 2 can only meet where the circle about O1 through p
-intersects the circle about O2 through q, above or below the line of centres. Body 1 is turned until
-p is there; the remaining angle of q about O2 to that point is the margin of both points: 0 if they
-touch, negative if one is inside the other body.
+A point p of flank 1 and a point q of flank 2 can meet only at the two intersections of the circle
+about O1 through p with the circle about O2 through q. With p at one of these, the angle of q about
+O2 to this intersection is the margin of both points: 0 if they touch, negative if they overlap.
 """
 
 from __future__ import annotations
@@ -27,20 +26,20 @@ if TYPE_CHECKING:
     from flankload.flank import FlankCurve
 
 
-#: Points in each interval of a flank's curve.
-PLACES = 6
+#: Number of points in each interval of a flank's curve.
+POINTS_PER_INTERVAL = 6
 
-#: Least overlap relative to the flank's length (1 um for a gear of module 4.5 mm): smaller ones are
-#: below the accuracy of profiles and closed by any torque.
-LEAST_PART = 1e-4
+#: Least overlap that causes a warning, over the flank's length (1 um for module 4.5 mm); profiles
+#: are not more accurate.
+LEAST_OVERLAP = 1e-4
 
 
 @dataclass(frozen=True)
 class Overlap:
     """The deepest overlap of a part of the flanks, along the circumference.
 
-    The radii are distances of the place from the bodies' own axes; `at_tips`: both points are on
-    the outer halves of their flanks.
+    Radii are distances from the axis of each body; `at_tips`: both points are on the outer halves
+    of their flanks.
     """
 
     depth_mm: float
@@ -54,7 +53,7 @@ def root_contacts(
 ) -> Iterator[str]:
     """Warn if the mate's tip meets the fillet instead of the involute.
 
-    `lengths_mm` are the ends of each path of contact at the root, along the line of action from the
+    `lengths_mm`: root end of the path of contact of each body, along the line of action from its
     base circle.
     """
     for name, involute, length in zip("12", involutes, lengths_mm, strict=True):
@@ -71,9 +70,9 @@ def root_contacts(
 def overlapping_flanks(
     body_1: Body, body_2: Body, pitch_radii_mm: tuple[float, float], distance_mm: float
 ) -> Iterator[str]:
-    """Warn of a root that pushes a tip back; raises a SceneError if tips cannot pass each other.
+    """Warn of overlaps with a root; raise a SceneError for overlaps of tips.
 
-    Parameters as for `overlaps_of`.
+    Parameters as of `overlaps_of`.
     """
     for overlap in overlaps_of(body_1, body_2, pitch_radii_mm, distance_mm):
         where = (
@@ -97,15 +96,14 @@ def overlapping_flanks(
 def overlaps_of(
     body_1: Body, body_2: Body, pitch_radii_mm: tuple[float, float], distance_mm: float
 ) -> Iterator[Overlap]:
-    """The deepest overlap at the tips and the deepest one elsewhere, if there are any.
+    """The deepest overlaps at the tips and elsewhere, if any.
 
-    The bodies have involutes, body 1 turns in the sense of its torque; on the working pitch circles
-    pair 0 touches at position zero.
+    The bodies have involutes; pair 0 touches on the working pitch circles at position zero.
     """
     (r_1, angle_1, tip_1), (r_2, angle_2, tip_2) = (
         _places(body, radius) for body, radius in zip((body_1, body_2), pitch_radii_mm, strict=True)
     )
-    # circles of the others meet none of the mate: of gears, those below the tooth tips
+    # ignore points out of reach of the other body
     some_1, some_2 = _some_meet(r_1, r_2, distance_mm), _some_meet(r_2, r_1, distance_mm)
     if not (some_1.any() and some_2.any()):
         return
@@ -118,21 +116,21 @@ def overlaps_of(
     for part in (True, False):
         chosen = np.where(at_tips == part, depth, -np.inf)
         i, j = np.unravel_index(np.argmax(chosen), chosen.shape)
-        if chosen[i, j] > LEAST_PART * body_1.curve.length_mm:
+        if chosen[i, j] > LEAST_OVERLAP * body_1.curve.length_mm:
             yield Overlap(float(chosen[i, j]), float(r_1[i]), float(r_2[j]), part)
 
 
 def along(curve: FlankCurve, count: int) -> Floats:
-    """Arc lengths of so many points in each interval of a curve, and of its end."""
+    """Arc lengths of `count` points in each interval of a curve, and of its end."""
     points = np.linspace(curve.breaks[:-1], curve.breaks[1:], count, endpoint=False)
     return np.append(points.T.ravel(), curve.breaks[-1])
 
 
 def _places(body: Body, pitch_radius: float) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Radii and angles of points on a flank, the angles from its point on the pitch circle."""
+    """Radii and angles (from the pitch point) of points on a flank; whether in its outer half."""
     curve, involute = body.curve, body.involute
     assert involute is not None
-    s = along(curve, PLACES)
+    s = along(curve, POINTS_PER_INTERVAL)
     x, y = curve.point(s).T
     angle = np.arctan2(y, x) - involute.polar_angle_at(pitch_radius)
     return (
@@ -143,7 +141,7 @@ def _places(body: Body, pitch_radius: float) -> tuple[Floats, Floats, NDArray[np
 
 
 def _some_meet(radii: Floats, others: Floats, distance: float) -> NDArray[np.bool_]:
-    """Whether circles meet one about the other axis with a radius in the range of these."""
+    """Whether circles meet any circle about the other axis with a radius in the range of others."""
     reached = (others.min() < distance + radii) & (others.max() > np.abs(distance - radii))
     return np.asarray(reached, dtype=np.bool_)
 
@@ -155,7 +153,7 @@ def _margins(
     body_2: Body,
     distance: float,
 ) -> Floats:
-    """Smaller margin of the two meeting points, rad about O2; inf if the circles do not meet."""
+    """Smaller margin of both intersections, rad about O2; inf if there are none."""
     (r_1, angle_1), (r_2, angle_2) = place_1, place_2
     sense, ratio = body_2.outward, body_1.teeth / body_2.teeth
     cosine_1 = sense * (distance**2 + r_1**2 - r_2**2) / (2 * distance * r_1)
@@ -163,7 +161,7 @@ def _margins(
     meet = (np.abs(cosine_1) < 1.0) & (np.abs(cosine_2) < 1.0)
     theta_1, theta_2 = np.arccos(cosine_1[meet]), np.arccos(cosine_2[meet])
     along = (ratio * angle_1 + sense * angle_2)[meet]
-    # at the other meeting point both angles have the other sign
+    # at the other intersection both angles have the opposite sign
     least = np.full(meet.shape, np.inf)
     least[meet] = -np.abs(ratio * theta_1 - theta_2) - along
     return least

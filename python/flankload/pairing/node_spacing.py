@@ -1,4 +1,4 @@
-"""Spacing of flank nodes relative to the contact width, for the accuracy of curves and forces."""
+"""Spacing of flank nodes relative to the contact width."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 
     from flankload.bodies import Body
 
-#: Positions for the curvature of a flank, relative to its length: away from its ends.
-MIDDLE_PARTS = np.linspace(0.3, 0.7, 9)
+#: Relative arc lengths at which the curvature of a flank is evaluated, away from its ends.
+MIDDLE = np.linspace(0.3, 0.7, 9)
 
-#: Distance of nodes with forces in Hertz half-widths, for the whole load on one flank. On the FZG
-#: type C pair a fifth leaves errors of 0.07 to 0.2 % of the rotation away from tip corners and 0.3
-#: to 15 % of the largest pressure (largest on lightly loaded flanks); a third leaves 0.2 to 0.8 and
-#: up to 40 %, a tenth 0.03 to 0.08 and 1 %. The cost of elements grows as the square of the nodes.
-NODES_PART = 0.2
-#: Distance of nodes in half-widths above which a warning is given.
-WIDE_NODES = 0.6
-#: Number of nodes along a conforming flank, which carries over its whole length.
+#: Distance of nodes with forces in Hertz half-widths, with the whole load on one flank. Errors on
+#: the FZG type C pair: 0.07 to 0.2 % of the rotation away from tip corners, 0.3 to 15 % of the
+#: largest pressure (largest on lightly loaded flanks); with a third 0.2 to 0.8 and up to 40 %, with
+#: a tenth 0.03 to 0.08 and 1 %. The cost of elements grows as the square of the nodes.
+NODE_SPACING = 0.2
+#: Distance of nodes in half-widths above which there is a warning.
+WIDE_SPACING = 0.6
+#: Number of nodes along a conforming flank.
 CONFORMING_NODES = 40
 
 
@@ -42,30 +42,27 @@ class HertzContact:
 def _hertz_contact(
     bodies: tuple[Body, Body], torque_Nm: float, face_width_mm: float
 ) -> HertzContact | None:
-    """Hertz contact away from root and tip, with all of a torque on one flank.
+    """Hertz contact at mid-height with the whole torque on one flank.
 
-    None without force, or if the flanks do not curve away from each other.
+    None without force, and for conforming flanks.
     """
     force_N_per_mm = 1000 * torque_Nm / bodies[0].reference_radius_mm / face_width_mm
     curvature = sum(_middle_curvature(body) for body in bodies)
-    yielding = sum(
+    compliance = sum(
         (1 - body.material.poisson_ratio**2) / body.material.young_modulus_MPa
         for body in bodies
         if not body.rigid
     )
-    if curvature <= 0.0 or force_N_per_mm <= 0.0 or yielding == 0.0:
+    if curvature <= 0.0 or force_N_per_mm <= 0.0 or compliance == 0.0:
         return None
-    half_width = sqrt(4 * force_N_per_mm * yielding / (pi * curvature))
+    half_width = sqrt(4 * force_N_per_mm * compliance / (pi * curvature))
     return HertzContact(half_width, 0.5 * half_width**2 * curvature)
 
 
 def spacing_notes(
     bodies: tuple[Body, Body], torques_Nm: tuple[float, ...], face_width_mm: float
 ) -> Iterator[str]:
-    """Notes on the node spacing of curves through nodes, relative to the contact width.
-
-    The smallest torque above 0 gives the narrowest contact.
-    """
+    """Notes on the node spacing of curves through nodes, relative to the narrowest contact."""
     loads = [torque for torque in torques_Nm if torque > 0]
     if not loads or not any(body.flank_nodes for body in bodies):
         return
@@ -91,9 +88,9 @@ def spacing_notes(
 def spacing_for_loads(
     bodies: tuple[Body, Body], torques_Nm: tuple[float, ...], face_width_mm: float
 ) -> float | None:
-    """Node distance that nodal forces need, mm; None without torque.
+    """Distance of nodes for nodal forces, mm; None without torque.
 
-    A fifth of the Hertz half-width with the whole torque, the largest one, on one flank; for
+    A fifth of the Hertz half-width with the whole of the largest torque on one flank; for
     conforming flanks a fraction of their length.
     """
     torque = max(torques_Nm)
@@ -102,18 +99,19 @@ def spacing_for_loads(
     contact = _hertz_contact(bodies, torque, face_width_mm)
     low, high = bodies[0].mode_range_mm
     widest = (high - low) / CONFORMING_NODES
-    return widest if contact is None else min(widest, NODES_PART * contact.half_width_mm)
+    return widest if contact is None else min(widest, NODE_SPACING * contact.half_width_mm)
 
 
 def half_widths_apart(
     bodies: tuple[Body, Body], nodes_mm: float, torque_Nm: float, face_width_mm: float
 ) -> float | None:
-    """Distance of nodes relative to the half-width of the contact, all the torque on one flank.
+    """Distance of nodes over the half-width of the contact, with the whole torque on one flank.
 
-    For conforming flanks, `NODES_PART` at the distance of `spacing_for_loads`. None without torque.
+    For conforming flanks, `NODE_SPACING` at the distance of `spacing_for_loads`. None without
+    torque.
     """
     wanted = spacing_for_loads(bodies, (torque_Nm,), face_width_mm)
-    return None if wanted is None else NODES_PART * nodes_mm / wanted
+    return None if wanted is None else NODE_SPACING * nodes_mm / wanted
 
 
 def wide_nodes_notes(
@@ -122,21 +120,21 @@ def wide_nodes_notes(
     torque_Nm: float,
     face_width_mm: float,
 ) -> Iterator[str]:
-    """Notes on nodes with forces, at arc lengths (n,), that are too far apart for the contact."""
+    """Notes on nodes with forces, at arc lengths (n,), with too large distances."""
     contact = _hertz_contact(bodies, torque_Nm, face_width_mm)
     for name, nodes in zip(("body_1", "body_2"), nodes_mm, strict=True):
         if contact is None or nodes is None:
             continue
         parts = float(np.diff(nodes).max()) / contact.half_width_mm
-        if parts > WIDE_NODES:
+        if parts > WIDE_SPACING:
             yield (
                 f"{name}: nodes up to {parts * contact.half_width_mm:.2g} mm apart, {parts:.2g} "
                 "Hertz half-widths with all of the torque on one flank: forces at nodes want "
-                f"{NODES_PART:g} of one, these leave percents of the rotation and most of the "
+                f"{NODE_SPACING:g} of one, these leave percents of the rotation and most of the "
                 "pressure"
             )
 
 
 def _middle_curvature(body: Body) -> float:
     low, high = body.mode_range_mm
-    return float(np.median(body.curve.curvature(low + (high - low) * MIDDLE_PARTS)))
+    return float(np.median(body.curve.curvature(low + (high - low) * MIDDLE)))

@@ -1,4 +1,4 @@
-"""The pairing of two bodies: ratio, position zero, mating flanks.
+"""The relative position of two bodies: ratio, position zero, mating flanks.
 
 Body 1 turns counter-clockwise about O1 = (0, 0), in the sense of its torque. Body 2 turns about
 O2 = (centre distance, 0), in the opposite sense if its teeth are external, in the same sense if
@@ -7,15 +7,15 @@ the path of contact (j > 0: towards recess). The pitch point is between both axe
 turns inside body 2, beyond O1.
 
 On a spline every tooth is a site: pair j is tooth j, counted in the sense of the torque from tooth
-0, which is on the line of centres at position zero, away from O1 on the side of O2.
+0, which at position zero is on the line of centres, on the side of O2.
 
-A cam has one site. Positions are angles by which the cam has turned; the follower (body 1) has the
-angle at which it touches the cam.
+A cam has one site. Positions are rotations of the cam; the angle of the follower (body 1) is that
+of contact.
 
-In the mirror image about the line of centres coast flanks are working flanks: for teeth with equal
-sides they are the same curve, on bodies that turn in the opposite direction. The coast flank of a
-tooth of body 1 faces the tooth of body 2 that meets the next tooth of body 1 with its working
-flank; if body 2 has internal teeth, it faces the other side of its own space.
+In the mirror image about the line of centres, coast flanks are working flanks with the same curve,
+on bodies that turn in the opposite direction. The coast flank of a tooth of body 1 mates with that
+tooth of body 2 whose working flank mates with the next tooth of body 1; if body 2 has internal
+teeth, with the other side of the same space.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ import numpy as np
 from flankload.base.rounding import round_down, round_up
 from flankload.errors import SceneError
 from flankload.pairing.cam_motion import CamMotion, cam_motion
-from flankload.pairing.gear_pair import Mesh, gear_mesh
+from flankload.pairing.gear_pair import GearGeometry, gear_geometry
 from flankload.pairing.spline_fit import SplineFit, spline_fit
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
 
-#: Sites on each side of pair 0 if the path of contact is unknown.
+#: Number of sites on each side of pair 0 if the path of contact is unknown.
 UNKNOWN_PATH_SITES = 3
 
 
@@ -45,10 +45,9 @@ UNKNOWN_PATH_SITES = 3
 class Period:
     """Period of the positions, in tooth pitches of body 1.
 
-    `pitches` is the number after which equal teeth meet again: 1 if all teeth of each body are
-    equal; otherwise the number of teeth, or the size of the smallest group that repeats; for two
-    such bodies the least common multiple. Teeth are equal if they have equal deviations, equal
-    friction and, where it is known, equal compliance.
+    `pitches` is the number after which equal teeth meet again: the least common multiple over both
+    bodies of the size of the smallest group of teeth that repeats. Teeth are equal if they have
+    equal deviations, friction and, if known, compliance.
     """
 
     pitch_rad: float
@@ -60,13 +59,13 @@ class Period:
         return self.pitches * self.pitch_rad
 
     def with_compliance(self, groups: tuple[int, int]) -> Period:
-        """The period for bodies whose compliances repeat after the given numbers of teeth."""
+        """The period with compliances that repeat after these numbers of teeth of each body."""
         return replace(self, pitches=lcm(self.pitches, *groups))
 
 
 @dataclass(frozen=True)
 class CoastSites:
-    """S sites of coast flanks; each is named by the tooth of body 1, like a pair.
+    """S sites of coast flanks, numbered by the tooth of body 1 like pairs.
 
     For each body the tooth (S,) at each site, and its angle (S,) in the mirrored frame of the body,
     relative to the negative of the body's angle.
@@ -78,7 +77,7 @@ class CoastSites:
 
 @dataclass(frozen=True)
 class Pairing:
-    """Relative position of the bodies, and the flanks that can meet; S sites.
+    """Relative position of the bodies, and S sites: pairs of flanks that can touch.
 
     Attributes
     ----------
@@ -86,8 +85,8 @@ class Pairing:
     turns_at_zero_rad : (float, float)
         Angles of both bodies' frames at position zero.
     ratio : float
-        Teeth of body 1 over teeth of body 2; negative if both turn the same way. NaN if the ratio
-        is not constant.
+        Teeth of body 1 over teeth of body 2; negative if both turn in the same sense. NaN if the
+        ratio is not constant.
     period : Period
         Period of the positions.
     sites : (S,) array
@@ -97,8 +96,8 @@ class Pairing:
     site_angles_rad : two (S,) arrays
         Angle of that tooth in the frame of its body.
     site_deviations_mm : two (S,) arrays
-        Extra material along the base tangent, which touches early.
-    mesh : Mesh or None
+        Excess material along the base tangent, which causes early contact.
+    gear_geometry : GearGeometry or None
         Geometry of the gear pair; None if a body has no involute, and for splines.
     warnings : tuple of str
     fit : SplineFit or None
@@ -106,7 +105,7 @@ class Pairing:
     motion : CamMotion or None
         Motion of a follower on its cam.
     coast : CoastSites or None
-        Sites of coast flanks with the same pair numbers, if they can carry.
+        Sites of coast flanks with the same pair numbers, if they can carry load.
     """
 
     center_distance_mm: float
@@ -117,7 +116,7 @@ class Pairing:
     site_teeth: tuple[NDArray[np.int64], NDArray[np.int64]]
     site_angles_rad: tuple[NDArray[np.float64], NDArray[np.float64]]
     site_deviations_mm: tuple[NDArray[np.float64], NDArray[np.float64]]
-    mesh: Mesh | None = None
+    gear_geometry: GearGeometry | None = None
     warnings: tuple[str, ...] = ()
     fit: SplineFit | None = None
     motion: CamMotion | None = None
@@ -135,7 +134,7 @@ class Pairing:
 
     @property
     def whole_circle(self) -> bool:
-        """Whether every tooth is a site, so that the last pair is a neighbour of pair 0."""
+        """Whether every tooth is a site, so that the last pair is next to pair 0."""
         return self.fit is not None
 
     def turns(
@@ -143,9 +142,9 @@ class Pairing:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Angles of both bodies' frames at positions (angle of body 1, or of a cam, rad)."""
         if self.motion is not None:
-            stand = self.motion.stand(position_rad)
-            stand.check()
-            return stand.turn_1, stand.turn_2
+            contacts = self.motion.contacts(position_rad)
+            contacts.check()
+            return contacts.turn_1, contacts.turn_2
         turn_1, turn_2 = self.turns_at_zero_rad
         return turn_1 + position_rad, turn_2 - position_rad * self.ratio
 
@@ -155,11 +154,11 @@ class Pairing:
         """Speeds of both bodies' frames at positions, rad per rad of the position.
 
         Positions increase in the sense of body 1's torque, whichever body drives; those of a cam in
-        its own sense of rotation.
+        its sense of rotation.
         """
         if self.motion is not None:
-            stand = self.motion.stand(position_rad)
-            return stand.rate(), np.full(stand.turn_1.shape, float(self.motion.sense))
+            contacts = self.motion.contacts(position_rad)
+            return contacts.rate(), np.full(contacts.turn_1.shape, float(self.motion.sense))
         one = np.ones_like(np.asarray(position_rad, dtype=float))
         return one, -self.ratio * one
 
@@ -172,10 +171,10 @@ def pair_bodies(
     position_rad: NDArray[np.float64],
     coast_flanks: bool = False,
 ) -> Pairing:
-    """Combine two bodies at a centre distance, of splines the offset of their axes.
+    """Combine two bodies at a centre distance; for splines, the offset of their axes.
 
-    The positions (P,) determine the number of sites. If coast flanks can carry, too, flanks may
-    overlap without load. Raises a SceneError that states by how much flanks cannot mesh.
+    The positions (P,) determine the number of sites. Flanks may overlap without load if coast
+    flanks can carry load. A SceneError states why flanks cannot mesh.
     """
     if body_1.conforms:
         return _pair_spline(body_1, body_2, center_distance_mm, coast_flanks=coast_flanks)
@@ -192,7 +191,7 @@ def _pair_gears(
     *,
     coast_flanks: bool,
 ) -> Pairing:
-    """Pair bodies whose teeth pass each other."""
+    """Pair bodies with teeth."""
     if body_1.outward < 0:
         raise SceneError(
             key="body_1",
@@ -201,16 +200,16 @@ def _pair_gears(
         )
     sense = body_2.outward
     warnings: list[str] = []
-    mesh = None
+    gears = None
     if body_1.involute is not None and body_2.involute is not None:
-        mesh = gear_mesh(body_1, body_2, distance, warnings, coast_flanks=coast_flanks)
-    # the pitch point follows from the ratio, also if the mate has the angle of its file
+        gears = gear_geometry(body_1, body_2, distance, warnings, coast_flanks=coast_flanks)
+    # the pitch point follows from the ratio, also if the other body is at the angle of its file
     circles = abs(body_1.teeth + sense * body_2.teeth) or 1
     turns = (
         _turn_to_pitch_point(body_1, distance * body_1.teeth / circles, 0.0 if sense > 0 else pi),
         _turn_to_pitch_point(body_2, distance * body_2.teeth / circles, pi),
     )
-    sites = _sites(mesh, body_1.teeth, body_2.teeth, position_rad, coast_flanks=coast_flanks)
+    sites = _sites(gears, body_1.teeth, body_2.teeth, position_rad, coast_flanks=coast_flanks)
     sites = _with_flanks(sites, body_1, body_2)
     (teeth_1, angles_1), (teeth_2, angles_2) = (
         _at_sites(body_1, sites, 1),
@@ -225,7 +224,7 @@ def _pair_gears(
         site_teeth=(teeth_1, teeth_2),
         site_angles_rad=(angles_1, angles_2),
         site_deviations_mm=(np.zeros(sites.size), np.zeros(sites.size)),
-        mesh=mesh,
+        gear_geometry=gears,
         warnings=tuple(warnings),
         coast=coast_sites(sites, body_1, body_2) if coast_flanks else None,
     )
@@ -257,8 +256,8 @@ def _pair_cam(
 ) -> Pairing:
     """Pair a follower with its cam."""
     motion = cam_motion(follower, cam, distance)
-    motion.stand(position_rad).check()
-    start = motion.stand(np.zeros(1))
+    motion.contacts(position_rad).check()
+    start = motion.contacts(np.zeros(1))
     none, site = np.zeros(1), np.zeros(1, dtype=np.int64)
     return Pairing(
         center_distance_mm=distance,
@@ -274,14 +273,14 @@ def _pair_cam(
 
 
 def _turn_to_pitch_point(body: Body, pitch_radius: float, direction: float) -> float:
-    """Angle that brings tooth 0's flank to the pitch point; 0 if the file gives the angle."""
+    """Rotation of tooth 0's flank to the pitch point; 0 for a body at the angle of its file."""
     if not body.flank_angle_known or body.involute is None:
         return 0.0
     return direction - body.involute.polar_angle_at(pitch_radius)
 
 
 def _sites(
-    mesh: Mesh | None,
+    gears: GearGeometry | None,
     teeth_1: int,
     teeth_2: int,
     position_rad: NDArray[np.float64],
@@ -290,16 +289,19 @@ def _sites(
 ) -> NDArray[np.int64]:
     """Pairs near the path of contact at any position, with one extra at each end.
 
-    Coast flanks follow half a pitch behind, which may require one more.
+    Coast flanks, half a pitch behind, may require one more.
     """
     pitches = np.asarray(position_rad) * teeth_1 / (2 * pi)
     start, end, spare = -float(UNKNOWN_PATH_SITES), float(UNKNOWN_PATH_SITES), 0
-    if mesh is not None:
-        start, end = mesh.path_start_mm / mesh.base_pitch_mm, mesh.path_end_mm / mesh.base_pitch_mm
+    if gears is not None:
+        start, end = (
+            gears.path_start_mm / gears.base_pitch_mm,
+            gears.path_end_mm / gears.base_pitch_mm,
+        )
         spare = 1
     first = round_down(start - pitches) - spare
     last = round_up(end - pitches) + spare + int(coast_flanks)
-    # positions may be several revolutions apart
+    # distances between positions may be several revolutions
     runs = set(zip(first.tolist(), last.tolist(), strict=True))
     sites = np.unique(np.concatenate([np.arange(low, high + 1) for low, high in runs]))
     extra = sites.size - min(teeth_1, teeth_2)
@@ -331,22 +333,21 @@ def _at_sites(
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Teeth (S,) of a body at its sites, and their angles (S,) in its frame, rad.
 
-    Body 1 turns counter-clockwise: a tooth further towards recess has a larger angle on body 1
-    (sense 1). On body 2 it has a smaller one (-1), or a larger one if body 2 turns in the same
-    sense. The tooth after that of pair 0 meets as pair -1.
+    A tooth further towards recess has a larger angle if the body turns counter-clockwise (sense 1),
+    a smaller one otherwise (-1). The tooth after that of pair 0 comes into contact as pair -1.
     """
     teeth = sense * sites % body.teeth
     angles = sense * 2 * pi * sites / body.teeth
-    # flanks from a file may differ from their equal shares of the body
+    # flanks from a file may deviate from equal angles
     own = np.asarray(body.flank_turns_rad)[teeth] if body.flank_turns_rad else 0.0
     return teeth, angles + _pitch_turns(body, -sites) + own
 
 
 def _pitch_turns(body: Body, entries: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Angles (S,) of the flanks due to pitch errors, rad; `entries` selects the error of a site.
+    """Rotations (S,) of the flanks by pitch errors, rad; `entries`: number of the error of a site.
 
-    An error along the base tangent rotates its flank about the axis, for extra material
-    counter-clockwise on external teeth and clockwise on internal teeth.
+    Excess material along the base tangent rotates the flank counter-clockwise on external teeth,
+    clockwise on internal teeth.
     """
     if not body.pitch_errors_um:
         return np.zeros(entries.size)
@@ -355,10 +356,9 @@ def _pitch_turns(body: Body, entries: NDArray[np.int64]) -> NDArray[np.float64]:
 
 
 def coast_sites(numbers: NDArray[np.int64], body_1: Body, body_2: Body) -> CoastSites:
-    """Sites of the coast flanks of some teeth of body 1, which pair numbers (S,) name.
+    """Sites of the coast flanks of teeth of body 1 with pair numbers (S,).
 
-    Both flanks of a tooth are assumed to be equal. Pitch errors are defined for working flanks;
-    they do not move coast flanks.
+    Both flanks of a tooth are assumed to be equal. Pitch errors apply to working flanks only.
     """
     assert body_1.involute is not None
     assert body_2.involute is not None
@@ -382,7 +382,7 @@ def period_of(body_1: Body, body_2: Body, *, by_tooth: tuple[float, ...] = ()) -
 
 
 def _teeth_until_alike(body: Body, by_tooth: tuple[float, ...] = ()) -> int:
-    """Teeth after which the flanks' places, and another property, repeat around a body."""
+    """Number of teeth after which deviations, and another property, repeat around a body."""
     places = np.zeros((4, body.teeth))
     if by_tooth:
         places[2] = by_tooth

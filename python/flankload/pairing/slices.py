@@ -1,7 +1,7 @@
-"""Slices of the common face width of two bodies: one place of contact on each flank and slice.
+"""Slices of the common face width of two bodies.
 
-The transverse section of a body at the axial position z is that at z = 0, rotated by twist times z:
-the pairs of flanks of a slice are those of the plane pair with the teeth at these angles.
+The transverse section of a body at the axial position z is that at z = 0, rotated by twist times z.
+The pairs of flanks of a slice are those of the plane pair with teeth at these angles.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
+
+from flankload.base.gauss import leggauss
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,11 +23,11 @@ if TYPE_CHECKING:
     from flankload.pairing.spline_fit import CommonHeight
 
 
-#: Slices over the common face width by default.
+#: Default number of slices over the common face width.
 SLICES = 28
-#: Gauss points of the mean gap of a slice: parabolas are exact.
+#: Gauss points for the mean gap of a slice, exact for parabolas.
 GAP_POINTS = 3
-#: Slices of cells: those at the ends, relative to those of the middle, and their growth.
+#: Width of the slices of cells at the ends, over that in the middle, and growth from the ends.
 END_SLICE, SLICE_GROWTH = 0.3, 1.5
 
 
@@ -43,11 +44,12 @@ class Slices:
     removed_mm : two (J,) arrays
         Metal removed from the flanks of each body, along the base tangent, mean over each slice.
     of_teeth_mm : two (T, J) arrays or None
-        The same in addition for each tooth, in the order of pitch errors; None if all are alike.
+        Further metal removed from each tooth, in the order of pitch errors; None if all are equal.
     surfaces_mm : two (J, m) arrays or None
-        The same at the places of a surface over the height of the flanks; None without.
+        Further metal removed at the places of a surface over the height of the flanks; None
+        without.
     conforming : CommonHeight or None
-        What flanks have in common that lie on each other (splines); None if they touch in a line.
+        Common height of conforming flanks (splines); None for line contact.
     """
 
     edges_mm: Floats
@@ -78,7 +80,7 @@ class Slices:
         return np.diff(self.edges_mm)
 
     def coarser(self) -> Slices:
-        """Half as many slices: each pair of neighbours as one, with the mean of their gaps."""
+        """Half as many slices, each from two neighbours with the mean of their gaps."""
         if self.count < 2:
             return self
         first = np.arange(0, self.count - self.count % 2, 2)
@@ -107,16 +109,16 @@ class Slices:
         return np.asarray(np.add.outer(angles_rad, self.turns_rad[body]).ravel())
 
     def site_deviations(self, deviations_mm: Floats, body: int) -> Floats:
-        """Metal that touches early (S * J,) from that of the sites (S,) or (S, J), mm."""
+        """Excess metal (S * J,) in all slices from that of the sites (S,) or (S, J), mm."""
         each = deviations_mm.reshape(len(deviations_mm), -1)
         return np.asarray((each - self.removed_mm[body]).ravel())
 
     def tooth_deviations(self, sites: NDArray[np.int64], body: int) -> Floats:
-        """Metal that touches early on the teeth of a body at sites (S,): (S, 1) or (S, J), mm."""
+        """Excess metal on the teeth of a body at sites (S,): (S, 1) or (S, J), mm."""
         removed = self.of_teeth_mm[body]
         if removed is None:
             return np.zeros((sites.size, 1))
-        # the tooth after pair 0 meets as pair -1
+        # the tooth after that of pair 0 comes into contact as pair -1
         return np.asarray(-removed[-sites % len(removed)])
 
     def site_blocks(self, block: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -140,7 +142,7 @@ def slices_of(
     misalignment_per_mm : float
         Gap per length along z by the misalignment of the axes.
     graded : bool
-        Narrower slices at both ends, which resolve the pressure there; else equal ones.
+        Narrower slices at both ends, which resolve the pressure there, instead of equal ones.
     """
     one, two = shapes
     low = max(one.range_mm[0], two.range_mm[0])
@@ -172,13 +174,13 @@ def slices_of(
 
 
 def _ends_of_slices(low: float, high: float, count: int, *, graded: bool) -> Floats:
-    """Ends (count + 1,) of slices, symmetric in the middle of the width."""
+    """Ends (count + 1,) of slices, symmetric about the middle of the width."""
     if not graded:
         return np.linspace(low, high, count + 1)
     from_end = np.minimum(np.arange(count), np.arange(count)[::-1])
     widths = np.minimum(1.0, END_SLICE * SLICE_GROWTH**from_end)
     before = np.cumsum(np.append(0.0, widths))
-    # exact at both ends and under mirroring
+    # exact at both ends, and bitwise symmetric
     part = (before - before[::-1] + before[-1]) / (2.0 * before[-1])
     return np.asarray((1.0 - part) * low + part * high)
 
@@ -197,13 +199,10 @@ def gap_by_misalignment(
 
 
 def reached_positions(position_rad: Floats, body_1: Body) -> Floats:
-    """Positions (n,) at which the sections of body 1 are, over its whole width.
-
-    `position_rad` (P,) are the angles of the section at z = 0: the same in a plane scene.
-    """
+    """Angles (n,) of all sections of body 1 over its width, at angles (P,) of that at z = 0."""
     if body_1.axial is None or not body_1.axial.twist_rad_per_mm:
         return position_rad
     low, high = (body_1.axial.twist_rad_per_mm * z for z in body_1.axial.range_mm)
-    # less than half a pitch apart, so that no pair is passed over
+    # steps below half a pitch, so that no pair is missed
     steps = 2 + int(abs(high - low) * body_1.teeth / pi)
     return np.unique(np.add.outer(position_rad, np.linspace(low, high, steps)))

@@ -1,10 +1,8 @@
-"""Fit of a spline's shaft in its hub: equal dimensions, clearances and backlash.
+"""Fit of a spline shaft in its hub: equal dimensions, clearances and backlash.
 
-Both have the same base circle. Therefore, once the backlash is taken up, flanks without errors
-coincide from the hub's tip circle to the shaft's.
-
-In three dimensions a slice of flanks that lie on each other has no place of contact. Its force is
-spread over strips of their common height, in the same way in all slices (`contact.conforming`).
+Both have the same base circle. Flanks without errors and backlash therefore coincide between both
+tip circles. In three dimensions, the force on a slice of conforming flanks is distributed over
+strips of their common height, in the same way in all slices (`contact.conforming`).
 """
 
 from __future__ import annotations
@@ -16,8 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rotation import turned
+from flankload.base.rounding import TIE
 from flankload.errors import SceneError
-from flankload.pairing.interference import along
+from flankload.pairing.interference import LEAST_OVERLAP, along
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -26,23 +25,17 @@ if TYPE_CHECKING:
     from flankload.pairing.slices import Slices
 
 
-#: Modules, angles and widths that differ by less are equal up to rounding errors.
-ROUNDING = 1e-9
-
-#: Largest interference of tooth and space in base pitches; a larger one is not a press fit.
+#: Largest interference of tooth and space for a press fit, in base pitches.
 LARGEST_OVERLAP = 0.01
 
-#: Least overlap of tip and fillet relative to the flank's length (0.3 um for a spline of module
-#: 2 mm).
-LEAST_PART = 1e-4
 
-#: Points in each interval of a flank's curve.
-PLACES = 12
+#: Number of points in each interval of a flank's curve.
+POINTS_PER_INTERVAL = 12
 
 
-#: Strips over the height: twice as many change the rotation of the example by 0.02 %.
+#: Number of strips over the height; twice as many change the rotation of the example by 0.02 %.
 STRIPS = 24
-#: Points of a flank between which radii are interpolated, 1e-8 of the height.
+#: Number of points of a flank for the interpolation of radii, accurate to 1e-8 of the height.
 POINTS = 20001
 
 
@@ -50,9 +43,9 @@ POINTS = 20001
 class SplineFit:
     """Fit of shaft and hub, with offset axes.
 
-    `active_radii_mm` are the tip radii of hub and shaft, between which the flanks coincide;
-    `turn_rad` is the angle of the hub at which flanks without errors touch on a common axis;
-    pressure angle and backlash are those on the pitch circle.
+    `active_radii_mm`: tip radii of hub and shaft, between which the flanks coincide; `turn_rad`:
+    angle of the hub at which flanks without errors touch on a common axis. Pressure angle and
+    backlash are those on the pitch circle.
     """
 
     pressure_angle_rad: float
@@ -72,24 +65,24 @@ class SplineFit:
 def spline_fit(
     shaft: Body, hub: Body, offset: float, warnings: list[str], *, coast_flanks: bool = False
 ) -> SplineFit:
-    """Geometry of a shaft in its hub, `offset` mm apart; a SceneError names the misfit key.
+    """Geometry of a shaft in its hub with axes `offset` mm apart, checked.
 
-    Warnings for the user are appended. If coast flanks can carry, a tooth may be wider than its
-    space by `LARGEST_OVERLAP`.
+    Warnings for the user are appended. If coast flanks can carry load, a tooth may be wider than
+    its space by `LARGEST_OVERLAP`.
     """
     assert shaft.involute is not None
     assert hub.involute is not None
     one, two = shaft.involute, hub.involute
     _check_teeth(shaft, hub)
     _check_circles(one, two, offset)
-    room = _room(one, two, shaft.teeth, coast_flanks=coast_flanks)
+    clearance = _angular_clearance(one, two, shaft.teeth, coast_flanks=coast_flanks)
     fit = SplineFit(
         pressure_angle_rad=float(np.arccos(one.base_radius_mm / one.reference_radius_mm)),
         pitch_radius_mm=one.reference_radius_mm,
         base_radius_mm=one.base_radius_mm,
         active_radii_mm=(two.tip_radius_mm, one.tip_radius_mm),
-        turn_rad=-room,
-        backlash_mm=2 * room * one.reference_radius_mm,
+        turn_rad=-clearance,
+        backlash_mm=2 * clearance * one.reference_radius_mm,
         offset_mm=offset,
     )
     _check_roots(shaft, hub, fit)
@@ -109,8 +102,8 @@ def _check_teeth(shaft: Body, hub: Body) -> None:
     )
     for key, one, two, tolerance in (
         ("teeth", shaft.teeth, hub.teeth, 0.0),
-        ("module_mm", module_1, module_2, ROUNDING * module_1),
-        ("pressure_angle_deg", angle_1, angle_2, ROUNDING),
+        ("module_mm", module_1, module_2, TIE * module_1),
+        ("pressure_angle_deg", angle_1, angle_2, TIE),
     ):
         if abs(two - one) > tolerance:
             raise SceneError(
@@ -120,10 +113,10 @@ def _check_teeth(shaft: Body, hub: Body) -> None:
             )
 
 
-def _room(one: Involute, two: Involute, teeth: int, *, coast_flanks: bool) -> float:
-    """Angle by which a space is wider than its tooth, rad, checked."""
-    room = two.base_half_angle_rad - one.base_half_angle_rad
-    wider = -2 * room * one.reference_radius_mm
+def _angular_clearance(one: Involute, two: Involute, teeth: int, *, coast_flanks: bool) -> float:
+    """Half the difference of the angular widths of space and tooth, rad, checked."""
+    clearance = two.base_half_angle_rad - one.base_half_angle_rad
+    wider = -2 * clearance * one.reference_radius_mm
     widest = LARGEST_OVERLAP * 2 * np.pi * one.base_radius_mm / teeth
     if coast_flanks and wider > widest:
         raise SceneError(
@@ -132,14 +125,14 @@ def _room(one: Involute, two: Involute, teeth: int, *, coast_flanks: bool) -> fl
             f"({LARGEST_OVERLAP:g} of the base pitch), even with effects.coast_flank",
             found=f"{wider:.4f} mm",
         )
-    if room < -ROUNDING and not coast_flanks:
+    if clearance < -TIE and not coast_flanks:
         raise SceneError(
             key="body_1.profile_shift",
             expected="at most that of body_2, so that the tooth is no wider than the space (or "
             "effects.coast_flank = true)",
             found=f"a tooth that is {wider:.4f} mm wider on the pitch circle",
         )
-    return room
+    return clearance
 
 
 def _module_and_angle(involute: Involute | None, teeth: int) -> tuple[float, float]:
@@ -173,7 +166,7 @@ def _check_circles(one: Involute, two: Involute, offset: float) -> None:
 
 
 def _check_roots(shaft: Body, hub: Body, fit: SplineFit) -> None:
-    """Check that no tip is inside the mate's root fillet when the flanks touch."""
+    """Check that no tip overlaps the mate's root fillet when the flanks touch."""
     (r_1, angle_1), (r_2, angle_2) = (_places(body) for body in (shaft, hub))
     low, high = fit.active_radii_mm
     radius = np.unique(np.concatenate([r_1, r_2]))
@@ -181,7 +174,7 @@ def _check_roots(shaft: Body, hub: Body, fit: SplineFit) -> None:
     gap = np.interp(radius, r_2, angle_2) + fit.turn_rad - np.interp(radius, r_1, angle_1)
     depth = -gap * radius
     worst = int(np.argmax(depth))
-    if depth[worst] <= LEAST_PART * shaft.curve.length_mm:
+    if depth[worst] <= LEAST_OVERLAP * shaft.curve.length_mm:
         return
     at_hub_tip = radius[worst] < 0.5 * (low + high)
     (key, tip), mate = (("body_2", low), shaft) if at_hub_tip else (("body_1", high), hub)
@@ -196,14 +189,14 @@ def _check_roots(shaft: Body, hub: Body, fit: SplineFit) -> None:
 
 def _places(body: Body) -> tuple[Floats, Floats]:
     """Radii, ascending, and polar angles of points on a flank."""
-    x, y = body.curve.point(along(body.curve, PLACES)).T
+    x, y = body.curve.point(along(body.curve, POINTS_PER_INTERVAL)).T
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
     order = np.argsort(radius, kind="stable")
     return radius[order], angle[order]
 
 
 def describe_fit(fit: SplineFit) -> tuple[tuple[str, str], ...]:
-    """Main geometry of a spline, as (name, value with unit) rows."""
+    """Main geometry of a spline: rows of name and value with unit."""
     low, high = fit.active_radii_mm
     return (
         ("pressure angle", f"{degrees(fit.pressure_angle_rad):.4f} deg"),
@@ -217,7 +210,7 @@ def describe_fit(fit: SplineFit) -> tuple[tuple[str, str], ...]:
 # --- in three dimensions --------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class CommonHeight:
-    """The part of both flanks of tooth 0 that lie on each other, in N equal strips.
+    """The conforming part of both flanks of tooth 0, in N equal strips.
 
     Attributes
     ----------
@@ -228,10 +221,10 @@ class CommonHeight:
     normal : (N, 2) array
         Normals out of the shaft there, in its frame.
     middle_mm, middle_normal, middle_s_mm : (2,) arrays and (float, float)
-        Place, normal and arc lengths on both flanks of the middle of the height.
+        Position and normal of the middle of the height, and its arc lengths on both flanks.
     axis_mm, tilt : (2,) arrays
-        Place of the hub's axis at z = `middle_z_mm`, the middle of the common face width, from the
-        shaft's, and its displacement per length along z.
+        Position of the hub's axis relative to the shaft's at z = `middle_z_mm`, the middle of the
+        common face width, and its displacement per length along z.
     """
 
     s_mm: tuple[Floats, Floats]
@@ -250,12 +243,11 @@ class CommonHeight:
         return self.strip_mm * self.s_mm[0].size
 
     def gap_mm(self, turn_rad: Floats, z_mm: Floats, spread: Floats) -> Floats:
-        """Gap (S, J) by offset and tilt of the hub's axis, along the normals of the shaft.
+        """Gap (S, J) by offset and tilt of the hub's axis, along the normals n of the shaft.
 
-        A rotation vector w of the hub about the middle moves its point (x, y, z) by w x (x, y, z),
-        in the section by z (w_y, -w_x): as the axis there, so that the gap is that times n.
-        `turn_rad` (S,) are the angles of the teeth of the shaft in space, `z_mm` (J,) the slices,
-        `spread` (N,) the part of the force on each strip.
+        A rotation vector w of the hub moves the section at z, like its axis, by z (w_y, -w_x); the
+        gap is the component along n. `turn_rad` (S,): angles of the teeth of the shaft in space;
+        `z_mm` (J,): slices; `spread` (N,): part of the force on each strip.
         """
         axis = self.axis_mm + np.outer(z_mm - self.middle_z_mm, self.tilt)
         return np.asarray(turned(spread @ self.normal, turn_rad) @ axis.T)
@@ -270,11 +262,11 @@ def common_height(
     direction_rad: float,
     middle_z_mm: float,
 ) -> CommonHeight:
-    """Common height of shaft and hub, of equal involutes.
+    """Common height of the equal involutes of shaft and hub.
 
-    The axes are `offset_mm` apart along x. `misalignment_rad` is the angle between them; the hub's
-    axis leans towards larger z in the direction of the polar angle `direction_rad`, about the axial
-    position `middle_z_mm`. Raises a SceneError if roundings or chamfers leave no common height.
+    The axes are `offset_mm` apart along x, with the angle `misalignment_rad` between them: towards
+    larger z, the hub's axis tilts in the direction of the polar angle `direction_rad`, about the
+    axial position `middle_z_mm`. Raises a SceneError if there is no common height.
     """
     (s_1, r_1), (s_2, r_2) = _radii(shaft), _radii(hub)
     low, high = max(r_1.min(), r_2.min()), min(r_1.max(), r_2.max())
@@ -307,7 +299,7 @@ def common_height(
 
 
 def tilt_notes(fit: SplineFit | None, slices: Slices) -> list[str]:
-    """Note on coast flanks of a spline that would touch before all teeth carry, on tilted axes."""
+    """Note on coast flanks of a misaligned spline that would touch before all teeth carry."""
     height = slices.conforming
     if fit is None or height is None or not height.tilt.any():
         return []
@@ -325,6 +317,6 @@ def tilt_notes(fit: SplineFit | None, slices: Slices) -> list[str]:
 
 
 def _radii(body: Body) -> tuple[Floats, Floats]:
-    """Arc lengths and radii of points of the active flank."""
+    """Arc lengths and radii of points on the active flank."""
     s = np.linspace(*body.mode_range_mm, POINTS)
     return s, np.hypot(*body.curve.point(s).T)

@@ -30,7 +30,6 @@ from flankload.plot.curves import (
     plot_torque_sweep,
     plot_transmission_error,
     plot_transmission_error_spectrum,
-    spectrum,
 )
 from flankload.plot.design_study import (
     draw_bands,
@@ -46,7 +45,6 @@ from flankload.plot.figures import as_results, fit
 from flankload.plot.involutes import (
     draw_pressure_over_diameter,
     draw_profile_deviation,
-    path_on_flank,
     plot_pressure_over_diameter,
     plot_profile_deviation,
 )
@@ -283,48 +281,10 @@ def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
         root_stress_over_width), torque_sweep for several torques.
     """
     shown = as_results(results)
-    found = {name: None for result in shown for name in _names(result)}
+    found = {name: None for one in shown for name in one.engagement.pictures(one)}
     return (*found, *["torque_sweep"] * (len(shown) > 1))
 
 
 def suited(name: str, results: Sequence[Result]) -> Sequence[Result]:
     """The results that a plot shows: with load for a stiffness, for instance."""
-    return [result for result in results if name in _names(result)] or results
-
-
-def _names(result: Result) -> tuple[str, ...]:
-    """Plots of one result, without those of several torques."""
-    own = result.drive.pictures(result) if result.drive is not None else _of_flanks(result)
-    several = result.position_rad.size > 1
-    stressed = any(stress is not None for stress in result.root_stress)
-    turns = "transmission_error" in own and not (result.whole_circle or result.has_cam)
-    return (
-        *own,
-        *["transmission_error_spectrum"] * (turns and spectrum(result)[0].size > 0),
-        *["load_map"] * (several and not result.has_cam),
-        *["root_stress"] * stressed,
-        *["root_stress_over_width"] * (stressed and result.slices is not None),
-    )
-
-
-def _of_flanks(result: Result) -> tuple[str, ...]:
-    """Plots of a flank pair."""
-    several = result.position_rad.size > 1
-    if result.whole_circle:
-        along = "flank_pressure" if result.slices is None else "line_load_map"
-        names = ("load_per_tooth", along, "loaded_pair")
-        return (*names, *["transmission_error"] * several)
-    loaded = result.torque_Nm > 0
-    profiles = any(profile is not None for profile in result.drawing.profiles)
-    path = several and loaded and path_on_flank(result, 1) is not None
-    return (
-        "transmission_error",
-        "follower_motion" if result.has_cam else "load_sharing",
-        "peak_pressure",
-        *["pressure_over_diameter"] * path,
-        "loaded_pair",
-        *["flank_forces"] * (result.coast is not None),
-        *["stiffness"] * loaded,
-        *["profile_deviation"] * profiles,
-        *["line_load", "line_load_map", "contact_pattern"] * (result.slices is not None and loaded),
-    )
+    return [one for one in results if name in one.engagement.pictures(one)] or results

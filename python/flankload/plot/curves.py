@@ -166,10 +166,7 @@ def _draw_on_way(
     list of float
         Largest value of each curve off corners.
     """
-    if results[0].has_cam:
-        label_positions(axes, results[0])
-    else:
-        label_way(axes, results[-1])
+    label_way(axes, results[-1])
     tops = []
     for result, value, colour in zip(results, values, torque_colours(len(results)), strict=True):
         place, whole = way_curve(result, value)
@@ -454,7 +451,7 @@ def plot_torque_sweep(results: Results, quantity: str | None = None) -> Figure:
         if quantity is not None:
             draw_torque_sweep(figure.add_subplot(), results, quantity=quantity)
             return figure
-        third = "peak_pressure" if results[0].drive is None else "tooth_force"
+        third = "peak_pressure" if results[0].engagement.has_pressures else "tooth_force"
         names = ("transmission_error_peak_to_peak", "transmission_error_mean", third, "stiffness")
         figure.set_size_inches(SIZE[0], 1.25 * SIZE[1])
         for axes, name in zip(figure.subplots(2, 2).flat, names, strict=True):

@@ -92,8 +92,6 @@ def path_on_flank(result: Result, body: int) -> PathOnFlank | None:
     one, two = drawing.profiles
     if one is None or two is None or geometry is None or geometry.path_pitches is None:
         return None
-    if result.whole_circle:
-        return None
     sense = -1.0 if drawing.is_around else 1.0
     bases = one.base_radius_mm, two.base_radius_mm
     angle = acos(abs(bases[1] + sense * bases[0]) / geometry.center_distance_mm)

@@ -157,8 +157,6 @@ def draw_line_load_map(axes: Axes, results: Results) -> None:
         vmin=0.0,
     )
     label_way(axes, result)
-    if result.whole_circle:
-        axes.set_xlabel("place of the tooth in pitches around the axis")
     axes.set_ylabel("axial position z in mm")
     axes.figure.colorbar(shown, ax=axes, label="line load in N per mm face width")
 

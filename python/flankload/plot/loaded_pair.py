@@ -9,19 +9,18 @@ import numpy as np
 from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 
+from flankload.base.rotation import all_around
 from flankload.plot.loaded_pair_3d import draw_loaded_body, fill_with_loaded_bodies
 from flankload.plot.picture import at, of_largest_line_load, panels, picture
 from flankload.plot.style import (
     INK,
     SLATE,
     STEEL,
-    all_around,
     at_corner,
     coast_sites,
     colour_of,
     loaded_sites,
     pair_name,
-    turned,
 )
 
 if TYPE_CHECKING:
@@ -41,14 +40,12 @@ HERTZ_POINTS = 41
 
 
 def _representative(result: Result) -> int:
-    """Position of most pairs and most even sharing (cams: largest pressure; 3D: line load)."""
+    """Position of most pairs, most even sharing, largest pressure (3D: largest line load)."""
     if _has_width(result):
         return of_largest_line_load(result)
-    if result.has_cam:
-        return int(np.argmax(result.peak_pressure_MPa.max(axis=1)))
-    loaded = (result.site_force_N > 0).sum(axis=1)
+    share, pressure = result.load_share.max(axis=1), result.peak_pressure_MPa.max(axis=1)
     # off corners if possible
-    order = np.lexsort((result.load_share.max(axis=1), at_corner(result), -loaded))
+    order = np.lexsort((-pressure, share, at_corner(result), -result.loaded_pairs))
     return int(order[0])
 
 
@@ -68,8 +65,8 @@ def plot_loaded_pair(results: Results, position: int | None = None) -> Figure:
             fill_with_loaded_bodies(figure, result, p)
             return figure
         carrying = _carrying(result, p)
-        if result.whole_circle or not carrying:
-            if result.whole_circle:
+        if not (carrying and result.engagement.draws_pressures):
+            if result.engagement.draws_whole_bodies:
                 figure.set_size_inches(6.2, 6.4)
             draw_loaded_pair(figure.add_subplot(), result, position=p)
             return figure
@@ -100,13 +97,14 @@ def draw_loaded_pair(axes: Axes, results: Results, *, position: int | None = Non
     if _has_width(result):
         draw_loaded_body(axes, result, p, 1)
         return
-    draw = _draw_whole_circle if result.whole_circle else _draw_teeth_in_mesh
+    _draw_bodies(axes, result, p)
+    draw = _draw_pressures if result.engagement.draws_pressures else _draw_forces
     draw(axes, result, p)
 
 
 def _has_width(result: Result) -> bool:
     """Whether the teeth are drawn over their width."""
-    return result.slices is not None and not result.whole_circle
+    return result.slices is not None and not result.engagement.draws_whole_bodies
 
 
 def _carrying(result: Result, p: int) -> list[tuple[int, int]]:
@@ -129,9 +127,8 @@ def _loaded_flanks(result: Result, p: int) -> Iterator[tuple[PairTable, int, flo
                 yield result.coast.pair_tables[p], site, result.coast.force_N[p, s], True
 
 
-def _draw_whole_circle(axes: Axes, result: Result, p: int) -> None:
-    """Bodies with contact all around, and a bar for the force on each flank."""
-    _draw_bodies(axes, result, p)
+def _draw_forces(axes: Axes, result: Result, p: int) -> None:
+    """A bar for the force on each flank that carries."""
     flanks = list(_loaded_flanks(result, p))
     largest = max((force for _, _, force, _ in flanks), default=0.0)
     part = 0.08 if result.coast is None else 0.05  # less space between two flanks
@@ -140,9 +137,8 @@ def _draw_whole_circle(axes: Axes, result: Result, p: int) -> None:
         _draw_force_on_flank(axes, table, site, force / largest, colour, part)
 
 
-def _draw_teeth_in_mesh(axes: Axes, result: Result, p: int) -> None:
-    """Teeth in mesh with the pressure on each flank that carries."""
-    _draw_bodies(axes, result, p)
+def _draw_pressures(axes: Axes, result: Result, p: int) -> None:
+    """The pressure on each flank that carries."""
     for table, site, force, on_coast in _loaded_flanks(result, p):
         label = f"{'coast ' * on_coast}{force / 1e3:.2f} kN"
         _draw_pressure_on_flank(axes, result, p, table, site, label)
@@ -166,8 +162,7 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
     rims = (drawing.bore_radius_1_mm, drawing.bore_radius_2_mm)
     for z, (outline, teeth, angle, centre) in enumerate(bodies):
         shape = [all_around(outline, teeth, angle)]
-        around = drawing.is_around if z else result.whole_circle
-        if rims[z] and (around or result.has_cam):
+        if rims[z]:
             turn = np.linspace(0.0, -2 * np.pi, 721)  # clockwise: one of both is a hole
             shape.append(rims[z] * np.stack([np.cos(turn), np.sin(turn)], axis=1))
         # not `add_patch`, which needs the time of a whole picture for limits that are known
@@ -181,26 +176,29 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
                 linewidth=0.9,
             )
         )
-        if result.whole_circle:
-            continue
         same_way = z == 0 or drawing.is_around or drawing.cam_turns_clockwise is False
-        at_left = (z == 0) != drawing.is_around
-        place, ha = (0.03, "left") if at_left else (0.97, "right")
         text = f"body {z + 1} {'↺' if same_way else '↻'}"
         look: dict[str, Any] = {"fontweight": "bold", "color": "#404040"}
+        if z == 0 and drawing.is_around and result.engagement.draws_whole_bodies:
+            root = float(np.hypot(*outline.T).min())
+            middle = -0.5 * (root + (rims[z] or 0.0))
+            axes.text(centre, middle, text, ha="center", va="center", **look)
+            continue
+        at_left = (z == 0) != drawing.is_around
+        place, ha = (0.03, "left") if at_left else (0.97, "right")
         axes.text(place, 0.03, text, transform=axes.transAxes, ha=ha, **look)
 
 
 def _window(result: Result, p: int) -> tuple[Floats, Floats]:
-    """Corners of the drawing: all contacts of the position with a margin of about a tooth."""
+    """Corners of the drawing: all contacts of the position with a margin of about a tooth.
+
+    Of whole bodies, both with space for their names below.
+    """
     drawing = result.drawing
-    if result.whole_circle:
-        rim = drawing.bore_radius_2_mm or float(np.hypot(*drawing.outline_2.T).max())
-        half = np.array([1.04, 1.04]) * rim
-        middle = np.array([drawing.center_distance_mm, 0.0])
-        return middle - half, middle + half
-    if result.has_cam:
-        return _whole_window(result, p)
+    if result.engagement.draws_whole_bodies:
+        low, high = drawing.extent_mm([p])
+        room = 0.05 * float((high - low).max())
+        return low - np.array([room, 2 * room]), high + room
     tip_1 = float(np.max(np.hypot(*drawing.outline_1.T)))
     radii_2 = np.hypot(*drawing.outline_2.T)
     # the teeth meet between the axes, or, for an internal gear, beyond the axis of body 1
@@ -208,21 +206,10 @@ def _window(result: Result, p: int) -> tuple[Floats, Floats]:
     pitch = 2 * np.pi * tip_1 / drawing.teeth_1
     middle = np.array([(side * tip_1 + drawing.center_distance_mm - tip_2) / 2, 0.0])
     table = result.pairs(p)
-    places = np.column_stack([table.x_mm, table.y_mm])[table.force_N > 0]
+    places = table.point_mm[table.force_N > 0]
     reach = float(np.abs(places[:, 1]).max()) if len(places) else 0.0
     half = np.array([1.15, 1.25]) * max(pitch, reach + 0.35 * pitch)
     return middle - half, middle + half
-
-
-def _whole_window(result: Result, p: int) -> tuple[Floats, Floats]:
-    """Corners of the drawing: both bodies, with space for their names below."""
-    drawing = result.drawing
-    one = turned(drawing.outline_1, drawing.angle_1[p])
-    two = turned(drawing.outline_2, drawing.angle_2[p])
-    places = np.concatenate([one, two + np.array([drawing.center_distance_mm, 0.0])])
-    low, high = places.min(axis=0), places.max(axis=0)
-    room = 0.06 * float((high - low).max())
-    return low - np.array([room, 3 * room]), high + room
 
 
 def _rows_of_pair(table: PairTable, site: int) -> NDArray[np.int64]:
@@ -237,8 +224,8 @@ def _draw_force_on_flank(
     """A force relative to the largest, as a bar on the part of the flank in contact."""
     rows = _rows_of_pair(table, site)
     rows = rows[table.force_N[rows] > 0]
-    place = np.column_stack([table.x_mm, table.y_mm])[rows]
-    normal = np.column_stack([table.normal_x, table.normal_y])[rows]
+    place = table.point_mm[rows]
+    normal = table.normal[rows]
     low, high = axes.get_ylim()
     height = part * (high - low) * force
     bar = np.vstack([place, (place + normal * height)[::-1]])
@@ -284,8 +271,8 @@ def _profile(table: PairTable, site: int) -> tuple[Floats, ...]:
     """
     rows = _rows_of_pair(table, site)
     along, pressure = table.arc_length_1_mm[rows], table.pressure_MPa[rows]
-    place = np.column_stack([table.x_mm, table.y_mm])[rows]
-    normal = np.column_stack([table.normal_x, table.normal_y])[rows]
+    place = table.point_mm[rows]
+    normal = table.normal[rows]
     if table.half_width_mm is None:
         return along, place, normal, pressure
     angle = np.linspace(0.0, np.pi, HERTZ_POINTS)
@@ -330,6 +317,4 @@ def _draw_pressure(axes: Axes, result: Result, p: int, s: int, site: int, reach:
         color=colour,
     )
     axes.set_ylabel("pressure in MPa")
-    axes.set_xlabel(
-        "along flank 1 in mm (out →)" if result.has_cam else "along flank 1 in mm (tip →)"
-    )
+    axes.set_xlabel("along flank 1 in mm (outwards →)")

@@ -15,8 +15,9 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 
+from flankload.base.rotation import turned
 from flankload.plot.figures import note
-from flankload.plot.style import GREY, STEEL, turned
+from flankload.plot.style import GREY, STEEL
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -187,7 +188,7 @@ def _contacts(result: Result, p: int) -> tuple[Floats, Floats, Floats]:
     table = result.pairs(p)
     carries = table.force_N > 0
     force = table.force_N[carries]
-    normal = _side(result) * np.column_stack([table.normal_x, table.normal_y])[carries]
+    normal = _side(result) * table.normal[carries]
     rows = np.column_stack([_loaded_places(result, p, 1), normal])
     if table.half_width_mm is None:
         keys = np.column_stack([table.site[carries], rows[:, 2]])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees
+from math import degrees, isclose
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 
     from flankload.result import Result
 
-#: Labels of the axis of positions begin with one of them: of body 1, of a cam.
-OF_POSITIONS = ("angle of body 1 in degrees", "cam angle in degrees")
+#: Name of Axes over the positions, which is not shown.
+OVER_POSITIONS = "over the positions"
+#: A whole turn, and its ticks, degrees.
+TURN, TICKS = 360.0, 45.0
 #: Largest number of uneven positions with markers; more of them look like a line.
 MOST_MARKS = 400
 #: Largest number of pairs that are named one by one.
@@ -31,16 +33,18 @@ CURVE_STEPS = 8
 
 def label_positions(axes: Axes, result: Result) -> None:
     """Range, ticks and label of the axis of positions, in degrees."""
-    angle = OF_POSITIONS[result.has_cam]
-    axes.set_xlabel(angle)
-    angles = np.degrees(result.position_rad)
+    label = f"{result.engagement.position_angle} in degrees"
+    axes.set_label(OVER_POSITIONS)
+    axes.set_xlabel(label)
+    angles = result.position_deg
     if is_closed(result):
-        axes.set_xlim(0, degrees(result.period_rad))
-        if result.has_cam:
-            axes.xaxis.set_major_locator(MultipleLocator(45))
-            return
-        axes.xaxis.set_major_locator(MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]))
-        axes.set_xlabel(f"{angle} (one pitch = {degrees(result.pitch_rad):.4g}°)")
+        axes.set_xlim(0, result.period_deg)
+        if isclose(result.period_deg, TURN):
+            axes.xaxis.set_major_locator(MultipleLocator(TICKS))
+        else:
+            axes.xaxis.set_major_locator(MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]))
+        if result.engagement.pairs_advance:
+            axes.set_xlabel(f"{label} (one pitch = {result.pitch_deg:.4g}°)")
     elif np.ptp(angles) > 0:
         margin = 0.02 * np.ptp(angles)  # markers at both ends remain complete
         axes.set_xlim(angles.min() - margin, angles.max() + margin)
@@ -55,8 +59,14 @@ def places_on_way(result: Result) -> NDArray[np.float64]:
 
 
 def label_way(axes: Axes, result: Result, beside: float = 0.1) -> None:
-    """Label of the axis of these places, and its range: places with load, and some beside."""
-    axes.set_xlabel("place of the pair in mesh pitches from the pitch point")
+    """Label of the axis of these places, and its range: places with load, and some beside.
+
+    The axis of positions if the pairs do not advance.
+    """
+    if not result.engagement.pairs_advance:
+        label_positions(axes, result)
+        return
+    axes.set_xlabel(result.engagement.way)
     loaded = places_on_way(result)[result.site_force_N > 0]
     if loaded.size:
         axes.set_xlim(loaded.min() - beside, loaded.max() + beside)
@@ -110,12 +120,11 @@ def pair_curve(
     result: Result, values: NDArray[Any], s: int, closing: float = 0.0
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Curve of one pair: a period later it has the place of another pair."""
-    if not is_closed(result) or result.has_cam:
-        return curve(result, values[:, s])
-    after = np.flatnonzero(result.sites == result.sites[s] + result.period_pitches)
-    end = values[0, after[0]] if after.size else closing
-    angle, _ = curve(result, values[:, s])
-    return angle, np.append(values[:, s], end)
+    angle, along = curve(result, values[:, s])
+    if is_closed(result):
+        after = result.site_after_period(s)
+        along[-1] = closing if after is None else values[0, after]
+    return angle, along
 
 
 def way_curve(
@@ -123,20 +132,19 @@ def way_curve(
 ) -> tuple[NDArray[Any], NDArray[Any]]:
     """Curve of a quantity of the pairs (P, S) on the way of a pair through the mesh.
 
-    If the period has several pitches, whose pairs differ, their curves lie above each other. A cam
-    has one pair, at the angle of the cam in degrees.
+    If the period has several pitches, whose pairs differ, their curves lie above each other.
 
     Returns
     -------
     place : (n,) array
-        Mesh pitches from the pitch point; cam angle in degrees.
+        Pitches, as labelled by `label_way`; positions in degrees if the pairs do not advance.
     value : (n,) array
         NaN between separate curves.
     """
     pieces = []
     for s, site in enumerate(result.sites):
         angle, along = pair_curve(result, values, s, closing)
-        place = angle if result.has_cam else site + angle / degrees(result.pitch_rad)
+        place = site + angle / result.pitch_deg if result.engagement.pairs_advance else angle
         pieces.append(np.array([place, along]))
         if result.period_pitches > 1 or not is_closed(result):
             pieces.append(np.full((2, 1), np.nan))

@@ -8,7 +8,7 @@ import numpy as np
 
 from flankload.plot.figures import legend_below
 from flankload.plot.picture import figure_of, largest, picture
-from flankload.plot.positions import label_way
+from flankload.plot.positions import label_way, marks, way_curve
 from flankload.plot.style import BODIES, GREY, pair_name
 
 if TYPE_CHECKING:
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from flankload.plot.picture import Results
-    from flankload.result import Result
-    from flankload.result.root_stress import Extremes
 
 
 #: Pitches drawn before and after the mesh: further away the stress is constant, or the tooth has
@@ -30,8 +28,8 @@ def draw_root_stress(axes: Axes, results: Results) -> None:
     """Draw tension and compression in the roots over the way of a tooth through the mesh.
 
     Pair j is j pitches further along than pair 0, so the curves of all pairs, one after the other,
-    show the history of one tooth. The teeth of a spline do not change their place: their stress is
-    plotted over the tooth number.
+    show the history of one tooth. If all teeth carry at once, they are drawn side by side, at the
+    position of the largest stress.
     """
     result = largest(results)
     for z, stress in enumerate(result.root_stress):
@@ -40,10 +38,18 @@ def draw_root_stress(axes: Axes, results: Results) -> None:
         most = stress.tension.stress_MPa.max()
         least = stress.compression.stress_MPa.min()
         name = f"body {z + 1}"
-        _draw(axes, result, stress.tension, z, "solid", f"{name}, up to {most:.0f} MPa")
-        _draw(axes, result, stress.compression, z, (0, (4, 2)), f"down to {least:.0f} MPa")
-    if result.whole_circle:
-        axes.set_xlabel("tooth")
+        for values, style, label in (
+            (stress.tension.stress_MPa, "solid", f"{name}, up to {most:.0f} MPa"),
+            (stress.compression.stress_MPa, (0, (4, 2)), f"down to {least:.0f} MPa"),
+        ):
+            look: dict[str, Any] = {"color": BODIES[z], "linestyle": style, "label": label}
+            if result.engagement.cyclic_sites:
+                p = int(np.abs(values).max(axis=1).argmax())
+                axes.plot(result.sites, values[p], marker="o", markersize=4.5, **look)
+            else:
+                axes.plot(*way_curve(result, values, closing=np.nan), **marks(result), **look)
+    if result.engagement.cyclic_sites:
+        axes.set_xlabel(result.words_for_sites[0])
     else:
         label_way(axes, result, BESIDE)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
@@ -88,28 +94,3 @@ def plot_root_stress_over_width(results: Results) -> Figure:
         largest(results),
         "Stress in the tooth roots over the face width",
     )
-
-
-def _draw(
-    axes: Axes, result: Result, extremes: Extremes, z: int, style: object, label: str
-) -> None:
-    look: dict[str, Any] = {"color": BODIES[z], "linestyle": style}
-    if result.whole_circle:
-        # the position of the largest stress of a tooth
-        p = int(np.abs(extremes.stress_MPa).max(axis=1).argmax())
-        axes.plot(
-            result.sites, extremes.stress_MPa[p], label=label, marker="o", markersize=4.5, **look
-        )
-        return
-    order = np.argsort(result.position_rad, kind="stable")
-    along = result.position_rad[order] / result.pitch_rad
-    pitches = result.period_pitches
-    for s, site in enumerate(result.sites):
-        values = extremes.stress_MPa[order, s]
-        after = np.flatnonzero(result.sites == site + pitches)
-        x = site + along
-        if result.closed and after.size:
-            # after a period a pair is at the place of another one
-            x = np.append(x, site + along[0] + pitches)
-            values = np.append(values, extremes.stress_MPa[order[0], after[0]])
-        axes.plot(x, values, label=label if s == 0 else None, **look)

@@ -124,19 +124,6 @@ def file_of(figure: Figure, kind: str, dpi: float | None = None) -> bytes:
     return out.getvalue()
 
 
-def turned(places: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
-    """Places (n, 2), rotated about the axis."""
-    return all_around(places, 1, angle)
-
-
-def all_around(sector: NDArray[np.float64], teeth: int, angle: float = 0.0) -> NDArray[np.float64]:
-    """(n, 2) Contour of a whole body from that of one sector."""
-    turns = angle + 2 * np.pi / teeth * np.arange(teeth)
-    cosine, sine = np.cos(turns), np.sin(turns)
-    matrices = np.moveaxis(np.array([[cosine, sine], [-sine, cosine]]), 2, 0)
-    return np.asarray((sector @ matrices).reshape(-1, 2))
-
-
 def short(name: str) -> str:
     """A name on one line, cut before it reaches the title."""
     line = "".join(letter if letter.isprintable() else " " for letter in " ".join(name.split()))

@@ -12,7 +12,7 @@ from matplotlib import rc_context
 from matplotlib.collections import QuadMesh
 
 from flankload.plot.figures import empty_figure, fit
-from flankload.plot.positions import OF_POSITIONS
+from flankload.plot.positions import OVER_POSITIONS
 from flankload.plot.style import STYLE, missing_letters_are_boxes
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def _axes_of(figure: Figure) -> tuple[dict[str, Any], ...]:
                 "x": _numbers(axes.get_xlim()),
                 "y": _numbers(axes.get_ylim()),
                 "label": axes.get_ylabel().replace("\n", " "),
-                "position": axes.get_xlabel().startswith(OF_POSITIONS),
+                "position": axes.get_label() == OVER_POSITIONS,
                 "curves": curves,
             }
         )

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.rotation import all_around, directions, turned
 from flankload.plot.picture import at, at_largest_force, figure_of, largest, panels, picture
-from flankload.plot.style import FORCE, GREY, INK, SIZE, SLATE, STEEL, all_around, turned
+from flankload.plot.style import FORCE, GREY, INK, SIZE, SLATE, STEEL
 from flankload.result.drives import BeltDrive, ChainDrive
 
 if TYPE_CHECKING:
@@ -67,13 +68,13 @@ def draw_belt_on_pulley(axes: Axes, results: Results, *, position: int | None = 
     for angle in angles:
         tooth = turned(result.drawing.outline_2, angle)
         axes.fill(*tooth.T, color=STEEL[1], ec=EDGE, lw=0.6)
-    around = radius * _directions(np.linspace(0.0, wrap, 200))
+    around = radius * directions(np.linspace(0.0, wrap, 200))
     pitch_mm = result.pitch_rad * radius
     reach = BELT_STRAND * pitch_mm * _strands(wrap)
     cord = np.vstack([around[0] + reach[0], around, around[-1] + reach[1]])
     axes.plot(*cord.T, color=DARK, lw=1.4)
     force = result.site_force_N[p, there]
-    starts = (1.0 + 0.35 * result.pitch_rad) * radius * _directions(angles)
+    starts = (1.0 + 0.35 * result.pitch_rad) * radius * directions(angles)
     _draw_forces(axes, starts, angles + 0.5 * np.pi, force, 2.0 * pitch_mm)
     places = np.where(force[:, None] > 0, 1.12, 1.06) * starts
     _number_sites(axes, result.sites[there], places)
@@ -190,7 +191,7 @@ def draw_chain_on_sprocket(axes: Axes, results: Results, *, position: int | None
     pitch_mm = result.pitch_rad * result.reference_radius_mm
     polar = _draw_wheel(axes, result, p)[: there.size] + result.rotation_rad[p]
     radius = result.reference_radius_mm + drive.roller_height_um[p, there] / 1000.0
-    centers = radius[:, None] * _directions(polar)
+    centers = radius[:, None] * directions(polar)
     for end, along in zip(centers[[0, -1]], _strands(drive.wrap_angle_rad), strict=True):
         strand = np.column_stack([end, end + CHAIN_STRAND * pitch_mm * along])
         axes.plot(*strand, color=DARK, lw=1.2)
@@ -257,11 +258,6 @@ def _tension_behind(drive: BeltDrive | ChainDrive, p: int) -> Floats:
     return np.append(behind[np.isfinite(behind)], drive.slack_tension_N[p])
 
 
-def _directions(angles: Floats) -> Floats:
-    """(n, 2) Unit vectors at polar angles."""
-    return np.column_stack([np.cos(angles), np.sin(angles)])
-
-
 def _strands(wrap_rad: float) -> Floats:
     """(2, 2) Directions of the tight and the slack strand away from the wheel."""
     return np.array([[0.0, -1.0], [-np.sin(wrap_rad), np.cos(wrap_rad)]])
@@ -287,7 +283,7 @@ def _draw_forces(
     The heads of short arrows are smaller.
     """
     size = longest_mm * force / (float(force.max()) or 1.0)
-    tips = np.asarray(starts + size[:, None] * _directions(angles))
+    tips = np.asarray(starts + size[:, None] * directions(angles))
     loaded = force > 0
     axes.update_datalim(tips[loaded])
     axes.quiver(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from flankload.report.document import report_html, write_report
-from flankload.report.positions import scene_of_report
+from flankload.report.document import report_html, scene_of_report, write_report
 
 __all__ = ["report_html", "scene_of_report", "write_report"]

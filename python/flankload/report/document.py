@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import date
 from hashlib import sha256
 from importlib.resources import files
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import flankload
 from flankload.base.arguments import require, require_path
 from flankload.base.files import write_atomically
-from flankload.errors import FlankloadError
+from flankload.errors import FlankloadError, SceneError
 from flankload.mechanisms.registry import mechanism_of
 from flankload.report.findings import certificate_rows, findings_of, source_rows
 from flankload.report.glossary import terms_of
@@ -22,14 +22,12 @@ from flankload.report.key_figures import key_rows, percent
 from flankload.report.pictures import curve_data, plots_of
 from flankload.report.turning import turning
 from flankload.result import Result
-from flankload.scene import scene_of
+from flankload.scene import Scene, SceneLike, scene_of
+from flankload.scene.axial import three_dimensional_key
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from flankload.mechanisms.data_sheet import DataSheet
-    from flankload.scene import Scene, SceneLike
 
 #: A symbol with an index.
 INDEXED = re.compile(r"([^\W_]+)_([^\W_]+)")
@@ -42,17 +40,7 @@ SHOWN_DIGITS = 16
 def write_report(
     results: Result | Sequence[Result], scene: SceneLike, path: str | Path, *, line: str = ""
 ) -> None:
-    """Write the report of a scene: completely or not at all.
-
-    Parameters
-    ----------
-    results : Result, or sequence of Result
-        Of `solve`, or one per torque.
-    scene : Scene, typed pair, path or mapping
-        The scene that was solved, as of `solve`.
-    path : path
-    line : str
-        Command line that repeats the run; absent = `flankload report` of the scene's file.
+    """Write the report of a scene, as of `report_html`: completely or not at all.
 
     Raises
     ------
@@ -63,12 +51,29 @@ def write_report(
     write_atomically(path, report_html(results, scene, line=line))
 
 
+def scene_of_report(scene: Scene) -> Scene:
+    """Return the scene with adaptive positions if it leaves the positions to the program.
+
+    A report quotes peak to peak and harmonics, which a few even positions miss. The scene stays as
+    it is if it names a key of [positions] other than `driver`, if its tolerance chooses the
+    positions, or if its bodies have no adaptive positions: belts and chains, cams,
+    three-dimensional bodies, whose positions cost more, and splines on common axes.
+    """
+    named = {key for key in scene.named_discretization_keys if key.startswith("positions.")}
+    if named - {"positions.driver"} or scene.names_tolerance:
+        return scene
+    if scene.is_drive or scene.is_concentric:
+        return scene
+    if not scene.body_2.has_teeth or three_dimensional_key(scene) is not None:
+        return scene
+    try:
+        return scene.replace({"positions.adaptive": True})
+    except SceneError:  # an effect that does not go with them
+        return scene
+
+
 def report_html(
-    results: Result | Sequence[Result],
-    scene: SceneLike,
-    *,
-    line: str = "",
-    day: date | None = None,
+    results: Result | Sequence[Result], scene: SceneLike, *, line: str = "", day: date | None = None
 ) -> str:
     """Return the report of a scene as one page without references to other files.
 
@@ -148,6 +153,10 @@ def _content(results: Sequence[Result], scene: Scene) -> dict[str, Any]:
     turned = turning(results)
     sheet = mechanism_of(scene).data_sheet(first_scene(scene))
     figures = key_rows(results)
+    rows: tuple[Any, ...] = (*sheet.bodies[0], *sheet.bodies[1], *sheet.pair, *figures)
+    orders = any("mesh order" in figure.name for figure in figures)
+    torques = [f"{result.torque_Nm:g} N m" for result in results]
+    stages = results[-1].cost.get("stages", {})  # for all torques together
     return {
         "scene": scene,
         "results": results,
@@ -162,16 +171,12 @@ def _content(results: Sequence[Result], scene: Scene) -> dict[str, Any]:
         "sheet_rows": _merged(sheet),
         "plots": plots,
         "turned": turned,
-        "stages": _stages(results[-1].cost),
+        "stages": [(name, one["wall_s"], one["cpu_s"]) for name, one in stages.items()],
         "sources": source_rows(results[-1]),
         "certificates": certificate_rows(results),
-        "terms": _terms(sheet, figures),
-        "data": _json({"plots": curve_data(plots, _torques(results)), **turned.data}),
+        "terms": terms_of((row.symbol for row in rows), path=bool(sheet.path), orders=orders),
+        "data": _json({"plots": curve_data(plots, torques), **turned.data}),
     }
-
-
-def _torques(results: Sequence[Result]) -> list[str]:
-    return [f"{result.torque_Nm:g} N m" for result in results]
 
 
 def _positions(result: Result) -> str:
@@ -179,12 +184,10 @@ def _positions(result: Result) -> str:
     count = result.position_rad.size
     if result.stands_alike or count == 1:
         return "one position" if count == 1 else f"{count} positions, all alike"
-    over = "one turn of the cam" if result.has_cam else "one pitch"
-    if result.period_pitches > 1 and not result.has_cam:
-        over = f"{result.period_pitches} pitches"
+    over = f" over {result.engagement.period_in_words(result)}" if result.closed else ""
     rounds = result.cost.get("position_rounds", 1)
     adaptive = ", placed adaptively" if rounds > 1 else ""
-    return f"{count} positions" + (f" over {over}" if result.closed else "") + adaptive
+    return f"{count} positions" + over + adaptive
 
 
 def _digests(paths: Mapping[str, Path]) -> dict[str, str]:
@@ -205,19 +208,6 @@ def _merged(sheet: DataSheet) -> list[tuple[str, str, str, str]]:
             before = [other for other in list(two)[:k] if other in order]
             order.insert(order.index(before[-1]) + 1 if before else 0, key)
     return [(*key, one.get(key, "–"), two.get(key, "–")) for key in order]
-
-
-def _stages(cost: Mapping[str, Any]) -> list[tuple[str, float, float]]:
-    """Stage, wall seconds and CPU seconds, for all torques together."""
-    return [
-        (name, stage["wall_s"], stage["cpu_s"]) for name, stage in cost.get("stages", {}).items()
-    ]
-
-
-def _terms(sheet: DataSheet, figures: Sequence[Any]) -> tuple[tuple[str, str], ...]:
-    rows = (*sheet.bodies[0], *sheet.bodies[1], *sheet.pair, *figures)
-    orders = any("mesh order" in figure.name for figure in figures)
-    return terms_of((row.symbol for row in rows), path=bool(sheet.path), orders=orders)
 
 
 def _json(data: Mapping[str, Any]) -> Any:

@@ -25,16 +25,10 @@ MOST_NAMED = 8
 
 @dataclass(frozen=True)
 class Findings:
-    """Remarks on a run.
+    """Remarks on a run: violated premises of the model, and other warnings.
 
-    Attributes
-    ----------
-    violated, warnings : tuple of str
-        Violated premises of the model; other warnings.
-    uncertain : tuple of str
-        Positions with another status than solved, and quantities without an error estimate.
-    tolerance : tuple of str
-        Lines on the tolerance of the scene, if it names one.
+    `uncertain` are positions with another status than solved, and quantities without an error
+    estimate; `tolerance` are lines on the tolerance of the scene, if it names one.
     """
 
     violated: tuple[str, ...]
@@ -60,16 +54,13 @@ def _statuses(results: Sequence[Result]) -> Iterator[str]:
         for status, words in STATUS_WORDS.items():
             at = np.flatnonzero(result.status == status)
             if at.size:
-                listed = ", ".join(f"{degrees:.2f}°" for degrees in _degrees(result, at))
+                angles = np.degrees(result.position_rad[at[:MOST_NAMED]])
+                listed = ", ".join(f"{angle:.2f}°" for angle in angles)
                 more = ", …" if at.size > MOST_NAMED else ""
                 yield (
                     f"status {status} at {at.size} of {result.status.size} positions under "
                     f"{result.torque_Nm:g} N m ({listed}{more}): {words}"
                 )
-
-
-def _degrees(result: Result, at: np.ndarray) -> list[float]:
-    return [float(value) for value in np.degrees(result.position_rad[at[:MOST_NAMED]])]
 
 
 def _without_estimate(results: Sequence[Result]) -> Iterator[str]:

@@ -7,34 +7,26 @@ from functools import partial
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any
 
+from flankload.base.rounding import TIE
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from flankload.result import Result
 
+    CellOf = Callable[[Result], "Cell | None"]
     #: Name, symbol, unit, and the cell of a torque.
-    Figure = tuple[str, str, str, Callable[[Result], "Cell | None"]]
+    Figure = tuple[str, str, str, CellOf]
 
-#: Relative errors below this are roundoff.
-ROUNDING = 1e-9
 #: Entries of the summary that need several positions.
 OF_SEVERAL = ("transmission_error_peak_to_peak_um",)
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A number of a table.
+    """A number of a table: with all digits (text where it is no number) and as printed.
 
-    Attributes
-    ----------
-    value : float, int or str
-        The number with all digits; text where it is no number.
-    text : str
-        The number as printed.
-    error : float or None
-        Estimated relative error.
-    note : str
-        Text behind the number: where and on which pair.
+    `error` is its estimated relative error, `note` the text behind it: where and on which pair.
     """
 
     value: float | int | str
@@ -45,14 +37,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """A key figure.
-
-    Attributes
-    ----------
-    name, symbol, unit : str
-    cells : tuple of Cell or None
-        One per torque; None where the figure is unknown.
-    """
+    """A key figure, with a cell per torque; None where the figure is unknown."""
 
     name: str
     symbol: str
@@ -73,7 +58,7 @@ def percent(error: float | None) -> str:
     """Relative error as text with two digits; empty if there is none."""
     if error is None or not isfinite(error):
         return ""
-    return f"{float(f'{100 * error:.2g}') if error > ROUNDING else 0:g} %"
+    return f"{float(f'{100 * error:.2g}') if error > TIE else 0:g} %"
 
 
 def _figures(results: Sequence[Result]) -> Iterator[Figure]:
@@ -82,7 +67,7 @@ def _figures(results: Sequence[Result]) -> Iterator[Figure]:
     yield from _of_contact(results)
     yield from (
         # load over the width, and transverse
-        ("transverse load factor", "K_Hα", "", _transverse),
+        ("transverse load factor", "K_Hα", "", _value(_transverse, ".3f")),
         ("face load factor", "K_Hβ", "", _entry("face_load_factor", ".3f")),
         ("the same by ISO 6336-1, for comparison", "K_Hβ", "", _entry("k_h_beta_iso", ".3f")),
         ("axial position of the largest line load", "", "mm", _entry("peak_line_load_z_mm", ".2f")),
@@ -101,7 +86,7 @@ def _figures(results: Sequence[Result]) -> Iterator[Figure]:
             yield name, "σ_F", "MPa", partial(_root, z=z, side=side)
     sliding = _entry("largest_sliding_mm_per_rad", ".2f")
     yield from (
-        ("efficiency", "η", "%", _efficiency),
+        ("efficiency", "η", "%", _value(_efficiency, ".3f")),
         ("sliding, largest, per rad of rotation", "", "mm", sliding),
         ("force of a coast flank, largest", "", "N", _entry("coast_force_N", ".4g")),
         ("gap of the coast flanks, least", "", "µm", _entry("coast_flank_gap_min_um", ".1f")),
@@ -117,7 +102,7 @@ def _of_motion(results: Sequence[Result]) -> Iterator[Figure]:
         yield "part of the mean by load", "", "µm", by_load
     count = max(len(one.summary["transmission_error_mesh_harmonics_um"] or ()) for one in results)
     for k in range(count):
-        yield f"amplitude of mesh order {k + 1}", "", "µm", partial(_harmonic, k=k)
+        yield f"amplitude of mesh order {k + 1}", "", "µm", _value(partial(_harmonic, k=k), ".3f")
 
 
 def _beyond(result: Result) -> bool:
@@ -129,28 +114,28 @@ def _beyond(result: Result) -> bool:
 
 
 def _of_contact(results: Sequence[Result]) -> Iterator[Figure]:
-    circle = all(result.whole_circle for result in results)
-    loaded = "teeth that carry" if circle else f"loaded {results[0].words_for_sites[1]}"
-    yield loaded, "", "", _loaded
+    yield f"loaded {results[0].words_for_sites[1]}", "", "", _loaded
     ratio = _entry("contact_ratio_under_load", ".3f", positive=True)
     yield "contact ratio under load", "", "", ratio
     key = "peak_pressure_off_corners"
     pressure = _entry(f"{key}_MPa", ".0f", error="peak_pressure", place=key, positive=True)
     yield "largest pressure", "p_max", "MPa", pressure
-    if results[0].drive is None:
+    if results[0].engagement.has_pressures:
         key = "peak_line_load"
         line_load = _entry(f"{key}_N_per_mm", ".1f", place=key, positive=True)
         yield "largest line load", "w_max", "N/mm", line_load
     else:
-        yield "largest force of one of them", "", "N", _largest_force
-        yield "largest share of the force", "", "%", _largest_share
+        force = _value(lambda one: float(one.site_force_N.max()), ".4g")
+        yield "largest force of one of them", "", "N", force
+        share = _value(lambda one: float(100 * one.load_share.max()), ".2f", "load_share")
+        yield "largest share of the force", "", "%", share
     for kind in ("tangent", "secant"):
         key = f"stiffness_{kind}"
         stiffness = _entry(f"{key}_mean_N_per_um", ".2f", error=key)
         yield f"mesh stiffness, {kind}, mean", "", "N/µm", stiffness
 
 
-def _entry(key: str, form: str, **options: Any) -> Callable[[Result], Cell | None]:
+def _entry(key: str, form: str, **options: Any) -> CellOf:
     return partial(_number, key=key, form=form, **options)
 
 
@@ -171,11 +156,15 @@ def _number(
     return Cell(value, format(value, form), known, note)
 
 
-def _harmonic(result: Result, k: int) -> Cell | None:
-    found = result.summary["transmission_error_mesh_harmonics_um"]
-    if not found or found[k] is None:
-        return None
-    return Cell(found[k], f"{found[k]:.3f}")
+def _value(of: Callable[[Result], float | None], form: str, error: str = "") -> CellOf:
+    """Cells of a number that the summary does not have in this form."""
+
+    def cell(result: Result) -> Cell | None:
+        value = of(result)
+        known = (result.estimate or {}).get(error)
+        return None if value is None else Cell(value, format(value, form), known)
+
+    return cell
 
 
 def _loaded(result: Result) -> Cell:
@@ -184,21 +173,20 @@ def _loaded(result: Result) -> Cell:
     return Cell(text, text)
 
 
-def _largest_share(result: Result) -> Cell:
-    share = float(100 * result.load_share.max())
-    return Cell(share, f"{share:.2f}", (result.estimate or {}).get("load_share"))
+def _harmonic(result: Result, k: int) -> float | None:
+    found = result.summary["transmission_error_mesh_harmonics_um"]
+    return found[k] if found else None
 
 
-def _largest_force(result: Result) -> Cell:
-    force = float(result.site_force_N.max())
-    return Cell(force, f"{force:.4g}")
+def _efficiency(result: Result) -> float | None:
+    efficiency = None if result.friction is None else result.friction.efficiency
+    return None if efficiency is None else 100 * efficiency
 
 
-def _transverse(result: Result) -> Cell | None:
-    factor = result.transverse_load_factor
-    if not factor or result.drive is not None or result.has_cam or result.whole_circle:
+def _transverse(result: Result) -> float | None:
+    if not result.engagement.has_load_factors:
         return None
-    return Cell(factor, f"{factor:.3f}")
+    return result.transverse_load_factor or None
 
 
 def _root(result: Result, z: int, side: str) -> Cell | None:
@@ -210,8 +198,3 @@ def _root(result: Result, z: int, side: str) -> Cell | None:
     if "z_mm" in extreme:
         note += f", z {extreme['z_mm']:.2f} mm"
     return Cell(extreme["stress_MPa"], f"{extreme['stress_MPa']:.0f}", None, note)
-
-
-def _efficiency(result: Result) -> Cell | None:
-    efficiency = None if result.friction is None else result.friction.efficiency
-    return None if efficiency is None else Cell(100 * efficiency, f"{100 * efficiency:.3f}")

@@ -11,13 +11,12 @@ import numpy as np
 
 from flankload import plot as pictures
 from flankload.plot.picture import OF_LARGEST
-from flankload.plot.svg import panel_of
+from flankload.plot.svg import Panel, panel_of
 from flankload.report.turning import thinned
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
-    from flankload.plot.svg import Panel
     from flankload.result import Result
 
 #: Sections of plots in their order, with the plots that belong to each.
@@ -65,17 +64,7 @@ OFF = 2e-4
 
 @dataclass(frozen=True)
 class Plot:
-    """A plot of a section.
-
-    Attributes
-    ----------
-    name : str
-        Unique in a page.
-    picture : str
-        Name of the picture that it belongs to.
-    title : str
-    panel : Panel
-    """
+    """A plot of a section: its name, unique in a page, and that of its picture."""
 
     name: str
     picture: str
@@ -86,13 +75,13 @@ class Plot:
 def plots_of(results: Sequence[Result]) -> dict[str, tuple[Plot, ...]]:
     """Plots that suit the results (one per torque), by section, without empty sections."""
     light = tuple(_light(result) for result in results)
-    drawn: dict[str, list[Plot]] = {title: [] for title in (*SECTIONS, OTHERS)}
-    section = {name: title for title, names in SECTIONS.items() for name in names}
-    for name in pictures.pictures_of(light):
-        drawn[section.get(name, OTHERS)] += _plots(name, pictures.suited(name, light))
-    order = [name for names in SECTIONS.values() for name in names]
-    for title in SECTIONS:
-        drawn[title].sort(key=lambda plot: order.index(plot.picture))
+    known = pictures.pictures_of(light)
+    placed = {name for names in SECTIONS.values() for name in names}
+    others = [name for name in known if name not in placed]
+    drawn = {
+        title: [plot for name in names if name in known for plot in _plots(name, light)]
+        for title, names in (*SECTIONS.items(), (OTHERS, others))
+    }
     return {title: tuple(plots) for title, plots in drawn.items() if plots}
 
 
@@ -106,30 +95,29 @@ def _light(result: Result) -> Result:
     return replace(result, drawing=replace(drawing, outline_1=one, outline_2=two))
 
 
-def _plots(name: str, results: Sequence[Result]) -> list[Plot]:
+def _plots(name: str, light: Sequence[Result]) -> list[Plot]:
     """The panels of a picture, each a plot of its own."""
-    draw = pictures.DRAWINGS[name]
+    results, draw = pictures.suited(name, light), pictures.DRAWINGS[name]
     title = TITLES.get(name, name.replace("_", " ").capitalize())
     if name in OF_LARGEST and len(results) > 1:
         title += f", {results[-1].torque_Nm:g} N m"
+    drawn = {name: (title, draw)}
     if name == "load_around_wrap":
-        return [
-            _plot(name, name, title, draw, results),
-            _plot("tension_around_wrap", name, TITLES["tension_around_wrap"],
-                  pictures.draw_tension_around_wrap, results),
-        ]  # fmt: skip
-    if "body" in signature(draw).parameters:
-        known = _bodies(name, results)
-        return [
-            _plot(f"{name}_{z}", name, f"{title}, body {z}", partial(draw, body=z), results)
-            for z in known
-        ]
-    if name == "torque_sweep":
-        return [
-            _plot(f"{name}_{quantity}", name, words, partial(draw, quantity=quantity), results)
+        of_tension = TITLES["tension_around_wrap"], pictures.draw_tension_around_wrap
+        drawn["tension_around_wrap"] = of_tension
+    elif "body" in signature(draw).parameters:
+        bodies = _bodies(name, results)
+        drawn = {f"{name}_{z}": (f"{title}, body {z}", partial(draw, body=z)) for z in bodies}
+    elif name == "torque_sweep":
+        drawn = {
+            f"{name}_{quantity}": (words, partial(draw, quantity=quantity))
             for quantity, words in _swept(results).items()
-        ]
-    return [_plot(name, name, title, draw, results)]
+        }
+    size = DRAWING if name in OF_BODIES else SIZE
+    return [
+        Plot(key, name, words, panel_of(partial(draw, results=results), key, size))
+        for key, (words, draw) in drawn.items()
+    ]
 
 
 def _bodies(name: str, results: Sequence[Result]) -> tuple[int, ...]:
@@ -146,20 +134,13 @@ def _swept(results: Sequence[Result]) -> dict[str, str]:
     found = {"transmission_error_mean": "Mean transmission error over the torque"}
     if last.position_rad.size > 1:
         found["transmission_error_peak_to_peak"] = "Peak to peak over the torque"
-    if last.drive is None:
+    if last.engagement.has_pressures:
         found["peak_pressure"] = "Peak pressure over the torque"
     else:
         found["tooth_force"] = "Largest force over the torque"
     if all(one.summary["stiffness_tangent_mean_N_per_um"] is not None for one in results):
         found["stiffness"] = "Stiffness over the torque"
     return found
-
-
-def _plot(
-    name: str, picture: str, title: str, draw: Callable[..., None], results: Sequence[Result]
-) -> Plot:
-    size = DRAWING if picture in OF_BODIES else SIZE
-    return Plot(name, picture, title, panel_of(partial(draw, results=results), name, size))
 
 
 # --- data for the script --------------------------------------------------------------------------

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import islice
 from math import ceil, degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.plot.style import all_around, turned
+from flankload.base.rotation import all_around, directions
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from flankload.base.arrays import Floats
     from flankload.result import PairTable, Result
@@ -21,41 +22,30 @@ if TYPE_CHECKING:
 MOST_POSITIONS = 128
 #: Points of an outline may lie off by this part of the picture's width.
 OFF = 5e-4
-#: Length of the largest force or pressure, as part of the height of the picture.
-REACH = 0.2
+#: Space around whole bodies, as part of their size.
+MARGIN = 0.03
 #: Height of letters, as part of the width of the picture.
 LETTER = 0.03
 #: Decimals of a transmission error in um: the rest is roundoff.
 DECIMALS = 6
-#: Most points of the pressure on a flank.
-MOST_POINTS = 24
+#: Least and most points of the pressure on a flank.
+LEAST_POINTS, MOST_POINTS = 3, 24
 
 
 @dataclass(frozen=True)
 class Turning:
     """Picture of both bodies that a page turns.
 
-    Attributes
-    ----------
-    view_box : str
-        Left, top, width and height, mm; y points down, as in SVG.
-    outlines : tuple of str
-        SVG path of each body in its own frame, y upwards.
-    center_mm : float
-        Place of the axis of body 2 on the x axis.
-    letter_mm : float
-        Height of the numbers of the pairs.
-    start : int
-        Position that is shown at first.
-    heads : tuple of str
-        Heads of the columns of the pairs.
-    legend : str
-        Meaning of the red areas.
-    data : dict
-        For the script: `deg` (P,) angles of the positions; `turn` of both bodies (2, P), deg;
-        `torques` (T,); `states` (T, P) of transmission error in um, rows of pairs (number, force in
-        kN, share in %, pressure in MPa if there is one, or "corner") and loads of the pairs (path,
-        x and y of the pair's number).
+    `view_box` is left, top, width and height in mm, y down as in SVG; `outlines` are the SVG paths
+    of the bodies in their own frames, y upwards; `center_mm` is the place of the axis of body 2 on
+    the x axis; `letter_mm` the height of the numbers of the pairs; `start` the position that is
+    shown at first; `heads` are those of the columns of the pairs; `legend` is the meaning of the
+    red areas.
+
+    `data` is for the script: `deg` (P,) angles of the positions; `turn` of both bodies (2, P), deg;
+    `torques` (T,); `states` (T, P) of transmission error in um, rows of pairs (number, force in kN,
+    share in %, pressure in MPa if there is one, or "corner") and loads of the pairs (path, x and y
+    of the pair's number).
     """
 
     view_box: str
@@ -75,20 +65,19 @@ def turning(results: Sequence[Result]) -> Turning:
     shown = _positions(result)
     low, high = _window(results, shown)
     size = float((high - low).max())
-    outlines = [_outline(drawing.outline_1, drawing.teeth_1, OFF * size)]
-    turns = [drawing.angle_1]
-    if result.drive is None:
-        outlines.append(_outline(drawing.outline_2, drawing.teeth_2, OFF * size))
-        turns.append(drawing.angle_2)
+    bodies = zip(
+        (drawing.outline_1, drawing.outline_2),
+        (drawing.teeth_1, drawing.teeth_2),
+        (drawing.bore_radius_1_mm, drawing.bore_radius_2_mm),
+        strict=True,
+    )
     outlines = [
-        outline + _hole(radius, _largest(shape))
-        for outline, radius, shape in zip(
-            outlines,
-            (drawing.bore_radius_1_mm, drawing.bore_radius_2_mm),
-            (drawing.outline_1, drawing.outline_2),
-            strict=False,
-        )
+        _outline(outline, teeth, OFF * size) + _hole(radius, _largest(outline))
+        for outline, teeth, radius in islice(bodies, result.engagement.drawn_bodies)
     ]
+    turns = (drawing.angle_1, drawing.angle_2)[: len(outlines)]
+    pressure = ("pressure, MPa",) * result.engagement.has_pressures
+    heads = (result.words_for_sites[0], "force, kN", "share, %", *pressure)
     states = [[_state_at(one, p, _scales_of(results), size) for p in shown] for one in results]
     return Turning(
         f"{low[0]:.3f} {-high[1]:.3f} {high[0] - low[0]:.3f} {high[1] - low[1]:.3f}",
@@ -96,7 +85,7 @@ def turning(results: Sequence[Result]) -> Turning:
         drawing.center_distance_mm,
         round(LETTER * size, 3),
         int(np.argmin(np.abs(np.array(shown) - _start(result)))),
-        _heads_of(result),
+        heads,
         _legend(result),
         {
             "deg": [_short(degrees(result.position_rad[p])) for p in shown],
@@ -126,41 +115,36 @@ def _largest(outline: Floats) -> float:
 
 
 def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats]:
-    """Corners of the picture: the contacts of all positions, or whole bodies."""
+    """Corners of the picture: the contacts of all positions, or whole bodies with all arrows."""
     result = results[-1]
-    drawing = result.drawing
-    apart = np.array([drawing.center_distance_mm, 0.0])
-    if result.drive is not None or result.whole_circle:
-        rims = [drawing.bore_radius_2_mm or 0.0, _largest(drawing.outline_1)]
-        if result.drive is None:
-            rims.append(_largest(drawing.outline_2))
-        half = 1.05 * max(rims) * np.ones(2)
-        if result.drive is not None:
-            half *= 1.0 + 2 * REACH
-        return apart - half, apart + half
-    if result.has_cam:
-        swept = [
-            turned(outline, angle) + center
-            for outline, angles, center in (
-                (drawing.outline_1, drawing.angle_1, 0.0 * apart),
-                (drawing.outline_2, drawing.angle_2, apart),
-            )
-            for angle in angles[shown]
-        ]
-        whole = np.concatenate(swept)
-        room = 0.03 * float(np.ptp(whole, axis=0).max())
-        return whole.min(axis=0) - room, whole.max(axis=0) + room
-    places = np.concatenate(
-        [
-            np.column_stack([table.x_mm, table.y_mm])[table.force_N > 0]
-            for one in results
-            for table in (one.pairs(p) for p in shown)
-        ]
+    drawing, engagement = result.drawing, result.engagement
+    places, forces = (
+        np.concatenate(parts) for parts in zip(*_contacts(results, shown), strict=True)
     )
+    if engagement.draws_whole_bodies:
+        low, high = drawing.extent_mm(shown)
+        size = float((high - low).max())
+        # arrows and letters are parts of the final size, which is larger
+        larger = 1.0 + 2.0 * (engagement.largest_arrow + LETTER)
+        length = np.hypot(*forces.T)[:, np.newaxis]
+        beyond = engagement.largest_arrow * forces + 2.0 * LETTER * forces / length
+        ends = np.vstack([low, high, places + larger * size * beyond])
+        return ends.min(axis=0) - MARGIN * size, ends.max(axis=0) + MARGIN * size
     pitch = 2 * np.pi * _largest(drawing.outline_1) / drawing.teeth_1
     if not len(places):
         places = np.array([[_largest(drawing.outline_1), 0.0]])
     return places.min(axis=0) - 0.9 * pitch, places.max(axis=0) + 0.9 * pitch
+
+
+def _contacts(results: Sequence[Result], shown: list[int]) -> Iterator[tuple[Floats, Floats]]:
+    """Places (n, 2) of loaded pairs, and the forces of their sites relative to the largest."""
+    largest = _scales_of(results)[0]
+    for one in results:
+        for p in shown:
+            table = one.pairs(p)
+            loaded = table.force_N > 0
+            site_force = one.site_force_N[p, np.searchsorted(one.sites, table.site[loaded])]
+            yield table.point_mm[loaded], table.normal[loaded] * site_force[:, None] / largest
 
 
 def _outline(sector: Floats, teeth: int, off_mm: float) -> str:
@@ -219,11 +203,11 @@ def _state_at(
             continue
         row: list[float | str] = [int(site), _short(force / 1e3)]
         row.append(_short(100 * result.load_share[p, s]))
-        if result.drive is None:
+        if result.engagement.has_pressures:
             corner = bool(result.corner_contact[p, s])
             row.append("corner" if corner else _short(result.peak_pressure_MPa[p, s]))
         rows.append(row)
-        path, tip, out = _path_of_load(result, table, p, s, scales, REACH * size_mm)
+        path, tip, out = _path_of_load(result, table, p, s, scales, size_mm)
         name = tip + LETTER * size_mm * (out - [0.0, 0.4])
         paths.append([path, *(round(float(value), 2) for value in name)])
     return {
@@ -234,29 +218,20 @@ def _state_at(
 
 
 def _path_of_load(
-    result: Result,
-    table: PairTable,
-    p: int,
-    s: int,
-    scales: tuple[float, float],
-    reach_mm: float,
+    result: Result, table: PairTable, p: int, s: int, scales: tuple[float, float], size_mm: float
 ) -> tuple[str, Floats, Floats]:
     """SVG path of the load of a pair, its tip and direction: pressure on the flank, or an arrow."""
-    force = float(result.site_force_N[p, s]) / scales[0]
-    if result.drive is not None:
-        angle, radius, direction = result.drive.drawn_force(result, p, s)
-        start, along = (np.array([np.cos(at), np.sin(at)]) for at in (angle, direction))
-        return _arrow(radius * start, along, force * reach_mm)
+    reach_mm = result.engagement.largest_arrow * size_mm
     rows = np.flatnonzero((table.site == result.sites[s]) & (table.force_N > 0))
-    place = np.column_stack([table.x_mm, table.y_mm])[rows]
-    normal = np.column_stack([table.normal_x, table.normal_y])[rows]
-    weight = table.force_N[rows]
     lumped = table.half_width_mm is not None or table.z_mm is not None
-    if lumped or result.whole_circle or result.corner_contact[p, s] or len(rows) < 3:
-        mean = np.average(place, axis=0, weights=weight)
-        out = np.average(normal, axis=0, weights=weight)
-        part = 0.5 if result.whole_circle else 1.0
-        return _arrow(mean, out / np.hypot(*out), part * force * reach_mm)
+    plain = not result.engagement.draws_pressures or result.corner_contact[p, s]
+    if plain or lumped or len(rows) < LEAST_POINTS:
+        angle, radius, direction = result.engagement.drawn_force(result, p, s)
+        start, along = directions(np.array([angle, direction]))
+        force = float(result.site_force_N[p, s]) / scales[0]
+        return _arrow(radius * start, along, force * reach_mm)
+    place = table.point_mm[rows]
+    normal = table.normal[rows]
     order = np.argsort(table.arc_length_1_mm[rows], kind="stable")
     order = order[:: max(1, len(order) // MOST_POINTS)]
     height = reach_mm * table.pressure_MPa[rows][order] / scales[1]
@@ -285,26 +260,16 @@ def _short(value: float) -> float | int:
     return int(rounded) if rounded.is_integer() else rounded
 
 
-def _heads_of(result: Result) -> tuple[str, ...]:
-    """Heads of the columns of `pairs`."""
-    name = result.words_for_sites[0]
-    if result.drive is not None:
-        return name, "force, kN", "share, %"
-    return name, "force, kN", "share, %", "pressure, MPa"
-
-
 def _legend(result: Result) -> str:
     """Meaning of the red areas of the picture."""
     scale = "to scale with the largest of all positions"
-    if result.drive is not None:
-        return f"Arrows: forces on the teeth of body 1, {scale}."
+    if not result.engagement.draws_pressures:
+        return f"Arrows: force on each {result.words_for_sites[0]}, {scale}."
     if result.slices is not None:
         return (
             "Transverse section at z = 0. Arrows: force of each pair, at the centre of its load, "
             f"{scale}."
         )
-    if result.whole_circle:
-        return f"Arrows: force on each flank, {scale}."
     return (
         f"Red: pressure on the flanks, {scale}; an arrow where a pair carries on a sharp corner, "
         "to scale with the largest force. Numbers: pairs."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import dataclass, field, fields
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from flankload.base.card import Card
+from flankload.base.rounding import TIE
 from flankload.base.text_table import number, text_table
+from flankload.result.engagement import Engagement
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,50 +23,30 @@ if TYPE_CHECKING:
 
 #: Suffix of the row of a land that lifts.
 HERE = "the land lifts here"
-#: Forces below this part of the tight tension count as zero.
-ROUNDING = 1e-9
 
 
-class Drive(Card, ABC):
-    """A belt or a chain on its wheel at P positions, with S sites from the tight strand on."""
+class Drive(Card, Engagement):
+    """A belt or a chain on its wheel at P positions, with S sites from the tight strand on.
+
+    The metadata of arrays have their unit by their axes, "P" or "PS".
+    """
 
     #: Name of the drive in a report.
     name: ClassVar[str]
-    #: Word for a site, and for several.
-    words_for_sites: ClassVar[tuple[str, str]]
-    #: Arrays over the positions, with their units.
-    along: ClassVar[dict[str, str]]
-    #: Arrays over positions and sites, with their units.
-    over_sites: ClassVar[dict[str, str]]
+    has_mesh_orders = True
+    has_pressures = False
+    draws_pressures = False
+    drawn_bodies = 1
+
+    @classmethod
+    def units(cls, axes: str) -> dict[str, str]:
+        """Units of the arrays with these axes: "P", positions, or "PS", positions and sites."""
+        every = fields(cls)  # type: ignore[arg-type]
+        return {item.name: item.metadata[axes] for item in every if axes in item.metadata}
 
     def as_dict(self) -> dict[str, Any]:
         """The drive in the form of the JSON result."""
         return {item.name: getattr(self, item.name) for item in fields(self)}  # type: ignore[arg-type]
-
-    @abstractmethod
-    def drawn_force(self, result: Result, p: int, s: int) -> tuple[float, float, float]:
-        """Polar angle, radius and direction of a force on the wheel, for a drawing.
-
-        Parameters
-        ----------
-        result : Result
-            Result of this drive.
-        p, s : int
-            Indices of the position and of the site.
-
-        Returns
-        -------
-        angle_rad, radius_mm, direction_rad : float
-            The direction is an angle, too.
-        """
-
-    @abstractmethod
-    def rows(self, result: Result) -> Iterator[str]:
-        """A row per position, then one per site at the position of the largest load."""
-
-    @abstractmethod
-    def pictures(self, result: Result) -> tuple[str, ...]:
-        """Names of the plots of the drive."""
 
     @abstractmethod
     def words(self) -> str:
@@ -128,30 +110,18 @@ class BeltDrive(Drive):
     cord_stiffness_N: float
     prestress_N: float
     land_friction: float
-    tight_tension_N: Floats
-    slack_tension_N: Floats
-    land_friction_N: Floats
-    last_land_N: Floats
-    last_land_lift_um: Floats
-    tension_behind_N: Floats
-    land_before_N: Floats
-    land_lift_um: Floats
+    tight_tension_N: Floats = field(metadata={"P": "N"})
+    slack_tension_N: Floats = field(metadata={"P": "N"})
+    land_friction_N: Floats = field(metadata={"P": "N"})
+    last_land_N: Floats = field(metadata={"P": "N"})
+    last_land_lift_um: Floats = field(metadata={"P": "um"})
+    tension_behind_N: Floats = field(metadata={"PS": "N"})
+    land_before_N: Floats = field(metadata={"PS": "N"})
+    land_lift_um: Floats = field(metadata={"PS": "um"})
     pulley_coupling_um_per_N: Floats = field(default_factory=lambda: np.zeros(0))
 
     name = "belt"
     words_for_sites = ("tooth", "teeth")
-    along: ClassVar[dict[str, str]] = {
-        "tight_tension_N": "N",
-        "slack_tension_N": "N",
-        "land_friction_N": "N",
-        "last_land_N": "N",
-        "last_land_lift_um": "um",
-    }
-    over_sites: ClassVar[dict[str, str]] = {
-        "tension_behind_N": "N",
-        "land_before_N": "N",
-        "land_lift_um": "um",
-    }
 
     @property
     def lands_N(self) -> Floats:
@@ -161,7 +131,7 @@ class BeltDrive(Drive):
     @property
     def lifting(self) -> Flags:
         """(P, S + 1) Lands that lift as a whole, or would lift if they were not fixed."""
-        least = ROUNDING * self.tight_tension_N[:, None]
+        least = TIE * self.tight_tension_N[:, None]
         lift = np.column_stack([self.land_lift_um, self.last_land_lift_um])
         return np.asarray((self.lands_N < -least) | ((self.lands_N < least) & (lift > 0)))
 
@@ -213,8 +183,7 @@ class BeltDrive(Drive):
             else:
                 yield "end", "", "", slack, *land
 
-    def pictures(self, result: Result) -> tuple[str, ...]:
-        """Names of the plots of the drive."""
+    def own_pictures(self, result: Result) -> tuple[str, ...]:
         several = result.position_rad.size > 1
         names = ("belt_on_pulley", "load_around_wrap")
         return (*names, *("transmission_error", "force_through_wrap") * several)
@@ -263,27 +232,16 @@ class ChainDrive(Drive):
     mode: str
     wrap_angle_rad: float
     tension_ratio: float
-    tight_tension_N: Floats
-    slack_tension_N: Floats
-    jump_margin_N: Floats
-    passes: Numbers
-    tension_behind_N: Floats
-    roller_height_um: Floats
-    force_angle_deg: Floats
+    tight_tension_N: Floats = field(metadata={"P": "N"})
+    slack_tension_N: Floats = field(metadata={"P": "N"})
+    jump_margin_N: Floats = field(metadata={"P": "N"})
+    passes: Numbers = field(metadata={"P": "1"})
+    tension_behind_N: Floats = field(metadata={"PS": "N"})
+    roller_height_um: Floats = field(metadata={"PS": "um"})
+    force_angle_deg: Floats = field(metadata={"PS": "deg"})
 
     name = "chain"
     words_for_sites = ("roller", "rollers")
-    along: ClassVar[dict[str, str]] = {
-        "tight_tension_N": "N",
-        "slack_tension_N": "N",
-        "jump_margin_N": "N",
-        "passes": "1",
-    }
-    over_sites: ClassVar[dict[str, str]] = {
-        "tension_behind_N": "N",
-        "roller_height_um": "um",
-        "force_angle_deg": "deg",
-    }
 
     @property
     def least_margin_N(self) -> float:
@@ -327,8 +285,7 @@ class ChainDrive(Drive):
                 number(self.force_angle_deg[p, s], ".1f"),
             )
 
-    def pictures(self, result: Result) -> tuple[str, ...]:
-        """Names of the plots of the drive."""
+    def own_pictures(self, result: Result) -> tuple[str, ...]:
         return ("transmission_error", "chain_on_sprocket", "tensions", "stiffness")
 
     def words(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import degrees, isfinite
 from pathlib import Path
@@ -15,6 +15,7 @@ import numpy as np
 
 from flankload.base.files import write_atomically
 from flankload.base.optional import optional
+from flankload.base.plain import plain
 from flankload.errors import InputError
 from flankload.result.notes import warning_lines
 from flankload.result.quantities import (
@@ -120,7 +121,7 @@ def results_to_json(results: Result | Sequence[Result], path: str | Path | None 
         }
     else:
         tree = _tree(results)
-    text = json.dumps(_plain(tree), allow_nan=False, ensure_ascii=False) + "\n"
+    text = json.dumps(plain(tree), allow_nan=False, ensure_ascii=False) + "\n"
     if path is not None:
         write_atomically(path, text)
     return text
@@ -151,21 +152,6 @@ def _tree(result: Result) -> dict[str, Any]:
     if result.coast is not None:
         tree["coast_pairs"] = [table.columns() for table in result.coast.pair_tables]
     return tree
-
-
-def _plain(value: Any) -> Any:
-    """Plain lists, numbers and None, as JSON allows them."""
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, float):
-        return value if isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if value is None or isinstance(value, str | int):
-        return value
-    raise TypeError(f"the result contains {type(value).__name__}, which JSON cannot represent")
 
 
 def results_to_csv(

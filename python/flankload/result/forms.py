@@ -11,6 +11,7 @@ import numpy as np
 from flankload.base.arguments import is_number
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly, frozen
+from flankload.base.rounding import TIE
 from flankload.errors import InputError
 from flankload.result.export import CsvForm, results_to_csv, results_to_json, to_xarray
 from flankload.result.frames import pairs_frame, positions_frame, summary_frame
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
     from flankload.result.result import Result
-
-#: Relative difference between torques that counts as rounding.
-ROUNDING = 1e-9
 
 
 class ResultForms(Card, KeepsReadOnly, ABC):
@@ -66,7 +64,7 @@ class ResultForms(Card, KeepsReadOnly, ABC):
             If the result has no such torque.
         """
         for one in self.by_torque:
-            if is_number(torque_Nm) and isclose(one.torque_Nm, torque_Nm, rel_tol=ROUNDING):
+            if is_number(torque_Nm) and isclose(one.torque_Nm, torque_Nm, rel_tol=TIE):
                 return one
         known = ", ".join(f"{torque:.12g}" for torque in self.torques_Nm)
         raise InputError(f"torque_Nm: expected one of {known}, found {torque_Nm!r}")

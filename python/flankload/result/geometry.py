@@ -40,7 +40,7 @@ class PairGeometry:
     coast : CoastSide or None
         Coast flanks.
     coast_unknown : str
-        Reason if `coast` is None.
+        Reason if `coast` is None although there are coast flanks.
     """
 
     center_distance_mm: float
@@ -52,12 +52,17 @@ class PairGeometry:
     coast: CoastSide | None = None
     coast_unknown: str = ""
 
+    @property
+    def has_coast_flanks(self) -> bool:
+        """Whether the bodies have coast flanks, known or not; a cam has none."""
+        return self.coast is not None or bool(self.coast_unknown)
+
 
 def pair_geometry(
     pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> PairGeometry:
     """Geometry of a pair with the displacement of its flanks from their nominal place."""
-    pairing, mesh = pair.pairing, pair.pairing.mesh
+    pairing, mesh = pair.pairing, pair.pairing.gear_geometry
     speeds = pairing.speeds(pair.position_rad)
     coast, unknown = _coast_side(pair, compliances)
     known = PairGeometry(pairing.center_distance_mm, *speeds, coast=coast, coast_unknown=unknown)
@@ -125,6 +130,8 @@ def _coast_side(
     working flanks only.
     """
     one, two = pair.body_1.involute, pair.body_2.involute
+    if any(body.curve.closed for body in pair.bodies):
+        return None, ""  # a single flank all around
     for z, involute in enumerate((one, two)):
         if involute is None:
             return None, f"body_{z + 1} has no known coast flank"
@@ -137,7 +144,7 @@ def _coast_side(
         position_rad=-pair.position_rad,
         base_radius_mm=one.base_radius_mm,
         grid=pair.discretization.grid,
-        compliances=(compliances[0].unyielding(), compliances[1].unyielding()),
+        compliances=(compliances[0].without_elasticity(), compliances[1].without_elasticity()),
     )
     return coast, ""
 

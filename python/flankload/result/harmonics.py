@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.rounding import round_down
+from flankload.base.rounding import TIE, round_down
 from flankload.result.interpolant import curve_through, loaded_pair_changes
 
 if TYPE_CHECKING:
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 N_HARMONICS = 5
 #: A larger distance between positions, in pitches, is a gap.
 WIDEST = 0.25
-#: Positions closer than this part of a pitch are equal.
-SAME = 1e-9
 
 
 @dataclass(frozen=True)
@@ -120,7 +118,7 @@ class OverPositions:
             result.site_force_N[self.index] > 0,
             result.sites,
             pitches=result.period_pitches,
-            whole_circle=result.whole_circle or result.has_cam,
+            cyclic=result.engagement.cyclic_sites,
             periods=self.periods,
         )
 
@@ -130,18 +128,18 @@ def over_positions(result: Result) -> OverPositions:
     position, period, pitch = result.position_rad, result.period_rad, result.pitch_rad
     steps = np.diff(position)
     even = bool(
-        result.closed and np.allclose(steps, period / position.size, rtol=0, atol=SAME * pitch)
+        result.closed and np.allclose(steps, period / position.size, rtol=0, atol=TIE * pitch)
     )
     low = position.min()
     periods = round_down((position - low) / period)
     inside = position - periods * period
     index = np.argsort(inside, kind="stable")
-    index = index[np.diff(inside[index], prepend=-np.inf) > SAME * pitch]
+    index = index[np.diff(inside[index], prepend=-np.inf) > TIE * pitch]
     gaps = np.diff(inside[index], append=inside[index[0]] + period)
-    widest = WIDEST * pitch * (1.0 + SAME)
+    widest = WIDEST * pitch * (1.0 + TIE)
     span, covered = np.ptp(position), bool(gaps.max() <= widest)
     # single isolated positions are no period, however many turns they are apart
-    covers = bool(result.closed or (covered and span + gaps.max() >= period * (1.0 - SAME)))
+    covers = bool(result.closed or (covered and span + gaps.max() >= period * (1.0 - TIE)))
     contiguous = bool(not covers and span < period and np.max(gaps[:-1], initial=0.0) <= widest)
     return OverPositions(
         result,
@@ -151,5 +149,5 @@ def over_positions(result: Result) -> OverPositions:
         covers_period=covers,
         contiguous=contiguous,
         even=even,
-        regular=bool(np.ptp(steps) <= SAME * pitch) if steps.size else True,
+        regular=bool(np.ptp(steps) <= TIE * pitch) if steps.size else True,
     )

@@ -178,7 +178,7 @@ def loaded_pair_changes(
     sites: Numbers,
     *,
     pitches: int,
-    whole_circle: bool = False,
+    cyclic: bool = False,
     periods: Numbers | None = None,
 ) -> Flags:
     """Changes of the loaded pairs between positions.
@@ -191,7 +191,7 @@ def loaded_pair_changes(
         Pair numbers.
     pitches : int
         Pitches in a period: after a period, pair j - pitches takes the place of pair j.
-    whole_circle : bool
+    cyclic : bool
         Whether the sites are all flanks, so that counting restarts after the last (for a cam, the
         only one).
     periods : (n,) array, optional
@@ -202,7 +202,7 @@ def loaded_pair_changes(
     (n,) array of bool
         As an argument of `curve_through`.
     """
-    around = len(sites) if whole_circle else 0
+    around = len(sites) if cyclic else 0
 
     def pairs(p: int, moved: int) -> frozenset[int]:
         numbers = sites[loaded[p]] + moved * pitches

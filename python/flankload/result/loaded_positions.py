@@ -86,6 +86,12 @@ class PairPositions(KeepsReadOnly):
         return self.follower_angle_rad is not None
 
     @property
+    def has_involute_path(self) -> bool:
+        """Whether both flanks are involutes with a known path of contact."""
+        known = self.geometry is not None and self.geometry.path_pitches is not None
+        return known and None not in self.drawing.profiles
+
+    @property
     def stands_alike(self) -> bool:
         """Whether the bodies have the same state at all positions: splines on common axes."""
         concentric = self.geometry is not None and self.geometry.center_distance_mm == 0.0

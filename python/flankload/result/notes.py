@@ -49,13 +49,13 @@ def outside_words(names: Sequence[str]) -> str:
 def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
     """Verdict, discretization, changes of it, and missed limits, of `Result.accuracy`."""
     lines = [f"{percent(found['tolerance'])}: {_verdict(found)}"]
-    words = ", ".join(_words(knob, row) for knob, row in found["knobs"].items())
+    words = ", ".join(_words(key, row) for key, row in found["knobs"].items())
     if words:
         lines.append(words)
     if found["tightened"]:
         steps = ", ".join(
-            f"{knob} {_number(one)} -> {_number(two)}"
-            for knob, (one, two) in found["tightened"].items()
+            f"{key} {_number(one)} -> {_number(two)}"
+            for key, (one, two) in found["tightened"].items()
         )
         lines.append(f"refined once: {steps}")
     itself, bound = found["peak_to_peak_of_itself"], found["errors"].get(PEAK_TO_PEAK)
@@ -106,9 +106,9 @@ def _number(value: float | None) -> str:
     return "default" if value is None else f"{value:g}"
 
 
-def _words(knob: str, row: Mapping[str, Any]) -> str:
+def _words(key: str, row: Mapping[str, Any]) -> str:
     value = row["value"]
-    text = f"{knob} {value:g}" if isinstance(value, float) else f"{knob} {value}"
+    text = f"{key} {value:g}" if isinstance(value, float) else f"{key} {value}"
     if row["error"] is None:
         return text
     return f"{text} ({row['source']} {percent(row['error'])})"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, overload
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flankload.base.card import Card
+from flankload.base.rotation import all_around
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
@@ -47,6 +48,16 @@ class PairPlaces(Card):
 
     def __len__(self) -> int:
         return len(self.site)
+
+    @property
+    def point_mm(self) -> Floats:
+        """(n, 2) Places (x, y), world frame."""
+        return np.column_stack([self.x_mm, self.y_mm])
+
+    @property
+    def normal(self) -> Floats:
+        """(n, 2) Unit normals out of body 1, world frame."""
+        return np.column_stack([self.normal_x, self.normal_y])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -152,6 +163,20 @@ class PairDrawing:
     cam_turns_clockwise: bool | None = None
     axial: tuple[AxialShape | None, AxialShape | None] = (None, None)
     tilted: bool = False
+
+    def extent_mm(self, positions: Iterable[int]) -> tuple[Floats, Floats]:
+        """Two corners (2,) of the rectangle around both bodies at all of these positions."""
+        bodies = (
+            (self.outline_1, self.teeth_1, self.angle_1, self.bore_radius_1_mm, 0.0),
+            (self.outline_2, self.teeth_2, self.angle_2, self.bore_radius_2_mm, 1.0),
+        )
+        found = []
+        for outline, teeth, angles, rim_mm, apart in bodies:
+            center = np.array([apart * self.center_distance_mm, 0.0])
+            found += [center + all_around(outline, teeth, angles[p]) for p in positions]
+            found.append(center + np.outer([-1.0, 1.0], [rim_mm or 0.0] * 2))
+        every = np.concatenate(found)
+        return every.min(axis=0), every.max(axis=0)
 
     @property
     def is_around(self) -> bool:

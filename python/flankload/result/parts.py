@@ -12,6 +12,7 @@ from flankload.base.arrays import Flags, Floats, Numbers
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly, frozen
 from flankload.result.drives import BeltDrive, ChainDrive
+from flankload.result.engagement import Engagement, engagement_of
 from flankload.result.friction import FrictionResult
 from flankload.result.loaded_positions import LoadedPositions
 from flankload.result.pairs import PairTable
@@ -94,9 +95,20 @@ class EffectResults(LoadedPositions):
     @property
     def words_for_sites(self) -> tuple[str, str]:
         """Words for a site, and for several: pair, tooth or roller."""
-        if self.drive is not None:
-            return self.drive.words_for_sites
-        return ("tooth", "teeth") if self.whole_circle else ("pair", "pairs")
+        return self.engagement.words_for_sites
+
+    @property
+    def engagement(self) -> Engagement:
+        """How the bodies touch: words, tables and pictures that depend on it."""
+        return engagement_of(self)
+
+    def site_after_period(self, s: int) -> int | None:
+        """Index of the site whose place site s takes a period later; None if it is not listed."""
+        number = self.sites[s] + self.period_pitches
+        if self.engagement.cyclic_sites:
+            number %= self.sites.size
+        found = np.flatnonzero(self.sites == number)
+        return int(found[0]) if found.size else None
 
     @cached_property
     def line_load_N_per_mm(self) -> Floats:

@@ -97,7 +97,7 @@ def curves_of(result: Result) -> dict[str, tuple[object, str, str]]:
         for key, unit in FRICTION.items():
             found[f"friction_{key}"] = result.friction, key, unit
     if result.drive is not None:
-        found |= {key: (result.drive, key, unit) for key, unit in result.drive.along.items()}
+        found |= {key: (result.drive, key, unit) for key, unit in result.drive.units("P").items()}
     return found
 
 
@@ -117,7 +117,7 @@ def over_sites(result: Result) -> Arrays:
     """Arrays (P, S), in three dimensions without slices."""
     over = _arrays(result, OVER_SITES) | over_some_sites(result)
     over["line_load_N_per_mm"] = result.site_force_N / result.face_width_mm, "N/mm"
-    return over | ({} if result.drive is None else _arrays(result.drive, result.drive.over_sites))
+    return over | ({} if result.drive is None else _arrays(result.drive, result.drive.units("PS")))
 
 
 def over_some_sites(result: Result) -> Arrays:

@@ -19,12 +19,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 
 from flankload.base.card import Card
+from flankload.base.gauss import leggauss
 from flankload.base.read_only import KeepsReadOnly
 from flankload.elasticity.near_field import mode_values, to_coefficients
-from flankload.elasticity.nodal_loads import hat_values
+from flankload.elasticity.nodal_loads import linear_shapes
 from flankload.elasticity.prism.axial_basis import AxialBasis
 
 if TYPE_CHECKING:
@@ -231,7 +231,7 @@ def _mode_loads(reading: RootReading, table: PairTable, sites: Numbers, z: int) 
     if reading.over_width is not None:
         values = _on_slices(reading, reading.over_width, table, places)
     elif reading.nodes is not None:
-        values = hat_values(places, reading.nodes) / reading.face_width_mm
+        values = linear_shapes(places, reading.nodes) / reading.face_width_mm
     else:
         # beyond their range modes keep their end values
         within = np.clip(places, span[0], span[1] if tip is None else tip.end_mm)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.rounding import TIE
 from flankload.result.harmonics import over_positions
 
 if TYPE_CHECKING:
@@ -20,8 +21,8 @@ STIFFNESS_MEANS = {
     for unit in ("N_per_um", "Nm_per_rad")
     for kind in ("tangent", "secant")
 }
-#: Forces, pressures and stresses that differ by less, relative to the largest, are equal.
-SAME, SAME_STRESS = 1e-9, 1e-12
+#: Stresses that differ by less, relative to the largest, are those of the same tooth.
+EQUAL_STRESS = 1e-12
 
 
 def key_figures(result: Result) -> dict[str, Any]:
@@ -108,8 +109,8 @@ def _of_coast_flanks(result: Result) -> dict[str, Any]:
     return {
         "coast_flanks_loaded_min": int(coast.loaded.min()),
         "coast_flanks_loaded_max": int(coast.loaded.max()),
-        **_largest(result, "coast_force", "N", coast.force_N, same=SAME),
-        **_largest(result, "coast_peak_pressure_off_corners", "MPa", smooth, same=SAME),
+        **_largest(result, "coast_force", "N", coast.force_N, same=TIE),
+        **_largest(result, "coast_peak_pressure_off_corners", "MPa", smooth, same=TIE),
     }
 
 
@@ -119,7 +120,7 @@ def _of_roots(result: Result, stress: RootStress) -> dict[str, Any]:
     for name, sign in (("tension", 1.0), ("compression", -1.0)):
         extremes = getattr(stress, name)
         values = sign * extremes.stress_MPa
-        places = np.argwhere(values >= values.max() - SAME_STRESS * np.abs(values).max())
+        places = np.argwhere(values >= values.max() - EQUAL_STRESS * np.abs(values).max())
         # of sites with the same tooth, a loaded one is reported
         p, s = places[result.site_force_N[tuple(places.T)].argmax()]
         found[name] = {

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.base.text_table import MARK, NONE, number, text_table
+from flankload.base.rounding import TIE
+from flankload.base.text_table import MARK, NONE, text_table
 from flankload.contact.status import Status
 from flankload.cost import COUNTERS
 from flankload.result.notes import accuracy_lines, outside_words, warning_lines
-from flankload.result.parts import CoastContact
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from flankload.result.friction import FrictionResult
     from flankload.result.result import Result
@@ -22,15 +22,6 @@ if TYPE_CHECKING:
     #: Label and text.
     Line = tuple[str, str]
 
-#: Columns of a position and their units.
-HEAD = ("position", "transm. error", "tangent stiffness", "secant stiffness")
-UNITS = ("deg", "um", "N/um", "N/um")
-FORMS = (".3f", ".3f", ".2f", ".2f")
-
-#: Largest number of pairs with a column each; with more pairs a row lists the loaded ones.
-MOST_COLUMNS = 8
-#: Estimated errors below this part of a quantity are roundoff, and printed as zero.
-NO_ERROR = 1e-9
 #: Sources of the estimate with a separate line: they apply to harmonics, which others do not.
 SHOWN_ALONE = {"positions": "by positions alone", "period": "by period alone"}
 #: Words that such a line omits from its names.
@@ -87,7 +78,7 @@ def texts_of(results: Sequence[Result]) -> str:
 def _text(result: Result, before: Sequence[str] = ()) -> str:
     """Text of one torque, with lines before its rows."""
     below = (_labelled(*line) for line in _footer(result))
-    lines = [_title(result), "", *before, *_rows(result), "", *below]
+    lines = [_title(result), "", *before, *result.engagement.rows(result), "", *below]
     return "\n".join(line.rstrip() for line in lines).rstrip("\n")
 
 
@@ -99,115 +90,8 @@ def _title(result: Result) -> str:
     count = result.position_rad.size
     where = f"{count} position{'s' * (count != 1)}"
     if result.closed:
-        if result.has_cam:
-            return f"{result.name}: {result.torque_Nm:g} N m, {where} over one turn of the cam"
-        pitches = result.period_pitches
-        where += f" over {'one pitch' if pitches == 1 else f'{pitches} pitches'}"
-        where += f" of {degrees(result.pitch_rad):g} deg"
+        where += f" over {result.engagement.period_in_words(result)}"
     return f"{result.name}: {result.torque_Nm:g} N m, {where}"
-
-
-def _rows(result: Result) -> list[str]:
-    """A row per position."""
-    if result.drive is not None:
-        return [*result.drive.rows(result)]
-    sites = range(result.sites.size)
-    if (follower := result.follower_angle_deg) is not None:
-        return _table(
-            result,
-            ("follower", "force", "pressure"),
-            ("deg", "kN", "MPa"),
-            lambda p: (f"{follower[p]:.3f}", *_force_and_pressure(result, p, 0)),
-        )
-    if result.whole_circle:
-        return _rows_of_circle(result)
-    if result.sites.size > MOST_COLUMNS:
-        return _rows_of_loaded(result)
-    return _table(
-        result,
-        [text for s in sites for text in (f"pair {result.sites[s]}", "")],
-        ("share %", "MPa") * result.sites.size,
-        lambda p: [text for s in sites for text in _share_and_pressure(result, p, s)],
-    )
-
-
-def _table(
-    result: Result,
-    heads: Iterable[str],
-    units: Iterable[str],
-    cells: Callable[[int], Iterable[str]],
-) -> list[str]:
-    """A row per position, with further cells at each."""
-    numbers = zip(
-        np.degrees(result.position_rad),
-        result.transmission_error_um,
-        result.stiffness_tangent_N_per_um,
-        result.stiffness_secant_N_per_um,
-        strict=True,
-    )
-    rows = [
-        (*(number(*both) for both in zip(row, FORMS, strict=True)), *cells(p))
-        for p, row in enumerate(numbers)
-    ]
-    return text_table([(*HEAD, *heads), (*UNITS, *units), *rows])
-
-
-def _rows_of_loaded(result: Result) -> list[str]:
-    """A row per position with the pairs that carry load there, out of many."""
-    most = int(result.loaded_pairs.max())
-
-    def cells(p: int) -> Iterator[str]:
-        for s in np.flatnonzero(result.site_force_N[p] > 0).tolist():
-            yield f"{result.sites[s]}"
-            yield from _share_and_pressure(result, p, s)
-
-    heads, units = ("pair that", "carries", ""), ("pair", "share %", "MPa")
-    return _table(result, heads * most, units * most, cells)
-
-
-def _rows_of_circle(result: Result) -> list[str]:
-    """A row per position, then one per tooth at the position of the largest force."""
-
-    def cells(p: int) -> tuple[str, str, str]:
-        s, loaded = int(np.argmax(result.site_force_N[p])), result.loaded_pairs[p]
-        share = f"{100 * result.load_share[p, s]:.2f}"
-        return f"{loaded}", share, f"{result.sites[s]}" if loaded else NONE
-
-    rows = _table(result, ("teeth loaded", "most on one", "at tooth"), ("", "share %", ""), cells)
-    p = int(np.argmax(result.site_force_N.max(axis=1)))
-    title = f"load per tooth at {degrees(result.position_rad[p]):.3f} deg"
-    return [*rows, "", title, *_rows_of_teeth(result, p)]
-
-
-def _rows_of_teeth(result: Result, p: int) -> list[str]:
-    """A row per tooth at a position."""
-    coast = result.coast
-    heads = ("", "coast", "pressure") if coast is not None else ()
-    units = ("", "kN", "MPa") if coast is not None else ()
-    rows: list[tuple[str, ...]] = [
-        ("tooth", "force", "share", "pressure", *heads),
-        ("", "kN", "%", "MPa", *units),
-    ]
-    for s, site in enumerate(result.sites):
-        force, pressure = _force_and_pressure(result, p, s)
-        share = _share_and_pressure(result, p, s)[0]
-        beside = () if coast is None else ("", *_force_and_pressure(coast, p, s))
-        rows.append((f"{site}", force, share, pressure, *beside))
-    return text_table(rows)
-
-
-def _share_and_pressure(result: Result, p: int, s: int) -> tuple[str, str]:
-    pressure = _force_and_pressure(result, p, s)[1]
-    return (NONE if pressure == NONE else f"{100 * result.load_share[p, s]:.2f}"), pressure
-
-
-def _force_and_pressure(contact: Result | CoastContact, p: int, s: int) -> tuple[str, str]:
-    """Force in kN and pressure in MPa, marked on a sharp corner; empty if unloaded."""
-    force = contact.force_N if isinstance(contact, CoastContact) else contact.site_force_N
-    if force[p, s] <= 0:
-        return NONE, NONE
-    mark = MARK * bool(contact.corner_contact[p, s])
-    return f"{force[p, s] / 1e3:.3f}", f"{contact.peak_pressure_MPa[p, s]:.0f}{mark}"
 
 
 def _footer(result: Result) -> Iterator[Line]:
@@ -271,7 +155,7 @@ def _loaded_pairs(result: Result) -> str:
             text += f", {by_tips} by geometry"
             text += f", {usable} of it on both involutes" * (usable != by_tips)
         text += ")"
-    return text + f" of {result.sites.size} teeth carry load" * result.whole_circle
+    return text + result.engagement.out_of_all(result)
 
 
 def _estimate_lines(result: Result, beyond: str) -> Iterator[Line]:
@@ -288,7 +172,7 @@ def _estimate_lines(result: Result, beyond: str) -> Iterator[Line]:
     yield "estimated error", text + beyond
     for source, label in SHOWN_ALONE.items():
         left = result.estimate.get("by_source", {}).get(source, {})
-        if any(error > NO_ERROR for error in left.values()) or (left and source == "positions"):
+        if any(error > TIE for error in left.values()) or (left and source == "positions"):
             text = _estimate({key.removeprefix(OF_ROTATION): error for key, error in left.items()})
             yield label, text + beyond
 
@@ -325,13 +209,12 @@ def _contact_lines(result: Result) -> Iterator[Line]:
     tangent, secant = (summary[f"stiffness_{kind}_mean_N_per_um"] for kind in ("tangent", "secant"))
     if tangent is not None and secant is not None:
         yield "stiffness", f"mean {tangent:.2f} N/um tangent, {secant:.2f} N/um secant"
-    if summary["peak_line_load_pair"] is not None and result.drive is None:
+    if summary["peak_line_load_pair"] is not None and result.engagement.has_pressures:
         load = summary["peak_line_load_N_per_mm"]
         yield "line load", f"up to {load:.1f} N/mm {_place(summary, 'peak_line_load_')}"
     if summary["largest_sliding_mm_per_rad"]:
-        turning = "the cam, for a roller that does not rotate" if result.has_cam else "body 1"
-        text = f"up to {summary['largest_sliding_mm_per_rad']:.2f} mm per rad of {turning}"
-        yield "sliding", text
+        sliding, body = summary["largest_sliding_mm_per_rad"], result.engagement.sliding_body
+        yield "sliding", f"up to {sliding:.2f} mm per rad of {body}"
     if result.coast is not None:
         yield "coast flanks", _coast_forces(summary)
     elif summary["coast_flank_gap_min_um"] is not None:
@@ -340,9 +223,8 @@ def _contact_lines(result: Result) -> Iterator[Line]:
         if gap < 0:
             text = f"overlap of up to {-gap:.1f} um under load: they would carry load as well"
         yield "coast flanks", text
-    elif result.geometry is not None and not result.has_cam:
-        reason = result.geometry.coast_unknown or "none face each other"
-        yield "coast flanks", f"unknown: {reason}"
+    elif (geometry := result.geometry) is not None and geometry.has_coast_flanks:
+        yield "coast flanks", f"unknown: {geometry.coast_unknown or 'none face each other'}"
 
 
 def _coast_forces(summary: dict[str, Any]) -> str:
@@ -386,8 +268,8 @@ def _estimate(estimate: Any) -> str:
     """Each quantity's error, and its largest source."""
     sources = estimate.get("dominant_source", {})
     return ", ".join(
-        f"{quantity.replace('_', ' ')} {100 * error if error > NO_ERROR else 0:.2g} %"
-        + (f" ({sources[quantity]})" if quantity in sources and error > NO_ERROR else "")
+        f"{quantity.replace('_', ' ')} {100 * error if error > TIE else 0:.2g} %"
+        + (f" ({sources[quantity]})" if quantity in sources and error > TIE else "")
         for quantity, error in estimate.items()
         if isinstance(error, int | float)
     )

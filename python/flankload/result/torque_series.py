@@ -39,7 +39,9 @@ def _attributes(kind: type) -> Iterator[str]:
 
 
 #: Attributes that all torques have in common.
-SHARED = frozenset({*_attributes(PairPositions), "words_for_sites", "slice_z_mm", "accuracy"})
+SHARED = frozenset(
+    {*_attributes(PairPositions), "engagement", "words_for_sites", "slice_z_mm", "accuracy"}
+)
 
 
 class TorqueSeries(Result):

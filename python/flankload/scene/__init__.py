@@ -1,4 +1,4 @@
-"""Input of the program: a scene from a TOML file or a dictionary, checked once and frozen.
+"""Input of the program: scenes from TOML files or dictionaries, checked once and frozen.
 
 This package checks the form of the input (types, keys, ranges, combinations of keys). Whether the
 geometry is possible is checked by the packages `bodies` and `pairing`.

@@ -1,4 +1,4 @@
-"""The table [accuracy]: the tolerance, and the discretization as far as the scene sets it."""
+"""The table [accuracy]: the tolerance and parameters of the discretization."""
 
 from typing import Annotated, Literal
 

@@ -23,16 +23,16 @@ if TYPE_CHECKING:
     from flankload.scene.accuracy import Accuracy
     from flankload.scene.scene import Scene, SceneFile
 
-#: Larger helix angles have end-face edges below 50 degrees.
+#: Largest helix angle, deg; above it, the edges at the end faces are sharper than 50 degrees.
 LARGEST_HELIX = 40.0
-#: Helices of a pair of bodies have the same lead per tooth; files round helix angles, and more so
-#: the reference radii of meshes, deg.
+#: Largest difference of the helix angles of a pair with the same lead per tooth, deg: rounding of
+#: helix angles in files, and of the reference radii of meshes.
 HELIX_TOLERANCE, HELIX_TOLERANCE_OF_RADII = 1e-6, 1e-4
-#: Degrees of the displacements and of the pressure modes along the axis by default.
+#: Default polynomial degrees of the displacements and of the pressure modes along the axis.
 AXIAL_DEGREE, LOAD_DEGREE = 8, 4
-#: By so much the degree of the displacements exceeds that of the pressure modes at least.
+#: Least excess of the degree of the displacements over that of the pressure modes.
 DEGREES_ABOVE_LOAD = 4
-#: Effects of plane scenes only, with what is missing in three dimensions.
+#: Effects of plane scenes only, with the capability that three dimensions lack.
 PLANE_EFFECTS = {
     "choose": "no choice of effects for three-dimensional bodies",
     "near_field": "no nodal forces on three-dimensional bodies",
@@ -42,7 +42,7 @@ PLANE_EFFECTS = {
     "speed_rpm": "centrifugal expansion of plane bodies only",
     "coast_flank": "slices on working flanks only",
 }
-#: The same of splines, whose slices lie on each other over a height.
+#: Further ones of splines, whose slices conform over their height.
 PLANE_EFFECTS_OF_SPLINES = {
     "friction_coefficient": "no friction of splines",
     "root_stress": "no root stress of splines over their width",
@@ -59,7 +59,7 @@ LEAD_KEYS = (
 )
 #: Keys of axes that are not parallel; the last one is that of splines.
 MISALIGNMENTS = ("inclination_um_per_mm", "deviation_um_per_mm", "misalignment_mrad")
-#: Keys that give regions of a body widths of their own and hence require three dimensions.
+#: Keys of regions narrower or wider than the teeth, which require three dimensions.
 REGION_KEYS = ("web_width_mm", "hub_width_mm", "region_sets")
 BothEnds = Annotated[tuple[Relief, ...], Meta(min_length=2, max_length=2)]
 BothLengths = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=2)]
@@ -157,14 +157,14 @@ class AxialKeys:
     Attributes
     ----------
     inward : bool or None
-        Whether the teeth point inwards; None if a file says so.
+        Whether the teeth point inwards; None if this follows from a file.
     """
 
     __slots__ = ()
 
     inward: ClassVar[bool | None] = False
 
-    # splines lack these keys
+    # defaults for splines, which lack these keys
     helix_angle_deg: HelixAngle = 0.0
     hand: Hand = None
     profile_twist_um: ProfileTwist = None
@@ -189,7 +189,7 @@ class AxialKeys:
             """Rotation of the section along the axis times half the number of teeth, rad/mm."""
 
         def helix_deg_of(self, turn_per_mm: float) -> float:
-            """The helix angle with which sections turn so fast, deg."""
+            """Helix angle for a rotation of the section along the axis in rad/mm, deg."""
 
     @property
     def helix_rad(self) -> float:
@@ -203,24 +203,24 @@ class AxialKeys:
 
     @property
     def helix_tolerance_deg(self) -> float:
-        """How far the helix angle may be from that of the other body."""
+        """Largest difference from the helix angle of the other body, deg."""
         return HELIX_TOLERANCE
 
     def regions_of(
         self, range_mm: tuple[float, float]
     ) -> tuple[tuple[str, tuple[float, float]], ...]:
-        """Names and ends along the axis of regions of other width than the teeth."""
+        """Names and axial ranges of regions that are not as wide as the teeth."""
         return ()
 
     def check_extents(self, range_mm: tuple[float, float], key: str) -> None:
-        """Check the regions against the ends of the teeth."""
+        """Check the axial ranges of the regions against that of the teeth."""
 
     def bore_of(self, range_mm: tuple[float, float]) -> tuple[tuple[float, float], float] | None:
-        """Ends along the axis and diameter of the bore; None if the diameter is unknown."""
+        """Axial range and diameter of the bore; None if the diameter is unknown."""
         return None
 
     def check_solid(self, key: str, why: str) -> None:
-        """Refuse what this version has in plane scenes only."""
+        """Refuse features that this version has in plane scenes only."""
 
     def check_axial(self, given: Mapping[str, Any], key: str) -> None:
         """Check helix and hand, end relief and its lengths, the slopes of all teeth, the shaft."""
@@ -241,12 +241,12 @@ class AxialKeys:
 
 
 def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tuple[float, float]:
-    """Axial positions between which a body has teeth, mm.
+    """Axial range of the teeth of a body, mm.
 
     Raises
     ------
     SceneError
-        If an end relief is longer than the body, or a region of other width does not fit.
+        If an end relief is longer than the body, or a web, hub or shaft does not fit.
     """
     width = body.face_width_mm or pair_width_mm
     for k, length in enumerate(body.end_relief_length_mm or ()):
@@ -261,7 +261,7 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
 
 
 def _check_flexible(body: AxialKeys, shaft: Shaft, ends: tuple[float, float], key: str) -> None:
-    """Check that a shaft that bends under the teeth fills the bore."""
+    """Check that a flexible shaft fills the bore."""
     bore = body.bore_of(ends)
     if bore is None:
         expected = f"'rigid', since there is no {key}.bore_diameter_mm"
@@ -363,7 +363,7 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
 
 
 def check_hands(sign_1: int, sign_2: int, *, inward: bool) -> None:
-    """Check that the hands of two helices mesh: equal if body 2 has internal teeth, else opposite.
+    """Check the hands of two helices: equal if body 2 has internal teeth, opposite otherwise.
 
     The signs are 1 for a right hand, -1 for a left hand, 0 without a helix.
     """
@@ -377,7 +377,7 @@ def check_hands(sign_1: int, sign_2: int, *, inward: bool) -> None:
 
 def _check_pair(one: AxialKeys, two: AxialKeys, pair_width_mm: float) -> None:
     """Check that the helices of two bodies mesh and that their widths overlap."""
-    # sections turn along the axis in the ratio of the teeth
+    # the rotations of both sections along the axis are in the ratio of the tooth numbers
     expected = two.helix_deg_of(one.turn_per_mm)
     if abs(expected - two.helix_angle_deg) > max(one.helix_tolerance_deg, two.helix_tolerance_deg):
         same = abs(expected - one.helix_angle_deg) <= HELIX_TOLERANCE

@@ -26,11 +26,11 @@ from flankload.scene.table import (
 
 Pitch = Annotated[Length, about("pitch", "mm", usual=(0.5, 500.0))]
 FlankAngle = Annotated[float, Meta(ge=0, le=45)]
-#: Largest relative difference of the pitches; beyond it the belt does not fit the pulley.
+#: Largest relative difference of the pitches for which the belt fits the pulley.
 LARGEST_PITCH_DIFFERENCE = 0.02
-#: Largest width of a belt tooth as part of the pitch, so that a land remains.
+#: Largest width of a belt tooth over the pitch, so that a land remains.
 WIDEST_TOOTH = 0.9
-#: Least width of an elastic pulley's groove at its bottom, as part of its width at the land.
+#: Least width of a groove of an elastic pulley at its bottom, over its width at the land.
 LEAST_BOTTOM = 0.1
 #: Keys that only an elastic pulley has.
 ELASTIC = ("bore_diameter_mm", "material", "young_modulus_MPa", "poisson_ratio")

@@ -93,7 +93,7 @@ def _trapezoid(height: float, width: float, **more: float) -> dict[str, float]:
 
 
 def _wide(height: float, head: float, **more: float) -> dict[str, float]:
-    """A tooth of the AT series, whose standard gives the width of the head."""
+    """A tooth of the AT series, by the width at its tip."""
     width = round(head + 2 * height * tan(radians(25.0)), 3)
     return {"tooth_height_mm": height, "tooth_width_mm": width, "flank_angle_deg": 25.0, **more}
 

@@ -1,7 +1,4 @@
-"""Names in place of keys: belt profiles, chains and materials give the keys that a scene omits.
-
-The keys that the scene sets have precedence. Tables that are no tables are left to the reader.
-"""
+"""Keys from the names of belt profiles, chains and materials; keys of the scene have precedence."""
 
 from __future__ import annotations
 
@@ -30,14 +27,15 @@ NAMES_OF_DRIVES: tuple[tuple[str, type[Table], str], ...] = (
 
 
 def with_catalogue(tree: Any) -> Any:
-    """A scene with the keys that its names give and that it does not set.
+    """Complete a scene with the keys that follow from its names and that it does not set.
 
-    The tree is that of a scene file; without such a name, the same object is returned.
+    The tree is that of a scene file; without such a name, the same object is returned. Entries that
+    should be tables but are not are left to the reader.
 
     Raises
     ------
     SceneError
-        If a profile or a chain is unknown: otherwise the keys that it gives would seem missing.
+        If a profile or a chain is unknown.
     """
     for name, form, key in NAMES_OF_DRIVES:
         body = _table(tree, name)
@@ -50,7 +48,7 @@ def with_catalogue(tree: Any) -> Any:
 
 
 def catalogue_keys(tree: Any) -> Keys:
-    """Keys that the names of a scene give, by table, whether or not the scene sets them."""
+    """Keys that follow from the names of a scene, by table, also those that the scene sets."""
     bodies = [_table(tree, name) for name in ("body_1", "body_2")]
     found: Keys = {"body_1": {}, "body_2": {}}
     for name, body in zip(found, bodies, strict=True):
@@ -64,7 +62,7 @@ def catalogue_keys(tree: Any) -> Keys:
 
 
 def keys_of_names(tree: Tree) -> Keys:
-    """Keys of the bodies that the names of a scene give if it sets no other keys, by body."""
+    """Keys of the bodies that follow from the names alone, without other keys, by body."""
     names = ("kind", "profile", "chain", "material")
     return catalogue_keys(
         {
@@ -107,7 +105,7 @@ def _effect_keys(bodies: list[Tree], effects: Tree) -> dict[str, Any]:
 
 
 def estimate_notes(scene: Scene) -> tuple[str, ...]:
-    """Notes about the estimated keys of a scene, which catalogues do not print."""
+    """Notes about the estimated keys of a scene."""
     estimates: dict[str, Estimate] = {}
     around = scene.body_2
     if scene.is_drive:

@@ -28,9 +28,9 @@ ChainName = Literal[
     "140",
     "160",
 ]
-#: Steel of plates and pins, MPa.
+#: Steel of plates and pins; modulus in MPa.
 YOUNG_MODULUS_MPA, POISSON_RATIO = 206000.0, 0.3
-#: Plates of roller chains over their pitch: thickness, and height of the outer plates (ASME B29.1).
+#: Thickness, and height of the outer plates, over the pitch (ASME B29.1).
 PLATE_THICKNESS, PLATE_HEIGHT = 0.125, 0.82
 #: Shear correction of a full circle.
 SHEAR_CORRECTION = 0.9
@@ -48,10 +48,10 @@ class ChainSize(NamedTuple):
     ----------
     pitch_mm, roller_diameter_mm : float
     inner_width_mm : float
-        Least width between the inner plates.
+        Minimum width between the inner plates.
     pin_diameter_mm : float
     tensile_strength_kN : float
-        Least tensile strength.
+        Minimum tensile strength.
     """
 
     pitch_mm: float
@@ -62,7 +62,7 @@ class ChainSize(NamedTuple):
 
     @property
     def link_stiffness_N(self) -> float:
-        """Tension per unit of strain: two plates, and the pin between inner and outer plates.
+        """Tension per unit of strain of two plates in series with the pins.
 
         Per pitch p and tension: p/(E 2 t (h - d)) + [t/(k G A) + t³/(12 E I)]/2, Timoshenko beam
         of the length t between the middle planes of the plates, guided at both ends.

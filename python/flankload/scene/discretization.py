@@ -57,22 +57,22 @@ class Discretization:
     grid: Grid
 
 
-#: Default discretization. Measured on the FZG type C pair (module 4.5 mm) against 0.2 mm, 9 modes,
-#: 40 and 120 cells; the largest errors are: rotation 0.03 % at interior and 0.22 % at tip-corner
-#: positions, load share 0.25 percentage points there, peak pressure 0.10 %.
+#: Default discretization. Largest errors on the FZG type C pair (module 4.5 mm), against 0.2 mm, 9
+#: modes, 40 and 120 cells: rotation 0.03 % at interior and 0.22 % at tip-corner positions, load
+#: share 0.25 percentage points there, peak pressure 0.10 %.
 DEFAULT = Discretization(1.0 / 4.5, 5, Grid())
 
-#: Cells in slices (three dimensions): lumped contact gives the forces of all slices in advance, so
-#: the zones can be short. Of a spur and a helical pair, ten cells change the rotation by 0.004 %,
-#: twice as many at sharp corners by 0.004 %.
+#: Cells in slices (three dimensions). The zones are short, since lumped contact gives the forces of
+#: all slices in advance. With 10 cells, or with 18 at sharp corners, the rotation of a spur and of
+#: a helical pair changes by 0.004 %.
 IN_SLICES = Grid(6.0, 9.0, 2.0)
 
-#: Part of the scene's tolerance for the sampling error of positions: more positions cost little.
-POSITIONS_PART = 0.3
+#: Default tolerance of adaptive positions over that of the scene; more positions cost little.
+POSITION_TOLERANCE_FACTOR = 0.3
 
 
 def choose_discretization(scene: Scene) -> Discretization:
-    """Discretization of a scene: values set in [accuracy]; the others by default."""
+    """Discretization of a scene: values of [accuracy], or their defaults."""
     accuracy, grid = scene.accuracy, default_grid(scene)
     return Discretization(
         flank_element_parts=DEFAULT.flank_element_parts,
@@ -86,16 +86,16 @@ def choose_discretization(scene: Scene) -> Discretization:
 
 
 def default_grid(scene: Scene) -> Grid:
-    """Cells by default: fewer in slices."""
+    """Default cells of a scene: fewer in slices."""
     return DEFAULT.grid if three_dimensional_key(scene) is None else IN_SLICES
 
 
 def elements_for_modes(modes: int) -> int:
-    """Elements along a flank that resolve the given number of pressure modes.
+    """Number of elements along a flank that resolve a number of pressure modes.
 
-    Polynomials of degree n vary within 1/n² of the flank at its ends. Measured on a spline with
-    rounded tips: this number leaves errors of 1 to 2.3 % of the peak pressure with 5 to 12 modes;
-    with 12 modes, twice the degree leaves 11 %, and 11 elements leave 38 %.
+    Polynomials of degree n vary within 1/n² of the flank at its ends. On a spline with rounded
+    tips, the error of the peak pressure is 1 to 2.3 % for 5 to 12 modes; with 12 modes it is 11 %
+    for twice the degree, and 38 % for 11 elements.
     """
     degree = modes - 1
     return max(2 * degree, degree**2 // 2)
@@ -103,4 +103,4 @@ def elements_for_modes(modes: int) -> int:
 
 def position_tolerance(scene: Scene) -> float:
     """Relative sampling error of harmonics and peak to peak allowed for adaptive positions."""
-    return scene.positions.tolerance or POSITIONS_PART * scene.accuracy.tolerance
+    return scene.positions.tolerance or POSITION_TOLERANCE_FACTOR * scene.accuracy.tolerance

@@ -33,14 +33,11 @@ class WrappedTable(DriveTable, frozen=True, kw_only=True):
     no_pair: ClassVar[str] = ""
 
     def check_around(self, body_1: BodyTable, given: Mapping[str, Any]) -> None:
-        """Check that it fits the wheel of body 1, of which the scene sets the given keys."""
+        """Check that the chain or belt fits its wheel; `given`: keys of body 1 in the scene."""
 
 
 def check_drive(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    """Refuse keys that do not apply to a drive, and keys that apply only to a drive.
-
-    `given` is the scene as in the file.
-    """
+    """Refuse keys that do not apply to drives, or only to them; `given`: scene as in the file."""
     body_1, body_2, slack = asked.body_1, asked.body_2, asked.load.slack_tension_N
     if not isinstance(body_2, WrappedTable):
         if slack is not None:

@@ -1,8 +1,4 @@
-"""Conversion of plain dictionaries to tables; the first faulty key is refused.
-
-msgspec converts and checks each value. An error names the key by its dotted path, the expected
-value and the value found.
-"""
+"""Conversion of plain dictionaries to tables by msgspec; the first faulty key is refused."""
 
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
@@ -22,8 +18,8 @@ from flankload.scene.table import BY_NAME, Table
 T = TypeVar("T", bound=Table)
 
 LEAD = "lead modifications, which are three-dimensional"
-#: Keys that only some kinds of body have, with the feature that the others lack. A name that ends
-#: in an underscore matches all keys that begin with it.
+#: Keys of some kinds of body, with the feature that the others lack. A name that ends in an
+#: underscore matches all keys that begin with it.
 OF_SOME_BODIES = {
     "helix_angle_deg": "helical gears",
     "hand": "helical gears",
@@ -46,8 +42,8 @@ def read_table(form: type[T], table: object, key: str) -> T:
     Raises
     ------
     SceneError
-        At the first key that is unknown, missing, of a wrong type or out of range; at a missing
-        key, all other missing keys of the table are named as well.
+        At the first key that is unknown, missing (with all other missing keys of the table), of a
+        wrong type or out of range.
     """
     if not isinstance(table, Mapping):
         refuse(key or "scene", "a table", shown(table))
@@ -78,12 +74,12 @@ def fields_of(form: type[Table]) -> dict[str, FieldInfo]:
 
 
 def is_required(field: FieldInfo) -> bool:
-    """Whether a scene must have a key, in its file or by a name (module `catalogue`)."""
+    """Whether a key is required, in the file or from a name (module `catalogue`)."""
     return field.required or field.default is BY_NAME
 
 
 def check_key(form: type[Table], name: str, value: object, path: str) -> None:
-    """Refuse a value that a key of a table cannot have."""
+    """Refuse a value of a wrong type or out of the range of its key."""
     _read(fields_of(form)[name].type, value, path)
 
 
@@ -95,7 +91,7 @@ def required_of(form: type[Table]) -> tuple[str, ...]:
 
 @cache
 def types_of(form: type[Table]) -> dict[str, inspect.Type]:
-    """Types of the fields with all tables below them, by key: for texts, since it takes long."""
+    """Types of the fields with all tables below them, by key; slow, for texts only."""
     info = inspect.type_info(form)
     assert isinstance(info, inspect.StructType)
     return {field.encode_name: field.type for field in info.fields}
@@ -105,7 +101,7 @@ def _refuse_unknown(name: str, value: object, known: list[str], key: str) -> NoR
     path = f"{key}.{name}" if key else name
     for begin, feature in OF_SOME_BODIES.items() if key.startswith("body_") else ():
         if any(other.startswith(begin) for other in known):
-            continue  # this kind of body has it
+            continue  # this kind of body has the feature
         if name == begin or (begin.endswith("_") and name.startswith(begin)):
             expected = f"no such key, since this version does not simulate {feature}"
             refuse(path, expected, shown(value))
@@ -134,7 +130,7 @@ def _members(kind: Any) -> list[Any]:
 
 
 def _form_of(forms: list[type[Table]], value: Any, key: str) -> type[Table]:
-    """The table type that a value selects by its `kind`."""
+    """The type of table for the `kind` of a value."""
     tagged = {form.__struct_config__.tag: form for form in forms if form.__struct_config__.tag}
     if not tagged:
         return forms[0]
@@ -159,7 +155,7 @@ def _plain(value: Any) -> Any:
 
 
 def _fits(kind: Any, value: Any) -> bool:
-    if _is_strange(value):
+    if _is_invalid(value):
         return False
     try:
         msgspec.convert(value, kind)
@@ -168,10 +164,10 @@ def _fits(kind: Any, value: Any) -> bool:
     return True
 
 
-def _is_strange(value: Any) -> bool:
-    """Whether a value cannot be in a scene file: other types, NaN, blank text, lone surrogates."""
+def _is_invalid(value: Any) -> bool:
+    """Whether a value has another type, is NaN, infinite or blank, or has a lone surrogate."""
     if isinstance(value, list):
-        return any(_is_strange(part) for part in value)
+        return any(_is_invalid(part) for part in value)
     if isinstance(value, str):
         return not value.strip() or any("\ud800" <= letter <= "\udfff" for letter in value)
     return not isinstance(value, int | float) or value != value or value in (inf, -inf)

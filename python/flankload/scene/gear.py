@@ -24,7 +24,7 @@ from flankload.scene.table import (
     about,
 )
 
-#: Least bore over tip diameter: a body held at a point would turn about it without resistance.
+#: Least bore over tip diameter; a body fixed at a point could turn about it without resistance.
 LEAST_BORE = 1e-3
 
 
@@ -38,11 +38,11 @@ class ByNormalModule(Toothed, axial.AxialKeys):
 
     @property
     def turn_per_mm(self) -> float:
-        """Tangent of the helix angle over the transverse module."""
+        """Rotation of the section along the axis times half the number of teeth, rad/mm."""
         return sin(self.helix_rad) / self.module_mm
 
     def helix_deg_of(self, turn_per_mm: float) -> float:
-        """The helix angle with which sections turn so fast, deg; 90 where there is none."""
+        """Helix angle for such a rotation, deg; 90 if there is none."""
         return degrees(asin(min(1.0, turn_per_mm * self.module_mm)))
 
 
@@ -91,7 +91,7 @@ class Gear(
 
 
 class WidthKeys(ByNormalModule, InvoluteKeys, frozen=True, kw_only=True):
-    """Keys of an involute profile, and those along the axis that rings and splines have."""
+    """Keys of an involute profile and along the axis, for rings and splines."""
 
     face_width_mm: axial.OwnWidth = None
     axial_offset_mm: axial.AxialOffset = 0.0
@@ -158,7 +158,7 @@ class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
 
 
 def check_bore(body: Any, key: str) -> None:
-    """Check that the bore of a gear or a spline shaft is inside its tip circle and not a point."""
+    """Check that the bore of a gear or a spline shaft is smaller than its tip, but not a point."""
     if body.bore_diameter_mm < LEAST_BORE * body.tip_diameter_mm:
         expected = f"at least {LEAST_BORE:g} of {key}.tip_diameter_mm "
         expected += f"({LEAST_BORE * body.tip_diameter_mm:g}), since the body is fixed there"

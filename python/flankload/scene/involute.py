@@ -21,7 +21,7 @@ from flankload.scene.table import (
     about,
 )
 
-#: Largest pitch error over base pitch: with larger ones neighbouring teeth could change places.
+#: Largest pitch error over base pitch; larger ones could change the order of the teeth.
 LARGEST_PITCH_ERROR = 0.1
 
 
@@ -65,7 +65,7 @@ class ThicknessKeys(Table, frozen=True, kw_only=True):
 
 
 class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
-    """Keys of an involute profile in the transverse section, without those of its root."""
+    """Keys of an involute profile without its root."""
 
     module_mm: Annotated[Length, about("module", "mm", usual=(0.02, 100.0))]
     pressure_angle_deg: Annotated[
@@ -194,7 +194,7 @@ class Geometry(InvoluteKeys, frozen=True, kw_only=True):
 def check_pitch_errors(
     errors_um: Sequence[float], teeth: int, base_pitch_mm: float, key: str
 ) -> None:
-    """Check that there is one pitch error per tooth and that none exceeds its limit."""
+    """Check that there is one pitch error per tooth, and that none exceeds its limit."""
     if errors_um and len(errors_um) != teeth:
         expected = f"one entry per tooth: {teeth}, as in {key}.teeth"
         refuse(f"{key}.pitch_errors_um", expected, f"{len(errors_um)} entries")
@@ -208,7 +208,7 @@ def check_pitch_errors(
 def check_tip(
     body: InvoluteKeys, given: Mapping[str, Any], key: str, *, inwards: bool = False
 ) -> None:
-    """Check that a tip has a rounding or a chamfer, and a relief both depth and start."""
+    """Check the keys of thickness, reliefs, protuberance, and tip rounding or chamfer."""
     _check_thickness(body, key, inwards=inwards)
     _check_reliefs(body, given, key)
     if isinstance(body, Geometry):
@@ -257,7 +257,7 @@ def _check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> N
 
 
 def _check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
-    """Check that there is one key of the thickness, with the one that it requires."""
+    """Check that there is at most one key of the thickness, with the key that it requires."""
     keys = ("tooth_thickness_allowance_um", *MEASURED)
     named = [name for name in keys if getattr(body, name) is not None]
     if len(named) > 1:
@@ -275,7 +275,7 @@ def _check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
 
 
 def _check_reliefs(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> None:
-    """Check that a knee belongs to a double-linear tip relief, and a root relief has a start."""
+    """Check that a double-linear tip relief has a knee, and a root relief a start."""
     double = body.tip_relief_shape == "double_linear"
     for name in ("tip_relief_knee_um", "tip_relief_knee_diameter_mm"):
         value = getattr(body, name)

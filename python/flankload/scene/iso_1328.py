@@ -8,7 +8,7 @@ from math import cos, floor, hypot, radians, sqrt
 from flankload.base.arguments import require_number
 from flankload.scene.refusal import refuse
 
-#: Ranges of the formulas, 5.2.1; they shall not be extrapolated.
+#: Ranges of the formulas, which 5.2.1 forbids to extrapolate.
 LARGEST_CLASS, DIAMETER_MM = 11, (5.0, 15000.0)
 RANGES = {
     "teeth": (5, 1000),
@@ -100,7 +100,7 @@ def iso_1328(
 
 
 def _formulas(d: float, m: float, b: float, factor: float) -> tuple[float, ...]:
-    """Formulas (5) to (12) in their order, um; not rounded."""
+    """Formulas (5) to (12) in order, um, not rounded."""
     profile = (
         factor * (0.4 * m + 0.001 * d + 4.0),  # formula (7)
         factor * (0.55 * m + 5.0),  # formula (8)
@@ -120,6 +120,6 @@ def _formulas(d: float, m: float, b: float, factor: float) -> tuple[float, ...]:
 
 
 def _rounded(value_um: float) -> float:
-    """A tolerance rounded by 5.2.3; halves upwards."""
+    """A tolerance rounded by 5.2.3; halves are rounded up."""
     step = 1.0 if value_um > 10.0 else 0.5 if value_um >= 5.0 else 0.1
     return round(step * floor(value_um / step + 0.5), 1)

@@ -37,9 +37,9 @@ MATERIALS = {
         1400.0, 0.4, 1e-4, 1140.0, "data sheet of PA66, ISO 527, conditioned at 23 C and 50 % RH"
     ),
 }
-#: Keys of a body that its material gives.
+#: Keys of a body that follow from its material.
 ELASTIC_KEYS = ("young_modulus_MPa", "poisson_ratio")
-#: Keys of [effects] that the materials of both bodies give, with the key that uses each.
+#: Keys of [effects] that follow from the materials of both bodies, with the key that uses each.
 EFFECT_KEYS = {"thermal_expansion_per_K": "temperature_rise_K", "density_kg_m3": "speed_rpm"}
 
 MaterialName = Annotated[

@@ -26,7 +26,7 @@ from flankload.scene.table import (
 
 
 class Profile(Geometry, frozen=True, kw_only=True):
-    """The exact profile of a body from a mesh file, by the geometry keys of a gear."""
+    """The exact profile of a body from a mesh file, with the geometry keys of a gear."""
 
     kind: Annotated[Literal["gear"], about("kind of the profile")] = "gear"
     teeth: Annotated[
@@ -103,7 +103,7 @@ class MeshBody(
 
     @property
     def number_of_teeth(self) -> int:
-        """Number of teeth as given, else the number of flank sets."""
+        """The key `teeth`, or the number of flank sets."""
         return self.teeth or len(self.flank_sets or ())
 
     @property
@@ -116,16 +116,16 @@ class MeshBody(
 
     @property
     def turn_per_mm(self) -> float:
-        """Tangent of the helix angle over the diameter of that circle per tooth."""
+        """Rotation of the section along the axis times half the number of teeth, rad/mm."""
         return 0.5 * self.number_of_teeth * tan(self.helix_rad) / self.helix_radius_mm
 
     def helix_deg_of(self, turn_per_mm: float) -> float:
-        """The helix angle with which sections turn so fast, deg."""
+        """Helix angle for such a rotation, deg."""
         return degrees(atan(2.0 * self.helix_radius_mm / self.number_of_teeth * turn_per_mm))
 
     @property
     def helix_tolerance_deg(self) -> float:
-        """A given radius is rounded."""
+        """Larger without a profile, since the reference radius is rounded."""
         return super().helix_tolerance_deg if self.profile else axial.HELIX_TOLERANCE_OF_RADII
 
     def check_solid(self, key: str, why: str) -> None:
@@ -140,7 +140,7 @@ class MeshBody(
 
     @property
     def flank_keys(self) -> tuple[str, Table | None]:
-        """The keys of the flank are in the profile, if there is one."""
+        """The keys of the flank are those of the profile, if there is one."""
         return "profile.", self.profile
 
     def check(self, given: Mapping[str, Any], key: str) -> None:
@@ -163,7 +163,7 @@ class MeshBody(
 
 
 class ComplianceBody(BodyTable, frozen=True, kw_only=True, tag="compliance"):
-    """A body whose flank and compliance come from a file of flankload or of another program."""
+    """A body with flank and compliance from a file of flankload or of another program."""
 
     from_file: ClassVar[bool] = True
     brings_compliance: ClassVar[bool] = True

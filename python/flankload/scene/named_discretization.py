@@ -1,4 +1,4 @@
-"""How finely a run is discretized, as keys of a scene."""
+"""The discretization of a run as keys of a scene."""
 
 from __future__ import annotations
 
@@ -15,33 +15,34 @@ from flankload.scene.plane_section import plane_section
 if TYPE_CHECKING:
     from flankload.scene import Scene
 
+#: Largest number of strips that a scene can set, per half-width.
 MOST_STRIPS = 200.0
-#: Adaptive positions may grow to so many times those they begin with.
-ADAPTIVE_GROWTH = 64
-#: Keys of [effects] that a discretization decides on, and what no error is asked of.
-LEVELS_AND_EXTRAS = ("contact", "near_field", "root_stress")
+#: Largest number of adaptive positions over their initial number.
+MOST_POSITIONS_RATIO = 64
+#: Keys of [effects] that `scene_at` resets: the contact model, and results without error estimate.
+RESET_KEYS = ("contact", "near_field", "root_stress")
 
 
 @dataclass(frozen=True)
 class NamedDiscretization:
-    """What a run is discretized with; None is left as the scene has it.
+    """Parameters of the discretization of a run; None: the value of the scene.
 
     Attributes
     ----------
     level : {"pairs", "lumped", "nodes", "slices", "plane"}
-        Contact pairs on strips; one unknown for each place of contact; plain nodal loads; slices of
-        three-dimensional bodies; contact pairs on the plane section of such.
+        Contact model: contact pairs on strips; one unknown per place of contact; nodal forces;
+        slices of three-dimensional bodies; contact pairs on their plane section.
     flank_element_mm : float or None
     modes : int or None
     strips_per_half_width : float or None
-        At sharp corners as many more as by default.
+        The ratio to that at sharp corners is the default one.
     zone_half_widths : float or None
     axial_degree, load_degree_z, slices : int or None
-        In three dimensions; the second is lowered to the first less four.
+        In three dimensions; `load_degree_z` is limited to `axial_degree` - 4.
     count : int or None
-        Positions per tooth pitch (per turn of a cam); adaptive ones begin with them.
+        Positions per tooth pitch (per turn of a cam); with `adaptive`, the initial ones.
     adaptive : float or None
-        Tolerance of adaptive positions; None where they are even.
+        Tolerance of adaptive positions; None: equally spaced positions.
     """
 
     level: str = "pairs"
@@ -61,17 +62,17 @@ class NamedDiscretization:
             object.__setattr__(self, "load_degree_z", resolved)
 
     @property
-    def as_it_stands(self) -> bool:
-        """Whether nothing of the scene is changed."""
+    def is_empty(self) -> bool:
+        """Whether no parameter is named, so that the scene remains unchanged."""
         return self == NamedDiscretization()
 
     def as_dict(self) -> dict[str, Any]:
-        """What is named, by name."""
+        """The named parameters."""
         return {key: value for key, value in asdict(self).items() if value is not None}
 
     @classmethod
     def from_dict(cls, tree: dict[str, Any]) -> NamedDiscretization:
-        """The discretization that `as_dict` shows."""
+        """The discretization from the mapping of `as_dict`."""
         return cls(**{field.name: tree[field.name] for field in fields(cls) if field.name in tree})
 
     @property
@@ -103,7 +104,7 @@ class NamedDiscretization:
             "count": self.count,
             "adaptive": True,
             "tolerance": self.adaptive,
-            "max_count": ADAPTIVE_GROWTH * self.count,
+            "max_count": MOST_POSITIONS_RATIO * self.count,
         }
 
     @property
@@ -123,7 +124,7 @@ class NamedDiscretization:
         return {name: keys for name, keys in tables.items() if keys}
 
     def lines(self) -> str:
-        """What a user puts into the scene file."""
+        """The keys as text of a scene file."""
         return "\n".join(
             "\n".join([f"[{name}]", *(f"{key} = {_toml(value)}" for key, value in keys.items())])
             for name, keys in self.tables().items()
@@ -137,26 +138,26 @@ def _toml(value: object) -> str:
 
 
 def scene_at(scene: Scene, discretization: NamedDiscretization) -> Scene:
-    """The scene with other knobs, without error estimate and stress in the roots."""
+    """The scene with another discretization, without error estimate and root stress."""
     if discretization.level == "plane":
         scene = plane_section(scene)
     plain = EffectsAsked()
-    reset = {key: getattr(plain, key) for key in LEVELS_AND_EXTRAS if hasattr(plain, key)}
+    reset = {key: getattr(plain, key) for key in RESET_KEYS if hasattr(plain, key)}
     if discretization.level == "slices":
         reset.pop("contact")
-    quiet = {} if discretization.as_it_stands else reset
+    reset = {} if discretization.is_empty else reset
     return with_discretization(
         replace(
             scene,
             accuracy=structs.replace(scene.accuracy, estimate=False),
-            effects=structs.replace(scene.effects, **quiet),
+            effects=structs.replace(scene.effects, **reset),
         ),
         discretization,
     )
 
 
 def with_discretization(scene: Scene, discretization: NamedDiscretization) -> Scene:
-    """The scene with the knobs of a discretization named, all else as it stands."""
+    """The scene with the parameters of a discretization; all other keys are unchanged."""
     accuracy = structs.replace(scene.accuracy, **discretization.accuracy_keys)
     if discretization.level == "lumped":
         accuracy = structs.replace(
@@ -172,7 +173,7 @@ def with_discretization(scene: Scene, discretization: NamedDiscretization) -> Sc
         positions=structs.replace(scene.positions, **(even | discretization.position_keys)),
         effects=structs.replace(scene.effects, **discretization.effect_keys),
         named_effects=scene.named_effects.union(discretization.effect_keys),
-        named_knobs=scene.named_knobs.union(
+        named_discretization_keys=scene.named_discretization_keys.union(
             {f"accuracy.{key}" for key in discretization.accuracy_keys},
             {f"positions.{key}" for key in discretization.position_keys},
         ),

@@ -19,8 +19,8 @@ from flankload.scene.table import (
     about,
 )
 
-#: With fewer initial positions, contact pairs that carry during part of a pitch are missed.
-LEAST_START = 8
+#: Least number of initial positions; fewer miss pairs of teeth in contact during part of a pitch.
+LEAST_INITIAL_COUNT = 8
 
 
 OF_SPLINES = MISALIGNMENTS[-1]
@@ -45,7 +45,7 @@ class Pair(Table, frozen=True, kw_only=True):
         about(
             "distance of the two axes of a spline; absent = 0 (common axis)",
             "mm",
-            # a hundredth is usual; ten probably means 10 um
+            # usual: 0.01 mm; 10 probably means 10 um
             usual=(1e-5, 2.0),
         ),
     ] = None
@@ -91,7 +91,7 @@ class Pair(Table, frozen=True, kw_only=True):
 
     @property
     def axes_coincide(self) -> bool:
-        """Whether both axes of a spline are one."""
+        """Whether both axes of a spline coincide."""
         return not self.axes_apart_mm and not self.misalignment_mrad
 
     @property
@@ -100,7 +100,7 @@ class Pair(Table, frozen=True, kw_only=True):
         return self.center_distance_mm or self.center_offset_mm or 0.0
 
     def check(self, body_1: BodyTable, body_2: BodyTable) -> None:
-        """Check that splines have offset and misalignment, all other bodies a centre distance."""
+        """Check that splines have their offset and misalignment, other bodies a centre distance."""
         distance, offset = self.center_distance_mm, self.center_offset_mm
         if body_1.conforms and distance is not None:
             expected = "nothing: splines have pair.center_offset_mm (absent = 0)"
@@ -216,8 +216,8 @@ class Positions(Table, frozen=True, kw_only=True):
                         f"positions.{key}", "nothing, unless positions.adaptive is true", given[key]
                     )
             return
-        if self.count < LEAST_START:
-            expected = f"at least {LEAST_START} to begin adaptive positions with"
+        if self.count < LEAST_INITIAL_COUNT:
+            expected = f"at least {LEAST_INITIAL_COUNT} to begin adaptive positions with"
             refuse("positions.count", expected, self.count)
         if self.max_count is not None and self.max_count < self.count:
             expected = f"at least positions.count ({self.count})"

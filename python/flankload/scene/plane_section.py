@@ -1,4 +1,4 @@
-"""The plane scene beside a three-dimensional one, and the other way round."""
+"""The plane section of a three-dimensional scene, and a plane scene in three dimensions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 #: Keys of [accuracy] of three-dimensional and of plane contact.
 OF_SLICES = ("slices", "axial_degree", "load_degree_z")
 OF_CELLS = ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths")
-#: Keys of a body that a plane section does not have.
+#: Keys of a body along its axis, which a plane section lacks.
 ALONG_AXIS = (
     "helix_angle_deg", "hand", "face_width_mm", "axial_offset_mm", *LEAD_KEYS,
     "end_relief_length_mm", "end_relief_shape", "shaft", "web_width_mm", "web_outer_diameter_mm",
@@ -28,11 +28,11 @@ ALONG_AXIS = (
 
 
 def plane_section(scene: Scene) -> Scene:
-    """The transverse section of a scene: straight teeth on rigid parallel axes, over all the width.
+    """The transverse section of a scene: spur teeth on rigid parallel axes.
 
-    Its width is the one that both bodies have in common; webs and hubs are as wide. The rack of a
-    helical gear has its transverse keys, so that flanks are the same; only the root fillet is that
-    of a round tip of the rack in the transverse section, not of an ellipse.
+    The width, also of webs and hubs, is the common face width. The rack of a helical gear has the
+    keys of its transverse section, so that flanks are unchanged; the root fillet differs, since the
+    tip of that rack is a circle instead of an ellipse.
     """
     bodies, width = (scene.body_1, scene.body_2), scene.pair.face_width_mm
     ends = [axial_range(body, width, "") for body in bodies if isinstance(body, AxialKeys)]
@@ -46,26 +46,28 @@ def plane_section(scene: Scene) -> Scene:
         effects=structs.replace(scene.effects, dimension=None, contact=contact),
         accuracy=structs.replace(scene.accuracy, **dict.fromkeys(OF_SLICES)),
         named_effects=scene.named_effects - {"dimension"},
-        named_knobs=scene.named_knobs - {f"accuracy.{key}" for key in OF_SLICES},
+        named_discretization_keys=scene.named_discretization_keys
+        - {f"accuracy.{key}" for key in OF_SLICES},
     )
 
 
 def in_three_dimensions(scene: Scene) -> Scene:
-    """A plane scene over its face width, with contact in slices."""
+    """A plane scene in three dimensions, with contact in slices."""
     return replace(
         scene,
         effects=structs.replace(scene.effects, dimension=3, contact="lumped"),
         accuracy=structs.replace(scene.accuracy, **dict.fromkeys(OF_CELLS)),
         named_effects=scene.named_effects | {"dimension"},
-        named_knobs=scene.named_knobs - {f"accuracy.{key}" for key in OF_CELLS},
+        named_discretization_keys=scene.named_discretization_keys
+        - {f"accuracy.{key}" for key in OF_CELLS},
     )
 
 
 def _straight(body: Any) -> Any:
-    """A body without keys along its axis, its rack in the transverse section."""
+    """A body without keys along its axis, and with the rack of its transverse section."""
     fields = structs.fields(body)
     keys = {field.name: field.default for field in fields if field.name in ALONG_AXIS}
-    if getattr(body, "region_sets", None):  # groups of elements do not mean materials
+    if getattr(body, "region_sets", None):  # element groups are regions, not materials
         keys["one_material"] = True
     if isinstance(body, Gear | Ring) and body.helix_angle_deg:
         c = cos(body.helix_rad)

@@ -13,15 +13,15 @@ from flankload.errors import SceneError
 from flankload.scene.scene import Scene
 from flankload.scene.typed_pairs import AsScene
 
-#: What the public functions accept as a scene.
+#: Forms of a scene that the public functions accept.
 SceneLike = Scene | AsScene | Mapping[str, Any] | str | PathLike[str]
 
 
 def scene_of(given: object) -> Scene:
-    """Return a scene in one of the forms that the public functions accept.
+    """The scene from any form that the public functions accept.
 
-    These are a scene, a `GearPair` or its like, the path of a scene file, or the keys of a scene as
-    `Scene.from_dict` takes them.
+    These are a scene, a typed pair such as `GearPair`, the path of a scene file, or the mapping for
+    `Scene.from_dict`.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def read_scene(path: str | PathLike[str]) -> Scene:
 
 
 def read_tables(path: Path, kind: str) -> dict[str, Any]:
-    """Read a TOML file; `kind` is "a scene file" or its like, for the error message.
+    """Read a TOML file; `kind` names it in the error message, such as "a scene file".
 
     Raises
     ------
@@ -77,10 +77,10 @@ def read_tables(path: Path, kind: str) -> dict[str, Any]:
     except OSError as error:
         expected, found = f"{kind} to read", (error.strerror or type(error).__name__).lower()
     except UnicodeDecodeError as error:
-        expected, found = "text in UTF-8", _strange_byte(error)
+        expected, found = "text in UTF-8", _invalid_byte(error)
     except tomllib.TOMLDecodeError as error:
         expected, found = "valid TOML", _syntax_error(str(error))
-    # exceptions of Python itself that tomllib passes on
+    # exceptions of Python that tomllib does not convert
     except RecursionError:
         expected, found = "lists of a few levels", "too many levels"
     except ValueError:
@@ -88,12 +88,12 @@ def read_tables(path: Path, kind: str) -> dict[str, Any]:
     raise SceneError(file=path, key="file", expected=expected, found=found)
 
 
-def _strange_byte(error: UnicodeDecodeError) -> str:
+def _invalid_byte(error: UnicodeDecodeError) -> str:
     line = error.object.count(b"\n", 0, error.start) + 1
     return f"line {line}: byte 0x{error.object[error.start]:02x}"
 
 
 def _syntax_error(message: str) -> str:
-    """Message of tomllib with the position in front: "line 3, column 7: unclosed string"."""
+    """Message of tomllib behind its position: "line 3, column 7: unclosed string"."""
     text, _, place = message.partition(" (at ")
     return f"{place.rstrip(')')}: {text.lower()}" if place else text.lower()

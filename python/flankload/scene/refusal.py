@@ -1,17 +1,19 @@
-"""The error line of an invalid key: what was expected and what was found."""
+"""The error line of an invalid key, with the expected and the found value."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import date, time
 from numbers import Real
+from pathlib import Path
 from typing import NoReturn
 
 from flankload.errors import SceneError
 
 
 def shown(value: object) -> str:
-    """A value as the user wrote it, shortened to one short line."""
+    """A value as in a scene file, shortened to one line."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -28,15 +30,26 @@ def shown(value: object) -> str:
     return text if len(text) <= 80 else text[:77] + "..."
 
 
+@contextmanager
+def in_file(path: str | Path | None) -> Iterator[None]:
+    """Add the file to errors that name none."""
+    try:
+        yield
+    except SceneError as error:
+        if path is None or error.file is not None:
+            raise
+        raise error.with_file(path) from None
+
+
 def refuse_absent(key: str, name: str, wanted: str, beside: str) -> NoReturn:
-    """Refuse the table `key` without a key that another one of the table requires."""
+    """Refuse the table `key`, which lacks the key `name` that its key `beside` requires."""
     refuse(f"{key}.{name}", f"{wanted}, since there is a {key}.{beside}", None)
 
 
-def refuse(key: str, expected: str, found: object) -> NoReturn:
-    """Refuse a key, of which `key` is the dotted path.
+def refuse(key: str, expected: str, found: object, file: str | Path | None = None) -> NoReturn:
+    """Refuse the key with the dotted path `key`, of a file if one is given.
 
-    A found string is used as it is; any other value is shown as the user wrote it; None: "nothing".
+    A string `found` is printed unchanged, any other value as in a scene file; None: "nothing".
 
     Raises
     ------
@@ -44,4 +57,4 @@ def refuse(key: str, expected: str, found: object) -> NoReturn:
     """
     if not isinstance(found, str):
         found = "nothing" if found is None else shown(found)
-    raise SceneError(key=key, expected=expected, found=found)
+    raise SceneError(key=key, expected=expected, found=found, file=file)

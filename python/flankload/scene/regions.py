@@ -1,4 +1,4 @@
-"""Keys of gear bodies whose web or hub has a width of its own, and their rules."""
+"""Keys of web and hub, which are not as wide as the teeth, and their rules."""
 
 from collections.abc import Iterator
 from itertools import dropwhile
@@ -90,7 +90,7 @@ class RegionKeys:
         hub_offset_mm: HubOffset
 
     def _regions(self) -> Iterator[tuple[str, float, float]]:
-        """Name, width and offset of web and hub, as far as there are any."""
+        """Name, width and offset of web and hub, if present."""
         if self.web_width_mm is not None:
             yield "web", self.web_width_mm, self.web_offset_mm
         if self.hub_width_mm is not None:
@@ -109,7 +109,7 @@ class RegionKeys:
         _check_both(key, "hub", self.hub_width_mm, places, self.hub_offset_mm)
 
     def regions_of(self, range_mm: "Extent") -> tuple[tuple[str, "Extent"], ...]:
-        """Names and ends along the axis of web and hub; from outside, begins with another width."""
+        """Names and axial ranges of web and hub, except a web as wide as the teeth."""
         return tuple(dropwhile(lambda found: found[1] == range_mm, self._extents(range_mm)))
 
     def _extents(self, range_mm: "Extent") -> "Iterator[tuple[str, Extent]]":
@@ -117,12 +117,12 @@ class RegionKeys:
             yield name, _extent(range_mm, width, offset)
 
     def bore_of(self, range_mm: "Extent") -> "tuple[Extent, float]":
-        """Ends along the axis and diameter of the bore."""
+        """Axial range and diameter of the bore."""
         extents = [range_mm, *(own for _, own in self._extents(range_mm))]
         return extents[-1], self.bore_diameter_mm
 
     def check_extents(self, range_mm: "Extent", key: str) -> None:
-        """Check that the web is within the face width, and that the hub's ends fit."""
+        """Check that the web is within the face width, and the ends of the hub."""
         outside, around = "face width", range_mm
         for name, own in self._extents(range_mm):
             if not _is_within(own, around) and (name == "web" or not _is_within(around, own)):
@@ -132,7 +132,7 @@ class RegionKeys:
             outside, around = name, own
 
     def region_diameter_key(self, name: str) -> str:
-        """The key that gives the outer circle of web or hub."""
+        """The key of the outer circle of web or hub."""
         if name == "hub":
             return "hub_diameter_mm"
         given = self.rim_thickness_mm is None
@@ -144,7 +144,7 @@ class RegionKeys:
         Raises
         ------
         SceneError
-            If circles are not in order.
+            If the circles overlap.
         """
         radii: dict[str, float] = {}
         bore, largest, circle = 0.5 * self.bore_diameter_mm, root_radius_mm, "the root diameter"
@@ -167,7 +167,7 @@ class RegionKeys:
 def _check_both(
     key: str, name: str, width: float | None, places: "Sequence[str]", offset: float
 ) -> None:
-    """Check that a region has both a width and a place, or neither."""
+    """Check that a region has both a width and a diameter, or neither."""
     if width is not None and not places:
         place = "web_outer_diameter_mm" if name == "web" else "hub_diameter_mm"
         refuse_absent(key, place, "a number > 0", f"{name}_width_mm")
@@ -176,7 +176,7 @@ def _check_both(
 
 
 class MeshRegionKeys:
-    """Mixin of meshes with named regions of other width."""
+    """Mixin of meshes with named regions that are not as wide as the teeth."""
 
     __slots__ = ()
 
@@ -199,13 +199,13 @@ class MeshRegionKeys:
                 refuse(f"{key}.region_sets[{k}]", "each set once", shown(name))
 
     def regions_of(self, range_mm: "Extent") -> tuple[tuple[str, "Extent"], ...]:
-        """Names and ends along the axis of the regions."""
+        """Names and axial ranges of the regions."""
         regions = zip(self.region_sets or (), self.region_widths_mm or (), strict=True)
         return tuple((name, _extent(range_mm, width, 0.0)) for name, width in regions)
 
 
 def _extent(range_mm: "Extent", width_mm: float, offset_mm: float) -> "Extent":
-    """Ends of a region; those of the teeth, if they are the same up to rounding."""
+    """Axial range of a region; exactly that of the teeth if equal up to rounding."""
     middle = 0.5 * (range_mm[0] + range_mm[1]) + offset_mm
     own = (middle - 0.5 * width_mm, middle + 0.5 * width_mm)
     same = _is_within(own, range_mm) and _is_within(range_mm, own)

@@ -1,8 +1,7 @@
-"""The tables of a whole scene file with the rules between them, and the scene made of these.
+"""The tables of a scene file, the rules between them, and the scene, the complete input of a run.
 
-The reader (`form`) and the JSON schema are both made from the tables, which define every key once
-with its type, range, unit and meaning. A scene is the complete input of a run, checked once and
-frozen.
+The tables define every key once, with its type, range, unit and meaning, for the reader (`form`)
+and the JSON schema.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ from flankload.scene.tree import scene_tree, toml_of, with_changes
 
 #: N mm per N m.
 N_MM_PER_N_M = 1000.0
-#: Default of a scene without a table [pair]: chains and belts.
+#: The table [pair] of chains and belts, whose scenes have none.
 NO_PAIR = Pair(face_width_mm=1.0)
 
 
@@ -104,7 +103,7 @@ class Scene(Card):
         File from which the scene was read.
     named_effects : frozenset of str
         Keys of [effects] that the scene sets explicitly.
-    named_knobs : frozenset of str
+    named_discretization_keys : frozenset of str
         Keys of [accuracy] and [positions] that the scene sets explicitly, as "accuracy.modes".
     """
 
@@ -118,12 +117,12 @@ class Scene(Card):
     accuracy: Accuracy
     file: Path | None = None
     named_effects: frozenset[str] = frozenset()
-    named_knobs: frozenset[str] = frozenset()
+    named_discretization_keys: frozenset[str] = frozenset()
 
     @property
-    def steers(self) -> bool:
+    def names_tolerance(self) -> bool:
         """Whether the scene sets a tolerance, which determines the rest of the discretization."""
-        return "accuracy.tolerance" in self.named_knobs
+        return "accuracy.tolerance" in self.named_discretization_keys
 
     @property
     def folder(self) -> Path:
@@ -174,7 +173,7 @@ class Scene(Card):
 
     @property
     def is_loaded(self) -> bool:
-        """Whether the scene has a load: a torque, coast flanks that may press, or a belt."""
+        """Whether the scene has a load: a torque, coast flanks (press fit), or a belt."""
         return any(self.torques_Nm) or self.effects.coast_flank or isinstance(self.body_2, Belt)
 
     @property
@@ -186,7 +185,7 @@ class Scene(Card):
         return f"Scene {self.name!r}"
 
     def _card_lines(self) -> Iterator[tuple[str, str]]:
-        """A line per table."""
+        """Name and keys of each table."""
         if self.file is not None:
             yield "file", str(self.file)
         for name, table in scene_tree(self, implied=False).items():
@@ -255,7 +254,7 @@ class Scene(Card):
 
     @cached_property
     def _tree(self) -> dict[str, Any]:
-        """Keys of the scene; changes of one scene by the thousand begin with them."""
+        """Keys of the scene, cached for many changes of one scene."""
         tree = scene_tree(self, implied=False)
         try:
             again = type(self).from_dict(tree, file=self.file)
@@ -316,14 +315,14 @@ class Scene(Card):
             accuracy=asked.accuracy,
             file=path,
             named_effects=frozenset(d.get("effects", {})),
-            named_knobs=frozenset(
+            named_discretization_keys=frozenset(
                 f"{table}.{key}" for table in ("accuracy", "positions") for key in d.get(table, {})
             ),
         )
 
 
 def _without_repetition(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:
-    """Use one position for concentric splines and belts, unless the scene asks for more."""
+    """Use one position for concentric splines and belts, unless the scene sets positions."""
     concentric = asked.pair is not None and asked.body_1.conforms and asked.pair.axes_coincide
     if not concentric and not isinstance(asked.body_2, Belt):
         return asked
@@ -333,7 +332,7 @@ def _without_repetition(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile
 
 
 def _with_slices(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:
-    """Use lumped contact in slices for three-dimensional bodies, unless the scene has cells."""
+    """Use lumped contact in slices of three-dimensional bodies, unless the scene sets `contact`."""
     if "contact" in given.get("effects", {}):
         return asked
     if three_dimensional_key(asked) is None:

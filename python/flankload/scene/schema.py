@@ -1,4 +1,4 @@
-"""JSON schema of a scene file and paths of its keys, with unit and meaning of each."""
+"""JSON schema of a scene file, and paths of its keys with their units and meanings."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def _paths_of(form: type[Table], before: str, kind: str) -> Iterator[KeyPath]:
 
 
 def _without_null(node: Any) -> Any:
-    """Remove null from a schema, since TOML has no null."""
+    """Remove null, which TOML lacks, from a schema."""
     if isinstance(node, list | tuple):
         return [_without_null(item) for item in node]
     if not isinstance(node, dict):

@@ -1,4 +1,4 @@
-"""The table of a shaft with its bearings (`[body_1.shaft]`), and its rules."""
+"""The table of a shaft with its bearings (`[body_1.shaft]`) and its rules."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
@@ -12,18 +12,18 @@ from flankload.scene.table import USUAL_SIZE, Length, PoissonRatio, Table, Young
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
 
-#: Relative size of what rounding of a file may add to a compliance.
-ROUNDED = 1e-6
-#: Places on a shaft are known to so much, mm.
-SHORTEST = 1e-3
+#: Relative rounding error of numbers in a file.
+RELATIVE_ROUNDING = 1e-6
+#: Tolerance of positions on a shaft, mm.
+POSITION_TOLERANCE = 1e-3
 Entry = Annotated[float, Meta(ge=-1, le=1)]
 Row = Annotated[tuple[Entry, ...], Meta(min_length=6, max_length=6)]
 Rows = Annotated[tuple[Row, ...], Meta(min_length=6, max_length=6)]
 Lengths = Annotated[tuple[Length, ...], Meta(min_length=1)]
 Place = Annotated[float, Meta(ge=0, le=1e5)]
 Stiffness = Annotated[float, Meta(ge=0, le=1e9)]
-#: Keys of a shaft that is described by its dimensions beside those of `Dimensions`.
-FURTHER_KEYS = (
+#: Optional keys of a shaft that is described by its dimensions.
+OPTIONAL_KEYS = (
     *("bore_diameter_mm", "axial_stiffness_N_per_um", "tilt_stiffness_Nm_per_mrad"),
     *("young_modulus_MPa", "poisson_ratio", "under_teeth", "torque_end"),
 )
@@ -126,7 +126,7 @@ class Shaft(Table, frozen=True, kw_only=True):
         `given`: keys that the scene sets; `helical`: whether the body has axial forces.
         """
         if self.compliance is not None:
-            for name in (*Dimensions._fields, *FURTHER_KEYS):
+            for name in (*Dimensions._fields, *OPTIONAL_KEYS):
                 if name in given:
                     refuse(f"{key}.{name}", f"nothing beside {key}.compliance", shown(given[name]))
             _check_compliance(np.array(self.compliance), key)
@@ -149,22 +149,23 @@ class Shaft(Table, frozen=True, kw_only=True):
     ) -> None:
         """Check that a flexible shaft fills the bore over its width.
 
-        The bore has axial positions of its ends and a diameter, the face width that of its middle;
-        `body` is "body_1" or "body_2".
+        Arguments are the ends and the diameter of the bore, the axial position of the middle of the
+        face width, and "body_1" or "body_2".
         """
         sizes = self.dimensions
         key, bore = f"{body}.shaft", f"{body}.bore_diameter_mm ({diameter_mm:g})"
         low, high = (end - middle_mm + sizes.gear_position_mm for end in ends_mm)
         steps = np.concatenate([[0.0], np.cumsum(sizes.lengths_mm)])
-        if low < -SHORTEST or high > steps[-1] + SHORTEST:
+        if low < -POSITION_TOLERANCE or high > steps[-1] + POSITION_TOLERANCE:
             refuse(
                 f"{key}.gear_position_mm",
                 f"a position at which the shaft ({steps[-1]:g} mm long) fills all of the bore",
                 f"{sizes.gear_position_mm:g}: the bore is from {low:g} to {high:g} mm",
             )
         for k, diameter in enumerate(sizes.diameters_mm):
-            inside = steps[k] < high - SHORTEST and low + SHORTEST < steps[k + 1]
-            if inside and diameter < (1.0 - ROUNDED) * diameter_mm:
+            start, end = low + POSITION_TOLERANCE, high - POSITION_TOLERANCE
+            inside = steps[k] < end and start < steps[k + 1]
+            if inside and diameter < (1.0 - RELATIVE_ROUNDING) * diameter_mm:
                 expected = f"at least {bore}, which a flexible shaft fills"
                 refuse(f"{key}.diameters_mm[{k}]", expected, diameter)
         if self.bore_diameter_mm is not None and self.bore_diameter_mm >= diameter_mm:
@@ -219,19 +220,19 @@ class Shaft(Table, frozen=True, kw_only=True):
 
 
 def _check_compliance(rows: "Floats", key: str) -> None:
-    """Check that a compliance is symmetric, does not create energy and leaves the axis free."""
+    """Check that a compliance is symmetric and positive semidefinite, without row and column 6."""
     for i, j in np.ndindex(6, 6):
         entry = f"{key}.compliance[{i}][{j}]"
         if 5 in (i, j) and rows[i, j]:
             expected = "0, since the rotation about the axis is that of the drive"
             refuse(entry, expected, float(rows[i, j]))
         scale = np.sqrt(abs(rows[i, i] * rows[j, j]))
-        if abs(rows[i, j] - rows[j, i]) > ROUNDED * scale:
+        if abs(rows[i, j] - rows[j, i]) > RELATIVE_ROUNDING * scale:
             expected = f"{rows[j, i]:g}, as in [{j}][{i}]: a compliance is symmetric"
             refuse(entry, expected, float(rows[i, j]))
     scales = np.sqrt(np.abs(np.diag(rows)))
     unit = rows / np.outer(np.where(scales > 0, scales, 1.0), np.where(scales > 0, scales, 1.0))
     least = float(np.linalg.eigvalsh(0.5 * (unit + unit.T))[0])
-    if least < -ROUNDED:
+    if least < -RELATIVE_ROUNDING:
         expected = "a matrix without negative eigenvalues: no load moves the shaft against itself"
         refuse(f"{key}.compliance", expected, f"one of {least:.3g} relative to the diagonal")

@@ -33,7 +33,7 @@ IndexErrors = Annotated[
         usual=USUAL_ERRORS,
     ),
 ]
-#: Keys with which flanks of splines no longer lie on each other over their height.
+#: Keys with which flanks of splines do not conform over their height.
 PROFILE_MODIFICATIONS = ("tip_relief_um", "root_relief_um", "profile_crowning_um")
 #: Root fillet radius of splines in modules: that of DIN 5480 for hobbed shafts.
 SPLINE_FILLET = 0.16

@@ -5,40 +5,39 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from msgspec import UNSET, Meta, Struct
 
-#: mm. Far wider than any real pair; beyond it numbers overflow or meshes become too large.
+#: Range of lengths, mm; far wider than that of real pairs. Beyond it, numbers overflow.
 SMALLEST_LENGTH, LARGEST_LENGTH = 1e-3, 1e5
 Length = Annotated[float, Meta(ge=SMALLEST_LENGTH, le=LARGEST_LENGTH)]
-#: um. A metre of relief, crowning or pitch error exceeds any real flank.
+#: Largest relief, crowning or pitch error, um: a metre, more than any flank.
 LARGEST_DEVIATION = 1e6
 Relief = Annotated[float, Meta(ge=0, le=LARGEST_DEVIATION)]
-#: Shapes that tip, root and end reliefs have.
+#: Shapes of tip, root and end reliefs.
 ReliefShape = Literal["linear", "parabolic"]
 #: Exponent n of each shape; both parts of a double-linear relief are linear. A relief removes
 #: amount x^n, with x from 0 at its start to 1 at its end. With n = 1 it begins with a kink.
 RELIEF_EXPONENTS = {"linear": 1, "parabolic": 2, "double_linear": 1}
 Deviation = Annotated[float, Meta(ge=-LARGEST_DEVIATION, le=LARGEST_DEVIATION)]
-#: N m and N: more than any machine transmits.
+#: N m and N; more than any machine transmits.
 Torque = Annotated[float, Meta(ge=0, le=1e12)]
 Force = Annotated[float, Meta(ge=0, le=1e9)]
 Text = Annotated[str, Meta(min_length=1)]
-# Beyond thousands of turns the position within a tooth pitch is lost to rounding.
+# deg; beyond thousands of turns, rounding errors exceed a tooth pitch
 Angle = Annotated[float, Meta(ge=-1e7, le=1e7)]
 Angles = Annotated[tuple[Angle, ...], Meta(min_length=1)]
 Torques = Annotated[tuple[Torque, ...], Meta(min_length=1)]
 Shift = Annotated[float, Meta(ge=-5, le=5)]
 
 
-#: Default of a required key that a name beside it can give (module `catalogue`): a table made in
-#: Python may omit it; the reader refuses a scene in which it is still missing.
+#: Default of a required key that can follow from a name (module `catalogue`). Tables made in Python
+#: may omit it; the reader refuses scenes without it.
 BY_NAME: Any = UNSET
 
 
 def about(meaning: str, unit: str = "", *, usual: tuple[float, float] | None = None) -> Meta:
     """Meaning and unit of a key ("-" for a pure number, "" for words), and its usual range.
 
-    A value outside the usual range is allowed, but the user is asked about it (module `usual`).
-    The range is so wide that every sensible design is inside, and so narrow that a common value
-    in a wrong unit, wrong by a factor of 1000, is outside.
+    The program queries values outside the usual range (module `usual`). It includes every sensible
+    design, but not a common value in a unit that is wrong by a factor of 1000.
     """
     more: dict[str, object] = {"unit": unit} if unit else {}
     if usual is not None:
@@ -46,7 +45,7 @@ def about(meaning: str, unit: str = "", *, usual: tuple[float, float] | None = N
     return Meta(description=meaning, extra_json_schema=more or None)
 
 
-#: Usual diameters, distances and widths, mm: from watches to rolling mills.
+#: Usual diameters, distances and widths, mm; from watches to rolling mills.
 USUAL_SIZE = (0.2, 1e4)
 #: Usual roundings and chamfers, mm.
 USUAL_ROUNDING = (2e-3, 50.0)
@@ -55,8 +54,8 @@ USUAL_MODIFICATION = (0.3, 2000.0)
 #: Usual range of the largest pitch error, um.
 USUAL_ERRORS = (0.1, 2000.0)
 
-# Keys that several kinds of body have.
-#: More than any real body; a matrix for each tooth still fits in memory.
+# Keys of several kinds of body.
+#: Largest number of teeth; a matrix per tooth fits in memory.
 MOST_TEETH = 10000
 Teeth = Annotated[int, Meta(ge=3, le=MOST_TEETH)]
 SMALLEST_MODULUS, LARGEST_MODULUS = 1e-3, 1e9
@@ -89,13 +88,13 @@ class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
     Attributes
     ----------
     partner : str or None
-        The only kind of body that can be the other body, if there is a restriction.
+        The only kind of the other body, if there is a restriction.
     from_file : bool
         The elements or the compliance of the body are imported from a file.
     brings_compliance : bool
         The file contains the compliance of the body instead of elements.
     is_drive : bool
-        The body belongs to a chain or belt drive, which has no flanks that roll on each other.
+        The body belongs to a chain or belt drive.
     has_teeth : bool
         The body has teeth with involute-like flanks; cams and followers have none.
     conforms : bool

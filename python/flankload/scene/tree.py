@@ -1,4 +1,4 @@
-"""Scenes as plain dictionaries and as text: the keys of a scene, and changes of keys by path."""
+"""Scenes as plain dictionaries and as TOML text, and changes of keys by path."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
 
 
 def tree_of(table: Table, named: frozenset[str] = frozenset()) -> Tree:
-    """Keys of a table whose values differ from the defaults, and those that are named in any case.
+    """Keys of a table that differ from their defaults, and those in `named`.
 
-    With lists in place of tuples; keys without a value are left out.
+    Tuples become lists; keys without a value are left out.
     """
     tag = table.__struct_config__.tag_field
     tree: Tree = {} if tag is None else {tag: table.__struct_config__.tag}
@@ -43,8 +43,8 @@ def tree_of(table: Table, named: frozenset[str] = frozenset()) -> Tree:
 def scene_tree(scene: Scene, *, implied: bool) -> Tree:
     """Keys of a scene; tables without keys are left out.
 
-    `implied`: also keys of [positions] and [effects] that the scene does not name and whose values
-    differ from the defaults: those that the reader derives from others.
+    `implied`: includes keys of [positions] and [effects] that the scene does not set and that the
+    reader derived from others.
     """
     from flankload.scene.scene import NO_PAIR
 
@@ -55,23 +55,25 @@ def scene_tree(scene: Scene, *, implied: bool) -> Tree:
     if not (scene.is_drive and scene.pair == NO_PAIR):
         tree["pair"] = tree_of(scene.pair)
     tree["load"] = tree_of(scene.load)
-    knobs = scene.named_knobs.union(f"effects.{key}" for key in scene.named_effects)
+    set_keys = scene.named_discretization_keys.union(
+        f"effects.{key}" for key in scene.named_effects
+    )
     for name in ("positions", "effects", "accuracy"):
-        named = {key.partition(".")[2] for key in knobs if key.startswith(f"{name}.")}
+        named = {key.partition(".")[2] for key in set_keys if key.startswith(f"{name}.")}
         found = tree_of(getattr(scene, name), frozenset(named))
         tree[name] = {key: x for key, x in found.items() if implied or key in named}
     return {name: part for name, part in tree.items() if part != {}}
 
 
 def _beside_catalogue(tree: Tree, table: Table, keys: Mapping[str, Any]) -> Tree:
-    """Keys of a body without those that its names give, but with those that differ from these."""
+    """Keys of a body without those that follow from its names with the same value."""
     own = {key: getattr(table, key) for key in keys if key in fields_of(type(table))}
     rest = {key: value for key, value in tree.items() if key not in own}
     return rest | {key: _plain(value) for key, value in own.items() if value != keys[key]}
 
 
 def with_changes(tree: Tree, changes: Mapping[str, Any]) -> Tree:
-    """Change single keys of a scene; the tree itself is unchanged.
+    """A copy of the keys of a scene with changes of single keys.
 
     Parameters
     ----------
@@ -84,7 +86,7 @@ def with_changes(tree: Tree, changes: Mapping[str, Any]) -> Tree:
     Returns
     -------
     dict
-        Unknown keys are refused when it is read.
+        Unknown keys are not refused here, but by the reader.
 
     Raises
     ------
@@ -100,7 +102,7 @@ def with_changes(tree: Tree, changes: Mapping[str, Any]) -> Tree:
 
 
 def number_at(scene: Scene, path: str) -> float:
-    """Number to which a path leads, defaults included; an absent deviation in um is 0.
+    """Number at a path, defaults included; an absent deviation in um is 0.
 
     Raises
     ------
@@ -141,7 +143,7 @@ def _lines_of(tree: Tree, path: str) -> list[str]:
 
 
 def _toml_value(value: Any) -> str:
-    """A value in TOML; JSON has the same strings, but for DEL."""
+    """A value in TOML, whose strings are those of JSON except for DEL."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -167,7 +169,7 @@ def _steps_of(path: object) -> list[str | int]:
 
 
 def _change(tree: Tree, steps: list[str | int], path: str, value: Any) -> None:
-    """Set or remove the key to which a path leads."""
+    """Set or remove the key at a path."""
     place: Any = tree
     for n, step in enumerate(steps):
         here = _text_of(steps[:n])

@@ -1,8 +1,6 @@
-"""Scenes from Python objects: the tables of a scene file with their keys as keyword arguments.
+"""Scenes from Python objects: two bodies (`Gear`, `Ring`, …) with the keys of [pair] and [load].
 
-The bodies are the tables themselves (`Gear`, `Ring`, ...). A class of this file combines two of
-them with the keys of [pair] and [load] and makes the same tree that a file contains, so that the
-reader of scene files checks everything.
+Each is converted to the tree of a scene file, which the reader of scene files checks.
 """
 
 from __future__ import annotations
@@ -24,7 +22,7 @@ from flankload.scene.spline import SplineHub, SplineShaft
 from flankload.scene.table import Table
 from flankload.scene.tree import Tree, tree_of
 
-#: Tables of a scene that a typed pair may have as a whole.
+#: Tables of a scene that a typed pair has as attributes.
 WHOLE = ("positions", "effects", "accuracy")
 
 
@@ -73,7 +71,7 @@ class AsScene:
 
 
 def _tree(table: Any) -> Any:
-    """Keys of a table; the positions of an explicit table are their number, also the default."""
+    """Keys of a table; those of explicit positions include the count, even if it is the default."""
     if not isinstance(table, Table):
         return table
     counted = isinstance(table, Positions) and table.angles_deg is None
@@ -81,7 +79,7 @@ def _tree(table: Any) -> Any:
 
 
 class FlankPair(AsScene, Pair, frozen=True, kw_only=True):
-    """Keys of two bodies with flanks in contact, beside those of [pair]."""
+    """Two bodies with flanks in contact and the keys of [pair]."""
 
     torque_Nm: TorqueOrTorques
     name: str | None = None
@@ -91,7 +89,7 @@ class FlankPair(AsScene, Pair, frozen=True, kw_only=True):
 
 
 class Drive(AsScene, Table, frozen=True, kw_only=True):
-    """Keys of a chain or a belt on its wheel."""
+    """A chain or a belt on its wheel."""
 
     torque_Nm: TorqueOrTorques
     slack_tension_N: SlackTension = None

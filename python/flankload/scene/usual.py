@@ -1,7 +1,4 @@
-"""Questions to the user about unusual values, most of which are in a wrong unit.
-
-The usual range of a key is part of its metadata, next to the allowed range.
-"""
+"""Questions to the user about values outside the usual range of their key."""
 
 from __future__ import annotations
 
@@ -19,13 +16,13 @@ if TYPE_CHECKING:
     from flankload.scene.scene import Scene
     from flankload.scene.table import Table
 
-#: Factor between units of one quantity (um and mm, GPa and MPa); its square occurs as well.
+#: Factor between units of one quantity (um and mm, GPa and MPa), also squared (um and m).
 THOUSAND = 1000.0
 TABLES = ("body_1", "body_2", "pair", "load", "positions", "effects", "accuracy")
 
 
 def questions(scene: Scene) -> dict[str, str]:
-    """Questions to the user about unusual values of a scene, with the value, by path of the key."""
+    """Value and question for each key of a scene with an unusual value, by path of the key."""
     return {
         path: f"{shown(value)}, {asked}"
         for name in TABLES
@@ -35,16 +32,13 @@ def questions(scene: Scene) -> dict[str, str]:
 
 
 def question_notes(scene: Scene) -> tuple[str, ...]:
-    """Questions about unusual values and notes about estimated ones, as lines of text."""
+    """Lines of text: questions about unusual values and notes about estimated ones."""
     asked = (f"{path} = {text}" for path, text in questions(scene).items())
     return (*asked, *estimate_notes(scene))
 
 
 def question(value: float, usual: tuple[float, float]) -> str | None:
-    """Question about a value outside its usual range, which is one of positive numbers.
-
-    None for a usual value, whose sign is ignored, and for 0, which switches a feature off.
-    """
+    """Question about a value whose magnitude is unusual; None for other values and for 0."""
     low, high = usual
     if value == 0.0 or low <= abs(value) <= high:
         return None
@@ -79,7 +73,7 @@ def _usual_ranges(form: type[Table]) -> dict[str, tuple[float, float]]:
 
 
 def _largest(value: float | Sequence[float]) -> float:
-    """The number, or the entry of a list with the largest magnitude; others may be small."""
+    """The number, or the entry of a list with the largest magnitude."""
     if isinstance(value, Sequence):
         return max((float(part) for part in value), key=abs, default=0.0)
     return float(value)

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import TYPE_CHECKING
 
-from flankload.bodies import SPLINE_PART
-from flankload.bodies.imported.given import ModalCompliance
+from flankload.bodies import SPLINE_ELEMENT_FACTOR
+from flankload.bodies.imported.compliance import ModalCompliance
 from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import bodies_of
 from flankload.mechanisms.flank_pair.notes import FEWER_DO
@@ -295,7 +295,7 @@ def _named(scene: Scene) -> dict[str, str]:
         for name in (ELEMENTS, MODES, STRIPS, LOAD_DEGREE, SLICES)
         if getattr(scene.accuracy, name) is not None
     }
-    places = [key for key in PLACES if f"positions.{key}" in scene.named_knobs]
+    places = [key for key in PLACES if f"positions.{key}" in scene.named_discretization_keys]
     if places:
         fixed["positions"] = f"positions.{places[0]} is set"
     return fixed
@@ -340,7 +340,7 @@ def _default_length(spec: BodySpec, body: Body | None = None) -> float:
     """Default length of elements along the flank, mm; a body whose table has no module is built."""
     module = getattr(spec, "module_mm", None)
     if module is not None:
-        part = SPLINE_PART if getattr(spec, "kind", "").startswith("spline") else 1.0
+        part = SPLINE_ELEMENT_FACTOR if getattr(spec, "kind", "").startswith("spline") else 1.0
         return float(DEFAULT.flank_element_parts * module * part)
     assert body is not None
     assert body.mesh is not None
@@ -352,9 +352,9 @@ def _most_modes(spec: BodySpec, body: Body | None) -> int:
     """Largest number of modes of a body; one from a file is built."""
     if body is None:
         return MOST_MODES
-    if isinstance(body.given, ModalCompliance):
-        return int(body.given.smooth.shape[1])
-    nodes = body.given or (body.mesh if spec.from_file else None)
+    if isinstance(body.imported, ModalCompliance):
+        return int(body.imported.smooth.shape[1])
+    nodes = body.imported or (body.mesh if spec.from_file else None)
     if nodes is None:
         return MOST_MODES
     asked = range(3, MOST_MODES + 1)

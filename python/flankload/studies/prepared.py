@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.cost import Account
 from flankload.mechanisms import Earlier, Parts, mechanism_of, run_once
 from flankload.mechanisms import prepare as prepare_parts
-from flankload.result import result_of_torques
+from flankload.result import Result, result_of_torques
 from flankload.studies.tolerance import solve_to_tolerance
 
 if TYPE_CHECKING:
@@ -16,24 +16,17 @@ if TYPE_CHECKING:
 
     from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.stage_clock import Kept, Progress
-    from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.plan import Plan
 
 
 class Prepared:
-    """A scene with its bodies and compliances, for similar scenes; from `prepare`.
-
-    Attributes
-    ----------
-    scene : Scene
-    parts : Parts
-    """
+    """A scene with its bodies and compliances, its parts, for similar scenes; from `prepare`."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.parts = Parts()
-        if not scene.steers and scene.effects.choose is None:
+        if not scene.names_tolerance and scene.effects.choose is None:
             prepare_parts(scene, self.parts)
 
     def __repr__(self) -> str:
@@ -53,18 +46,13 @@ class Prepared:
         Parameters
         ----------
         changes : mapping of str to object, optional
-            As of `Scene.replace`.
+            As of `Scene.replace`, as are its errors.
         progress : callable, optional
-            As of `solve`.
+            As of `solve`, as are its errors.
 
         Returns
         -------
         Result
-
-        Raises
-        ------
-        SceneError, FlankloadError
-            As `Scene.replace` and `solve`.
         """
         scene = self.scene if not changes else self.scene.replace(changes)
         return solve_scene(scene, progress, self.parts)
@@ -78,31 +66,14 @@ def solve_scene(
     plan: Plan | None = None,
     on_duration: Callable[[Duration], None] | None = None,
 ) -> Result:
-    """Solve a scene, to its tolerance if it names one.
+    """Solve a scene, to its tolerance if it names one; errors are those of `flankload.solve`.
 
-    Parameters
-    ----------
-    scene : Scene
-    progress : callable or None
-        Called as progress(stage, done, total). An exception that it raises ends the solution.
-    parts : Parts or None
-        Bodies and compliances of earlier runs; those of this run are added.
-    plan : Plan, optional
-        Of this scene: its predictions are shown beside what is spent.
-    on_duration : callable, optional
-        Called once with the predicted duration.
-
-    Returns
-    -------
-    Result
-        With an axis of torques if the scene has a list of them.
-
-    Raises
-    ------
-    SceneError, FlankloadError
-        As `flankload.solve`.
+    Bodies and compliances of earlier runs are `parts`, and those of this run are added. `progress`
+    is called as progress(stage, done, total); an exception that it raises ends the solution. `plan`
+    is one of this scene, whose predictions are shown beside what is spent; `on_duration` is called
+    once with the predicted duration. The result has an axis of torques if the scene has a list.
     """
-    if not scene.steers:
+    if not scene.names_tolerance:
         found = _solve_chosen(scene, {}, progress, parts, (plan, on_duration))
         return result_of_torques(found, listed=scene.has_torque_list)
     firsts = iter([(plan, on_duration)])  # they concern the first run

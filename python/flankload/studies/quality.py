@@ -36,16 +36,10 @@ class Quality:
 
 @dataclass(frozen=True, eq=False)
 class JointNormal:
-    """Normal distribution of a number or of the entries of a list.
+    """Normal distribution of a number or of the k entries of a list, as `is_list` says.
 
-    Attributes
-    ----------
-    mean : (k,) array
-    factor : (k, m) array
-        The entries are mean + factor u, with independent standard normal numbers u (m,): their
-        covariance is factor factorᵀ.
-    is_list : bool
-        Whether the key has a list; otherwise k = 1.
+    The entries are `mean` (k,) + `factor` (k, m) u, with independent standard normal numbers u
+    (m,): their covariance is factor factorᵀ.
     """
 
     mean: Floats
@@ -67,24 +61,10 @@ class JointNormal:
 
 
 def of_quality(scene: Scene, name: str, quality: Quality) -> JointNormal:
-    """Distribution of a key by the tolerance class of its body.
+    """Distribution of a key by the tolerance class of its body; its mean is the value of the scene.
 
-    Parameters
-    ----------
-    scene : Scene
-    name : str
-        Path of the variable: `body_1.` or `body_2.` and one of `KEYS`.
-    quality : Quality
-
-    Returns
-    -------
-    JointNormal
-        Its mean is the value of the scene.
-
-    Raises
-    ------
-    SceneError
-        If the key has no tolerance, or the body is outside the ranges of the standard.
+    The name is `body_1.` or `body_2.` and one of `KEYS`. Raises SceneError if the key has no
+    tolerance, or the body is outside the ranges of the standard.
     """
     found = re.fullmatch(r"(body_[12])\.(\w+)", name)
     place = f"variables.{name}"
@@ -103,9 +83,7 @@ def of_quality(scene: Scene, name: str, quality: Quality) -> JointNormal:
             helix_angle_deg=getattr(body, "helix_angle_deg", 0.0),
         )
     except SceneError as error:
-        raise SceneError(
-            key=f"{place}.{error.key}", expected=error.expected, found=error.found
-        ) from None
+        refuse(f"{place}.{error.key}", error.expected, error.found)
     if key == "pitch_errors_um":
         transverse = pi * body.module_mm / cos(body.helix_rad)
         factor = pitch_factor(limits, body.teeth) * (body.base_pitch_mm / transverse)
@@ -118,29 +96,18 @@ def of_quality(scene: Scene, name: str, quality: Quality) -> JointNormal:
 
 
 def pitch_factor(limits: FlankTolerances, teeth: int) -> Floats:
-    """Index deviations of all teeth, along the arc of the reference circle.
+    """Index deviations (z, 2 + z) of z teeth in um per standard normal number.
 
-    An eccentricity of normally distributed components, e_x and e_y, moves tooth i by
-    e_x cos(2 pi i / z) + e_y sin(2 pi i / z); each tooth has an independent deviation in addition,
-    and the mean of all teeth is 0. The standard deviations s_e of the components and s of the
-    teeth follow from those of the index deviation and of the single pitch deviation, the
-    difference of neighbouring teeth:
+    They lie along the arc of the reference circle. An eccentricity of normally distributed
+    components, e_x and e_y, moves tooth i by e_x cos(2 pi i / z) + e_y sin(2 pi i / z); each tooth
+    has an independent deviation in addition, and the mean of all teeth is 0. The standard
+    deviations s_e of the components and s of the teeth follow from those of the index deviation and
+    of the single pitch deviation, the difference of neighbouring teeth:
 
         s_e² + (1 - 1/z) s² = (F_pT / 6)²,    4 sin²(pi / z) s_e² + 2 s² = (f_pT / 3)².
 
     F_pT limits a range, that is index deviations to both sides of half its size. With few teeth
     the eccentricity alone reaches f_pT; then s = 0.
-
-    Parameters
-    ----------
-    limits : FlankTolerances
-    teeth : int
-        z.
-
-    Returns
-    -------
-    (z, 2 + z) array
-        Deviations in um per standard normal number.
     """
     index = (0.5 * limits.total_pitch_um / DEVIATIONS) ** 2
     single = (limits.single_pitch_um / DEVIATIONS) ** 2

@@ -24,7 +24,7 @@ from flankload.errors import InputError, SceneError
 from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.mechanisms.registry import require_flanks
 from flankload.result import Result
-from flankload.scene.refusal import refuse
+from flankload.scene.refusal import in_file, refuse
 from flankload.scene.schema import scene_paths
 from flankload.scene.tree import number_at
 
@@ -122,45 +122,22 @@ class Sensitivity(Card):
         (2, paths, torques, ...) array
             At the end of a range, NaN to the other side.
         """
-        below, above = [], []
+        sides = []
         for stencil in self._stencils:
-            first, last = (
-                self._combined(weights, stencil, quantity)
-                for weights in ((-1.0, 1.0, 0.0), (0.0, -1.0, 1.0))
-            )
+            first = self._combined((-1.0, 1.0, 0.0), stencil, quantity)
+            last = self._combined((0.0, -1.0, 1.0), stencil, quantity)
             if stencil.weights != CENTRAL:
                 nothing = np.full_like(first, np.nan)
                 first, last = (nothing, first) if stencil.step > 0 else (first, nothing)
-            below.append(first)
-            above.append(last)
-        return np.stack([np.stack(below), np.stack(above)])
+            sides.append((first, last))
+        return np.stack([np.stack(side) for side in zip(*sides, strict=True)])
 
     def step_of(self, path: str) -> float:
-        """Step over which the derivative to a path was taken, in its unit.
-
-        Parameters
-        ----------
-        path : str
-            One of `paths`.
-
-        Returns
-        -------
-        float
-        """
+        """Step over which the derivative to one of the paths was taken, in its unit."""
         return abs(self._stencils[self.paths.index(path)].step)
 
     def to_text(self, quantities: Sequence[str]) -> str:
-        """A table of derivatives of key figures, a row for each path and torque.
-
-        Parameters
-        ----------
-        quantities : sequence of str
-            Names of numbers in `Result.summary`.
-
-        Returns
-        -------
-        str
-        """
+        """A table of derivatives of numbers in `Result.summary`, a row for each path and torque."""
         columns = [self.derivative(quantity) for quantity in quantities]
         rows = [
             (path, f"{result.torque_Nm:g}", *(f"{column[k, t]:.4g}" for column in columns))
@@ -210,14 +187,7 @@ def sensitivity(
     SceneError
         If a path leads to no number, or the scene is impossible on both sides of its value.
     """
-    fits = isinstance(paths, Sequence) and not isinstance(paths, str) and bool(paths)
-    fits = fits and all(isinstance(path, str) for path in paths)
-    require("paths", paths, "a sequence of paths", fits=fits)
-    try:
-        _require_steady(scene)
-        steps = [_step_of(scene, path) for path in paths]
-    except SceneError as error:
-        raise (error if scene.file is None else error.with_file(scene.file)) from None
+    steps = _steps_of(scene, paths)
     parts = Parts() if parts is None else parts
     begin = time.process_time()
     states: list[States] = []
@@ -250,15 +220,20 @@ def sensitivity(
     return Sensitivity(scene, tuple(paths), results, cost, stencils)
 
 
-def _require_steady(scene: Scene) -> None:
-    """Refuse scenes whose discretization or effects follow from their results."""
-    require_flanks(scene)
-    if scene.steers:
-        expected = "no tolerance for derivatives: the discretization must not change"
-        refuse("accuracy.tolerance", expected, scene.accuracy.tolerance)
-    if scene.effects.choose is not None:
-        expected = "named effects for derivatives: they must not change"
-        refuse("effects.choose", expected, scene.effects.choose)
+def _steps_of(scene: Scene, paths: Sequence[str]) -> list[float]:
+    """Steps of keys; refuses scenes whose discretization or effects follow from their results."""
+    fits = isinstance(paths, Sequence) and not isinstance(paths, str) and bool(paths)
+    fits = fits and all(isinstance(path, str) for path in paths)
+    require("paths", paths, "a sequence of paths", fits=fits)
+    with in_file(scene.file):
+        require_flanks(scene)
+        if scene.names_tolerance:
+            expected = "no tolerance for derivatives: the discretization must not change"
+            refuse("accuracy.tolerance", expected, scene.accuracy.tolerance)
+        if scene.effects.choose is not None:
+            expected = "named effects for derivatives: they must not change"
+            refuse("effects.choose", expected, scene.effects.choose)
+        return [_step_of(scene, path) for path in paths]
 
 
 def _step_of(scene: Scene, path: str) -> float:
@@ -312,21 +287,17 @@ def _value(result: Result, quantity: Quantity) -> Floats:
     else:
         found = getattr(result, quantity, None)
         if not isinstance(found, np.ndarray):
-            raise InputError(
-                f"quantity: expected a number of Result.summary or an array of Result, found "
-                f"{quantity!r}"
-            )
+            expected = "a number of Result.summary or an array of Result"
+            raise InputError(f"quantity: expected {expected}, found {quantity!r}")
     return np.asarray(np.nan if found is None else found, dtype=float)
 
 
 def _at_sites_of(base: Result, result: Result, value: Floats) -> Floats:
     """A value by positions and sites at the sites of the base; 0 at those without load."""
-    if np.array_equal(base.sites, result.sites) or value.ndim < 2:
-        return value
-    if value.shape[1] != result.sites.size:
+    alike = np.array_equal(base.sites, result.sites) or value.ndim < 2
+    if alike or value.shape[1] != result.sites.size:
         return value
     aligned = np.zeros((value.shape[0], base.sites.size, *value.shape[2:]))
-    for k, site in enumerate(base.sites):
-        if site in result.sites:
-            aligned[:, k] = value[:, np.flatnonzero(result.sites == site)[0]]
+    _, ours, theirs = np.intersect1d(base.sites, result.sites, return_indices=True)
+    aligned[:, ours] = value[:, theirs]
     return aligned

@@ -79,7 +79,7 @@ def first_choice(scene: Scene, parameters: Parameters) -> Choice:
 
 def first_discretization(scene: Scene) -> NamedDiscretization:
     """Initial discretization for a tolerance, with all open parameters; empty without one."""
-    if not scene.steers:
+    if not scene.names_tolerance:
         return NamedDiscretization()
     parameters = parameters_of(scene)
     choice = first_choice(scene, parameters)
@@ -89,7 +89,7 @@ def first_discretization(scene: Scene) -> NamedDiscretization:
 
 def first_scene(scene: Scene) -> Scene:
     """Scene with the initial discretization of its tolerance; unchanged if it names none."""
-    if not scene.steers:
+    if not scene.names_tolerance:
         return scene
     parameters = parameters_of(scene)
     return _at(scene, first_choice(scene, parameters).discretization(parameters))
@@ -98,7 +98,9 @@ def first_scene(scene: Scene) -> Scene:
 def _at(scene: Scene, discretization: NamedDiscretization) -> Scene:
     """The scene with an explicit discretization, which its tolerance no longer changes."""
     scene = with_discretization(scene, discretization)
-    return replace(scene, named_knobs=scene.named_knobs - {"accuracy.tolerance"})
+    return replace(
+        scene, named_discretization_keys=scene.named_discretization_keys - {"accuracy.tolerance"}
+    )
 
 
 def solve_to_tolerance(

@@ -27,14 +27,9 @@ LEAST_PROBABILITY = 2.0**-53
 
 
 class Normal(Table, frozen=True, kw_only=True):
-    """Normal distribution, cut off at limits if they are given.
+    """Normal distribution, in the unit of the key; values beyond the limits do not occur.
 
-    Attributes
-    ----------
-    mean, standard_deviation : float
-        Of the distribution that is not cut off, in the unit of the key.
-    lower, upper : float or None
-        Values beyond these do not occur.
+    Mean and standard deviation are those of the distribution that is not cut off.
     """
 
     mean: float
@@ -56,13 +51,7 @@ class Normal(Table, frozen=True, kw_only=True):
 
 
 class Uniform(Table, frozen=True, kw_only=True):
-    """Uniform distribution.
-
-    Attributes
-    ----------
-    lower, upper : float
-        In the unit of the key.
-    """
+    """Uniform distribution, in the unit of the key."""
 
     lower: float
     upper: float
@@ -82,15 +71,10 @@ BY_CLASS, CLASS = "iso_1328", "class"
 
 @dataclass(frozen=True)
 class Variable:
-    """One or several keys of a scene with the values that they take.
+    """One or several keys of a scene with the values that they take, or with a distribution.
 
-    Attributes
-    ----------
-    name : str
-        Path of a key as in `Scene.replace`; several paths separated by commas have the same value.
-    values : tuple
-        Values in their order; empty if it has a distribution.
-    distribution : frozen distribution of scipy.stats, JointNormal, Quality, or None
+    `name` is the path of a key as in `Scene.replace`; several paths separated by commas have the
+    same value. A distribution is a frozen one of scipy.stats, a JointNormal, or a Quality.
     """
 
     name: str
@@ -114,10 +98,7 @@ class Variable:
     def in_scene(self, scene: Scene) -> Variable:
         """Return the variable with its distribution by the tolerance class of a body.
 
-        Raises
-        ------
-        SceneError
-            If the class does not describe the key, or the body is beyond the standard.
+        Raises SceneError if the class does not describe the key or the body is beyond the standard.
         """
         if not isinstance(self.distribution, Quality):
             return self
@@ -137,17 +118,9 @@ class Variable:
         return [value for end, value in ends if np.isfinite(end)]
 
     def quantiles(self, probabilities: ArrayLike) -> list[Any]:
-        """Values that the distribution does not exceed with given probabilities.
+        """Values that the distribution does not exceed with probabilities (n, numbers) from 0 to 1.
 
-        Parameters
-        ----------
-        probabilities : (n, numbers) array, or (n,) if a draw needs one number
-            From 0 to 1.
-
-        Returns
-        -------
-        list of n numbers, or of n lists
-            Integers if the distribution is discrete.
+        One number per draw may be (n,). Values are numbers or lists; integers if it is discrete.
         """
         from scipy.stats import rv_discrete
 
@@ -161,37 +134,26 @@ class Variable:
         return list(found.tolist())
 
 
-def variables_of(tree: Mapping[str, Any], key: str = "variables") -> tuple[Variable, ...]:
-    """Read variables.
+def variables_of(tree: Mapping[str, Any]) -> tuple[Variable, ...]:
+    """Read variables from a mapping by path.
 
-    Parameters
-    ----------
-    tree : mapping
-        By path: a list of values, a table such as {"distribution": "uniform", "lower": 0,
-        "upper": 30} or {"distribution": "iso_1328", "class": 7}, or a frozen distribution of
-        scipy.stats. Tables of other keys are part of the path: {"load": {"torque_Nm": [100, 200]}}.
-    key : str
-        Its name in error messages.
+    A value is a list of values, a table such as {"distribution": "uniform", "lower": 0,
+    "upper": 30} or {"distribution": "iso_1328", "class": 7}, or a frozen distribution of
+    scipy.stats. Tables of other keys are part of the path: {"load": {"torque_Nm": [100, 200]}}.
 
-    Returns
-    -------
-    tuple of Variable
-
-    Raises
-    ------
-    SceneError
-        If there are none, if one has neither values nor a distribution, or if two have a path in
-        common.
+    Raises SceneError if there are none, if one has neither values nor a distribution, or if two
+    have a path in common.
     """
     if not isinstance(tree, Mapping) or not tree:
-        refuse(key, "a table of paths with values or distributions", shown(tree) if tree else None)
-    found = tuple(_variable(path, value, f"{key}.{path}") for path, value in paths_of(tree).items())
-    taken: dict[str, str] = {}
+        expected = "a table of paths with values or distributions"
+        refuse("variables", expected, shown(tree) if tree else None)
+    found = tuple(_variable(path, value) for path, value in paths_of(tree).items())
+    taken: set[str] = set()
     for variable in found:
         for path in variable.paths:
             if path in taken:
-                refuse(f"{key}.{variable.name}", "paths that no other variable has", path)
-            taken[path] = variable.name
+                refuse(f"variables.{variable.name}", "paths that no other variable has", path)
+            taken.add(path)
     return found
 
 
@@ -207,9 +169,9 @@ def paths_of(tree: Mapping[str, Any], before: str = "") -> dict[str, Any]:
     return found
 
 
-def _variable(path: str, value: Any, key: str) -> Variable:
+def _variable(path: str, value: Any) -> Variable:
     """Read one variable."""
-    value = _plain(value)
+    value, key = _plain(value), f"variables.{path}"
     if isinstance(value, Mapping) and KIND in value:
         if value[KIND] == BY_CLASS:
             for name in set(value) - {KIND, CLASS}:

@@ -190,7 +190,7 @@ def test_states_that_found_no_room_are_counted_when_they_are_solved_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     plain = solved(**FEW)
-    monkeypatch.setattr(sweep_room, "FIRST_ROOM", 1)
+    monkeypatch.setattr(sweep_room, "INITIAL_PAIRS", 1)
     again = fresh(**FEW)
     assert again.cost["of_this_torque"] == plain.cost["of_this_torque"]
     once, twice = (result.cost["stages"]["sweep"]["counters"] for result in (plain, again))

@@ -25,7 +25,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.states import window_of
 from flankload.meshes.plane_mesh import boundary_edges, jacobians
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.cam_motion import Stand
+from flankload.pairing.cam_motion import CamContacts
 from flankload.plot import plot_all, plot_follower_motion, plot_loaded_pair
 from tests.support.cam_scenes import (
     ARM,
@@ -62,10 +62,10 @@ def pair_of(*args: object, **keys: object) -> BodyPair:
     return build_bodies(fl.Scene.from_dict(cam_scene(*args, **keys)))
 
 
-def stand_of(pair: BodyPair, angles_deg: np.ndarray | None = None) -> Stand:
+def contacts_of(pair: BodyPair, angles_deg: np.ndarray | None = None) -> CamContacts:
     motion = pair.pairing.motion
     assert motion is not None
-    return motion.stand(pair.position_rad if angles_deg is None else np.radians(angles_deg))
+    return motion.contacts(pair.position_rad if angles_deg is None else np.radians(angles_deg))
 
 
 def refused(*args: object, **keys: object) -> str:
@@ -75,9 +75,9 @@ def refused(*args: object, **keys: object) -> str:
     return str(caught.value)
 
 
-def without_load(profile: list, follower: dict | None = None, **keys: object) -> Stand:
+def without_load(profile: list, follower: dict | None = None, **keys: object) -> CamContacts:
     """Where a rigid follower stands: no elements."""
-    return stand_of(pair_of(profile, {**(follower or {}), **STIFF}, STIFF, **keys, **NO_LOAD))
+    return contacts_of(pair_of(profile, {**(follower or {}), **STIFF}, STIFF, **keys, **NO_LOAD))
 
 
 NO_LOAD = {"load": {"torque_Nm": 0.0}}
@@ -289,8 +289,8 @@ def test_motion_that_cannot_be(profile: list, follower: dict, keys: dict, line: 
 # --- motion -------------------------------------------------------------------------------------
 
 
-def centre_of_disc(stand: Stand) -> np.ndarray:
-    turned = np.stack([np.cos(stand.turn_2), np.sin(stand.turn_2)], axis=1)
+def centre_of_disc(contacts: CamContacts) -> np.ndarray:
+    turned = np.stack([np.cos(contacts.turn_2), np.sin(contacts.turn_2)], axis=1)
     return np.array([CENTER_DISTANCE, 0.0]) + ECCENTRICITY * turned
 
 
@@ -299,25 +299,25 @@ def test_angle_of_a_roller_on_an_eccentric_disc(sense: str) -> None:
     """Triangle of both axes and both centres; the disc turns as a crank."""
     angles = np.arange(0.0, 360.0, 11.0)
     pair = pair_of(disc(1.0), STIFF, {"sense": sense, **STIFF}, **NO_LOAD)
-    stand = stand_of(pair, angles)
+    contacts = contacts_of(pair, angles)
     turn = np.pi + np.radians(angles) * (-1 if sense == "clockwise" else 1)
-    np.testing.assert_allclose(stand.turn_2, turn, rtol=ROUND_OFF)
-    centre = centre_of_disc(stand)
+    np.testing.assert_allclose(contacts.turn_2, turn, rtol=ROUND_OFF)
+    centre = centre_of_disc(contacts)
     distance = np.hypot(*centre.T)
     sides = (distance**2 + ARM**2 - (DISC + ROLLER) ** 2) / (2 * distance * ARM)
     expected = np.arctan2(centre[:, 1], centre[:, 0]) - np.arccos(sides)
-    np.testing.assert_allclose(stand.turn_1, expected, rtol=0, atol=SPLINE)
-    point, normal = stand.contact()
+    np.testing.assert_allclose(contacts.turn_1, expected, rtol=0, atol=SPLINE)
+    point, normal = contacts.contact()
     np.testing.assert_allclose(point, centre + DISC * normal, rtol=0, atol=1000 * SPLINE)
 
 
 def test_angle_of_a_flat_on_an_eccentric_disc() -> None:
-    stand = without_load(disc(1.0), FLAT_FOLLOWER, positions={"count": 25})
-    centre = centre_of_disc(stand)
+    contacts = without_load(disc(1.0), FLAT_FOLLOWER, positions={"count": 25})
+    centre = centre_of_disc(contacts)
     # the disc's centre stands its radius above the flat's line
     lifted = np.arcsin((FLAT_OFFSET + DISC) / np.hypot(*centre.T))
     expected = np.arctan2(centre[:, 1], centre[:, 0]) - lifted
-    np.testing.assert_allclose(stand.turn_1, expected, rtol=0, atol=SPLINE)
+    np.testing.assert_allclose(contacts.turn_1, expected, rtol=0, atol=SPLINE)
 
 
 @pytest.mark.parametrize("follower", [{}, FLAT_FOLLOWER], ids=["roller", "flat"])
@@ -327,7 +327,7 @@ def test_rate_is_the_change_of_the_angle(follower: dict, sense: str) -> None:
     motion = pair.pairing.motion
     assert motion is not None
     position, step = np.radians(np.arange(3.0, 360.0, 7.0)), 1e-5
-    before, after = (motion.stand(position + d).turn_1 for d in (-step, step))
+    before, after = (motion.contacts(position + d).turn_1 for d in (-step, step))
     rate, cam_rate = pair.pairing.speeds(position)
     assert (cam_rate == (1.0 if sense == "counter_clockwise" else -1.0)).all()
     np.testing.assert_allclose((after - before) / (2 * step), rate, rtol=0, atol=1e-7)
@@ -338,9 +338,9 @@ def test_rate_is_the_change_of_the_angle(follower: dict, sense: str) -> None:
 def test_follower_stands_where_it_first_touches(follower: dict) -> None:
     """No place of the cam lies inside the follower, and one lies on it, whatever its hollows."""
     pair = pair_of(waves(), {**follower, **STIFF}, STIFF, positions={"count": 37}, **NO_LOAD)
-    stand = stand_of(pair)
+    contacts = contacts_of(pair)
     places = pair.body_2.curve.point(np.linspace(0, pair.body_2.curve.length_mm, 20001))
-    for turn_1, turn_2 in zip(stand.turn_1, stand.turn_2, strict=True):
+    for turn_1, turn_2 in zip(contacts.turn_1, contacts.turn_2, strict=True):
         c, s = np.cos(turn_2 - turn_1), np.sin(turn_2 - turn_1)
         axis = CENTER_DISTANCE * np.array([np.cos(turn_1), -np.sin(turn_1)])
         x, y = (places @ np.array([[c, s], [-s, c]]) + axis).T
@@ -355,8 +355,8 @@ def test_follower_stands_where_it_first_touches(follower: dict) -> None:
 
 def test_many_positions_are_looked_at_in_parts() -> None:
     pair = pair_of(disc(), STIFF, STIFF, positions={"count": 600}, **NO_LOAD)
-    whole = stand_of(pair)
-    alone = stand_of(pair, np.degrees(pair.position_rad[[0, 255, 256, 599]]))
+    whole = contacts_of(pair)
+    alone = contacts_of(pair, np.degrees(pair.position_rad[[0, 255, 256, 599]]))
     np.testing.assert_allclose(
         whole.turn_1[[0, 255, 256, 599]], alone.turn_1, rtol=0, atol=ROUND_OFF
     )
@@ -378,7 +378,7 @@ def test_results_do_not_know_where_the_table_begins() -> None:
     angles = np.arange(0.0, 360.0, 22.5)
     keys: dict = {"positions": {"angles_deg": angles.tolist()}}
     expected = solved(table.tolist(), STIFF, **keys)
-    begins = stand_of(pair_of(table.tolist(), STIFF, STIFF, **keys, **NO_LOAD))
+    begins = contacts_of(pair_of(table.tolist(), STIFF, STIFF, **keys, **NO_LOAD))
     for first in (1, 17, 44):
         turned = np.roll(table, -first, axis=0)
         off = turned[0, 0]
@@ -402,12 +402,14 @@ def test_contact_on_the_seam_is_like_any_other() -> None:
     assert motion is not None
     length = pair.body_2.curve.length_mm
     angles = np.linspace(0.0, 360.0, 721)
-    s = motion.stand(np.radians(angles)).arc_length_mm
+    s = motion.contacts(np.radians(angles)).arc_length_mm
     across = int(np.argmax(np.abs(np.diff(s)) > 0.5 * length))
     low, high = angles[across], angles[across + 1]
     for _ in range(50):
         middle = 0.5 * (low + high)
-        same = abs(motion.stand(np.radians([middle])).arc_length_mm[0] - s[across]) < 0.5 * length
+        same = (
+            abs(motion.contacts(np.radians([middle])).arc_length_mm[0] - s[across]) < 0.5 * length
+        )
         low, high = (middle, high) if same else (low, middle)
     found = solved(None, STIFF, positions={"angles_deg": [low - 0.1, low, high + 0.1]})
     places = found.pairs(1).arc_length_2_mm[found.pairs(1).force_N > 0]
@@ -472,7 +474,7 @@ def test_transmission_error_is_rotation_times_arm() -> None:
 def test_result_says_where_the_follower_stands(tmp_path: Path) -> None:
     result = solved(positions={"count": 4})
     pair = pair_of(positions={"count": 4})
-    turn = stand_of(pair).turn_1
+    turn = contacts_of(pair).turn_1
     assert result.has_cam
     np.testing.assert_array_equal(result.follower_angle_rad, turn)
     assert json.loads(result.to_json())["follower_angle_rad"] == turn.tolist()

@@ -18,11 +18,11 @@ import pytest
 import flankload as fl
 from flankload.bodies.body import Material
 from flankload.bodies.flank_elements import gauss_places, mass_matrix
-from flankload.bodies.imported.given import NodalCompliance
+from flankload.bodies.imported.compliance import NodalCompliance
 from flankload.bodies.plane import sketched_tooth
 from flankload.cli import main
 from flankload.elasticity.compliance import job
-from flankload.elasticity.imported_compliance import given_compliance
+from flankload.elasticity.imported_compliance import imported_compliance
 from flankload.elasticity.near_field import mode_norms, mode_values, projected_logarithm
 from flankload.errors import ComplianceFileError, SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -247,7 +247,7 @@ def test_file_made_from_a_file_is_the_same_but_for_its_kind(folder: Path, tmp_pa
 # --- rigid bodies ---------------------------------------------------------------------------------
 def test_rigid_body_from_a_file_is_a_curve(folder: Path) -> None:
     rigid = {**FROM_FILE_1, "rigid": True}
-    assert build_bodies(scene_of(folder, body_1=rigid)).body_1.given is None
+    assert build_bodies(scene_of(folder, body_1=rigid)).body_1.imported is None
     found = solved(folder, body_1=rigid, body_2=FROM_FILE_2)
     assert_no_elements(found)
     assert_same(found, solved(body_1={**ONE, "rigid": True}))
@@ -415,9 +415,9 @@ def test_projection_is_exact_where_the_elements_are(quadratic: bool, of_pressure
         asymmetry=0.0,
     )
     body = SimpleNamespace(
-        given=given, teeth=5, mode_range_mm=span, material=Material(206000.0, 0.3)
+        imported=given, teeth=5, mode_range_mm=span, material=Material(206000.0, 0.3)
     )
-    found = given_compliance(body, modes=degree + 1, default_modes=9, plane="stress")  # type: ignore[arg-type]
+    found = imported_compliance(body, modes=degree + 1, default_modes=9, plane="stress")  # type: ignore[arg-type]
     norms = mode_norms(span, degree + 1)
     response = found.smooth * norms[:, None] * norms
     response[0] -= found.near.kernel * projected_logarithm(degree + 1, 2.0)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.bodies.shaft import CarryingShaft, Shaft, build_shaft, carrying_shaft
+from flankload.bodies.shaft import FlexibleShaft, Shaft, build_shaft, flexible_shaft
 from flankload.elasticity.prism.axial_basis import AxialBasis
-from flankload.elasticity.prism.carried_bore import beam_stiffness
+from flankload.elasticity.prism.flexible_bore import beam_stiffness
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.effects import effects_of, switches_of
 from flankload.scene.shaft import Shaft as ShaftTable
@@ -283,10 +283,10 @@ def test_a_helical_gear_needs_an_axial_bearing() -> None:
 FLEXIBLE = {"under_teeth": "flexible", "torque_end": "I"}
 
 
-def carried(ends_mm: tuple[float, float], bore_mm: float, **changes: Any) -> CarryingShaft:
+def carried(ends_mm: tuple[float, float], bore_mm: float, **changes: Any) -> FlexibleShaft:
     keys = {**BEAM, **FLEXIBLE, **changes}
     values = {k: tuple(v) if isinstance(v, list) else v for k, v in keys.items() if v is not ABSENT}
-    return carrying_shaft(ShaftTable(**values), 0.0, ends_mm, bore_mm)
+    return flexible_shaft(ShaftTable(**values), 0.0, ends_mm, bore_mm)
 
 
 @pytest.mark.parametrize("inner", [0.0, 12.0])
@@ -324,9 +324,9 @@ def test_the_bore_of_a_web_or_hub_is_what_the_shaft_fills() -> None:
     scene["body_1"]["shaft"] = {**BEAM, **FLEXIBLE}
     axial = build_bodies(fl.Scene.from_dict(scene)).body_1.axial
     assert axial is not None
-    assert axial.carrying is not None
-    assert axial.carrying.range_mm == (-15.0, 15.0)
-    assert axial.carrying.end_radii_mm == (15.0, 15.0)
+    assert axial.flexible is not None
+    assert axial.flexible.range_mm == (-15.0, 15.0)
+    assert axial.flexible.end_radii_mm == (15.0, 15.0)
 
 
 @pytest.mark.parametrize(

@@ -148,7 +148,7 @@ def test_backlash_follows_from_the_allowance() -> None:
     from flankload.mechanisms.flank_pair.assembly import build_bodies
 
     meshes = [
-        build_bodies(fl.Scene.from_dict(changed(**keys))).pairing.mesh
+        build_bodies(fl.Scene.from_dict(changed(**keys))).pairing.gear_geometry
         for keys in ({}, {"body_1__tooth_thickness_allowance_um": -50.0})
     ]
     # j = E_st r_w/r on the working pitch circle

@@ -1,6 +1,7 @@
 """The command scene: from a gearbox model to a result, and its errors."""
 
 import json
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -127,3 +128,11 @@ def test_a_wrong_setting_is_named_as_it_was_given(
     code, _, err = run(capsys, "scene", box, "-o", pair, "--set", "body_1.teeth=-5")
     assert (code, pair.exists()) == (2, False)
     assert err == f"flankload: {box}: body_1.teeth: expected a number > 0, found -5\n"
+
+
+def test_a_chosen_stage_goes_to_stdout(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "scene", EXAMPLE, "--stage", "21", "-o", "-")
+    assert (code, tomllib.loads(out)["body_1"]["teeth"]) == (0, 25)
+    assert all(
+        line.startswith(("assumed: ", "not taken: ", "warning: ")) for line in err.splitlines()
+    )

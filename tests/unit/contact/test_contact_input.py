@@ -205,7 +205,7 @@ def test_arguments_stay_as_they_were() -> None:
 
 
 def test_failures_leave_no_numbers_behind() -> None:
-    """Singular and refused problems at the flat door: every output is NaN, no pair is active.
+    """Singular and refused problems at the flat interface: every output is NaN, no pair is active.
 
     But for the motion that no pair holds.
     """

@@ -1,4 +1,4 @@
-"""One position from points and compliances, the way of the paper, through the flat door."""
+"""One position from points and compliances, the way of the paper, through the flat interface."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All positions and torques from points and compliances, through the flat door."""
+"""All positions and torques from points and compliances, through the flat interface."""
 
 from __future__ import annotations
 

@@ -17,7 +17,13 @@ from flankload.contact import core_call as core_room
 from flankload.contact import sweep as sweep_room
 from flankload.contact.core_call import call_and_watch
 from flankload.contact.pair_table import COLUMNS
-from flankload.contact.status import EXCEPTIONS, IN_A_SCENE, Status, raise_first_failure, words
+from flankload.contact.status import (
+    EXCEPTIONS,
+    SCENE_TEXTS,
+    Status,
+    raise_first_failure,
+    status_text,
+)
 from tests.support.sweep_calls import TORQUES, assert_same, job, run
 
 
@@ -85,7 +91,7 @@ def test_positions_without_room_for_their_pairs_are_asked_for_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     plenty = run(TORQUES)
-    monkeypatch.setattr(sweep_room, "FIRST_ROOM", 7)
+    monkeypatch.setattr(sweep_room, "INITIAL_PAIRS", 7)
     for ample, scarce in zip(plenty, run(TORQUES), strict=True):
         assert_same(ample, scarce)
 
@@ -161,11 +167,11 @@ def test_what_progress_raises_stops_the_core_and_reaches_the_caller() -> None:
             control[1] += 1
         return "stopped"
 
-    def tell(done: int) -> None:
+    def report(done: int) -> None:
         raise RuntimeError(f"enough after {done > 0}")
 
     with pytest.raises(RuntimeError, match="enough after True"):
-        call_and_watch(core, control, tell=tell)
+        call_and_watch(core, control, report=report)
     assert control[0] == 1
 
 
@@ -187,8 +193,8 @@ def test_every_status_of_a_position_has_an_exception_and_words() -> None:
             raise_first_failure(
                 np.array([[code]]), np.zeros(1), np.ones(1), np.zeros((3, 1, 1)), has_friction=False
             )
-        assert (IN_A_SCENE.get(code) or words(code)) in str(caught.value)
-    assert words(-18) == "the half-widths of the lumped contacts do not settle"
+        assert (SCENE_TEXTS.get(code) or status_text(code)) in str(caught.value)
+    assert status_text(-18) == "the half-widths of the lumped contacts do not settle"
 
 
 def test_a_short_call_needs_no_thread(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,11 +16,11 @@ from flankload.elasticity.compliance import (
 )
 from flankload.elasticity.compliance.loads import ModeLoads
 from flankload.elasticity.compliance.response import Job, of_whole
-from flankload.elasticity.finite_elements import place_load, stiffness
+from flankload.elasticity.finite_elements import centrifugal_load, stiffness
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.sector_closure import close_ring, condense
-from flankload.pairing.expansion import Growth
+from flankload.pairing.expansion import BodyLoad
 from flankload.scene import Gear, Ring
 from tests.support.plane_sectors import STEEL, ring_sector
 from tests.support.ring_bodies import full_ring, gear_body
@@ -135,13 +135,13 @@ def test_rigid_body_has_no_compliance_and_no_elements() -> None:
 
 def test_compliances_of_one_job_are_those_of_their_own() -> None:
     """A ring, a segment, a single tooth, and a ring that turns fast: closures of one sector."""
-    body, fast = gear_body(16, 2.0), Growth(speed_rad_per_s=500.0, density_Ns2_per_mm4=7.85e-9)
+    body, fast = gear_body(16, 2.0), BodyLoad(speed_rad_per_s=500.0, density_Ns2_per_mm4=7.85e-9)
     asked = ((None, None), (5, None), (1, None), (None, fast))
     together = flank_compliances(body, asked, JobOptions(n_modes=4, plane="strain"))
     assert together[0].job.counters["fe_factorisations"] == 1
-    for (sectors, growth), found in zip(asked, together, strict=True):
+    for (sectors, body_load), found in zip(asked, together, strict=True):
         alone = flank_compliance(
-            body, JobOptions(n_modes=4, plane="strain"), sectors=sectors, growth=growth
+            body, JobOptions(n_modes=4, plane="strain"), sectors=sectors, body_load=body_load
         )
         scale = np.abs(alone.smooth).max()
         np.testing.assert_allclose(found.smooth, alone.smooth, rtol=0, atol=1e-10 * scale)
@@ -151,7 +151,7 @@ def test_compliances_of_one_job_are_those_of_their_own() -> None:
 
 
 def test_linear_elements_take_a_quarter_and_are_some_percent_too_stiff() -> None:
-    body, fast = gear_body(16, 1.0), Growth(speed_rad_per_s=500.0, density_Ns2_per_mm4=7.85e-9)
+    body, fast = gear_body(16, 1.0), BodyLoad(speed_rad_per_s=500.0, density_Ns2_per_mm4=7.85e-9)
     linear, quadratic = (
         flank_compliances(
             body, ((None, fast),), JobOptions(n_modes=3, plane="strain", friction=True, linear=each)
@@ -173,7 +173,8 @@ def test_lumped_loads_pull_as_much_as_consistent_ones() -> None:
     mesh = gear_body(16, 1.0).mesh
     assert mesh is not None
     lumped, consistent = (
-        place_load(mesh.nodes, mesh.cells, lumped=each).reshape(-1, 2) for each in (True, False)
+        centrifugal_load(mesh.nodes, mesh.cells, lumped=each).reshape(-1, 2)
+        for each in (True, False)
     )
     along = [(load * mesh.nodes).sum() for load in (lumped, consistent)]
     np.testing.assert_allclose(along[0], along[1], rtol=0.01, atol=0)
@@ -193,7 +194,7 @@ def read_with(body: Body, *asked: str, sectors: int | None = None) -> BodyCompli
             fillets=root_fillets(body, "body_1") if "stress" in asked else None,
             coast_flanks="coast" in asked,
         ),
-        growth=Growth(speed_rad_per_s=300.0, density_Ns2_per_mm4=7.85e-9)
+        body_load=BodyLoad(speed_rad_per_s=300.0, density_Ns2_per_mm4=7.85e-9)
         if "growth" in asked
         else None,
         sectors=sectors,

@@ -10,7 +10,7 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 from flankload.bodies.body import Material
-from flankload.elasticity.fe_error import missed_compliance
+from flankload.elasticity.fe_error import compliance_error
 from flankload.elasticity.finite_elements import stiffness
 from flankload.meshes.plane_mesh import raise_to_quadratic
 from tests.support.tolerances import ROUND_OFF
@@ -76,7 +76,7 @@ def solved(
     loads, moved = pressed(nodes, pressures), np.zeros((2 * len(nodes), len(pressures)))
     matrix = stiffness(nodes, cells, STEEL, "strain")[np.ix_(free, free)]
     moved[free] = spsolve(matrix.tocsc(), loads[free]).reshape(len(free), -1)
-    return loads.T @ moved, missed_compliance(nodes, cells, STEEL, "strain", moved)
+    return loads.T @ moved, compliance_error(nodes, cells, STEEL, "strain", moved)
 
 
 def smooth(x: np.ndarray) -> np.ndarray:
@@ -111,7 +111,7 @@ def test_nothing_is_missed_of_what_elements_hold(kind: str, plane: str, degree: 
     """Even and linear stresses, on shaken straight elements; cubic displacements are not held."""
     nodes, cells = rectangle(kind, ROWS, shaken=0.2)
     held, beyond = (
-        missed_compliance(nodes, cells, STEEL, plane, polynomial(nodes, n)) for n in (degree, 3)
+        compliance_error(nodes, cells, STEEL, plane, polynomial(nodes, n)) for n in (degree, 3)
     )
     moved = polynomial(nodes, degree)
     energy = moved.T @ (stiffness(nodes, cells, STEEL, plane) @ moved)
@@ -123,9 +123,9 @@ def test_turning_and_shifting_miss_nothing() -> None:
     nodes, cells = rectangle("quad9", ROWS, shaken=0.2)
     turned = np.column_stack([-nodes[:, 1], nodes[:, 0]]).reshape(-1, 1)
     shifted = np.tile([1.0, -2.0], len(nodes))[:, None]
-    missed = missed_compliance(nodes, cells, STEEL, "strain", np.hstack([turned, shifted]))
+    fe_error = compliance_error(nodes, cells, STEEL, "strain", np.hstack([turned, shifted]))
     scale = STEEL.young_modulus_MPa * WIDTH * HEIGHT
-    np.testing.assert_allclose(missed, 0.0, rtol=0.0, atol=ROUND_OFF * scale)
+    np.testing.assert_allclose(fe_error, 0.0, rtol=0.0, atol=ROUND_OFF * scale)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -133,13 +133,13 @@ def test_missed_is_symmetric_positive_and_bilinear(kind: str) -> None:
     nodes, cells = rectangle(kind, ROWS, shaken=0.2)
     rng = np.random.default_rng(7)
     moved, mixed = rng.normal(size=(2 * len(nodes), 4)), rng.normal(size=(4, 3))
-    missed = missed_compliance(nodes, cells, STEEL, "strain", moved)
-    scale = np.abs(missed).max()
-    np.testing.assert_allclose(missed, missed.T, rtol=0.0, atol=ROUND_OFF * scale)
-    assert np.linalg.eigvalsh(missed).min() > 0
-    of_mixed = missed_compliance(nodes, cells, STEEL, "strain", moved @ mixed)
+    fe_error = compliance_error(nodes, cells, STEEL, "strain", moved)
+    scale = np.abs(fe_error).max()
+    np.testing.assert_allclose(fe_error, fe_error.T, rtol=0.0, atol=ROUND_OFF * scale)
+    assert np.linalg.eigvalsh(fe_error).min() > 0
+    of_mixed = compliance_error(nodes, cells, STEEL, "strain", moved @ mixed)
     np.testing.assert_allclose(
-        of_mixed, mixed.T @ missed @ mixed, rtol=0.0, atol=ROUND_OFF * scale * len(nodes)
+        of_mixed, mixed.T @ fe_error @ mixed, rtol=0.0, atol=ROUND_OFF * scale * len(nodes)
     )
 
 

@@ -175,6 +175,16 @@ def test_deviation_of_too_few_nodes_is_unknown() -> None:
     assert nodes_deviation(nodes_of_involute(6)) == np.inf
 
 
+@pytest.mark.parametrize("count", [8, 13])
+def test_the_deviation_is_that_of_the_curve_through_every_second_node(count: int) -> None:
+    nodes = nodes_of_involute(count)
+    left_out = np.arange(1, count - 1, 2)
+    coarse = curve_through_nodes(np.delete(nodes, left_out, axis=0))
+    apart = coarse.arc_length_of(nodes[left_out])[1].max() / 15.0
+    # both by a fit that is off by 1e-11 of the length
+    np.testing.assert_allclose(nodes_deviation(nodes), apart, rtol=0, atol=1e-10)
+
+
 def test_bad_nodes_are_refused() -> None:
     with pytest.raises(ValueError, match=r"m >= 4, found \(3, 2\)"):
         curve_through_nodes(nodes_of_involute(3))

@@ -15,7 +15,7 @@ import pytest
 import flankload as fl
 from flankload.cli import main
 from flankload.mechanisms.belt.contact import lands_in_words
-from flankload.mechanisms.belt.estimate import DOUBT, between_places
+from flankload.mechanisms.belt.estimate import EXTRAPOLATION_ERROR, between_places
 from flankload.plot import PICTURES, pictures_of
 from flankload.result.drives import BeltDrive
 from tests.support.belt_scenes import EXAMPLE, POSITIONS, SMALL, tables
@@ -273,10 +273,12 @@ def test_places_of_a_straight_saw_miss_what_can_be_reckoned() -> None:
         span = 1 - 1 / count
         part = (1 - span) / span
         assert told["transmission_error_peak_to_peak"] == pytest.approx(
-            part * (1 + DOUBT), rel=SOLVER
+            part * (1 + EXTRAPOLATION_ERROR), rel=SOLVER
         )
         missed = abs(at.mean()) / (2 + at.mean())
-        assert told["transmission_error_mean"] == pytest.approx((1 + DOUBT) * missed, abs=SOLVER)
+        assert told["transmission_error_mean"] == pytest.approx(
+            (1 + EXTRAPOLATION_ERROR) * missed, abs=SOLVER
+        )
 
 
 def test_a_further_pitch_tells_nothing_new() -> None:

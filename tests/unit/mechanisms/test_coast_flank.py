@@ -164,7 +164,7 @@ def test_curves_close_over_a_pitch() -> None:
 def test_without_torque_both_sides_are_mirror_images() -> None:
     """Body 2 stands as in a mirror where the other flank of its space is at the pitch point."""
     pair = build_bodies(scene_of(TIGHT, 0.0, **BOTH))
-    mesh = pair.pairing.mesh
+    mesh = pair.pairing.gear_geometry
     assert mesh is not None
     assert pair.body_2.involute is not None
     space = 2 * pi / 24 - 2 * pair.body_2.involute.tooth_half_angle_at(mesh.pitch_radius_2_mm)

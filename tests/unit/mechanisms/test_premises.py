@@ -1,6 +1,6 @@
 """Premises of the model: what breaks one is refused with its number, or marked where that is meant.
 
-Every refusal is a `PremiseError`, exit code 2, and the same through all doors.
+Every refusal is a `PremiseError`, exit code 2, and the same through all interfaces.
 """
 
 from __future__ import annotations
@@ -245,7 +245,7 @@ def test_a_result_within_limits_says_nothing() -> None:
     assert "outside_limits" not in json.loads(result.to_json())
 
 
-# --- all doors ------------------------------------------------------------------------------------
+# --- all interfaces -------------------------------------------------------------------------------
 @pytest.fixture
 def short_scene(tmp_path: Path) -> Path:
     path = tmp_path / "short.toml"

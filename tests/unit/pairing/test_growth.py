@@ -14,12 +14,12 @@ import pytest
 import flankload as fl
 from flankload.bodies.body import Body, MeshedFlank, WholeMesh
 from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
-from flankload.elasticity.finite_elements import place_load, stiffness
+from flankload.elasticity.finite_elements import centrifugal_load, stiffness
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.sector_closure import alike_response, close_ring, condense
+from flankload.elasticity.sector_closure import close_ring, condense, uniform_response
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
-from flankload.pairing.expansion import Growth, growth_of
+from flankload.pairing.expansion import BodyLoad, body_loads_of
 from tests.support.gear_pair import ONE, TWO
 from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES
@@ -80,7 +80,7 @@ def test_rotating_annulus_on_a_stiff_shaft(plane: str) -> None:
     found = flank_compliance(
         body,
         JobOptions(n_modes=3, plane=plane),
-        growth=Growth(speed_rad_per_s=speed, density_Ns2_per_mm4=density),
+        body_load=BodyLoad(speed_rad_per_s=speed, density_Ns2_per_mm4=density),
     )
     modulus, ratio = plane_numbers(plane)
     pull = density * speed**2 * (1 - ratio**2) / modulus
@@ -102,7 +102,9 @@ def test_warm_annulus_on_a_shaft_of_another_expansion(plane: str, held: float) -
     """u = A r + B/r with u = e_s a in the bore, no stress at the rim; free to grow axially."""
     body, strain = annulus(), 7e-4
     found = flank_compliance(
-        body, JobOptions(n_modes=3, plane=plane), growth=Growth(strain=strain, held_strain=held)
+        body,
+        JobOptions(n_modes=3, plane=plane),
+        body_load=BodyLoad(strain=strain, held_strain=held),
     )
     _, ratio = plane_numbers(plane)
     # stress at b: (1 + nu) A - (1 - nu) B/b² = (1 + nu) e
@@ -119,7 +121,7 @@ def test_growth_without_hindrance_is_exact_and_takes_no_elements() -> None:
     found = flank_compliance(
         body,
         JobOptions(n_modes=3, plane="strain"),
-        growth=Growth(strain=strain, held_strain=strain),
+        body_load=BodyLoad(strain=strain, held_strain=strain),
     )
     # the circle is one of quadratic edges
     assert on_rim(found, body)[0] == pytest.approx(strain * OUTER, rel=ELEMENTS)
@@ -129,17 +131,17 @@ def test_growth_without_hindrance_is_exact_and_takes_no_elements() -> None:
     almost = flank_compliance(
         body,
         JobOptions(n_modes=3, plane="strain"),
-        growth=Growth(strain=strain, held_strain=strain * 0.9999),
+        body_load=BodyLoad(strain=strain, held_strain=strain * 0.9999),
     )
     np.testing.assert_allclose(on_rim(almost, body), on_rim(found, body), rtol=0, atol=3e-6)
 
 
 def test_displacement_converges_as_elements_get_smaller() -> None:
-    growth = Growth(speed_rad_per_s=1200.0, density_Ns2_per_mm4=7.85e-9)
+    body_load = BodyLoad(speed_rad_per_s=1200.0, density_Ns2_per_mm4=7.85e-9)
     found = [
-        on_rim(flank_compliance(body, JobOptions(n_modes=3, plane="strain"), growth=growth), body)[
-            0
-        ]
+        on_rim(
+            flank_compliance(body, JobOptions(n_modes=3, plane="strain"), body_load=body_load), body
+        )[0]
         for body in (annulus(rows=2), annulus(rows=4), annulus(rows=8))
     ]
     assert abs(found[2] - found[1]) < 0.3 * abs(found[1] - found[0])
@@ -148,7 +150,7 @@ def test_displacement_converges_as_elements_get_smaller() -> None:
 def test_pull_of_rotation_is_the_mass_times_its_place() -> None:
     """Of a sector: the resultant is the integral of the place over the area."""
     mesh, _ = ring_sector(7, rows=8, columns=12, lobe=0.0)
-    total = place_load(mesh.nodes, mesh.cells).reshape(-1, 2).sum(axis=0)
+    total = centrifugal_load(mesh.nodes, mesh.cells).reshape(-1, 2).sum(axis=0)
     half = np.pi / 7
     exact = 2 * np.sin(half) * (OUTER**3 - INNER**3) / 3
     np.testing.assert_allclose(total, [exact, 0.0], rtol=0, atol=1e-5 * exact)
@@ -158,12 +160,12 @@ def test_pull_of_rotation_is_the_mass_times_its_place() -> None:
 def test_harmonic_0_is_the_sum_over_the_ring() -> None:
     mesh, span = ring_sector(7)
     matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
-    pull = {"fe_load_cases_growth": place_load(mesh.nodes, mesh.cells)[:, None]}
+    pull = {"fe_load_cases_growth": centrifugal_load(mesh.nodes, mesh.cells)[:, None]}
     sector, _ = condense(matrix, mode_loads(mesh, span, 3), mesh, pull)
     ring = close_ring(sector, 7)
     scale = np.abs(ring).max()
     np.testing.assert_allclose(
-        alike_response(sector, 7), ring.sum(axis=0), rtol=0, atol=100 * ROUND_OFF * scale
+        uniform_response(sector, 7), ring.sum(axis=0), rtol=0, atol=100 * ROUND_OFF * scale
     )
 
 
@@ -196,11 +198,11 @@ def test_a_whole_mesh_grows_as_its_sectors_do() -> None:
             flanks=tuple(flanks),
         ),
     )
-    growth = Growth(
+    body_load = BodyLoad(
         strain=7e-4, held_strain=2e-4, speed_rad_per_s=1200.0, density_Ns2_per_mm4=7.85e-9
     )
     one, other = (
-        flank_compliance(each, JobOptions(n_modes=3, plane="strain"), growth=growth)
+        flank_compliance(each, JobOptions(n_modes=3, plane="strain"), body_load=body_load)
         for each in (body, whole)
     )
     assert other.expansion.strain == pytest.approx(one.expansion.strain, rel=SOLVER)
@@ -215,11 +217,11 @@ def test_a_whole_mesh_grows_as_its_sectors_do() -> None:
 
 
 def test_a_segment_grows_as_the_whole_body() -> None:
-    growth = Growth(strain=7e-4)
+    body_load = BodyLoad(strain=7e-4)
     body = gear_body(17, 2.5)
     one, other = (
         flank_compliance(
-            body, JobOptions(n_modes=4, plane="strain"), growth=growth, sectors=sectors
+            body, JobOptions(n_modes=4, plane="strain"), body_load=body_load, sectors=sectors
         )
         for sectors in (None, 3)
     )
@@ -321,9 +323,9 @@ def test_temperature_and_speed_add_up() -> None:
 
 def test_lumped_contact_sees_the_growth() -> None:
     """To the accuracy of that level, off sharp corners."""
-    growth = (("temperature_rise_K", (60.0, 20.0)), ("support_expansion_per_K", 0.0))
-    pairs = solved(*growth, torque=302.0)
-    lumped = solved(*growth, ("contact", "lumped"), torque=302.0)
+    key_pair = (("temperature_rise_K", (60.0, 20.0)), ("support_expansion_per_K", 0.0))
+    pairs = solved(*key_pair, torque=302.0)
+    lumped = solved(*key_pair, ("contact", "lumped"), torque=302.0)
     smooth = ~pairs.corner_contact.any(axis=1)
     assert smooth.sum() >= 4
     apart = (lumped.transmission_error_um - pairs.transmission_error_um)[smooth]
@@ -348,7 +350,7 @@ def test_counters_tell_what_grew() -> None:
 
 def test_without_growth_nothing_is_enlarged() -> None:
     scene = fl.Scene.from_dict({**PAIR, "effects": {"temperature_rise_K": 0, "speed_rpm": 0}})
-    assert build_bodies(scene).growth == (None, None)
+    assert build_bodies(scene).body_loads == (None, None)
     np.testing.assert_array_equal(fl.solve(scene).rotation_rad, solved(torque=302.0).rotation_rad)
 
 
@@ -357,7 +359,7 @@ def test_body_2_turns_by_the_ratio() -> None:
     scene = fl.Scene.from_dict(
         {**PAIR, "effects": {"speed_rpm": 3000, "density_kg_m3": [1e3, 2e3]}}
     )
-    one, two = growth_of(scene, build_bodies(scene).pairing)
+    one, two = body_loads_of(scene, build_bodies(scene).pairing)
     assert one is not None
     assert two is not None
     assert one.speed_rad_per_s == pytest.approx(100 * np.pi, rel=1e-12)
@@ -400,9 +402,9 @@ def test_files_and_rigid_bodies_grow_as_a_whole(tmp_path: Path) -> None:
     rigid = fl.Scene.from_dict(
         {**PAIR, "body_2": {**TWO, "rigid": True}, "effects": asked["effects"]}
     )
-    growth = build_bodies(rigid).growth[1]
-    assert growth is not None
-    assert growth.strain == growth.held_strain == pytest.approx(69e-5)
+    body_load = build_bodies(rigid).body_loads[1]
+    assert body_load is not None
+    assert body_load.strain == body_load.held_strain == pytest.approx(69e-5)
     assert fl.solve(rigid).cost["fe_factorisations"] == 1
 
 
@@ -425,7 +427,7 @@ def test_compliance_holds_the_parts_of_the_growth_by_name() -> None:
         }
     )
     pair = build_bodies(scene)
-    found = compliance_of(pair.body_1, scene, growth=pair.growth[0])
+    found = compliance_of(pair.body_1, scene, body_load=pair.body_loads[0])
     assert sorted(found.expansion.shifts) == ["speed", "temperature"]
     # most of it is that of a larger figure
     lift = np.abs(found.shift_of(np.array([0]))).max()

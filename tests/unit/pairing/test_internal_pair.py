@@ -12,7 +12,7 @@ import flankload as fl
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.gear_pair import describe_mesh
+from flankload.pairing.gear_pair import describe_gears
 from tests.support.gear_scenes import usable_contact_ratio
 from tests.support.random_scenes import inv
 from tests.support.tolerances import SOLVER
@@ -61,7 +61,7 @@ def refused(*args: object, **keys: object) -> SceneError:
 
 def test_working_geometry_is_that_of_din_3960() -> None:
     """By hand, with the number of teeth, radii and centre distance of the ring negative."""
-    mesh = pair().pairing.mesh
+    mesh = pair().pairing.gear_geometry
     assert mesh is not None
     z, a, alpha = (24, -60), -53.93, radians(20.0)
     working = acos(0.5 * 3.0 * sum(z) * cos(alpha) / a)
@@ -77,13 +77,13 @@ def test_working_geometry_is_that_of_din_3960() -> None:
     backlash = 2 * mesh.pitch_radius_1_mm * (24 - 60) / 24 * (inv(working) - inv(alpha))
     assert mesh.backlash_mm == pytest.approx(backlash, rel=1e-9)
     assert mesh.path_start_mm < 0 < mesh.path_end_mm
-    assert dict(describe_mesh(mesh))["contact ratio"] == f"{mesh.contact_ratio:.4f}"
+    assert dict(describe_gears(mesh))["contact ratio"] == f"{mesh.contact_ratio:.4f}"
 
 
 @pytest.mark.parametrize("blunt", [{}, {"tip_radius_mm": 0.4}, {"tip_chamfer_mm": 0.4}])
 def test_contact_ratio_on_both_involutes_inside_a_ring(blunt: dict) -> None:
     found = pair(pinion=blunt, **blunt)
-    mesh = found.pairing.mesh
+    mesh = found.pairing.gear_geometry
     assert mesh is not None
     assert mesh.usable_contact_ratio == pytest.approx(usable_contact_ratio(found), rel=3e-5)
     assert (mesh.usable_contact_ratio < mesh.contact_ratio - 0.05) == bool(blunt)
@@ -93,14 +93,14 @@ def test_pair_zero_stands_in_the_pitch_point_at_position_zero() -> None:
     """The pitch point lies beyond the axis of body 1, seen from that of body 2."""
     found = pair()
     for body, turn, axis, radius in (
-        (found.body_1, found.turn_1, 0.0, found.pairing.mesh.pitch_radius_1_mm),
-        (found.body_2, found.turn_2, 53.93, found.pairing.mesh.pitch_radius_2_mm),
+        (found.body_1, found.turn_1, 0.0, found.pairing.gear_geometry.pitch_radius_1_mm),
+        (found.body_2, found.turn_2, 53.93, found.pairing.gear_geometry.pitch_radius_2_mm),
     ):
         s = np.linspace(0, body.curve.length_mm, 2001)
         radii = np.linalg.norm(body.curve.point(s), axis=1)
         near = np.interp(radius, radii[:: body.outward], s[:: body.outward])
         x, y = body.curve.rotated(turn).point(near)[0]
-        assert np.hypot(axis + x + found.pairing.mesh.pitch_radius_1_mm, y) < 1e-4
+        assert np.hypot(axis + x + found.pairing.gear_geometry.pitch_radius_1_mm, y) < 1e-4
 
 
 def test_both_bodies_turn_the_same_way() -> None:
@@ -170,7 +170,7 @@ def test_overlapping_teeth_say_which_distance_would_do() -> None:
     assert error.key == "pair.center_distance_mm"
     enough = float(re.search(r"([\d.]+) mm or less", error.expected)[1])
     assert enough == pytest.approx(54.0, abs=1e-4)
-    assert pair(enough).pairing.mesh.backlash_mm == pytest.approx(0.0, abs=1e-4)
+    assert pair(enough).pairing.gear_geometry.backlash_mm == pytest.approx(0.0, abs=1e-4)
 
 
 def test_teeth_that_fit_at_no_distance() -> None:
@@ -184,7 +184,7 @@ def test_teeth_that_fit_at_no_distance() -> None:
 def test_slightly_negative_backlash_is_a_warning_with_its_value() -> None:
     found = pair(54.01)
     (warning,) = [note for note in found.notes if "backlash" in note]
-    assert f"{1000 * found.pairing.mesh.backlash_mm:.2f} um" in warning
+    assert f"{1000 * found.pairing.gear_geometry.backlash_mm:.2f} um" in warning
 
 
 @pytest.mark.parametrize(
@@ -236,7 +236,7 @@ def test_tips_collide_where_the_textbook_says(teeth: int) -> None:
     body = {"teeth": teeth, "tip_diameter_mm": 2 * tip, "bore_diameter_mm": 100.0}
     clear = tip_clearance(teeth, 60, distance, tip, 87.6)
     if clear > 0.0:
-        assert pair(distance, pinion=body).pairing.mesh is not None
+        assert pair(distance, pinion=body).pairing.gear_geometry is not None
     else:
         assert "tips overlap" in refused(distance, pinion=body).found
 
@@ -244,7 +244,9 @@ def test_tips_collide_where_the_textbook_says(teeth: int) -> None:
 def test_rounded_tips_may_pass_where_sharp_ones_collide() -> None:
     sharp = {**NEAR, "tip_diameter_mm": 166.4}
     assert "tips overlap" in refused(8.97, pinion=sharp).found
-    assert pair(8.97, pinion={**sharp, "tip_radius_mm": 0.3}, tip_radius_mm=0.3).pairing.mesh
+    assert pair(
+        8.97, pinion={**sharp, "tip_radius_mm": 0.3}, tip_radius_mm=0.3
+    ).pairing.gear_geometry
 
 
 def swept_overlap(found: BodyPair) -> float:
@@ -272,7 +274,7 @@ def test_ring_tip_in_the_pinion_fillet_is_a_warning_that_says_how_deep_and_where
     below, overlap = found.notes
     form = found.body_1.involute.form_radius_mm
     base = 36.0 * cos(radians(20))
-    mesh = found.pairing.mesh
+    mesh = found.pairing.gear_geometry
     reached = sqrt(base**2 + (base * tan(mesh.pressure_angle_rad) + mesh.path_start_mm) ** 2)
     assert f"reaches {form - reached:.3f} mm below the form circle of body_1" in below
     depth = float(re.search(r"by up to ([\d.]+) mm", overlap)[1])

@@ -42,7 +42,7 @@ def refused(*args: object, **keys: object) -> SceneError:
 
 def test_working_geometry_of_the_fzg_pair() -> None:
     """By hand: cos(alpha_w) = 90 cos(20 deg)/91.5; contact ratio of FZG type C about 1.44."""
-    mesh = pair().pairing.mesh
+    mesh = pair().pairing.gear_geometry
     assert mesh is not None
     assert np.degrees(mesh.pressure_angle_rad) == pytest.approx(
         np.degrees(np.arccos(90 * np.cos(np.radians(20)) / 91.5)), rel=SOLVER
@@ -65,7 +65,7 @@ COUNTED = 3e-5
 )
 def test_contact_ratio_on_both_involutes_ends_at_tip_roundings(changes: dict) -> None:
     found = pair(body_1=changes, **changes)
-    mesh = found.pairing.mesh
+    mesh = found.pairing.gear_geometry
     assert mesh.usable_contact_ratio == pytest.approx(usable_contact_ratio(found), rel=COUNTED)
     blunt = bool({"tip_radius_mm", "tip_chamfer_mm"}.intersection(changes))
     assert (mesh.usable_contact_ratio < mesh.contact_ratio - 0.05) == blunt
@@ -75,7 +75,7 @@ def test_contact_ratio_on_both_involutes_ends_at_tip_roundings(changes: dict) ->
 
 def test_relieved_tip_is_part_of_the_contact_ratio_on_both_involutes() -> None:
     relief = {"tip_relief_um": 20, "tip_relief_start_diameter_mm": 116}
-    mesh = pair(**relief).pairing.mesh
+    mesh = pair(**relief).pairing.gear_geometry
     assert mesh.usable_contact_ratio == pytest.approx(mesh.contact_ratio, rel=SOLVER)
 
 
@@ -87,7 +87,7 @@ def test_contact_ratio_on_both_involutes_ends_at_the_form_circle() -> None:
         {**module, "teeth": 10, "tip_diameter_mm": 12.0},
         **{**module, "teeth": 103, "tip_diameter_mm": 105.0},
     )
-    mesh, one = found.pairing.mesh, found.body_1.involute
+    mesh, one = found.pairing.gear_geometry, found.body_1.involute
     reach = [np.sqrt(r**2 - one.base_radius_mm**2) for r in (one.form_radius_mm, 6.0)]
     by_hand = (reach[1] - reach[0]) / (np.pi * np.cos(np.radians(20)))
     assert mesh.usable_contact_ratio == pytest.approx(by_hand, rel=SOLVER)
@@ -98,7 +98,7 @@ def test_contact_ratio_on_both_involutes_ends_at_the_form_circle() -> None:
 def test_contact_ratio_below_one_on_both_involutes_is_said() -> None:
     rounded = {"tip_radius_mm": 0.8}
     found = pair(body_1={**rounded, "tip_diameter_mm": 80.0}, **rounded, tip_diameter_mm=116.0)
-    mesh = found.pairing.mesh
+    mesh = found.pairing.gear_geometry
     assert mesh.usable_contact_ratio < 1.0 < mesh.contact_ratio
     (said,) = [note for note in found.notes if "both flanks are involutes" in note]
     assert said.startswith(
@@ -109,7 +109,7 @@ def test_contact_ratio_below_one_on_both_involutes_is_said() -> None:
 
 def test_pair_zero_stands_in_the_pitch_point_at_position_zero() -> None:
     found = pair()
-    pitch_radius = found.pairing.mesh.pitch_radius_1_mm
+    pitch_radius = found.pairing.gear_geometry.pitch_radius_1_mm
     for body, turn, axis, radius in (
         (found.body_1, found.turn_1, 0.0, pitch_radius),
         (found.body_2, found.turn_2, 91.5, 91.5 - pitch_radius),
@@ -158,7 +158,7 @@ def test_overlapping_teeth_say_which_distance_would_do() -> None:
     enough = float(re.search(r"([\d.]+) mm or more", error.expected)[1])
     assert "backlash of -0.2" in error.found
     # taken at its word: no backlash there, to the four digits it names
-    assert pair(enough + 5e-5).pairing.mesh.backlash_mm == pytest.approx(0.0, abs=1e-4)
+    assert pair(enough + 5e-5).pairing.gear_geometry.backlash_mm == pytest.approx(0.0, abs=1e-4)
 
 
 def test_tips_that_pass_each_other() -> None:
@@ -187,7 +187,7 @@ def test_other_module_is_another_base_pitch() -> None:
 
 def test_slightly_negative_backlash_is_a_warning_with_its_value() -> None:
     found = pair(91.49)
-    mesh = found.pairing.mesh
+    mesh = found.pairing.gear_geometry
     assert -0.02 < mesh.backlash_mm < 0
     (warning,) = [note for note in found.notes if "backlash" in note]
     assert f"{1000 * mesh.backlash_mm:.2f} um" in warning

@@ -13,6 +13,7 @@ from matplotlib.patches import StepPatch
 
 import flankload as fl
 from flankload import plot
+from flankload.base.rotation import turned
 from flankload.plot import (
     plot_all,
     plot_contact_pattern,
@@ -23,7 +24,7 @@ from flankload.plot import (
 )
 from flankload.plot.load_maps import contact_pattern
 from flankload.plot.loaded_pair_3d import AXIAL_FACETS, CONTOUR_FACETS, VIEW, teeth_in_mesh
-from flankload.plot.style import new_figure, turned
+from flankload.plot.style import new_figure
 from tests.support.gear_scenes import example
 from tests.support.made_up_result import made_up_result
 from tests.support.solving import solve

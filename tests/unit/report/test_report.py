@@ -22,6 +22,7 @@ from flankload.report.pictures import curve_data
 from flankload.report.turning import thinned, turning
 from tests.support.gear_scenes import example
 from tests.support.made_up_result import made_up_result
+from tests.support.paths import SCENES
 from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF
 
@@ -264,6 +265,22 @@ def kinds() -> dict[str, dict[str, Any]]:
             "accuracy": {**FAST, "slices": 5, "axial_degree": 6, "flank_element_mm": 2.0},
         },
     }
+
+
+@pytest.mark.parametrize("kind", ["belt", "chain"])
+def test_arrows_and_numbers_are_inside_the_picture_of_the_bodies(kind: str) -> None:
+    result = solve(fl.Scene.from_dict(kinds()[kind], file=SCENES / "x.toml"))
+    assert isinstance(result, fl.Result)
+    picture = turning([result])
+    left, top, width, height = map(float, picture.view_box.split())
+    for path, *number in (load for state in picture.data["states"][0] for load in state["paths"]):
+        corners = [*map(float, re.findall(r"-?\d+\.\d+", path))]
+        x, y = np.reshape([*corners, *number], (-1, 2)).T
+        assert left < x.min() < x.max() < left + width
+        assert top < -y.max() < -y.min() < top + height
+    # and the drawing fills it
+    size = 2.0 * float(np.hypot(*result.drawing.outline_1.T).max())
+    assert max(width, height) < 1.5 * size
 
 
 @pytest.mark.parametrize("kind", list(kinds()))

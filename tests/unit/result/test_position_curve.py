@@ -9,6 +9,7 @@ import pytest
 
 from flankload.analysis.adaptive_positions import Window
 from flankload.analysis.sampling_error import between_positions
+from flankload.contact.sweep import UnloadedStates
 from flankload.result.interpolant import curve_through, loaded_pair_changes
 from tests.support.tolerances import ROUND_OFF
 
@@ -148,7 +149,7 @@ def test_step_of_a_stiffness_is_found_at_the_kink_of_the_rotation() -> None:
         turned_rad=np.full(n, -1.0),
         tangent_rad_per_Nmm=1.0 / (2.0 + along),
     )
-    window = Window(PERIOD, 1, closed=True, sites=np.array([-1, 0]), whole_circle=False)
+    window = Window(PERIOD, 1, closed=True, sites=np.array([-1, 0]), cyclic=False)
     error, doubt = between_positions(part, window, x)["stiffness_tangent"]  # type: ignore[arg-type]
     missed = np.mean(2.0 + along) - 2.5
     assert missed == pytest.approx((0.5 - 0.8) / n, rel=ROUND_OFF)
@@ -169,12 +170,12 @@ def test_secant_stiffness_has_a_kink_where_another_pair_touches_without_torque(
     sites = [np.stack([x >= at, x < at], axis=1) for at in (kink, loaded)]
     part = SimpleNamespace(
         site_force_N=sites[1].astype(float),
-        unloaded_contact=sites[0],
+        unloaded=UnloadedStates(np.zeros(n), sites[0]),
         rotation_rad=3.0 + np.cos(2 * np.pi * x / PERIOD),
         turned_rad=1.0 / secant,
         tangent_rad_per_Nmm=np.full(n, -1.0),
     )
-    window = Window(PERIOD, 1, closed=True, sites=np.array([-1, 0]), whole_circle=False)
+    window = Window(PERIOD, 1, closed=True, sites=np.array([-1, 0]), cyclic=False)
     found = between_positions(part, window, x, adaptive=adaptive)  # type: ignore[arg-type]
     mean = secant.mean()
     if adaptive:
@@ -196,9 +197,9 @@ def test_pairs_move_up_over_a_period() -> None:
     np.testing.assert_array_equal(changes, [False, True])
     # all around: tooth 2 stands beside tooth 0
     circle = np.array([[1, 0, 0], [0, 0, 1]], dtype=bool)
-    changes = loaded_pair_changes(circle, np.arange(3), pitches=1, whole_circle=True)
+    changes = loaded_pair_changes(circle, np.arange(3), pitches=1, cyclic=True)
     np.testing.assert_array_equal(changes, [True, False])
     # the one flank of a cam stands beside itself
     cam = np.ones((3, 1), dtype=bool)
-    changes = loaded_pair_changes(cam, np.array([0]), pitches=1, whole_circle=True)
+    changes = loaded_pair_changes(cam, np.array([0]), pitches=1, cyclic=True)
     np.testing.assert_array_equal(changes, False)

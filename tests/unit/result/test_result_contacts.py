@@ -59,7 +59,7 @@ def test_loaded_length_sums_stretches_and_ends_with_a_cell_where_pressure_rises(
 
 
 def test_half_width_is_that_of_hertz(external: Result) -> None:
-    mesh = build_pair(EXTERNAL).pairing.mesh
+    mesh = build_pair(EXTERNAL).pairing.gear_geometry
     assert mesh is not None
     g = along_path_mm(external, mesh.base_pitch_mm)
     legs = [r * np.sin(mesh.pressure_angle_rad) for r in
@@ -96,7 +96,7 @@ def build_pair(pair: dict) -> BodyPair:
 )
 def test_sliding_grows_with_the_distance_from_the_pitch_point(pair: dict, ratio: float) -> None:
     """(v_2 - v_1)·t_1 = (1 + z_1/z_2) g per rad of body 1; the ring turns the same way."""
-    result, mesh = solved(pair, 3.0), build_pair(pair).pairing.mesh
+    result, mesh = solved(pair, 3.0), build_pair(pair).pairing.gear_geometry
     assert mesh is not None
     g = along_path_mm(result, mesh.base_pitch_mm)
     inside = (g > mesh.path_start_mm + 1.0) & (g < mesh.path_end_mm - 1.0)
@@ -144,7 +144,7 @@ def test_a_spline_on_common_axes_does_not_slide() -> None:
 # --- coast flanks ---------------------------------------------------------------------------------
 @pytest.mark.parametrize("pair", [EXTERNAL, RING_PAIR], ids=["external", "internal"])
 def test_coast_flanks_without_load_leave_the_normal_backlash(pair: dict) -> None:
-    mesh = build_pair(pair).pairing.mesh
+    mesh = build_pair(pair).pairing.gear_geometry
     assert mesh is not None
     expected = 1000 * mesh.backlash_mm * cos(mesh.pressure_angle_rad)
     gap = solved(pair, 0.0, rigid=True).coast_flank_gap_um
@@ -226,7 +226,7 @@ def test_without_profile_the_coast_flanks_are_not_known(external: Result) -> Non
 
 # --- pairs, contact ratio -------------------------------------------------------------------------
 def test_pairs_that_could_carry_are_those_on_the_path_and_those_that_do(external: Result) -> None:
-    mesh = build_pair(EXTERNAL).pairing.mesh
+    mesh = build_pair(EXTERNAL).pairing.gear_geometry
     assert mesh is not None
     g = along_path_mm(external, mesh.base_pitch_mm)
     on_path = ((g >= mesh.path_start_mm) & (g <= mesh.path_end_mm)).sum(axis=1)

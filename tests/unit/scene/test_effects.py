@@ -9,7 +9,7 @@ import pytest
 
 from flankload.errors import SceneError
 from flankload.scene import Scene
-from flankload.scene.effects import EFFECTS, Effect, Effects, effects_of, switches_of
+from flankload.scene.effects import EFFECTS, Effect, Effects, effects_of, excluded_by, switches_of
 from flankload.scene.effects.keys import EffectsAsked
 from tests.support.gear_scenes import SCENE, changed
 from tests.support.paths import DOCS, SCENES
@@ -73,8 +73,9 @@ def test_each_key_stands_in_the_table() -> None:
 
 def test_excluded_effects_stand_in_the_table_both_ways() -> None:
     for effect in EFFECTS:
-        for other in effect.excludes:
-            assert effect.name in ROWS[other].excludes
+        for other in effect.refused_with:
+            assert other in excluded_by(effect)
+            assert effect.name in excluded_by(ROWS[other])
 
 
 def scene_of(effect: Effect, *, on: bool, **keys: Any) -> Scene:

@@ -33,7 +33,10 @@ def test_a_scene_is_written_with_the_keys_that_were_given_and_reads_as_equal(fil
     for again in (tree, tomllib.loads(scene.to_toml())):
         read = Scene.from_dict(again, file=file)
         assert read == scene
-        assert (read.named_effects, read.named_knobs) == (scene.named_effects, scene.named_knobs)
+        assert (read.named_effects, read.named_discretization_keys) == (
+            scene.named_effects,
+            scene.named_discretization_keys,
+        )
 
 
 @pytest.mark.parametrize(

@@ -88,7 +88,7 @@ def test_arrays_and_dictionaries_are_accepted() -> None:
     assert scene.body_1.pitch_errors_um == tuple(errors)
     assert scene.body_2 == fl.Gear(**{key: type(x)(x) for key, x in WHEEL.items()})
     assert (scene.name, scene.positions.count) == ("pair", 4)
-    assert scene.named_knobs == {"positions.count"}
+    assert scene.named_discretization_keys == {"positions.count"}
     several = gear_pair(torque_Nm=np.array([1.0, 2.0])).to_scene()
     assert several.torques_Nm == (1.0, 2.0)
     assert several.has_torque_list

@@ -231,7 +231,7 @@ def test_gradients_follow_factors_ranges_and_weights() -> None:
         variables,
         Objective(quantity=names, weights=(1.0, 0.01)),
         (Constraint(quantity=PRESSURE, at_most=2000.0),),
-        margin=0.01,
+        Options(tolerance=0.01),
     )
     x, step = np.array([0.25, 0.5]), np.array([1e-4, 2e-4])
     point = evaluator.solve_surely(x)

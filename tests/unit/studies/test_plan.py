@@ -16,10 +16,12 @@ from msgspec import structs
 import flankload as fl
 from flankload.cli import main
 from flankload.elasticity.compliance import JobOptions, flank_compliance
+from flankload.elasticity.prism import compliance
+from flankload.elasticity.prism.condensation import condense_prism
 from flankload.mechanisms.effect_size import States, size_of
 from flankload.mechanisms.flank_pair import screening
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.pair_models import coarse_compliance
+from flankload.mechanisms.flank_pair.pair_models import coarse_compliances
 from flankload.mechanisms.flank_pair.screening import nodal_size
 from flankload.mechanisms.flank_pair.stages import contact_of, swept
 from flankload.mechanisms.toggles import toggled
@@ -371,10 +373,10 @@ def test_the_third_dimension_is_the_difference_of_two_sweeps_on_the_coarse_eleme
     scene = scene_of(**QUIET)
     row = plan_of(dimension=True, **QUIET).effect("three_dimensions")
     other = in_three_dimensions(scene)
-    coarse = [coarse_compliance(other, z) for z in (0, 1)]
+    coarse = [coarse_compliances(other, z) for z in (0, 1)]
     plane = [flank_compliance(body, JobOptions(3, "strain")) for body, _ in coarse]
     curves = []
-    for each, compliances in ((scene, plane), (other, [found for _, found in coarse])):
+    for each, compliances in ((scene, plane), (other, [found for _, (found,) in coarse])):
         pair = build_bodies(each)
         contact = contact_of(each, pair, (compliances[0], compliances[1]))
         (found,) = swept(contact, pair.position_rad, each.torques_Nmm)
@@ -397,6 +399,22 @@ def test_a_short_plane_run_is_not_made_long_by_its_plan(
     assert line + "(--dimension does it)" in str(plain_plan)
     monkeypatch.setattr(screening, "RUNGS", 0.0)
     assert fl.plan(scene_of()).effect("three_dimensions").size is not None
+
+
+def test_shafts_add_no_elements_to_a_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pinion on its shaft, without it, and its wheel: two sectors, not three."""
+    condensed: list[int] = []
+
+    def counted(section: Any, *arguments: Any, **options: Any) -> Any:
+        condensed.append(section.nodes)
+        return condense_prism(section, *arguments, **options)
+
+    monkeypatch.setattr(compliance, "condense_prism", counted)
+    scene = fl.read_scene(SCENES / "pinion_shaft.toml").replace(
+        {"accuracy.flank_element_mm": 3.0, "positions.count": 2}
+    )
+    assert fl.plan(scene).effect("shafts").size is not None
+    assert len(condensed) == 2
 
 
 def test_compliance_files_have_no_three_dimensions() -> None:

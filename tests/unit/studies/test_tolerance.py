@@ -13,7 +13,7 @@ import flankload as fl
 from flankload.analysis.estimate import ON_CORNERS
 from flankload.cli import main
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.notes import FEWER_DO
+from flankload.mechanisms.flank_pair.notes import ELEMENT_RESERVE
 from flankload.result.notes import accuracy_lines, percent
 from flankload.scene.discretization import elements_for_modes
 from flankload.scene.named_discretization import NamedDiscretization
@@ -108,7 +108,7 @@ def assert_same(one: fl.Result, two: fl.Result) -> None:
 # --- without the key ------------------------------------------------------------------------------
 def test_without_the_key_nothing_is_decided() -> None:
     scene = fl.Scene.from_dict(small(modes=4, estimate=False))
-    assert not scene.steers
+    assert not scene.names_tolerance
     assert first_scene(scene) is scene
     result = fl.solve(scene)
     assert isinstance(result, fl.Result)
@@ -510,7 +510,7 @@ def test_elements_bear_the_modes_that_are_chosen(name: str, modes: float, met: f
     pair = build_bodies(fl.Scene.from_dict({**tree, "accuracy": keys}))
     for body in (pair.body_1, pair.body_2):
         assert body.mesh is not None
-        assert elements_for_modes(keys[MODES]) <= FEWER_DO * body.mesh.flank_elements
+        assert elements_for_modes(keys[MODES]) <= ELEMENT_RESERVE * body.mesh.flank_elements
 
 
 def test_more_modes_come_with_elements_that_bear_them_or_not_at_all() -> None:

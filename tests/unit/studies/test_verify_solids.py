@@ -197,8 +197,8 @@ def arc_lengths(body: Any, radii: np.ndarray) -> np.ndarray:
 
 def test_misalignment_opens_the_gap_by_what_flankload_takes(skewed: Deck) -> None:
     pair = build_bodies(SKEWED)
-    assert pair.pairing.mesh is not None
-    angle = pair.pairing.mesh.pressure_angle_rad
+    assert pair.pairing.gear_geometry is not None
+    angle = pair.pairing.gear_geometry.pressure_angle_rad
     held = skewed.parts[1].nodes[skewed.parts[1].held]
     ends = [held[held[:, 2] == z, :2].mean(axis=0) for z in (held[:, 2].min(), held[:, 2].max())]
     shift = (ends[1] - ends[0]) / np.ptp(held[:, 2])

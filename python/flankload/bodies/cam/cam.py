@@ -1,7 +1,4 @@
-"""Bodies of kind "cam": a disc fixed at its bore, with a closed profile.
-
-The profile is a smooth curve through the rows of its table.
-"""
+"""Bodies of kind "cam": a disc fixed at its bore, with a smooth closed profile from a table."""
 
 from __future__ import annotations
 
@@ -16,7 +13,7 @@ from flankload.bodies.body import Body, Material, WholeMesh
 from flankload.bodies.plane import across
 from flankload.errors import SceneError
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
-from flankload.flank.fit import TOLERANCE
+from flankload.flank.fit import FIT_TOLERANCE
 from flankload.meshes.blocks import (
     MOST_NODES,
     MOST_PARTS,
@@ -36,24 +33,22 @@ if TYPE_CHECKING:
     from flankload.scene import Cam
 
 LEAST_ROWS = 8
-#: Largest angle between rows, deg; with a larger one the curve between them is arbitrary.
+#: Largest angle between rows, deg; beyond it, the curve between rows is arbitrary.
 LARGEST_STEP_DEG = 30.0
-#: Tolerances within which a last row repeats the first one and so closes the turn.
-SAME_ANGLE_DEG = 1e-9
-SAME_RADIUS_MM = 1e-6
-#: Largest turn of the curve at a row beyond that of its neighbours, rad; a larger one is a kink, or
-#: a nose between two rows.
+#: Largest differences of a last row that repeats the first one, after a full turn.
+ANGLE_TOLERANCE_DEG = 1e-9
+RADIUS_TOLERANCE_MM = 1e-6
+#: Largest excess of the curve's turn at a row over that at its neighbours, rad; more is a kink.
 LARGEST_KINK = 0.2
-#: Least wall between bore and profile, relative to the least radius.
+#: Least wall thickness between bore and profile, over the least radius.
 LEAST_WALL = 0.02
-#: Default number of elements around the profile: at least the first number; per wall thickness of
-#: length; per radian of the sharpest nose; at most the last number.
+#: Default number of elements around the profile: minimum; per length of one wall thickness; per
+#: radian at the sharpest nose; maximum.
 LEAST_ELEMENTS, ELEMENTS_PER_WALL, ELEMENTS_PER_RADIAN, MOST_ELEMENTS = 96.0, 4.0, 1.2, 400.0
-#: Pressure modes relative to those of a gear's flank, per element: five elements per harmonic.
+#: Pressure modes per element, over those of a gear flank: five elements per harmonic.
 MODES_PER_ELEMENT = 8.2 / 96
-#: First layer relative to the length of the elements, and growth of the layers towards the bore.
-#: The first layer is thin, since short waves of pressure decay within a third of the element length
-#: (a factor of 1 leaves 0.5 % of the wind-up of a thin cam).
+#: Thickness of the first layer over the length of the elements, and growth of the layers towards
+#: the bore; a first layer of 1 leaves an error of 0.5 % in the wind-up of a thin cam.
 FIRST_LAYER, GROWTH = 0.3, 1.4
 LEAST_LAYERS = 3
 
@@ -78,10 +73,9 @@ class CamProfile:
 def build_cam(
     spec: Cam, key: str, *, folder: Path, flank_element_mm: float | None, fineness: float
 ) -> Body:
-    """Build a cam; one that is impossible is refused.
+    """Build a cam, checked; parameters as of `build_body`.
 
-    Parameters as of `build_body`; `fineness`: number of elements along the profile relative to the
-    default, if `flank_element_mm` is None.
+    `fineness`: number of elements along the profile over the default, without `flank_element_mm`.
     """
     profile = cam_profile(spec, key, folder=folder)
     bore_radius = 0.5 * spec.bore_diameter_mm
@@ -103,7 +97,7 @@ def build_cam(
         reference_radius_mm=profile.least_radius_mm,
         outline=profile.curve.point(turn)[::-1],
         bore_radius_mm=bore_radius,
-        modes_part=MODES_PER_ELEMENT * elements,
+        modes_factor=MODES_PER_ELEMENT * elements,
         turns_clockwise=spec.sense == "clockwise",
     )
 
@@ -117,9 +111,9 @@ def _elements(profile: CamProfile, bore_radius: float) -> float:
 
 
 def cam_mesh(profile: CamProfile, *, bore_radius_mm: float, flank_element_mm: float) -> WholeMesh:
-    """Mesh a cam: rays from the bore to the profile, layers that grow inwards.
+    """Mesh a cam by rays from the bore to the profile and layers that grow inwards.
 
-    It has one closed flank, along which no element is longer than `flank_element_mm`.
+    The mesh has one closed flank, with elements no longer than `flank_element_mm`.
     """
     length = profile.curve.length_mm
     parts = 0.5 * length / flank_element_mm
@@ -147,7 +141,7 @@ def cam_mesh(profile: CamProfile, *, bore_radius_mm: float, flank_element_mm: fl
 
 
 def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
-    """Profile of a cam from its table, here or in a file of the folder.
+    """Profile of a cam from its table, in the scene or in a file.
 
     Raises
     ------
@@ -162,11 +156,11 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
         rows = np.array(spec.profile, dtype=float).reshape(-1, 2)
     angle, radius = _one_turn(rows, name)
     place = _closed_spline(angle, radius)
-    # clockwise: from one turn beyond the first row's angle down to that angle
+    # clockwise: from the angle of the first row plus one turn to that angle
     pieces = [CurvePiece("flank", place, angle[-1], angle[0], knots=angle[-2:0:-1])]
     _check_kinks(place, angle, name)
-    # the length is that of a whole turn; the radius is closer to the size of a flank
-    curve = fit_flank_curve(pieces, tolerance_mm=TOLERANCE * float(radius.max()))
+    # the radius, unlike the length of a full turn, is of the size of a flank
+    curve = fit_flank_curve(pieces, tolerance_mm=FIT_TOLERANCE * float(radius.max()))
     radii = np.hypot(*curve.point(np.linspace(0.0, curve.length_mm, 8 * len(curve.labels) + 1)).T)
     least, largest = float(radii.min()), float(radii.max())
     if 0.5 * spec.bore_diameter_mm > (1 - LEAST_WALL) * least:
@@ -177,7 +171,7 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
 
 
 def _one_turn(rows: Floats, key: str) -> tuple[Floats, Floats]:
-    """Angles in rad (n + 1,), ascending over exactly one turn, and radii; the last is the first."""
+    """Angles in rad (n + 1,), ascending over exactly one turn, and radii with equal ends."""
 
     def refuse(expected: str, found: str) -> None:
         raise SceneError(key=key, expected=expected, found=found)
@@ -190,10 +184,10 @@ def _one_turn(rows: Floats, key: str) -> tuple[Floats, Floats]:
         k = int(np.flatnonzero(steps <= 0)[0])
         refuse("ascending angles", f"{angle[k + 1]:g} deg behind {angle[k]:g} deg in row {k + 2}")
     span = angle[-1] - angle[0]
-    if span > 360.0 + SAME_ANGLE_DEG:
+    if span > 360.0 + ANGLE_TOLERANCE_DEG:
         refuse("angles within one turn", f"{angle[0]:g} to {angle[-1]:g} deg")
-    if span > 360.0 - SAME_ANGLE_DEG:
-        if abs(radius[-1] - radius[0]) > SAME_RADIUS_MM:
+    if span > 360.0 - ANGLE_TOLERANCE_DEG:
+        if abs(radius[-1] - radius[0]) > RADIUS_TOLERANCE_MM:
             refuse(
                 "a periodic table, whose last row repeats the radius of the first one a turn on",
                 f"{radius[0]:g} mm at {angle[0]:g} deg and {radius[-1]:g} mm at {angle[-1]:g} deg",
@@ -210,7 +204,7 @@ def _one_turn(rows: Floats, key: str) -> tuple[Floats, Floats]:
 
 
 def _closed_spline(angle: Floats, radius: Floats) -> Place:
-    """Points by polar angle on the periodic cubic spline of the radius."""
+    """Points of the periodic cubic spline of the radius, by polar angle."""
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(angle, radius, bc_type="periodic")
@@ -226,7 +220,7 @@ def _closed_spline(angle: Floats, radius: Floats) -> Place:
 
 
 def _check_kinks(place: Place, angle: Floats, key: str) -> None:
-    """Refuse a curve that turns at one row as much as a smooth curve would over several."""
+    """Refuse a curve with a kink at a row."""
     _, first, second = place(angle[:-1])
     speed = np.hypot(*first.T)
     bend = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / speed**3

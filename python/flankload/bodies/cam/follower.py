@@ -20,20 +20,20 @@ if TYPE_CHECKING:
     from flankload.scene import Follower
 
 
-#: Default hub radius over bore radius; least hub radius over the largest |y| of the arm.
-HUB_PART, HOLDING_PART = 1.6, 1.25
-#: Limits of arm width over roller radius, from the mesh of the roller's block and from its width.
-LEAST_ARM, LARGEST_ARM = 0.2, 1.6
-DEFAULT_FLAT_ARM = 0.2
-#: The usable part of a roller ends where its surface is nearly tangent to circles about O1: where
-#: the lever arm of the force is less than this part of the distance from O1.
-LEAST_RISE = 0.03
-#: Default number of elements along a roller, and its modes relative to those of a gear.
+#: Default hub radius over bore radius; least hub radius over largest |y| of the arm.
+HUB_RATIO, LEAST_HUB_RATIO = 1.6, 1.25
+#: Limits of arm width over roller radius, outside which the blocks of the mesh are too distorted.
+LEAST_ARM_RATIO, LARGEST_ARM_RATIO = 0.2, 1.6
+FLAT_ARM_RATIO = 0.2
+#: Least lever arm of a force on the roller over the distance from the follower's axis O1; below it,
+#: the roller is nearly tangent to circles about O1.
+LEAST_LEVER_RATIO = 0.03
+#: Default number of elements along a roller, and its number of modes over that of a gear flank.
 ROLLER_ELEMENTS = 24
-ROLLER_MODES_PART = 2.0
-#: The same for a flat: elements per arm width; modes as a constant plus a number per arm width.
+ROLLER_MODES_FACTOR = 2.0
+#: The same for a flat: elements per arm width; modes as a constant and a number per arm width.
 FLAT_ELEMENTS_PER_WIDTH = 5.0
-FLAT_MODES_PART = 1.6
+FLAT_MODES = 1.6
 FLAT_MODES_PER_WIDTH = 0.5
 
 
@@ -71,13 +71,13 @@ def build_follower(
         curve, radius = roller_curve(head), head.arm_mm
         length = head.radius_mm * head.angles_rad[1]
         default_mm = length / ROLLER_ELEMENTS
-        modes_part = ROLLER_MODES_PART
+        modes_factor = ROLLER_MODES_FACTOR
     else:
         curve, radius = flat_curve(head), hypot(head.offset_mm, 0.5 * sum(head.ends_mm))
         length = curve.length_mm
         width = lever.arm_mm[1] - lever.arm_mm[0]
         default_mm = width / FLAT_ELEMENTS_PER_WIDTH
-        modes_part = FLAT_MODES_PART + FLAT_MODES_PER_WIDTH * length / width
+        modes_factor = FLAT_MODES + FLAT_MODES_PER_WIDTH * length / width
     mesh = None
     if not spec.rigid:
         make = roller_mesh if isinstance(head, Roller) else flat_mesh
@@ -94,32 +94,29 @@ def build_follower(
         reference_radius_mm=radius,
         outline=outline_of(lever),
         bore_radius_mm=lever.bore_radius_mm,
-        modes_part=modes_part,
+        modes_factor=modes_factor,
         touches=head,
     )
 
 
 def lever_of(spec: Follower, key: str) -> Lever:
-    """Shape of a follower; sizes that the scene leaves open get defaults.
-
-    Arm, hub and head that are inconsistent are refused.
-    """
+    """Shape of a follower with default sizes, checked for consistency of arm, hub and head."""
     if spec.has_roller:
         assert spec.roller_radius_mm is not None
         radius = spec.roller_radius_mm
         width = spec.arm_width_mm or radius
-        least, largest = LEAST_ARM * radius, LARGEST_ARM * radius
+        least, largest = LEAST_ARM_RATIO * radius, LARGEST_ARM_RATIO * radius
         if not least <= width <= largest:
-            expected = f"{LEAST_ARM:g} to {LARGEST_ARM:g} of {key}.roller_radius_mm "
+            expected = f"{LEAST_ARM_RATIO:g} to {LARGEST_ARM_RATIO:g} of {key}.roller_radius_mm "
             refuse(f"{key}.arm_width_mm", f"{expected}({least:g} to {largest:g})", f"{width:g}")
         arm = (-0.5 * width, 0.5 * width)
     else:
         assert spec.flat_to_mm is not None
         assert spec.flat_offset_mm is not None
-        width = spec.arm_width_mm or DEFAULT_FLAT_ARM * spec.flat_to_mm
+        width = spec.arm_width_mm or FLAT_ARM_RATIO * spec.flat_to_mm
         arm = (spec.flat_offset_mm - width, spec.flat_offset_mm)
-    bore, held = 0.5 * spec.bore_diameter_mm, HOLDING_PART * max(map(abs, arm))
-    hub = 0.5 * (spec.hub_diameter_mm or 0.0) or max(HUB_PART * bore, held)
+    bore, held = 0.5 * spec.bore_diameter_mm, LEAST_HUB_RATIO * max(map(abs, arm))
+    hub = 0.5 * (spec.hub_diameter_mm or 0.0) or max(HUB_RATIO * bore, held)
     if hub < held:
         expected = f"at least {2 * held:g}, so that the hub holds the arm (y from {arm[0]:g} to "
         refuse(f"{key}.hub_diameter_mm", f"{expected}{arm[1]:g} mm)", f"{2 * hub:g}")
@@ -135,7 +132,7 @@ def _roller(spec: Follower, key: str, hub: float, half_width: float) -> Roller:
         expected = f"more than the radii of hub and roller together, {hub + radius:g}"
         refuse(f"{key}.arm_mm", expected, f"{arm:g}")
     # |P x n| = arm sin(angle) compared with the distance from O1
-    end = asin(LEAST_RISE * (arm + radius) / arm)
+    end = asin(LEAST_LEVER_RATIO * (arm + radius) / arm)
     return Roller(arm, radius, (end, pi - asin(half_width / radius)))
 
 
@@ -165,7 +162,7 @@ def flat_curve(flat: Flat) -> FlankCurve:
 
 
 def outline_of(lever: Lever, points: int = 121) -> Floats:
-    """Contour of a lever, counter-clockwise, with the given number of points on each arc."""
+    """Contour of a lever, counter-clockwise, with a number of points on each arc."""
     (low, high), hub, head = lever.hub_angles_rad, lever.hub_radius_mm, lever.head
     turn = np.linspace(high, low + 2 * pi, points)
     parts = [hub * directions(turn)]

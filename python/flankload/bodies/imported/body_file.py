@@ -21,8 +21,7 @@ def write_body(path: str | Path, mesh: SectorMesh | WholeMesh, *, turn_rad: floa
     """Write the mesh of a body with named sets.
 
     A sector has the sets FLANK, BORE, CUT_LEFT and CUT_RIGHT; a whole body has BORE and FLANK_0,
-    FLANK_1, … by tooth number. Elements of regions of other width are in sets of their own:
-    web, hub.
+    FLANK_1, … by tooth number. Web and hub are sets of elements.
 
     Parameters
     ----------
@@ -30,8 +29,7 @@ def write_body(path: str | Path, mesh: SectorMesh | WholeMesh, *, turn_rad: floa
         Its suffix selects the format: .msh, .vtu or .inp.
     mesh : SectorMesh or WholeMesh
     turn_rad : float
-        The nodes are first rotated by this angle about the axis, so that the file shows the body
-        as it is at position zero.
+        Rotation of the nodes about the axis, to the angle of the body at position zero.
 
     Raises
     ------
@@ -43,7 +41,7 @@ def write_body(path: str | Path, mesh: SectorMesh | WholeMesh, *, turn_rad: floa
 
 
 def _named_edges(mesh: SectorMesh | WholeMesh) -> dict[str, Numbers]:
-    """Edges (m, 3) of every named set on the boundary."""
+    """Edges (m, 3) of each named set on the boundary."""
     _, cells = raise_to_quadratic(mesh.nodes, mesh.cells)
     boundary = boundary_edges(cells)
 

@@ -1,4 +1,4 @@
-"""kind = "compliance": a body with a compliance imported from flankload or another program."""
+"""Bodies of kind "compliance": a compliance imported from flankload or another program."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Body
     from flankload.scene import ComplianceBody
 
-#: By the format of a file: its latest version and its reader.
+#: Latest version and reader of each file format.
 READERS = {
     modal_file.FORMAT: (modal_file.VERSION, modal_file.read_modal),
     nodal_file.FORMAT: (nodal_file.VERSION, nodal_file.read_nodal),
@@ -56,5 +56,5 @@ def build_compliance_body(spec: ComplianceBody, key: str, *, folder: Path) -> Bo
         kind="compliance",
         rigid=spec.rigid,
         pitch_errors_um=errors,
-        given=None if spec.rigid else body.given,
+        imported=None if spec.rigid else body.imported,
     )

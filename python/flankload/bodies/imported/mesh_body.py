@@ -1,9 +1,8 @@
-"""kind = "mesh": a body from a mesh file with named sets, either one sector or the whole body.
+"""Bodies of kind "mesh": one sector or the whole body from a mesh file with named sets.
 
-The file shows the body at position zero, with its axis at the origin. Linear elements are converted
-to quadratic ones; flanks are ordered from root to tip with the material on their right. If the
-exact profile is given, it is the flank curve, rotated to fit the nodes. Otherwise a smooth curve is
-fitted through the nodes and its deviation is reported.
+The file contains the body at position zero, with its axis at the origin. Linear elements are
+converted to quadratic ones; flanks are ordered from root to tip with the material on their right.
+The flank curve is the exact profile, rotated to fit the nodes, or a smooth curve through them.
 """
 
 from __future__ import annotations
@@ -33,8 +32,8 @@ if TYPE_CHECKING:
     from flankload.bodies.imported.mesh_curve import FlankFit
     from flankload.scene import MeshBody
 
-#: Largest relative difference of the elastic constants in the file from those of the scene.
-SAME_MATERIAL = 1e-3
+#: Largest relative difference of elastic constants in the file from those of the scene.
+MATERIAL_TOLERANCE = 1e-3
 
 
 def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
@@ -43,8 +42,8 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
     Raises
     ------
     MeshError, SceneError
-        If the file is missing or unreadable, its mesh, its sets, a flank or the cuts are faulty, or
-        the profile does not fit.
+        If the file is missing or unreadable, its mesh, sets, flanks or cuts are faulty, or the
+        profile does not fit.
     """
     source = read_source(spec, key, folder=folder)
     notes = source.body.notes
@@ -99,7 +98,7 @@ def _named_flanks(source: MeshSource) -> dict[str, Numbers]:
 
 
 def _named_teeth(mesh: SectorMesh | WholeMesh | None, teeth: int) -> tuple[int, ...]:
-    """Teeth with a flank in a whole mesh, if these are not all."""
+    """Teeth with a flank in a whole mesh, unless all have one."""
     if not isinstance(mesh, WholeMesh) or len(mesh.flanks) == teeth:
         return ()
     return tuple(flank.tooth for flank in mesh.flanks)
@@ -116,7 +115,7 @@ def _reference_radius(spec: MeshBody, key: str, fit: FlankFit) -> float:
 
 
 def _is_bare(source: MeshSource) -> bool:
-    """Whether a rigid body has only a flank; its file may lack the sets of rim and cuts."""
+    """Whether the file of a rigid body has only a flank, without the sets of rim and cuts."""
     spec = source.spec
     others = (spec.fixed_set, *spec.cut_sets)
     missing = any(source.raw.set_name(name) is None for name in others)
@@ -124,7 +123,7 @@ def _is_bare(source: MeshSource) -> bool:
 
 
 def _is_ring(source: MeshSource, radii: Floats, flank: Floats, *, bare: bool) -> bool:
-    """Whether the body is fixed outside its flank; without a fixed set, whether most is outside."""
+    """Whether the body is fixed, or if bare extends farther, outside than inside its flank."""
     if bare:
         return bool(radii.max() - flank.max() > flank.min() - radii.min())
     held = radii[source.nodes_of("fixed_set", source.spec.fixed_set)]
@@ -132,7 +131,7 @@ def _is_ring(source: MeshSource, radii: Floats, flank: Floats, *, bare: bool) ->
 
 
 def _fixed_nodes(source: MeshSource, flanks: dict[str, Numbers]) -> Numbers:
-    """Fixed nodes, checked: at least two, not on the flanks, about the axis."""
+    """Fixed nodes, checked: at least two, not on the flanks, on a circle about the axis."""
     spec = source.spec
     fixed = source.nodes_of("fixed_set", spec.fixed_set)
     if fixed.size < 2:
@@ -157,8 +156,8 @@ def _material_notes(source: MeshSource) -> list[str]:
         return []
     (modulus, ratio), spec = source.raw.elastic, source.spec
     same = (
-        abs(modulus - spec.young_modulus_MPa) <= SAME_MATERIAL * spec.young_modulus_MPa
-        and abs(ratio - spec.poisson_ratio) <= SAME_MATERIAL
+        abs(modulus - spec.young_modulus_MPa) <= MATERIAL_TOLERANCE * spec.young_modulus_MPa
+        and abs(ratio - spec.poisson_ratio) <= MATERIAL_TOLERANCE
     )
     if same:
         return []

@@ -1,7 +1,6 @@
-"""The curve of a flank from a mesh: a smooth curve through its nodes, or the given profile.
+"""The curve of a flank from a mesh: a smooth curve through its nodes, or the exact profile.
 
-Middle nodes on the chords of their edges (linear elements, straight-sided quadratic ones) carry no
-information on the profile: the curve then uses the corner nodes only.
+Middle nodes on the chords of their edges (linear or straight-sided elements) are ignored.
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import turned
 from flankload.bodies.body import FlankNodes
 from flankload.bodies.imported.mesh_source import in_order, middles_are_straight
 from flankload.bodies.profile.gear_profile import gear_profile
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from flankload.scene import Profile
 
 
-#: Largest distance of a flank's nodes from the given profile, and largest difference of the tip
+#: Largest distance of a flank's nodes from the exact profile, and largest difference of the tip
 #: radii of mesh and profile; both in modules.
 PROFILE_TOLERANCE, TIP_TOLERANCE = 0.005, 0.02
-#: The ends of the flank's nodes are moved to the ends of the profile's flank if they are closer
-#: than this part of its length.
-SNAP_PART = 1e-7
-#: Largest length by which edges may extend beyond the profile's flank, relative to its length.
-END_PART = 1e-4
+#: Distance below which the ends of the nodes are moved to the ends of the profile's flank, over its
+#: length.
+SNAP_TOLERANCE = 1e-7
+#: Largest excess of edges beyond the profile's flank, over its length.
+END_TOLERANCE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -44,12 +44,12 @@ class FlankFit:
     involute : Involute or None
     mode_range_mm : (float, float)
     misfit_mm : float
-        Largest distance of the nodes from a given profile.
+        Largest distance of the nodes from the exact profile.
     nodes : FlankNodes or None
-        None if the profile is given.
+        None with an exact profile.
     notes : tuple of str
     edges : (m, 3) array
-        Edges of the flank with pressure modes; with a given profile, those between its fillet and
+        Edges of the flank with pressure modes; with an exact profile, those between its fillet and
         its tip rounding.
     s : (2 m + 1,) array
         Arc lengths of their nodes in order.
@@ -71,9 +71,9 @@ def fit_flank(source: MeshSource, edges: Numbers) -> FlankFit:
     Raises
     ------
     MeshError
-        If there are too few nodes, or they turn back.
+        If there are too few nodes, or they are out of order.
     SceneError
-        If the given profile does not fit.
+        If the exact profile does not fit.
     """
     spec, nodes = source.spec, source.body.nodes
     key = "flank_set" if spec.flank_sets is None else "flank_sets[0]"
@@ -84,9 +84,9 @@ def fit_flank(source: MeshSource, edges: Numbers) -> FlankFit:
         fit = _through_nodes(source, key, on_profile)
     else:
         fit = _on_profile(source, spec.profile, on_profile)
-    edges, s = carrying_edges(source, key, fit.curve, fit.mode_range_mm, edges)
+    edges, s = edges_between(source, key, fit.curve, fit.mode_range_mm, edges)
     low, high = fit.mode_range_mm
-    snap = SNAP_PART * (high - low)
+    snap = SNAP_TOLERANCE * (high - low)
     low = low if abs(s[0] - low) < snap else float(s[0])
     high = high if abs(s[-1] - high) < snap else float(s[-1])
     notes = fit.notes
@@ -99,17 +99,17 @@ def fit_flank(source: MeshSource, edges: Numbers) -> FlankFit:
     return replace(fit, edges=edges, s=s, mode_range_mm=(low, high), notes=notes)
 
 
-def carrying_edges(
+def edges_between(
     source: MeshSource, key: str, curve: FlankCurve, span: tuple[float, float], edges: Numbers
 ) -> tuple[Numbers, Floats]:
     """Edges (k, 3) of a flank between two arc lengths, and arc lengths (2 k + 1,) of their nodes.
 
-    The key names the set of this flank, to which the curve belongs; its edges are in order.
+    The edges are those of the flank of the curve, in order; the key names their set.
 
     Raises
     ------
     MeshError
-        If the nodes turn back, or fewer than 2 edges remain.
+        If the nodes are out of order, or fewer than 2 edges remain.
     """
     points = source.body.nodes[in_order(edges)]
     s, _ = curve.arc_length_of(points)
@@ -117,7 +117,7 @@ def carrying_edges(
         x, y = points[int(np.argmin(np.diff(s)))]
         expected = "flank nodes that follow each other along the flank"
         source.refuse(key, expected, f"nodes that turn back at x = {x:.4f}, y = {y:.4f} mm")
-    spare = END_PART * (span[1] - span[0])
+    spare = END_TOLERANCE * (span[1] - span[0])
     inside = np.flatnonzero((s[:-2:2] >= span[0] - spare) & (s[2::2] <= span[1] + spare))
     if inside.size < 2:
         expected = "at least 2 edges between root fillet and tip rounding of the profile"
@@ -150,22 +150,22 @@ def _through_nodes(source: MeshSource, key: str, points: Floats) -> FlankFit:
     )
 
 
-def _on_profile(source: MeshSource, given: Profile, points: Floats) -> FlankFit:
+def _on_profile(source: MeshSource, spec: Profile, points: Floats) -> FlankFit:
     """The exact profile, rotated to fit the flank's nodes (least squares)."""
-    profile = gear_profile(given, f"{source.key}.profile", teeth=source.spec.number_of_teeth)
+    profile = gear_profile(spec, f"{source.key}.profile", teeth=source.spec.number_of_teeth)
     tip = float(np.hypot(*source.body.nodes.T).max())
-    if abs(tip - profile.involute.tip_radius_mm) > TIP_TOLERANCE * given.module_mm:
+    if abs(tip - profile.involute.tip_radius_mm) > TIP_TOLERANCE * spec.module_mm:
         expected = f"the tip circle of the mesh, {2 * tip:.4f} mm"
-        refuse(f"{source.key}.profile.tip_diameter_mm", expected, f"{given.tip_diameter_mm:g}")
+        refuse(f"{source.key}.profile.tip_diameter_mm", expected, f"{spec.tip_diameter_mm:g}")
     radii = np.hypot(points[:, 0], points[:, 1])
     inside = np.clip(radii, profile.involute.form_radius_mm, profile.involute.tip_radius_mm)
     angles = np.arctan2(points[:, 1], points[:, 0])
     start = np.array([profile.involute.polar_angle_at(radius) for radius in inside])
     apart = np.angle(np.exp(1j * (angles - start)).sum())
     turn, s, worst = fitted_turn(profile.curve, points, float(apart))
-    if worst > PROFILE_TOLERANCE * given.module_mm:
+    if worst > PROFILE_TOLERANCE * spec.module_mm:
         expected = "a profile on which the nodes of the flank lie to "
-        expected += f"{PROFILE_TOLERANCE * given.module_mm:.3g} mm"
+        expected += f"{PROFILE_TOLERANCE * spec.module_mm:.3g} mm"
         refuse(f"{source.key}.profile", expected, f"nodes up to {worst:.3g} mm beside it")
     profile = profile.rotated(turn)
     note = (
@@ -189,15 +189,15 @@ def fitted_turn(curve: FlankCurve, points: Floats, start: float) -> tuple[float,
     """
     turn = start
     for _ in range(12):
-        turned = curve.rotated(turn)
-        s, _ = turned.arc_length_of(points)
-        # a curve rotated by d moves by d (P . t) along its normal: Gauss-Newton
-        place = turned.point(s)
-        lever = np.sum(place * turned.tangent(s), axis=1)
-        distance = np.sum((points - place) * turned.normal(s), axis=1)
+        here = turned(points, -turn)
+        s, _ = curve.arc_length_of(here)
+        # Gauss-Newton: a rotation by d moves the curve by d (P . t) along its normal
+        place = curve.point(s)
+        lever = np.sum(place * curve.tangent(s), axis=1)
+        distance = np.sum((here - place) * curve.normal(s), axis=1)
         step = float(lever @ distance / (lever @ lever))
         turn += step
         if abs(step) < 1e-15:
             break
-    s, away = curve.rotated(turn).arc_length_of(points)
+    s, away = curve.arc_length_of(turned(points, -turn))
     return turn, s, float(away.max())

@@ -1,4 +1,4 @@
-"""A body from the mesh of one sector: matched nodes of its cut faces, elements by region."""
+"""Sector mesh of a body from a file: matching nodes of its cut faces, elements by region."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def _outline(mesh: SectorMesh) -> Floats:
 
 
 def _match_cuts(source: MeshSource, cuts: list[Numbers]) -> tuple[Numbers, Numbers]:
-    """Nodes of the left and right cut in matching order: right = left rotated by one pitch."""
+    """Nodes of the left and right cut; right node k is left node k rotated by one pitch."""
     nodes, teeth = source.body.nodes, source.spec.number_of_teeth
     first, second = cuts
     size = float(np.abs(nodes).max())
@@ -90,10 +90,7 @@ def _match_cuts(source: MeshSource, cuts: list[Numbers]) -> tuple[Numbers, Numbe
 
 
 def _with_regions(source: MeshSource, mesh: SectorMesh) -> SectorMesh:
-    """The sector with its elements divided into regions.
-
-    An element belongs to one of `region_sets` if this has all its nodes.
-    """
+    """The sector with its elements by region: that set of `region_sets` with all their nodes."""
     spec = source.spec
     if spec.region_sets is None:
         return mesh
@@ -102,7 +99,7 @@ def _with_regions(source: MeshSource, mesh: SectorMesh) -> SectorMesh:
         key, count = f"region_sets[{number}]", 0
         inside = np.zeros(len(mesh.nodes), dtype=bool)
         inside[source.nodes_of(key, name)] = True
-        inside[len(source.raw.nodes) :] = True  # nodes that the file does not have are in no set
+        inside[len(source.raw.nodes) :] = True  # nodes that are not in the file
         for found, (_, data) in zip(of_elements, mesh.cells, strict=True):
             named = inside[data].all(axis=1)
             count += int(named.sum())
@@ -125,7 +122,7 @@ def _with_regions(source: MeshSource, mesh: SectorMesh) -> SectorMesh:
 def _check_flank(
     source: MeshSource, names: Sequence[str], mesh: SectorMesh, of_elements: list[Numbers]
 ) -> None:
-    """Refuse a region with elements of the flank: it is as wide as the teeth."""
+    """Refuse a region with elements of the flank, which are as wide as the teeth."""
     flank = np.append(mesh.flank_edges, mesh.tip_edges)
     for found, (_, data) in zip(of_elements, mesh.cells, strict=True):
         touched = (found >= 0) & np.isin(data, flank).any(axis=1)

@@ -1,8 +1,4 @@
-"""The mesh file of a body: its sets, its flanks, and errors that name file and key.
-
-A flank is an ordered line of edges of the boundary, from root to tip with the material on its
-right.
-"""
+"""The mesh file of a body: sets, flanks, and errors with file and key."""
 
 from __future__ import annotations
 
@@ -23,21 +19,21 @@ if TYPE_CHECKING:
     from flankload.scene import MeshBody
 
 
-#: Units in which meshes are given by mistake, in mm.
+#: Wrong units of meshes, in mm.
 UNITS = {"metres": 1000.0, "inches": 25.4, "centimetres": 10.0, "micrometres": 0.001}
-#: Largest ratio, in both directions, of the size of a body and its reference radius; with a given
+#: Largest ratio, in both directions, of the size of a body and its reference radius; with an exact
 #: profile, of the two tip radii.
 LARGEST_RATIO, LARGEST_TIP_RATIO = 20.0, 3.0
-#: Largest distance of the bore's centre from the axis, relative to the bore's radius.
-OFF_AXIS = 1e-3
+#: Largest distance of the bore's centre from the axis, over the bore's radius.
+AXIS_TOLERANCE = 1e-3
 
 #: Largest angle between neighbouring edges of a flank, degrees; a larger one is a corner.
 LARGEST_BEND_DEG = 40.0
-#: Middle nodes count as lying on their chords if their distance is less than this part of the
-#: distance expected from the corner nodes.
-STRAIGHT = 0.05
-#: A flank is straight if its curve leaves the chords by less than this part of their length.
-FLAT = 1e-5
+#: Largest distance of middle nodes from their chords, over that expected from the corner nodes, for
+#: straight-sided edges.
+STRAIGHT_SIDE_RATIO = 0.05
+#: Largest distance of a straight flank from its chords, over their length.
+FLATNESS = 1e-5
 
 
 @dataclass(frozen=True)
@@ -67,11 +63,7 @@ class MeshSource:
         )
 
     def nodes_of(self, name: str, wanted: str) -> Numbers:
-        """Nodes of a named set, including middle nodes of the boundary.
-
-        Middle nodes are added to a set that contains only corners; a set that contains whole edges
-        of the boundary is not changed.
-        """
+        """Nodes of a named set, and the middle nodes of the boundary edges between them."""
         spelt = self.raw.set_name(wanted)
         if spelt is None or not self.raw.sets[spelt].size:
             self.refuse(
@@ -113,7 +105,7 @@ def read_source(spec: MeshBody, key: str, *, folder: Path) -> MeshSource:
 
 
 def _unit_of(ratio: float) -> str | None:
-    """Unit whose length in mm is closest to expected over actual size; None if none is close."""
+    """Unit with a length in mm close to expected over actual size; None if there is none."""
     name, factor = min(UNITS.items(), key=lambda unit: abs(np.log(unit[1] / ratio)))
     return name if 0.2 < factor / ratio < 5.0 else None
 
@@ -136,18 +128,18 @@ def _check_size(source: MeshSource) -> None:
 
 
 def check_axis(source: MeshSource, fixed: Numbers) -> None:
-    """Refuse a body whose fixed nodes are a circle about another point than the origin."""
+    """Refuse a body whose fixed nodes are on a circle that is not about the origin."""
     circle = circle_through(source.raw.nodes[fixed[fixed < len(source.raw.nodes)]])
     if circle is None:
         return
     (x, y), radius = circle
-    if np.hypot(x, y) > OFF_AXIS * radius:
+    if np.hypot(x, y) > AXIS_TOLERANCE * radius:
         expected = "a body whose axis is the origin"
         source.refuse("file", expected, f"a bore about x = {x:.4f}, y = {y:.4f} mm")
 
 
 def flank_edges(source: MeshSource, key: str, name: str) -> Numbers:
-    """Boundary edges (m, 3) of a flank in order: the set `name`, which the key of the body names.
+    """Boundary edges (m, 3) of a flank, in order, from the set `name` of a key.
 
     Raises
     ------
@@ -185,17 +177,13 @@ def in_order(edges: Numbers) -> Numbers:
 
 
 def faces_clockwise(nodes: Floats, edges: Numbers, *, inwards: bool) -> bool:
-    """Whether a flank is that of the mirrored body.
-
-    Such a flank runs from tip to root with the material on its right. The radius decreases towards
-    the tip of internal teeth.
-    """
+    """Whether a flank with the material on its right runs from tip to root: a mirrored body."""
     middle = nodes[edges[len(edges) // 2]]
     return (float(middle.mean(axis=0) @ (middle[1] - middle[0])) < 0.0) != inwards
 
 
 def middles_are_straight(nodes: Floats, edges: Numbers) -> bool:
-    """Whether a flank is curved although its middle nodes lie on the chords of its edges."""
+    """Whether the middle nodes of a curved flank lie on the chords of its edges."""
     first, last, middle = (nodes[edges[:, k]] for k in range(3))
     chord = last - first
     length = np.linalg.norm(chord, axis=1)
@@ -205,4 +193,6 @@ def middles_are_straight(nodes: Floats, edges: Numbers) -> bool:
     # the distance of an arc of length h and angle t from its chord is h t/8
     turn = np.abs(np.gradient(angles)) if len(angles) > 1 else np.zeros(1)
     wanted = length * turn / 8
-    return bool(wanted.sum() > FLAT * length.sum() and out.sum() < STRAIGHT * wanted.sum())
+    return bool(
+        wanted.sum() > FLATNESS * length.sum() and out.sum() < STRAIGHT_SIDE_RATIO * wanted.sum()
+    )

@@ -1,7 +1,7 @@
-"""A body from its whole mesh: several flanks of one shape, each where the mesh has it.
+"""Mesh of a whole body from a file: several flanks of one shape.
 
-The first set is the flank of tooth 0; the tooth numbers of the others follow from their angles,
-which must be whole pitches. The deviation of a flank from its equal share is a pitch deviation.
+The first set is the flank of tooth 0; the tooth numbers of the others follow from their angles. The
+deviation of an angle from a multiple of the pitch is a pitch deviation.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from flankload.base.rotation import turned
 from flankload.bodies.body import MeshedFlank, WholeMesh
-from flankload.bodies.imported.mesh_curve import carrying_edges, fitted_turn
+from flankload.bodies.imported.mesh_curve import edges_between, fitted_turn
 from flankload.bodies.imported.mesh_source import faces_clockwise, in_order, middles_are_straight
 from flankload.meshes.plane_mesh import boundary_edges, chain
 
@@ -24,29 +24,29 @@ if TYPE_CHECKING:
     from flankload.bodies.imported.mesh_source import MeshSource
 
 
-#: Largest difference in shape of flanks, relative to the body's radius; five times the deviation of
-#: the curve through the nodes, or of the nodes from the profile, is added.
+#: Largest difference in shape of flanks, over the body's radius, to which five times the deviation
+#: of the curve through the nodes, or of the nodes from the profile, is added.
 SHAPE_TOLERANCE = 2e-5
-#: Largest distance of the flanks' ends from each other, relative to their length.
+#: Largest difference of the ends of flanks, over their length.
 END_TOLERANCE = 1e-4
-#: Largest deviation of a flank from its equal share, in pitches.
+#: Largest pitch deviation, in pitches.
 LARGEST_PITCH_DEVIATION = 0.1
-#: Smaller deviations from the equal share, rad, are set to 0: nodes written with few digits.
-EQUAL_SHARE = 2e-7
+#: Least pitch deviation, rad; smaller ones are rounding errors of nodes in files.
+LEAST_PITCH_DEVIATION_RAD = 2e-7
 
 
 def whole_of(
     source: MeshSource, flanks: list[Numbers], fixed: Numbers, fit: FlankFit
 ) -> tuple[WholeMesh, Floats, tuple[float, ...], tuple[str, ...]]:
-    """Whole mesh, outer contour (k, 2) of one tooth, angles of the flanks, rad, and notes.
+    """Whole mesh, outer contour (k, 2) of one tooth, pitch deviations, rad, and notes.
 
-    The angles are those from the equal share of each tooth; empty if there are none. The edges
-    (m, 3) of the flanks are in order, tooth 0 first; `fit` is the curve of this one.
+    The deviations are empty if all are 0. The edges (m, 3) of the flanks are in order, tooth 0
+    first, whose curve is `fit`.
 
     Raises
     ------
     MeshError
-        If the flanks differ in shape or are not whole pitches apart.
+        If the flanks differ in shape or are not at multiples of the pitch.
     """
     spec, nodes, cells = source.spec, source.body.nodes, source.body.cells
     teeth, names = spec.number_of_teeth, spec.flank_sets or ()
@@ -63,7 +63,7 @@ def whole_of(
         arc_length = np.full(len(nodes), np.nan)
         arc_length[in_order(edges)] = s
         meshed[tooth] = MeshedFlank(tooth, nodes, edges, arc_length)
-        turns[tooth] = beside if abs(beside) > EQUAL_SHARE else 0.0
+        turns[tooth] = beside if abs(beside) > LEAST_PITCH_DEVIATION_RAD else 0.0
     in_order_of_teeth = tuple(meshed[tooth] for tooth in sorted(meshed))
     mesh = WholeMesh(nodes=nodes, cells=cells, fixed_nodes=fixed, flanks=in_order_of_teeth)
     outline = _outline(nodes, cells, flanks[0], 2 * np.pi / teeth)
@@ -99,10 +99,7 @@ def _notes(turns: Floats, with_flank: int) -> Iterator[str]:
 def _turn_of(
     source: MeshSource, edges: Numbers, first: Floats, fit: FlankFit, k: int
 ) -> tuple[float, Numbers, Floats]:
-    """Angle of a flank from that of tooth 0, its edges with pressure modes, and their arc lengths.
-
-    `first` holds the nodes of tooth 0's flank.
-    """
+    """Angle of flank k from that of tooth 0 (`first`: nodes), edges with modes, arc lengths."""
     nodes, name = source.body.nodes, (source.spec.flank_sets or ())[k]
     key = f"flank_sets[{k}]"
     inwards = bool(np.hypot(*first[0]) > np.hypot(*first[-1]))
@@ -123,7 +120,7 @@ def _turn_of(
             f"{name!r}, up to {worst:.3g} mm beside the first one turned onto it",
         )
     span = (float(fit.s[0]), float(fit.s[-1]))
-    edges, s = carrying_edges(source, key, fit.curve.rotated(turn), span, edges)
+    edges, s = edges_between(source, key, fit.curve.rotated(turn), span, edges)
     beside = max(abs(s[0] - fit.s[0]), abs(s[-1] - fit.s[-1]))
     if beside > END_TOLERANCE * fit.curve.length_mm + allowed:
         expected = "flanks that end at the same places"

@@ -1,7 +1,7 @@
-"""Reading of flankload's own compliance file: a body with the compliance of its flanks.
+"""Reading of flankload's compliance files: a body with the compliance of its flanks.
 
 `elasticity.modal_arrays` writes the file; `docs/guide/compliance_files.md` describes the arrays.
-The body that is read equals the body that was written, bit by bit, without its elements.
+Except for its elements, the body is identical to the one that was written.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.bodies.body import Body
-from flankload.bodies.imported.given import (
+from flankload.bodies.imported.compliance import (
     CORNER_ANGLES,
     ModalCompliance,
     read_corner_angles,
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from flankload.meshes.io.named_arrays import NamedArrays
 
 FORMAT = "flankload flank compliance"
-#: The latest version, of bodies with a free corner or a rounded or chamfered tip. A file without
-#: one is of version 2, without friction of version 1, which earlier flankloads read.
+#: Latest version, for bodies with a free corner or a rounded or chamfered tip. Other files have
+#: version 2, or without friction version 1, which earlier versions of flankload can read.
 VERSION = 3
 
 #: Names of the arrays, without those of the involute.
@@ -46,7 +46,7 @@ INVOLUTE = {f"involute_{field.name}": field for field in fields(Involute)}
 
 #: Largest gap between intervals of the curve, mm.
 LARGEST_JUMP = 1e-6
-#: Largest relative deviation of the curve's speed from 1, that of a curve by arc length.
+#: Largest deviation of the curve's speed from 1, its value for arc length.
 LARGEST_STRETCH = 1e-3
 
 
@@ -72,7 +72,7 @@ def read_modal(found: NamedArrays) -> Body:
     turns = _read_per_tooth(found, "flank_turns_rad", teeth)
     if (np.abs(turns) > pi).any():
         found.refuse("flank_turns_rad", "angles from -pi to pi", f"{np.abs(turns).max():g}")
-    given = _read_compliance(found, flanks, teeth, (float(high), curve.length_mm))
+    imported = _read_compliance(found, flanks, teeth, (float(high), curve.length_mm))
     errors = _read_per_tooth(found, "pitch_errors_um", teeth)
     return Body(
         kind=found.text("kind"),
@@ -90,7 +90,7 @@ def read_modal(found: NamedArrays) -> Body:
         notes=found.texts("notes"),
         flank_turns_rad=tuple(turns.tolist()),
         named_teeth=named,
-        given=given,
+        imported=imported,
     )
 
 
@@ -105,7 +105,7 @@ def _read_per_tooth(found: NamedArrays, name: str, teeth: int) -> Floats:
 def _read_compliance(
     found: NamedArrays, flanks: tuple[int, ...], teeth: int, ends_mm: tuple[float, float]
 ) -> ModalCompliance:
-    """The matrices of the modes; `ends_mm` are those of the modes of the flank and of the curve."""
+    """The matrices of the modes; `ends_mm`: arc lengths at the ends of the flank and the curve."""
     blocks = len(flanks) ** 2 if flanks else teeth
     smooth = found.numbers("smooth", blocks, None, None)
     if smooth.shape[1] != smooth.shape[2] or not smooth.shape[1]:
@@ -127,7 +127,7 @@ def _read_compliance(
 
 
 def _read_tip(found: NamedArrays, high: float, end: float, n_modes: int) -> Tip | None:
-    """Where the modes of a tip end behind those of the flank, their lowest power, and the turn."""
+    """The tip behind a flank, between two arc lengths; None without one."""
     if "tip_modes" not in found:
         return None
     tip, power, turn = found.numbers("tip_modes", 3)
@@ -151,7 +151,7 @@ def _read_tangential(found: NamedArrays, shape: tuple[int, ...]) -> tuple[Floats
 
 
 def _read_teeth(found: NamedArrays, name: str, teeth: int) -> tuple[int, ...]:
-    """Ascending tooth numbers that begin at 0; or none."""
+    """Ascending tooth numbers from 0, or none."""
     numbers = found.integers(name, None)
     ascending = (np.diff(numbers) > 0).all()
     if numbers.size and not (ascending and numbers[0] == 0 and numbers[-1] < teeth):
@@ -168,7 +168,7 @@ def _read_outline(found: NamedArrays) -> Floats:
 
 
 def _read_curve(found: NamedArrays) -> FlankCurve:
-    """The flank curve: ascending, without gaps, from root to tip."""
+    """The flank curve, checked: ascending breaks, no gaps."""
     breaks = found.numbers("curve_breaks", None)
     if breaks.size < 2 or breaks[0] != 0.0 or (np.diff(breaks) <= 0.0).any():
         found.refuse("curve_breaks", "arc lengths that ascend from 0", "others")

@@ -11,7 +11,7 @@ import numpy as np
 
 from flankload.bodies.body import Body
 from flankload.bodies.flank_elements import mass_matrix
-from flankload.bodies.imported.given import (
+from flankload.bodies.imported.compliance import (
     CORNER_ANGLES,
     NodalCompliance,
     read_corner_angles,
@@ -37,14 +37,14 @@ NAMES = (
 
 #: Least number of nodes for a curve.
 LEAST_POINTS = 6
-#: Least cosine of the angle between neighbouring segments of ordered nodes: 60 degrees.
+#: Least cosine of the angle between neighbouring segments of ordered nodes (60 degrees).
 LEAST_COSINE = 0.5
-#: Largest asymmetry of the matrix (Betti), relative (Frobenius norm).
+#: Largest asymmetry of the matrix (Betti's theorem), over its Frobenius norm.
 LARGEST_ASYMMETRY = 0.01
 
 
 def read_nodal(found: NamedArrays) -> Body:
-    """Body of a file, checked, at the angle that its points have.
+    """Body of a file, checked, at the angle of its points.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def read_nodal(found: NamedArrays) -> Body:
         inwards = found.text("teeth_stand", "outwards", "inwards") == "inwards"
     points = _read_points(found, quadratic, inwards=inwards)
     curve = curve_through_nodes(points)
-    given = _read_compliance(found, curve.arc_length_of(points)[0], teeth, quadratic=quadratic)
+    imported = _read_compliance(found, curve.arc_length_of(points)[0], teeth, quadratic=quadratic)
     deviation = nodes_deviation(points)
     estimate = f"{1000 * deviation:.2g} um" if np.isfinite(deviation) else "unknown"
     note = (
@@ -78,15 +78,15 @@ def read_nodal(found: NamedArrays) -> Body:
         flank_angle_known=False,
         outline=sketched_tooth(points, teeth),
         bore_radius_mm=1.2 * float(np.hypot(*points[0])) if inwards else 0.0,
-        notes=(_note_of(given, len(points), teeth), note),
-        given=given,
+        notes=(_note_of(imported, len(points), teeth), note),
+        imported=imported,
     )
 
 
 def _read_compliance(
     found: NamedArrays, arc_length_mm: Floats, teeth: int, *, quadratic: bool
 ) -> NodalCompliance:
-    """The matrix between the nodes, made symmetric and checked."""
+    """The matrix between the nodes, checked and made symmetric."""
     offsets, n = _read_offsets(found, teeth), arc_length_mm.size
     shape = (len(offsets), n, n)
     single = found.dimensions("compliance") == 2 and len(offsets) == 1
@@ -95,7 +95,7 @@ def _read_compliance(
     if of_pressures:
         matrix = mass_matrix(arc_length_mm, quadratic=quadratic) @ matrix
     matrix, asymmetry = _symmetric(found, matrix, offsets, teeth)
-    given = NodalCompliance(
+    imported = NodalCompliance(
         file=found.file,
         plane=found.text("plane", "strain", "stress"),
         arc_length_mm=arc_length_mm,
@@ -106,17 +106,17 @@ def _read_compliance(
         asymmetry=asymmetry,
         corner_angles_deg=read_corner_angles(found),
     )
-    _check_work(found, given, teeth)
-    return given
+    _check_work(found, imported, teeth)
+    return imported
 
 
-def _note_of(given: NodalCompliance, points: int, teeth: int) -> str:
-    """Note on the imported compliance and on what it does not contain."""
+def _note_of(imported: NodalCompliance, points: int, teeth: int) -> str:
+    """Note on the imported compliance and its omissions."""
     note = (
-        f"compliance of {points} nodes on {given.offsets.size} of {teeth} teeth from "
-        f"{given.file.name}, asymmetry {given.asymmetry:.2g}"
+        f"compliance of {points} nodes on {imported.offsets.size} of {teeth} teeth from "
+        f"{imported.file.name}, asymmetry {imported.asymmetry:.2g}"
     )
-    if given.offsets.size == 1:
+    if imported.offsets.size == 1:
         note += "; other teeth do not move with the loaded one: adjacent pairs appear too stiff"
     return note
 
@@ -168,7 +168,7 @@ def _read_offsets(found: NamedArrays, teeth: int) -> Numbers:
 def _symmetric(
     found: NamedArrays, matrix: Floats, offsets: Numbers, teeth: int
 ) -> tuple[Floats, float]:
-    """Mean of each response and the reciprocal one (Betti), and their relative difference."""
+    """Mean of each response and its reciprocal (Betti), and their relative difference."""
     row = {int(offset): k for k, offset in enumerate(offsets)}
     mirrored = np.stack(
         [
@@ -179,7 +179,7 @@ def _symmetric(
     differences = np.abs(matrix - mirrored)
     if not matrix.any():
         found.refuse("compliance", "a matrix that is not 0", "0")
-    # norm over all entries, since the matrix is used for loads that extend over many nodes
+    # norm over all entries, since loads extend over many nodes
     asymmetry = float(np.linalg.norm(differences) / np.linalg.norm(matrix))
     if asymmetry > LARGEST_ASYMMETRY:
         k, i, j = np.unravel_index(int(differences.argmax()), differences.shape)
@@ -188,14 +188,14 @@ def _symmetric(
     return 0.5 * (matrix + mirrored), asymmetry
 
 
-def _check_work(found: NamedArrays, given: NodalCompliance, teeth: int) -> None:
+def _check_work(found: NamedArrays, imported: NodalCompliance, teeth: int) -> None:
     """Check that the compliance of the whole body is positive definite."""
-    whole = np.zeros((teeth, *given.matrix.shape[1:]))
-    for offset, block in zip(given.offsets.tolist(), given.matrix, strict=True):
+    whole = np.zeros((teeth, *imported.matrix.shape[1:]))
+    for offset, block in zip(imported.offsets.tolist(), imported.matrix, strict=True):
         whole[offset] = block
-        if -offset % teeth not in given.offsets:
+        if -offset % teeth not in imported.offsets:
             whole[-offset % teeth] = block.T
-    # equal teeth: a Fourier transform over the teeth decouples the matrix of the whole body
+    # a Fourier transform over the equal teeth decouples the matrix
     waves = np.fft.fft(whole, axis=0)
     least = np.linalg.eigvalsh(0.5 * (waves + waves.conj().transpose(0, 2, 1))).min(axis=1)
     if not least.min() > 0.0:

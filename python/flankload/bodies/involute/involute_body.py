@@ -1,7 +1,4 @@
-"""Bodies with involute teeth: gears, rings, and the shafts and hubs of splines.
-
-External teeth are fixed at a bore, internal ones at the outside of their rim.
-"""
+"""Bodies with involute teeth: gears, rings, spline shafts and hubs."""
 
 from __future__ import annotations
 
@@ -33,10 +30,10 @@ def build_involute_body(
     flank_nodes_mm: float | None = None,
     regions: tuple[str, ...] = (),
 ) -> Body:
-    """Build a body with involute teeth; the reference radius of a spline is its pitch radius.
+    """Build a body with involute teeth, fixed at its bore or at the outside of its rim.
 
-    Otherwise that is the base radius. Parameters as of `build_body`; `regions`: those of a gear's
-    mesh below its rim, from outside: "web", "hub".
+    The reference radius of a spline is its pitch radius, that of other bodies the base radius.
+    Parameters as of `build_body`; `regions`: those of a gear below its rim, outermost first.
 
     Raises
     ------
@@ -114,7 +111,7 @@ def _inward(
 
 
 def _check_root(spec: SplineShaft, key: str) -> None:
-    """Check that the rack for the root circle has a positive depth and a land at its tip."""
+    """Check that the rack of a root circle has a positive depth and a land at its tip."""
     pitch_diameter = spec.teeth * spec.module_mm
     deepest = 0.25 * pi / tan(radians(spec.pressure_angle_deg))
     largest = pitch_diameter + 2 * spec.profile_shift * spec.module_mm

@@ -1,4 +1,4 @@
-"""Rings of elements below the rim of a gear's sector: web and hub with widths of their own."""
+"""Elements of web and hub below the rim of a gear's sector."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies.involute.sector_breaks import ROW_PART
+from flankload.bodies.involute.sector_breaks import ROW_RATIO
 from flankload.meshes.blocks import BlockMesh, growing_breaks, symmetric_breaks, with_middles
 
 if TYPE_CHECKING:
@@ -17,19 +17,18 @@ if TYPE_CHECKING:
     from flankload.bodies.body import SectorMesh
 
 
-#: First row beside a circle where the width jumps, relative to the flank element, and largest ratio
-#: of neighbouring rows: on a wheel of 24 teeth with a web of 0.3 of the width, rows of 1/4 that
-#: grow by 1.4 change the compliance by 0.01 % (mean) and 0.1 % (linear along the axis).
+#: First row at a circle where the width changes, over the flank element, and largest ratio of
+#: neighbouring rows. With 1/4 and 1.4, the compliance of a wheel of 24 teeth with a web of 0.3 of
+#: the width changes by 0.01 % (mean) and 0.1 % (linear along the axis).
 ROW_AT_JUMP, GROWTH = 1.0, 2.0
 
 
 def with_regions(
     mesh: SectorMesh, bore_radius_mm: float, below: Sequence[tuple[str, float]], element_mm: float
 ) -> SectorMesh:
-    """A sector that is fixed on its inner circle, continued inwards by named regions.
+    """Extend a sector, fixed on its inner circle, by regions down to the bore, where it is fixed.
 
-    Its fixed nodes lie on a circle, from cut to cut; the continued sector is fixed at the bore.
-    `below`: names and outer radii of the regions from outside, the first that of the circle;
+    `below`: names and outer radii of the regions, outermost first, beginning with that circle;
     `element_mm`: largest length of an element along the flank.
     """
     blocks = BlockMesh([mesh.nodes], [], len(mesh.nodes))
@@ -38,10 +37,10 @@ def with_regions(
     directions = mesh.nodes[lowest] / below[0][1]
     left, right = [mesh.left_nodes, lowest[-1:]], [mesh.right_nodes, lowest[:1]]
     for outer, inner in pairwise([radius for _, radius in below] + [bore_radius_mm]):
-        height, first, size = outer - inner, ROW_AT_JUMP * element_mm, ROW_PART * outer
+        height, first, size = outer - inner, ROW_AT_JUMP * element_mm, ROW_RATIO * outer
         if inner > bore_radius_mm or len(below) == 1:
             rows = symmetric_breaks(height, first, GROWTH, size)
-        else:  # a hub is thick, and nothing jumps at the bore; a web bends there
+        else:  # no jump of the width at the bore of a hub
             rows = growing_breaks(height, first, GROWTH, np.array([[0.0], [size]]))
         radii = outer - with_middles(rows)[::-1] * height
         numbers = blocks.add(radii[:, None, None] * directions, {"top": lowest})

@@ -1,8 +1,7 @@
-"""Structured sector mesh of a ring: the image of a gear's mesh.
+"""Structured sector mesh of a ring by inversion of the mesh of an external tooth.
 
-In complex numbers, w = R²/z turns a ring inside out: circles about the axis remain circles, angles
-are preserved, internal teeth become external. The mesh is made for the image of the flank, by the
-arc length of the original flank, and its nodes are mapped back.
+The conformal map w = R²/z turns internal teeth into external ones and maps circles about the axis
+to such circles. The mesh is made for the image of the flank, and its nodes are mapped back.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class InvertedCurve:
-    """Image of a flank under w = R²/z, by the arc length of the original flank.
+    """Image of a flank under w = R²/z, parametrised by the arc length of the original flank.
 
     Attributes
     ----------
@@ -68,7 +67,7 @@ class InvertedCurve:
 
 @dataclass(frozen=True)
 class InvertedTooth:
-    """A ring's tooth turned inside out; attributes as of `ToothProfile`."""
+    """Image of a ring's tooth under the inversion; attributes as of `ToothProfile`."""
 
     curve: InvertedCurve
     teeth: int
@@ -79,7 +78,7 @@ class InvertedTooth:
 
 
 def inverted(places: Floats, radius: float) -> Floats:
-    """R²/z for points (m, 2) as complex numbers; the map is its own inverse."""
+    """R²/z for points (m, 2) as complex numbers; the inversion is its own inverse."""
     return _plane(radius**2 / _complex(places))
 
 
@@ -94,13 +93,10 @@ def _plane(numbers: NDArray[np.complex128]) -> Floats:
 def ring_mesh(
     profile: ToothProfile, outer_radius_mm: float, lengths_mm: tuple[float, float | None], key: str
 ) -> SectorMesh:
-    """Mesh one tooth of a ring and its share of the rim; refused if no valid mesh can be made.
-
-    The outside of the rim is larger than the root circle; lengths as in `tooth_mesh`.
-    """
+    """Mesh one sector of a ring, checked; lengths as in `tooth_mesh`."""
     half_pitch = pi / profile.teeth
     involute = profile.involute
-    # this radius preserves sizes at the middle of the tooth
+    # with this radius, the inversion preserves lengths in the middle of the tooth
     radius = sqrt(involute.root_radius_mm * involute.tip_radius_mm)
     tooth = InvertedTooth(
         curve=InvertedCurve(profile.curve.rotated(-half_pitch), radius),

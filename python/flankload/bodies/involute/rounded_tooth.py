@@ -1,9 +1,8 @@
-"""Blocks of a tooth with rounded tips: layers along its whole outline around a core.
+"""Blocks of a tooth with rounded tips: layers along its outline around a core.
 
-A corner of a block on a smooth outline makes an element with an angle of 180 degrees, whose
-Jacobian vanishes. Therefore no block has a corner of its own on a rounding: the layers below the
-flank turn at the middle of the rounding and continue below the tip; the corner of the core is
-inside.
+A block corner on a smooth outline would cause an element angle of 180 degrees, where the Jacobian
+vanishes. Therefore the layers follow the outline around the rounding, and the corner of the core is
+inside the tooth.
 """
 
 from __future__ import annotations
@@ -21,8 +20,8 @@ if TYPE_CHECKING:
     from flankload.bodies.involute.sector_breaks import ToothCurve
 
 
-#: Largest thickness of the layers relative to the half-width of the tip.
-LAYERS_PART = 0.6
+#: Largest thickness of the layers over the half-width of the tip.
+LAYERS_RATIO = 0.6
 
 
 def rounded_tooth(
@@ -35,10 +34,10 @@ def rounded_tooth(
 ) -> tuple[Numbers, Numbers, Numbers]:
     """Add the blocks of a tooth with rounded tips; returns the nodes of flank, tip and foot.
 
-    The curve ends with the rounding, `s_flank` (r,) at the middle of the rounding. `foot`: nodes
-    (m, 2) across the foot of the tooth from the working flank to its mirror image, and their
-    relative positions (m,). `top`: the same across the tip between the middles of the roundings,
-    (m - 2 n). n: number of nodes across the layers, without the first.
+    `s_flank` (r,) ends at the middle of the rounding. `foot`: points (m, 2) across the foot of the
+    tooth from the working flank to its mirror image, and their relative positions (m,). `top`: the
+    same (m - 2 n) across the tip between the middles of the roundings. n: number of nodes across
+    the layers, without the first.
     """
     mirror = np.array([1.0, -1.0])
     places, parts = foot
@@ -65,10 +64,10 @@ def rounded_tooth(
 
 
 def _corner_of_core(curve: ToothCurve, middle: Floats, thick: float) -> Floats:
-    """Point where the layers turn, at the same depth below the flank and below the tip.
+    """Corner of the core, at the same depth d below flank and tip.
 
-    The rounding has the angle 2 b and the radius r. Lines at depth d below flank and tip intersect
-    at r + (d - r) / cos b below the middle of the rounding.
+    Lines at this depth intersect at r + (d - r) / cos b below the middle of the rounding with the
+    angle 2 b and the radius r.
     """
     start, end = curve.range_of("tip_radius")
     (first, last), (begin, stop) = curve.tangent([start, end]), curve.point([start, end])
@@ -76,15 +75,12 @@ def _corner_of_core(curve: ToothCurve, middle: Floats, thick: float) -> Floats:
     turned = 0.5 * abs(atan2(first[0] * last[1] - first[1] * last[0], float(first @ last)))
     radius = 0.5 * float(np.hypot(*chord)) / np.sin(turned)
     inward = np.array([chord[1], -chord[0]]) / np.hypot(*chord)
-    deep = min(thick, LAYERS_PART * float(middle[1]))
+    deep = min(thick, LAYERS_RATIO * float(middle[1]))
     return middle + (radius + (deep - radius) / cos(turned)) * inward
 
 
 def _inner_line(curve: ToothCurve, s: Floats, up: Floats, first: Floats, last: Floats) -> Floats:
-    """Inner edge of the layers (r, 2): the flank without its rounding, moved to fit both ends.
-
-    The displacement changes mostly near the tip, where the lines between layers are inclined.
-    """
+    """Inner edge of the layers (r, 2): the flank without its rounding, shifted to fit both ends."""
     start = curve.range_of("tip_radius")[0]
     straight = curve.point(np.minimum(s, start))
     straight += np.maximum(s - start, 0.0)[:, None] * curve.tangent([start])

@@ -1,4 +1,4 @@
-"""Boundaries of the elements of a gear's sector: along profile, across tooth, to the bore."""
+"""Boundaries of the elements of a gear's sector: along the profile, across the tooth, radially."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ if TYPE_CHECKING:
     ToothCurve: TypeAlias = FlankCurve | InvertedCurve
     ToothForm: TypeAlias = ToothProfile | InvertedTooth
 
-#: Angle between the fillet's tangent and the tooth's centre line at the split point.
+#: Angle between the fillet's tangent and the tooth's centre line at the split point, rad.
 SPLIT_ANGLE = radians(50.0)
 
 #: Largest ratio of neighbouring elements.
 GROWTH = 1.4
 
-#: Element lengths relative to the flank element: along the fillet, first layer below the flank,
-#: largest inside the tooth, first row below the root. Measured on the FZG type C pinion with
-#: elements of 1 mm: first layers of 0.5, 0.35, 0.25 leave errors of 2.0e-4, 1.1e-4, 0.9e-4 in the
-#: compliance for even pressure; finer fillets, rows and inner elements change it by 0.6e-4 at most.
+#: Element lengths over the flank element: along the fillet, first layer below the flank, largest
+#: inside the tooth, first row below the root. On the FZG type C pinion with elements of 1 mm, first
+#: layers of 0.5, 0.35, 0.25 leave errors of 2.0e-4, 1.1e-4, 0.9e-4 in the compliance under uniform
+#: pressure; finer fillets, rows and inner elements change it by 0.6e-4 at most.
 FILLET, FIRST_LAYER, INNER, FIRST_ROW = 0.4, 0.35, 1.0, 0.4
 
-#: Largest turn of the profile within one element of the fillet.
+#: Largest turn of the profile within one element of the fillet, rad.
 LARGEST_TURN = radians(25.0)
 
-#: Largest height of the rim's rows relative to their radius (or one pitch in rad, if larger).
-ROW_PART = 0.35
+#: Largest height of the rim's rows over their radius; one pitch in rad, if that is larger.
+ROW_RATIO = 0.35
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class SectorBreaks:
 def sector_breaks(
     profile: ToothForm, bore_radius: float, h: float, on_flank: float | None = None
 ) -> SectorBreaks:
-    """Boundaries for elements no longer than h, mm; along the flank `on_flank`, if it is given."""
+    """Boundaries for elements no longer than h, or `on_flank` along the flank, mm."""
     curve = profile.curve
     form = profile.mode_range_mm[0]
     split = _split_point(curve, form)
@@ -86,7 +86,7 @@ def sector_breaks(
     depth = radius - bore_radius
     pitch = 2 * pi / profile.teeth
     below = np.linspace(0.0, depth, 50)
-    caps = np.stack([below, np.maximum(ROW_PART, pitch) * (radius - below)])
+    caps = np.stack([below, np.maximum(ROW_RATIO, pitch) * (radius - below)])
     rows = growing_breaks(depth, FIRST_ROW * h, GROWTH, caps)
     if rows.size < 3:
         rows = np.array([0.0, 0.5, 1.0])
@@ -110,7 +110,7 @@ def sector_breaks(
 def _layered(columns: Floats, rounding: float) -> tuple[Floats, int]:
     """Columns, and the number of layers along the outline, as thick as a rounding is long.
 
-    At least two columns remain on each half of the core: one for the rounding, one for the land.
+    At least two columns remain on each half of the core, for the rounding and for the land.
     """
     half = columns[: columns.size // 2 + 1]
     layers = max(1, int(np.searchsorted(half, 0.5 * rounding)))
@@ -121,7 +121,7 @@ def _layered(columns: Floats, rounding: float) -> tuple[Floats, int]:
 
 
 def slants(curve: ToothCurve, s: Floats) -> Floats:
-    """Angle (m,) of the curve's tangent to the centre line at s (m,), positive if it leans in."""
+    """Angle (m,) between tangent and centre line at s (m,), positive for a tapering tooth."""
     tangent = curve.tangent(s)
     return np.arctan2(-tangent[:, 1], tangent[:, 0])
 
@@ -136,7 +136,7 @@ def _split_point(curve: ToothCurve, form: float) -> float:
 
 
 def _tip_corner(curve: ToothCurve) -> tuple[float, float]:
-    """Arc lengths of the tooth block's corner at the tip, and of the end of the curve."""
+    """Arc lengths of the tip corner of the tooth block, and of the end of the curve."""
     start = curve.range_of(*ACTIVE)[1]
     if "tip_radius" in curve.labels:
         return 0.5 * (start + curve.length_mm), curve.length_mm
@@ -144,10 +144,10 @@ def _tip_corner(curve: ToothCurve) -> tuple[float, float]:
 
 
 def _turned_breaks(curve: ToothCurve, start: float, end: float, largest: float) -> Floats:
-    """Boundaries between two arc lengths: no element longer than `largest` or turning too much."""
+    """Boundaries between two arc lengths, with limits of the length and the turn of an element."""
     s = np.linspace(start, end, 200)
     turn = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(slants(curve, s))))])
-    # equal parts of a sum of length and turn, so that both limits are about equally effective
+    # equal parts of the sum of length and turn over their limits
     measure = (s - start) / largest + turn / LARGEST_TURN
     longest = max((end - start) / largest, turn[-1] / LARGEST_TURN)
     count = max(1, round_up(longest))

@@ -1,9 +1,9 @@
 """Structured sector mesh of a gear: quadratic quadrilaterals in four blocks.
 
-The tooth block ends at a line that sags between the two fillets. Below it is a middle block; below
-the lower fillets and root arcs are two side blocks; all extend to the bore in common rows. On each
-fillet three blocks meet at the split point, where the fillet has turned halfway. A tooth with
-rounded tips has its own blocks (`rounded_tooth`). The two halves are mirror images.
+The tooth block ends at a line that sags between the two fillets. The middle block is below it, the
+two side blocks below the lower fillets and root arcs; all extend to the bore in common rows. Three
+blocks meet at the split point of each fillet. A tooth with rounded tips has other blocks
+(`rounded_tooth`). The two halves are mirror images.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from flankload.bodies.profile.tooth_profile import ToothProfile
 
 
-#: Largest sag of the tooth's foot relative to the height of the rim.
-SAG_PART = 0.35
+#: Largest sag of the tooth's foot over the height of the rim.
+SAG_RATIO = 0.35
 
 
 def sector_mesh(
@@ -39,10 +39,7 @@ def sector_mesh(
     key: str,
     inner_key: str = "bore_diameter_mm",
 ) -> SectorMesh:
-    """Mesh one tooth and its share of the rim; refused if no valid mesh can be made.
-
-    The tooth is on the +x axis, the bore smaller than the root circle; lengths as in `tooth_mesh`.
-    """
+    """Mesh one sector of a gear, checked, with its tooth on the +x axis; lengths: `tooth_mesh`."""
     mesh = tooth_mesh(profile, bore_radius_mm, lengths_mm)
     place, found = inverted_element(mesh)
     if found:
@@ -56,7 +53,7 @@ def sector_mesh(
 
 
 def inverted_element(mesh: SectorMesh) -> tuple[float, str]:
-    """Radius in mm of the worst element, and what is wrong with it; "" if it is valid."""
+    """Radius of the worst element, mm, and its defect; "" if it is valid."""
     cells = mesh.cells[0][1]
     determinants = jacobians(mesh.nodes, "quad9", cells)
     worst = determinants.min(axis=1) / np.abs(determinants).mean(axis=1)
@@ -74,8 +71,8 @@ def tooth_mesh(
 ) -> SectorMesh:
     """Mesh of an external tooth on the +x axis; its elements are not checked.
 
-    `lengths_mm`: largest length of an element along the flank; largest distance of the flank's
-    nodes, if nodal forces need finer elements there than elsewhere.
+    `lengths_mm`: largest length of an element along the flank, and largest distance of the flank's
+    nodes, if nodal forces require finer elements there.
     """
     breaks = sector_breaks(profile, bore_radius, *lengths_mm)
     curve = profile.curve
@@ -94,8 +91,7 @@ def tooth_mesh(
     top, top_parts = _tip_line(curve, s_tip, profile.tip_radius_mm, inside)
     shaft = split * (1 - rows[:, None]) + rows[:, None] * bore_radius * split / np.hypot(*split)
 
-    # Looking towards the tip, left to right means from the working flank (positive angle) through
-    # the tooth to its mirror image: rows go up, columns go from positive to negative y.
+    # rows run towards the tip, columns from the working flank (y > 0) to its mirror image
     mesh = BlockMesh()
     if n:
         on_flank, on_top, on_foot = rounded_tooth(
@@ -121,7 +117,7 @@ def tooth_mesh(
 def _side_grid(
     profile: ToothForm, low: Floats, rows: Floats, shaft: Floats, bore_radius: float
 ) -> Floats:
-    """Places of the side block, from the cut to the line from the split point to the bore."""
+    """Points of the side block, from the cut to the line from the split point to the bore."""
     half_pitch = pi / profile.teeth
     side_top, side_parts = _root_line(profile, low)
     angle = atan2(shaft[0, 1], shaft[0, 0])
@@ -139,7 +135,7 @@ def _sector(
     fixed: Numbers,
     cuts: tuple[Numbers, Numbers],
 ) -> SectorMesh:
-    """The mesh with its edges; `outline`: nodes from the split point to the tip, arc lengths."""
+    """The sector mesh; `outline`: nodes from the split point to the tip, and arc lengths."""
     nodes = mesh.nodes
     numbers, lengths = outline
     low, high = profile.mode_range_mm
@@ -170,12 +166,12 @@ def _sagging_line(
     """Foot of the tooth from split point to mirror image: a cubic that sags into the rim."""
     start = curve.point([s_split])[0]
     slant = float(slants(curve, np.array([s_split]))[0])
-    # tooth and middle block share the angle between the profile and the ray to the bore
+    # the line bisects the angle between the profile and the ray to the bore
     lean = 0.5 * (slant + pi - angle)
     width = 2 * start[1]
-    # the line must not cross a thin rim: its middle falls by width * fall / 4
+    # its middle falls by width * fall / 4, limited for a thin rim
     radius = float(np.hypot(*start))
-    deepest = start[0] - radius + SAG_PART * (radius - bore_radius)
+    deepest = start[0] - radius + SAG_RATIO * (radius - bore_radius)
     fall = max(min(-cos(lean), 4 * deepest / width), -0.9)
     reach = width * np.array([-fall, -np.sqrt(1 - fall**2)])
     x = columns[:, None]

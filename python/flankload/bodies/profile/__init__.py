@@ -1,1 +1,1 @@
-"""Profiles of external and internal involute teeth: curves, radii and angles, without elements."""
+"""Profiles of external and internal involute teeth: curves, radii and angles."""

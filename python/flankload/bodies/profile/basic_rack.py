@@ -1,8 +1,8 @@
 """The basic rack (DIN 867, ISO 53) and the root fillet that it generates (DIN 3960).
 
 Rack coordinates: xi outwards from the gear's reference circle, eta along its tangent from the
-centre of the gear's tooth. At the roll angle phi, a point (xi, eta) of the rack in the frame of the
-gear is
+centre of the gear's tooth. At the roll angle phi, the point (xi, eta) of the rack has the position
+in the frame of the gear
 
     P = (r + xi) e_r(phi) + (eta - r phi) e_theta(phi).
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class BasicRack:
-    """The rounded tip of the generating rack in its position relative to one gear.
+    """The tip rounding of the generating rack and its position relative to a gear.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class BasicRack:
         return base_half_angle_rad + angle - phi
 
     def slope(self, beta: Floats) -> Floats:
-        """Length of the fillet per beta, mm/rad; the fillet has a cusp if it is not positive."""
+        """Arc length of the fillet per beta, mm/rad; the fillet has a cusp unless it is > 0."""
         xi, _ = self.center_mm
         sine = np.sin(beta)
         r, rho = self.reference_radius_mm, self.tip_radius_mm
@@ -211,7 +211,7 @@ class HelicalRack(BasicRack):
 def basic_rack(
     spec: Geometry | SplineShaft, teeth: int, profile_shift: float, key: str
 ) -> BasicRack:
-    """The generating rack of a gear, checked; the generating profile shift is in modules.
+    """The generating rack of a gear, checked, with the generating profile shift in modules.
 
     Raises
     ------
@@ -261,12 +261,12 @@ def _check_tip(
 ) -> None:
     """Check that the rack is not pointed and that its tip rounding fits."""
     slant = tan(pressure_angle_rad)
-    room = 0.25 * pi - dedendum_factor * slant
-    if room <= 0.0:
+    half_land = 0.25 * pi - dedendum_factor * slant
+    if half_land <= 0.0:
         expected = f"less than {0.25 * pi / slant:.4f}, where the rack of this pressure angle "
         expected += "is pointed"
         refuse(f"{key}.dedendum_factor", expected, f"{dedendum_factor:g}")
-    largest = room * cos(pressure_angle_rad) / (1.0 - sin(pressure_angle_rad))
+    largest = half_land * cos(pressure_angle_rad) / (1.0 - sin(pressure_angle_rad))
     if fillet_radius_factor > largest:
         expected = f"at most {largest:.6f}, the full rounding of a rack with this dedendum"
         refuse(f"{key}.fillet_radius_factor", expected, f"{fillet_radius_factor:g}")

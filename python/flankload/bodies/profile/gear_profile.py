@@ -32,19 +32,19 @@ if TYPE_CHECKING:
     from flankload.scene.involute import Geometry
 
 
-#: Least roll parameter at which an involute begins: its curvature is infinite on the base circle.
-#: The omitted piece is r_b t²/2 long, below 1e-9 mm for r_b < 200 mm.
+#: Least roll parameter t of an involute, whose curvature is infinite on the base circle. The
+#: omitted length is r_b t²/2, below 1e-9 mm for r_b < 200 mm.
 LEAST_ROLL = 3e-6
-#: Places of a fillet among which the deepest one below the involute is sought.
-FOOT_PLACES = 200
+#: Number of points of a fillet for the search of the deepest one below the involute.
+FILLET_SAMPLES = 200
 
 
 def gear_profile(
     spec: Geometry | SplineShaft, key: str, *, teeth: int | None = None
 ) -> ToothProfile:
-    """Profile of a gear from its keys, of which `key` is the dotted path in the scene.
+    """Profile of a gear from its keys, with the dotted path `key` in the scene.
 
-    The profile of a mesh may lack the number of teeth, which is then that of the mesh, `teeth`.
+    `teeth`: number of teeth of a mesh, whose profile may lack this key.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def gear_profile(
 
 
 def _form_point(rack: BasicRack, flank: InvoluteFlank, key: str) -> FormPoint:
-    """End of the fillet: it touches the involute there, or cuts it (undercut, protuberance)."""
+    """End of the fillet, where it touches the involute or cuts it (undercut, protuberance)."""
     angle, low = rack.end_angle_rad, 0.5 * pi
     free = rack.protuberance_angle_rad is not None
     roll = rack.roll_of_form_point(flank.base_half_angle_rad)
@@ -93,12 +93,12 @@ def _form_point(rack: BasicRack, flank: InvoluteFlank, key: str) -> FormPoint:
 
     if free and metal_left(angle) < 0.0:
         return _on_protuberance(rack, flank, place(angle)[0], key)
-    # the radius grows as beta falls; below the base circle there is no involute
+    # the radius grows as beta decreases; the involute begins at the base circle
     if place(low)[0] < flank.base_radius_mm:
         low = sign_change(lambda beta: place(beta)[0] - flank.base_radius_mm, angle, low)
     if free:
-        # the fillet leaves the tooth at its foot, and cuts the involute above its deepest place
-        between = [rack.flank_angle_rad, *np.linspace(angle, low, FOOT_PLACES)[1:-1]]
+        # the fillet cuts the involute above its deepest point
+        between = [rack.flank_angle_rad, *np.linspace(angle, low, FILLET_SAMPLES)[1:-1]]
         low = float(min((beta for beta in between if beta < low), key=metal_left))
         if metal_left(low) >= 0.0:
             _refuse_protuberance(key, "a protuberance that cuts into the involute")
@@ -137,7 +137,7 @@ def _fillet(rack: BasicRack, start: FormPoint) -> list[tuple[Place, float, float
 def _check_tooth(
     involute: Involute, rack: BasicRack, start: FormPoint, spec: Geometry | SplineShaft, key: str
 ) -> None:
-    """Check that the tooth has a flank and a foot and is not pointed."""
+    """Check that the tooth has a flank and a foot, and is not pointed."""
     if involute.base_half_angle_rad <= 0.0:
         expected = "a profile shift that leaves the tooth some thickness at its base circle"
         refuse(f"{key}.profile_shift", expected, f"{spec.profile_shift:g}")

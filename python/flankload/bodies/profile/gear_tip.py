@@ -1,7 +1,4 @@
-"""A flank from the form circle to the tip: modifications, tip rounding or chamfer.
-
-Used for the teeth of gears and of rings; `Involute.outward` gives the side of the tip.
-"""
+"""The flank of a gear or ring from form circle to tip: modifications, tip rounding or chamfer."""
 
 from __future__ import annotations
 
@@ -34,7 +31,7 @@ class FormPoint(NamedTuple):
     beta : float
         End of the fillet: angle of the rack's tip rounding, or of the arc in a ring.
     undercut : bool
-        Fillet and involute cross in a corner instead of touching.
+        Fillet and involute meet in a corner instead of a common tangent.
     free : InvoluteFlank or None
         Involute of a protuberance flank, if the fillet ends on it; `beta` is then its roll
         parameter.
@@ -49,10 +46,7 @@ class FormPoint(NamedTuple):
 def modifications_of(
     spec: InvoluteKeys, involute: Involute, form_roll: float, key: str
 ) -> Modifications:
-    """Modifications of a profile, checked.
-
-    Refused: a relief that begins outside the flank, more material removed than the involute has.
-    """
+    """Modifications of a profile, checked: places of reliefs, amount of material removed."""
     tip_roll = involute.roll_at(involute.tip_radius_mm)
     outward = involute.outward
     modifications = Modifications(
@@ -73,7 +67,7 @@ def modifications_of(
 def _with_places(
     modifications: Modifications, spec: InvoluteKeys, involute: Involute, key: str
 ) -> Modifications:
-    """Modifications with the places at which their reliefs begin, in their order on the flank."""
+    """Modifications with the places of their reliefs, checked for their order on the flank."""
     form, tip = involute.form_radius_mm, involute.tip_radius_mm
     places: dict[str, float] = {}
     low, said = form, f"the form diameter {2 * form:.4f}"
@@ -85,7 +79,7 @@ def _with_places(
     for name, place in wanted:
         diameter = getattr(spec, place) or 0.0
         inner, outer = sorted((low, tip))
-        # the start of the tip relief may be that of the root relief
+        # tip and root relief may have the same start
         same = name == "relief_start" and 0.5 * diameter == low != form
         if not (inner < 0.5 * diameter < outer or same):
             expected = f"between {said} and the tip diameter {2 * tip:g}"
@@ -98,7 +92,7 @@ def _with_places(
 
 
 def _check_amounts(modifications: Modifications, spec: InvoluteKeys, base: float, key: str) -> None:
-    """Check that the involute has the material, and that the flank goes on towards the tip."""
+    """Check that the involute has the material removed, and that the flank does not turn back."""
     form_roll, tip_roll = modifications.roll_form, modifications.roll_tip
     roll = np.linspace(form_roll, tip_roll, 200)
     off, first, _ = modifications.at(roll)
@@ -127,10 +121,7 @@ def _check_amounts(modifications: Modifications, spec: InvoluteKeys, base: float
 def flank_and_tip(
     flank: InvoluteFlank, involute: Involute, start: FormPoint, spec: InvoluteKeys, key: str
 ) -> list[CurvePiece]:
-    """Pieces from the form point to the tip circle.
-
-    Tip rounding or chamfer that do not fit on the tooth are refused.
-    """
+    """Pieces from the form point to the tip circle, checked."""
     tip: list[CurvePiece] = []
     if spec.tip_radius_mm is not None:
         end, piece = _tip_rounding(flank, involute, start, spec.tip_radius_mm, key)
@@ -157,7 +148,7 @@ def _flank_pieces(
 ) -> list[CurvePiece]:
     """Pieces from the form point to the start of the tip relief.
 
-    At a kink the flank has the slope of the piece, without the reliefs of the others.
+    Each piece has no relief of the other pieces, so that slopes at kinks are one-sided.
     """
     modifications = flank.modifications
     below = replace(flank, modifications=replace(modifications, tip_relief_mm=0.0))
@@ -189,7 +180,7 @@ def _relief_pieces(flank: InvoluteFlank, end: float, outward: int) -> list[Curve
 
 
 def _inside_tooth(place: Floats, involute: Involute) -> bool:
-    """Whether a point on the working side is before the centre line of its tooth."""
+    """Whether a point is on the working side of the centre line of its tooth."""
     angle = atan2(place[1], place[0]) - involute.tooth_center_rad
     return involute.outward * angle > 0.0
 
@@ -197,14 +188,14 @@ def _inside_tooth(place: Floats, involute: Involute) -> bool:
 def _tip_rounding(
     flank: InvoluteFlank, involute: Involute, start: FormPoint, radius: float, key: str
 ) -> tuple[float, CurvePiece]:
-    """Arc that touches flank and tip circle, and the roll parameter where it leaves the flank."""
+    """Roll parameter at which the tip rounding begins, and its arc."""
     tip_radius, outward = involute.tip_radius_mm, involute.outward
 
     def center(roll: float, rounding: float) -> Floats:
         return flank.point(roll) - outward * rounding * flank.normal(roll)
 
     def touching(rounding: float) -> float:
-        """Roll parameter at which an arc of that radius touches both; NaN if there is none."""
+        """Roll parameter at which an arc touches flank and tip circle; NaN if there is none."""
 
         def beyond(roll: float) -> float:
             distance = float(np.linalg.norm(center(roll, rounding)))
@@ -233,10 +224,9 @@ def _tip_rounding(
 def _tip_chamfer(
     flank: InvoluteFlank, involute: Involute, height: float, key: str
 ) -> tuple[float, CurvePiece]:
-    """Straight chamfer from the flank at `height` below the tip circle to the tip circle.
+    """Roll parameter at which the chamfer begins, `height` below the tip circle, and its line.
 
-    Its direction bisects the angle between flank and tip circle (45 degrees if that is a right
-    angle).
+    Its direction bisects the angle between flank and tip circle.
     """
     tip_radius, outward = involute.tip_radius_mm, involute.outward
     low = tip_radius - outward * height

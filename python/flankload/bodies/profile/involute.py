@@ -6,8 +6,8 @@ With the base radius r_b, half the tooth angle at the base circle th0 and the ro
 
 where delta is the material removed along the normal of the involute, e_theta(th0 - t).
 
-The flank of a ring bounds a space that has the shape of such a tooth: th0 is half the angle of the
-space, the material is outside it, and material removed counts as a negative delta.
+The space of a ring has the shape of such a tooth: th0 is half the angle of the space, and material
+removed is a negative delta.
 """
 
 from __future__ import annotations
@@ -79,12 +79,12 @@ class Involute:
         return sqrt(max(0.0, (radius_mm / self.base_radius_mm) ** 2 - 1.0))
 
     def half_angle_at(self, radius_mm: float) -> float:
-        """Half the angle between the involutes at a radius, rad; negative beyond their crossing."""
+        """Half the angle between the involutes at a radius, rad; negative beyond their meeting."""
         roll = self.roll_at(radius_mm)
         return self.base_half_angle_rad - roll + atan(roll)
 
     def tooth_half_angle_at(self, radius_mm: float) -> float:
-        """Half the angle of a tooth at a radius, rad; negative beyond the tooth's pointed tip."""
+        """Half the angle of a tooth at a radius, rad; negative beyond its pointed tip."""
         return self.outward * (self.half_angle_at(radius_mm) - self.tooth_center_rad)
 
     def polar_angle_at(self, radius_mm: float) -> float:
@@ -99,20 +99,20 @@ class Modifications:
     Attributes
     ----------
     tip_relief_mm : float
-        Amount at the tip circle; negative for a ring, whose material is on the other side.
+        Amount at the tip circle; negative for a ring.
     relief_start : float
         Roll parameter at which the relief begins.
     relief_exponent : int
-        Exponent of the roll parameter from there on (`RELIEF_EXPONENTS`).
+        Exponent of the distance from there (`RELIEF_EXPONENTS`).
     crowning_mm : float
         Parabola over the roll parameter: 0 in the middle of the flank, this amount at both ends;
         negative for a ring.
     roll_form, roll_tip : float
         Roll parameters at the ends of the flank: form circle and tip circle.
     knee_mm, knee_roll : float
-        Amount and roll parameter at which both parts of a double-linear tip relief meet.
+        Amount and roll parameter at the knee of a double-linear tip relief.
     root_relief_mm, root_start, root_exponent : float, float, int
-        The same as of the tip relief, with the amount at the form circle.
+        As of the tip relief, with the amount at the form circle.
     """
 
     tip_relief_mm: float
@@ -154,9 +154,9 @@ class Modifications:
 
     @property
     def _reliefs(self) -> list[tuple[float, float, float, int]]:
-        """Amount, start, roll at which it is reached, and exponent of each relief.
+        """Amount, roll parameters at start and end, and exponent of each relief.
 
-        A double-linear relief is the sum of one line from its start and one from its knee.
+        A double-linear relief is the sum of two lines, from its start and from its knee.
         """
         parts = []
         if self.tip_relief_mm:
@@ -217,7 +217,7 @@ class InvoluteFlank:
         )
 
     def normal(self, roll: float) -> Floats:
-        """Unit normal (2,) at a roll parameter, pointing out of the tooth, or space, of th0."""
+        """Unit normal (2,) at a roll parameter, pointing out of the tooth, or space of a ring."""
         _, first, _ = self.place(np.array([roll]))
         tangent = first[0] / np.linalg.norm(first[0])
         return np.array([-tangent[1], tangent[0]])
@@ -227,7 +227,7 @@ class InvoluteFlank:
         return self.place(np.array([roll]))[0][0]
 
     def roll_at(self, radius_mm: float) -> float:
-        """Roll parameter at a distance from the axis, which is not below the base circle."""
+        """Roll parameter at a distance from the axis, at least the base radius."""
         reach = sqrt(max(0.0, (radius_mm / self.base_radius_mm) ** 2 - 1.0))
         roll = reach
         for _ in range(60):

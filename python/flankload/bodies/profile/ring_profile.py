@@ -1,7 +1,7 @@
 """The profile of a ring (internal gear): root fillet, involute of its space, tip.
 
-The centre line of a space is the body's +x axis. The working flank is at positive polar angles,
-with its material beyond it; it belongs to the tooth that is centred at half a pitch.
+The centre line of a space is the body's +x axis. The working flank is at positive polar angles and
+belongs to the tooth that is centred at half a pitch.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ if TYPE_CHECKING:
     from flankload.scene import Ring, SplineHub
 
 
-#: Factor on the largest fillet radius, so that rounding errors leave the arc on its side.
-FULL = 1.0 - 1e-12
+#: Factor on the largest fillet radius, so that the arc does not cross the centre line by rounding.
+FULL_ARC = 1.0 - 1e-12
 
 
 class RootArc(NamedTuple):
-    """An arc that touches flank and root circle from inside the space.
+    """The root fillet: an arc in the space that is tangent to flank and root circle.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class RootArc(NamedTuple):
 
 
 def ring_profile(spec: Ring | SplineHub, key: str) -> ToothProfile:
-    """Profile of a ring or hub from its keys, of which `key` is the dotted path in the scene.
+    """Profile of a ring or hub from its keys, with the dotted path `key` in the scene.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def ring_profile(spec: Ring | SplineHub, key: str) -> ToothProfile:
 
 
 def _check_fillet(involute: Involute, arc: RootArc, spec: Ring | SplineHub, key: str) -> None:
-    """Check that the fillet leaves some flank."""
+    """Check that a flank remains outside the fillet."""
     if involute.form_radius_mm > involute.tip_radius_mm:
         return
     default = "nothing: the largest arc, " if spec.root_fillet_radius_mm is None else ""
@@ -108,7 +108,7 @@ def _check_fillet(involute: Involute, arc: RootArc, spec: Ring | SplineHub, key:
 
 
 def _check_circles(involute: Involute, spec: Ring | SplineHub, key: str) -> None:
-    """Check that the involute reaches from tip to root circle, with no pointed space or tooth."""
+    """Check that the involute extends from tip to root circle, with no pointed space or tooth."""
     base, pitch = involute.base_radius_mm, 2 * pi / spec.teeth
     if involute.tip_radius_mm <= base:
         expected = f"more than the base diameter {2 * base:.4f}, inside which there is no "
@@ -128,12 +128,12 @@ def _check_circles(involute: Involute, spec: Ring | SplineHub, key: str) -> None
 
 
 def _diameter_at(involute: Involute, involute_angle: float) -> float:
-    """Diameter at which the polar angle of the involute is reduced by an angle from its base."""
+    """Diameter at which the polar angle of the involute is smaller by an angle than at its base."""
     return 2 * involute.base_radius_mm * hypot(1.0, roll_of_involute_angle(involute_angle))
 
 
 def _touching_arc(involute: Involute, radius: float) -> RootArc:
-    """Arc of the given radius; its centre is at r_b t - radius along the normal of the involute."""
+    """Arc with a radius; its centre is at r_b t - radius along the normal of the involute."""
     base = involute.base_radius_mm
     along = sqrt((involute.root_radius_mm - radius) ** 2 - base**2)
     roll = (along + radius) / base
@@ -144,15 +144,15 @@ def _touching_arc(involute: Involute, radius: float) -> RootArc:
 
 
 def _root_arc(involute: Involute, spec: Ring | SplineHub, key: str) -> RootArc:
-    """The arc of the given radius, or the largest arc, centred in the middle of the space."""
-    room = (involute.root_radius_mm - involute.base_radius_mm) * FULL
-    largest = room
+    """The arc with the radius of the scene, or the largest arc, centred in the space."""
+    limit = (involute.root_radius_mm - involute.base_radius_mm) * FULL_ARC
+    largest = limit
 
     def beside(radius: float) -> float:
         return _touching_arc(involute, radius).center_angle_rad
 
-    if beside(room) < 0.0:
-        largest = sign_change(beside, 0.0, room) * FULL
+    if beside(limit) < 0.0:
+        largest = sign_change(beside, 0.0, limit) * FULL_ARC
     radius = spec.root_fillet_radius_mm
     if radius is None:
         return _touching_arc(involute, largest)

@@ -1,4 +1,4 @@
-"""The profile of a tooth, external or internal: its curve of root fillet, flank and tip."""
+"""The profile of an external or internal tooth: a curve of root fillet, flank and tip."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from flankload.flank import Place
     from flankload.scene.involute import InvoluteKeys
 
-    #: A part of a fillet: its points by a parameter, and the parameter at both ends.
+    #: A part of a fillet: points as a function of a parameter, and the parameter at both ends.
     Part = tuple[Place, float, float]
 
-#: Points of the outline in each interval of the curve, and on the arcs of root and tip.
+#: Number of points of the outline in each interval of the curve, and on the root and tip arcs.
 POINTS, ARC_POINTS = 4, 5
 
 
@@ -53,8 +53,8 @@ class ToothProfile:
     def mode_range_mm(self) -> tuple[float, float]:
         """Arc lengths of the active flank, on which pressure modes are defined.
 
-        Without fillet and tip rounding: the normal turns there, and few modes could not represent
-        the pressure.
+        Fillet and tip rounding are excluded: few modes could not represent the pressure where the
+        normal turns.
         """
         return self.curve.range_of(*ACTIVE)
 
@@ -100,10 +100,10 @@ def profile_curve(
     spec: InvoluteKeys,
     key: str,
 ) -> FlankCurve:
-    """The flank with its fillet and tip as a curve.
+    """The curve of fillet, flank and tip.
 
-    `fillet`: parts of the fillet from the root circle to the flank without modifications; the
-    others as for `flank_and_tip`.
+    `fillet`: its parts from the root circle to the flank without modifications; others as of
+    `flank_and_tip`.
     """
 
     def pieces(flank: InvoluteFlank) -> list[CurvePiece]:
@@ -111,8 +111,7 @@ def profile_curve(
         return [*below, *flank_and_tip(flank, involute, start, spec, key)]
 
     modified = pieces(flank)
-    # the tolerance is that of the flank without modifications: flanks that differ only in relief
-    # share fillet and involute
+    # tolerance of the flank without modifications: designs with other reliefs share cached fits
     plain = pieces(replace(flank, modifications=Modifications.none()))
     return fit_flank_curve(
         modified, tolerance_mm=fit_tolerance_mm(plain), corner_at_end=spec.tip_radius_mm is None
@@ -120,9 +119,9 @@ def profile_curve(
 
 
 def _following(fillet: Sequence[Part], flank: InvoluteFlank, start: FormPoint) -> list[Part]:
-    """The fillet, adapted smoothly to a flank whose start is moved by its modifications.
+    """The fillet, shifted smoothly to the start of a modified flank.
 
-    The start on the root circle and the tangents at both ends stay.
+    The start on the root circle and the tangents at both ends are unchanged.
     """
     if not (flank.modifications.crowning_mm or flank.modifications.root_relief_mm):
         return list(fillet)

@@ -1,7 +1,7 @@
 """Tooth thickness: allowance, span measurement and measurement over balls (DIN 3960, ISO 21771).
 
-A deviation of the thickness is cut by moving the tool: the generating profile shift x_E replaces
-the nominal one in the thickness and in the depth of the root.
+A tool shift cuts a deviation of the thickness: the generating profile shift x_E replaces the
+nominal one in the thickness and in the depth of the root.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flankload.bodies.profile.involute import Involute
     from flankload.scene.involute import InvoluteKeys
 
-#: Largest |x_E|: beyond it a measurement belongs to another gear.
+#: Largest |x_E|; a measurement with a larger one belongs to another gear.
 LARGEST_SHIFT = 5.0
 
 
@@ -58,7 +58,7 @@ def generating_shift(spec: InvoluteKeys, teeth: int, key: str, *, outward: int =
     """Generating profile shift x_E of a gear; the nominal one without a key of the thickness.
 
     `key` is the dotted path of the keys in the scene; `outward` is -1 for internal teeth, whose
-    profile shift is positive outwards and widens the space.
+    positive profile shift widens the space.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def _shift_of_span(gear: _Gear, span: float, k: int) -> float:
 
 
 def _shift_over_balls(gear: _Gear, measured: float, ball: float) -> float | None:
-    """Profile shift of a gear with a dimension over, or between, two balls."""
+    """Profile shift from the dimension over, or between, two balls."""
     distance = measured - gear.outward * ball
     if gear.teeth % 2:
         distance /= cos(0.5 * pi / gear.teeth)
@@ -118,8 +118,8 @@ class Measurements(NamedTuple):
     Attributes
     ----------
     span_mm : float or None
-        Span measurement over `span_teeth` teeth; None for internal teeth, or if the measuring
-        planes do not touch the flanks between form and tip circle.
+        Span measurement over `span_teeth` teeth; None for internal teeth, and for measuring planes
+        that do not touch the flanks between form and tip circle.
     span_teeth : int
     ball_mm : float
         Dimension over two balls, or between them for internal teeth.

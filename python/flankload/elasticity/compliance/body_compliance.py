@@ -1,4 +1,4 @@
-"""Compliance of the flanks of one body, and what follows from it without elements."""
+"""Compliance of the flanks of one body, and conversions of it."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from flankload.elasticity.compliance.parts import (
 )
 from flankload.elasticity.job_log import JobCost
 from flankload.elasticity.near_field import mode_products
-from flankload.elasticity.nodal_loads import every_second
+from flankload.elasticity.nodal_loads import every_second_node
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body
-    from flankload.pairing.expansion import Growth
+    from flankload.pairing.expansion import BodyLoad
 
     Blocks = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True, eq=False)
 class BodyCompliance:
-    """Compliance of the flanks of one body: per mm of face width; in 3D of the whole width.
+    """Compliance of the flanks of one body, per mm of face width; in 3D that of the whole width.
 
     Attributes
     ----------
@@ -40,26 +40,26 @@ class BodyCompliance:
         smooth[t] maps the pressure modes of tooth 0 to displacements out of the material on tooth
         t, as mode coefficients, without the near field; mm²/N, in three dimensions mm/N. By pairs
         of flanks, smooth[i * f + j] maps the modes of flank j to the displacements of flank i.
-        With `modes.nodes`, smooth, tangential and along hold whole displacements under unit forces
-        at these nodes, and the near field only gives the expected width of contacts.
+        With `modes.nodes`, smooth, tangential and along are complete displacements under unit
+        forces at these nodes, and the near field is used for the expected width of contacts only.
     near : NearField
         In three dimensions that of a half-space with k = kernel/2 (`prism.flank_potential`).
     flanks : tuple of int
-        Teeth that have a flank; empty if smooth depends on the distance of teeth only.
+        Teeth with a flank; empty if smooth depends on the difference of tooth numbers only.
     tangential : (z, p, q) array, or (f * f, p, q) array; None without friction
-        Displacements out of the material under q modes of load along the flank towards growing arc
-        length, without the jump; mm²/N.
+        Normal displacements under q modes of tangential load towards increasing arc length, without
+        the jump; mm²/N.
     along : as tangential, (…, q, q); None without friction or with small forces
-        Displacements along the flank under the same loads, without the logarithm, whose strength is
-        also `near.kernel`.
+        Tangential displacements under the same loads, without the logarithm of strength
+        `near.kernel`.
     turned : (z, p) array, or (f * f, p) array; None without a sharp tip
-        Displacements under a unit force along the flank at its sharp tip, towards growing arc
-        length, without its images: forces turn over the corner.
+        Normal displacements under a tangential unit force at the sharp tip, towards increasing arc
+        length, without its images: the direction of forces turns at the corner.
     root : RootResponse or None
         Stress in the root fillets, if requested.
-    missed : (1, p, p + q) array, or (f, p, p + q) array where `flanks` names f teeth; or None
-        Estimated discretization error of the response of a flank to the modes on itself: of
-        `smooth`, followed by that of `tangential`. None without an estimate.
+    fe_error : (1, p, p + q) array, or (f, p, p + q) array where `flanks` names f teeth; or None
+        Estimated discretization error of the response of a flank to its own modes: that of
+        `smooth`, then that of `tangential`. None without an estimate.
     """
 
     smooth: Floats
@@ -72,17 +72,17 @@ class BodyCompliance:
     coast: CoastCompliance | None = None
     expansion: Expansion = field(default_factory=Expansion)
     root: RootResponse | None = None
-    missed: Floats | None = None
+    fe_error: Floats | None = None
     job: JobCost = field(default_factory=JobCost)
 
     @property
     def is_rigid(self) -> bool:
-        """Whether no force deforms the body."""
+        """Whether forces do not deform the body."""
         return self.near.kernel == 0.0
 
     @property
     def modes_per_place(self) -> int:
-        """Number of modes along the axis for each along the profile; 1 in a plane."""
+        """Number of modes along the axis for each mode along the profile; 1 in a plane scene."""
         return 1 if self.modes.axial is None else self.modes.axial.count
 
     @property
@@ -93,14 +93,14 @@ class BodyCompliance:
 
     @property
     def own_blocks(self) -> Numbers:
-        """Indices in `smooth` of flanks under loads on themselves."""
+        """Indices in `smooth` of the responses of flanks to their own loads."""
         f = len(self.flanks)
         return np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
 
     def block_of(self, displaced: Numbers, loaded: Numbers, teeth: int) -> Numbers:
-        """Indices in `smooth` of the response of teeth to loads on teeth, arrays that broadcast.
+        """Indices in `smooth` of responses by tooth numbers (arrays that broadcast), from 0.
 
-        Teeth count from 0; `teeth` is their number.
+        `teeth` is the number of teeth.
         """
         if self.is_rigid:
             return np.zeros_like(displaced - loaded)
@@ -110,9 +110,9 @@ class BodyCompliance:
         return place[displaced] * len(self.flanks) + place[loaded]
 
     def shift_of(self, at: Numbers) -> Floats:
-        """Displacement of flanks by all loads of the expansion: mode coefficients (n, p), mm.
+        """Displacement of flanks by all body loads: mode coefficients (n, p), mm.
 
-        `at` (n,) are teeth of the body, from 0; (0, p) without such loads.
+        `at` (n,): numbers of teeth, from 0; (0, p) without body loads.
         """
         shifts = list(self.expansion.shifts.values())
         if not shifts:
@@ -125,20 +125,20 @@ class BodyCompliance:
     def blocks_of_sites(self, teeth_at: Numbers, n_working: int, teeth: int) -> Numbers:
         """Blocks (S, S) of `all_blocks` for displacements at sites (rows) under loads at sites.
 
-        `teeth_at` (S,) are the teeth of the body at the sites, those of working flanks first, and
-        `teeth` is their number in the body.
+        `teeth_at` (S,): teeth of the body at the sites, working flanks first; `teeth`: number of
+        teeth of the body.
         """
         displaced, loaded = teeth_at[:, None], teeth_at[None, :]
         block = self.block_of(displaced, loaded, teeth)
         if n_working == teeth_at.size or self.is_rigid:
             return block
         coast = np.arange(teeth_at.size) >= n_working
-        # a load on a coast flank is the mirror image of one on a working flank: teeth in reverse
+        # a load on a coast flank is the mirror image of one on a working flank
         block = np.where(coast[None, :], self.block_of(loaded, displaced, teeth), block)
         return block + teeth * (coast[:, None] != coast[None, :])
 
     def all_blocks(self) -> tuple[Floats, Floats | None]:
-        """`smooth` and `tangential`, each followed by the response of the coast flanks, if any."""
+        """`smooth` and `tangential`, each followed by the response of coast flanks, if any."""
         coast, tangential = self.coast, self.tangential
         if coast is None:
             return self.smooth, tangential
@@ -147,16 +147,16 @@ class BodyCompliance:
         return np.concatenate([self.smooth, coast.normal]), tangential
 
     def turned_blocks(self) -> Floats | None:
-        """`turned`, with a row for each of `all_blocks`: 0 for coast flanks."""
+        """`turned` for each block of `all_blocks`, 0 for coast flanks."""
         if self.turned is None or self.coast is None:
             return self.turned
         return np.concatenate([self.turned, np.zeros_like(self.coast.normal[:, :, 0])])
 
     def with_blocks(self, change: Blocks, of_coast: Blocks | None = None) -> BodyCompliance:
-        """The same with other responses.
+        """The compliance with changed responses.
 
-        `change` maps each of smooth, tangential, along and turned, as far as they exist, `of_coast`
-        the responses of the coast flanks; by default `change`.
+        `change` maps each of smooth, tangential, along and turned, if present; `of_coast` those of
+        the coast flanks, by default `change`.
         """
         names = ("smooth", "tangential", "along", "turned")
         blocks = {name: getattr(self, name) for name in names}
@@ -172,14 +172,14 @@ class BodyCompliance:
         return replace(self, coast=coast, **changed)
 
     def fewer_modes(self, fewer: int = 1) -> BodyCompliance:
-        """The same without the highest modes of the flank.
+        """The compliance without the highest modes of the flank.
 
-        Without a tip, the modes are orthogonal, and a block of the matrices is left; a tip loses
-        the highest of its own, too, and responses are projected anew. The highest harmonic of a
-        turn has two modes. Tables between nodes are reduced to half as many nodes.
+        Modes without a tip are orthogonal, so that blocks of the matrices remain. With a tip, its
+        highest modes are dropped as well, and responses are projected. Each harmonic of a closed
+        flank has two modes. Tables between nodes are reduced to half of the nodes.
         """
         if self.modes.nodes is not None:
-            half, parts = every_second(self.modes.nodes)
+            half, parts = every_second_node(self.modes.nodes)
             halved = self.with_blocks(lambda table: parts.T @ table @ parts)
             return replace(halved, modes=replace(self.modes, nodes=half))
         n, each, tip = self.smooth.shape[1], self.modes_per_place, self.modes.tip
@@ -205,11 +205,11 @@ class BodyCompliance:
         return replace(
             self.with_blocks(projected),
             expansion=replace(self.expansion, shifts=shifts),
-            missed=None,
+            fe_error=None,
         )
 
     def fewer_axial_modes(self, fewer: int = 2) -> BodyCompliance:
-        """In three dimensions, the same without the modes of the highest degrees in z."""
+        """In three dimensions, the compliance without the modes of the highest degrees in z."""
         axial = self.modes.axial
         if axial is None or axial.degree < fewer:
             return self
@@ -217,23 +217,23 @@ class BodyCompliance:
         return replace(
             self.with_blocks(lambda blocks: blocks[:, kept[:, None], kept]),
             modes=replace(self.modes, axial=replace(axial, degree=axial.degree - fewer)),
-            missed=None,
+            fe_error=None,
         )
 
-    def with_missed(self, times: float) -> BodyCompliance:
-        """The same plus a multiple of the estimated error of its elements."""
-        if self.missed is None:
+    def with_fe_error(self, times: float) -> BodyCompliance:
+        """The compliance plus a multiple of its estimated discretization error."""
+        if self.fe_error is None:
             return self
         p = self.smooth.shape[1]
         smooth, tangential = self.smooth.copy(), self.tangential
-        smooth[self.own_blocks] += times * self.missed[:, :, :p]
+        smooth[self.own_blocks] += times * self.fe_error[:, :, :p]
         if tangential is not None:
             tangential = tangential.copy()
-            tangential[self.own_blocks] += times * self.missed[:, :, p:]
-        return replace(self, smooth=smooth, tangential=tangential, missed=None)
+            tangential[self.own_blocks] += times * self.fe_error[:, :, p:]
+        return replace(self, smooth=smooth, tangential=tangential, fe_error=None)
 
-    def unyielding(self) -> BodyCompliance:
-        """The same body, deformed by the loads of its expansion only."""
+    def without_elasticity(self) -> BodyCompliance:
+        """The compliance of a body that only body loads deform."""
         modes = self.smooth.shape[1] if self.expansion.shifts else 1
         return replace(
             self,
@@ -242,11 +242,11 @@ class BodyCompliance:
             turned=None,
             tangential=None,
             coast=None,
-            missed=None,
+            fe_error=None,
         )
 
-    def grown(self) -> BodyCompliance:
-        """The same body after its uniform expansion: its modes end on the larger curve."""
+    def expanded(self) -> BodyCompliance:
+        """The compliance with modes on the uniformly expanded curve."""
         low, high = self.modes.range_mm
         larger, tip, axial = 1.0 + self.expansion.strain, self.modes.tip, self.modes.axial
         if axial is not None:
@@ -260,7 +260,7 @@ class BodyCompliance:
         return replace(self, modes=modes)
 
     def on_flank(self, body: Body) -> BodyCompliance:
-        """The same for a body whose modified flank has other arc lengths."""
+        """The compliance with the arc lengths of a body with a modified flank."""
         modes, (low, high), span = self.modes, self.modes.range_mm, body.mode_range_mm
         nodes = modes.nodes
         if nodes is not None:
@@ -269,13 +269,13 @@ class BodyCompliance:
         return replace(self, modes=replace(modes, range_mm=span, tip=tip, nodes=nodes))
 
     def without_coupling(self) -> BodyCompliance:
-        """The same, but a load on a tooth deforms and stresses no other tooth."""
+        """The compliance without the response of other teeth to a load on a tooth."""
 
         def alone(blocks: Floats) -> Floats:
             return _only(blocks, self.own_blocks)
 
         def alone_across(blocks: Floats) -> Floats:
-            # an internal tooth is between two spaces: its coast flank belongs to the next one
+            # the coast flank of an internal tooth belongs to the next space
             assert self.coast is not None
             own = np.atleast_1d(np.abs(self.coast.normal[:, 0, 0]).argmax())
             return _only(blocks, own)
@@ -288,19 +288,19 @@ class BodyCompliance:
 
 
 def _only(blocks: Floats, kept: Numbers) -> Floats:
-    """Blocks of which all but some are zero."""
+    """Blocks with zeros except for those in `kept`."""
     alone = np.zeros_like(blocks)
     alone[kept] = blocks[kept]
     return alone
 
 
-def no_compliance(body: Body, growth: Growth | None = None) -> BodyCompliance:
-    """Compliance of a rigid body, or of one without load: no finite elements."""
+def no_compliance(body: Body, body_load: BodyLoad | None = None) -> BodyCompliance:
+    """Compliance of a rigid body or an unloaded one, without finite elements."""
     return BodyCompliance(
         np.zeros((1, 1, 1)),
         NearField(0.0),
         FlankModes(body.mode_range_mm, axial=_whole_width(body)),
-        expansion=Expansion(0.0 if growth is None else growth.strain),
+        expansion=Expansion(0.0 if body_load is None else body_load.strain),
     )
 
 

@@ -1,9 +1,8 @@
 """The finite-element job of a body: compliances of its flanks from one factorisation.
 
-A body that is meshed as a whole has all its flanks loaded one after the other. A body of z equal
-sectors needs the mesh of one: the stiffness matrix of the sector is factorised once, with the
-pressure modes of the flank and the unknowns of the cuts as right-hand sides
-(`sector_closure`).
+The flanks of a whole mesh are loaded one after the other. For a body of equal sectors, the
+stiffness matrix of one sector is factorised once, with the pressure modes of the flank and the
+unknowns of the cuts as right-hand sides (`sector_closure`).
 """
 
 from __future__ import annotations
@@ -29,11 +28,11 @@ from flankload.elasticity.compliance.turned import (
     turned_coefficients,
     turned_columns,
 )
-from flankload.elasticity.fe_error import missed_compliance
+from flankload.elasticity.fe_error import compliance_error
 from flankload.elasticity.finite_elements import (
+    centrifugal_load,
     linear_cells,
     linear_edges,
-    place_load,
     stiffness,
 )
 from flankload.elasticity.job_log import JobLog
@@ -49,7 +48,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body, SectorMesh
     from flankload.bodies.root_fillet import RootFillets
-    from flankload.pairing.expansion import Growth
+    from flankload.pairing.expansion import BodyLoad
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,23 +58,23 @@ class JobOptions:
     Attributes
     ----------
     n_modes : int
-        Number of pressure modes of a flank; their degree should be at most half the number of
-        flank elements. A tip rounding or chamfer has two more. Ignored with `nodal`.
+        Number of pressure modes of a flank, without those of a tip; their degree should be at most
+        half the number of flank elements. Ignored with `nodal`.
     plane : {"strain", "stress"}
     friction : bool
-        Loads along the flank are solved, as many as along the normal.
+        As many tangential loads as normal ones are solved.
     along : bool
-        Displacements along the flank under these loads are returned.
+        Tangential displacements under these loads are returned.
     nodal : bool
         The loads are unit forces at the nodes of the flank instead of modes.
     coast_flanks : bool
-        Displacements of the coast flanks are read; of a sector mesh only.
+        Displacements of the coast flanks are returned; for sector meshes only.
     fillets : RootFillets or None
-        Places where the stress is read.
+        Points at which the stress is returned.
     estimate : bool
         The discretization error of the elements is estimated; with modes only.
     linear : bool
-        Edges of elements are straight: a quarter of the unknowns, a few percent too stiff.
+        Linear elements: a quarter of the unknowns, a few percent too stiff.
     """
 
     n_modes: int
@@ -94,7 +93,7 @@ def flank_compliance(
     options: JobOptions,
     *,
     sectors: int | None = None,
-    growth: Growth | None = None,
+    body_load: BodyLoad | None = None,
     matrix: csc_array | None = None,
 ) -> BodyCompliance:
     """Compliance of the flanks of a body from one finite-element job.
@@ -104,29 +103,29 @@ def flank_compliance(
     body : Body
         With a mesh, or rigid.
     sectors : int, optional
-        Only a segment of an odd number of equal sectors with both ends held; 1: a single tooth.
-        By default the whole body; a body meshed as a whole has no segments.
-    growth : Growth, optional
-        Expansion of the body; a single tooth expands uniformly only.
+        Odd number of equal sectors of a segment with both ends fixed; 1: a single tooth. Default:
+        the whole body; not for whole meshes.
+    body_load : BodyLoad, optional
+        Causes of the expansion of the body; a single tooth expands uniformly only.
     matrix : csc_array, optional
         Stiffness matrix of the mesh, if available.
     """
-    return flank_compliances(body, ((sectors, growth),), options, matrix)[0]
+    return flank_compliances(body, ((sectors, body_load),), options, matrix)[0]
 
 
 def flank_compliances(
     body: Body,
-    variants: Sequence[tuple[int | None, Growth | None]],
+    variants: Sequence[tuple[int | None, BodyLoad | None]],
     options: JobOptions,
     matrix: csc_array | None = None,
 ) -> tuple[BodyCompliance, ...]:
-    """Compliances of a body that differ in sectors and expansion, from one job.
+    """Compliances of a body that differ in sectors and body loads, from one job.
 
-    `variants` are `sectors` and `growth` of each; these and the other arguments are those of
-    `flank_compliance`. The counters, bytes and seconds of each are those of the whole job.
+    `variants`: `sectors` and `body_load` of each; arguments as of `flank_compliance`. The counters,
+    bytes and seconds of each are those of the whole job.
     """
     if body.rigid or body.mesh is None:
-        return tuple(no_compliance(body, growth) for _, growth in variants)
+        return tuple(no_compliance(body, body_load) for _, body_load in variants)
     prepared = _prepared(body, variants, options, matrix)
     job, mesh = prepared.job, prepared.mesh
     if isinstance(mesh, WholeMesh):
@@ -137,42 +136,42 @@ def flank_compliances(
         )
     compliances = {n: _compliance(job, found, options) for n, found in responses.items()}
     expansions = []
-    for n, growth in variants:
-        moved = _by_name(prepared.growing, growth, responses[n].by_force)
-        expansions.append(Expansion(*_growth_of_flanks(body, growth, job.loads.count, moved)))
+    for n, body_load in variants:
+        moved = _by_name(prepared.load_vectors, body_load, responses[n].by_force)
+        expansions.append(Expansion(*_flank_expansion(body, body_load, job.loads.count, moved)))
     job.log.end_step("ring")
     modes, errors, miss = job.loads, job.log.errors, None
     if errors and isinstance(modes, ModeLoads):
-        miss = modes.missed(np.stack(errors))
+        miss = modes.fe_error(np.stack(errors))
     seconds = job.log.seconds()
     return tuple(
-        replace(found, expansion=grown, missed=miss, job=replace(found.job, seconds=seconds))
-        for found, grown in zip((compliances[n] for n, _ in variants), expansions, strict=True)
+        replace(found, expansion=expansion, fe_error=miss, job=replace(found.job, seconds=seconds))
+        for found, expansion in zip((compliances[n] for n, _ in variants), expansions, strict=True)
     )
 
 
 @dataclass(frozen=True, eq=False)
 class _Prepared:
-    """The job of a body, its mesh, and the loads of each expansion by name."""
+    """The job of a body, its mesh, and the vectors of each body load by name."""
 
     job: Job
     mesh: SectorMesh | WholeMesh
-    growing: dict[Growth | None, dict[str, Floats]]
+    load_vectors: dict[BodyLoad | None, dict[str, Floats]]
 
 
 def _prepared(
     body: Body,
-    variants: Sequence[tuple[int | None, Growth | None]],
+    variants: Sequence[tuple[int | None, BodyLoad | None]],
     options: JobOptions,
     matrix: csc_array | None,
 ) -> _Prepared:
-    """Matrix, loads and readings of a job, before anything is solved."""
+    """Matrix, loads and readings of a job."""
     plane, onto = options.plane, None
     assert body.mesh is not None
     mesh, nodes, cells = body.mesh, body.mesh.nodes, body.mesh.cells
 
     def estimate(moved: Floats) -> Floats:
-        return missed_compliance(nodes, cells, body.material, plane, moved)
+        return compliance_error(nodes, cells, body.material, plane, moved)
 
     log = JobLog(estimate=estimate if options.estimate and not options.nodal else None)
     loads = _loads(body, options)
@@ -184,10 +183,11 @@ def _prepared(
         onto = linear_edges(nodes, cells)
         mesh = _of_corners(mesh, onto)
     log.account.workspace_bytes += _sparse_bytes(matrix)
-    growing = {
-        growth: _growth_loads(matrix, mesh, growth, lumped=options.linear) for _, growth in variants
+    load_vectors = {
+        body_load: _load_vectors(matrix, mesh, body_load, lumped=options.linear)
+        for _, body_load in variants
     }
-    forces = [load for named in growing.values() for load in named.values()]
+    forces = [load for named in load_vectors.values() for load in named.values()]
     job = Job(
         body=body,
         matrix=matrix,
@@ -198,7 +198,7 @@ def _prepared(
         log=log,
         onto=onto,
     )
-    return _Prepared(job, mesh, growing)
+    return _Prepared(job, mesh, load_vectors)
 
 
 def _loads(body: Body, options: JobOptions) -> ModeLoads | NodeLoads:
@@ -213,7 +213,7 @@ def _loads(body: Body, options: JobOptions) -> ModeLoads | NodeLoads:
 def _readings(
     body: Body, options: JobOptions, size: int, onto: csc_array | None
 ) -> Callable[[int], dict[str, Floats]]:
-    """Columns that only read, by counter: stress in the roots, a sharp tip along its flank.
+    """Columns for readings, by counter: root stress, tangential displacement of a sharp tip.
 
     Stress at a free surface is the strain along it times E, in plane strain E/(1 - nu²).
     """
@@ -234,7 +234,7 @@ def _readings(
 
 
 def _compliance(job: Job, found: Response, options: JobOptions) -> BodyCompliance:
-    """Response without the near field, as mode coefficients."""
+    """Compliance from the response of the elements, without the near field."""
     body, loads, friction = job.body, job.loads, options.friction
     p, n_modes = found.response.shape[2], loads.count
     response, below = found.response[:, :p], found.response[:, p:]
@@ -244,7 +244,7 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
         root = RootResponse(options.fillets.points, below[:, :places])
     if not options.nodal and has_turned_forces(body):
         turned = turned_coefficients(body, below[:, places, :n_modes], found.own, options.plane)
-    loads.settle(response, found.own, job.log.account)
+    loads.subtract_near_field(response, found.own, job.log.account)
     response, asymmetry = made_symmetric(response, found.across)
     coast, across = None, found.coast
     if across is not None:
@@ -266,50 +266,56 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
 
 
 def _by_name(
-    growing: dict[Growth | None, dict[str, Floats]], growth: Growth | None, by_force: Floats
+    load_vectors: dict[BodyLoad | None, dict[str, Floats]],
+    body_load: BodyLoad | None,
+    by_force: Floats,
 ) -> dict[str, Floats]:
-    """Response (f, p) to each load of an expansion, from the response (f, k, p) to all."""
-    known = [(each, name) for each, named in growing.items() for name in named]
-    return {name: by_force[:, k] for k, (each, name) in enumerate(known) if each == growth}
+    """Response (f, p) to each vector of a body load, from the response (f, k, p) to all."""
+    known = [(each, name) for each, named in load_vectors.items() for name in named]
+    return {name: by_force[:, k] for k, (each, name) in enumerate(known) if each == body_load}
 
 
-def _growth_loads(
-    matrix: csc_array, mesh: SectorMesh | WholeMesh, growth: Growth | None, *, lumped: bool = False
+def _load_vectors(
+    matrix: csc_array,
+    mesh: SectorMesh | WholeMesh,
+    body_load: BodyLoad | None,
+    *,
+    lumped: bool = False,
 ) -> dict[str, Floats]:
-    """Nodal loads (2N,) of an expansion relative to the support, N per mm of width, by cause.
+    """Nodal loads (2N,) of a body load relative to the support, N per mm of width, by cause.
 
-    The displacement is e_s x plus the response to these loads with the held surface at rest. The
-    stiffness matrix (2N, 2N), per mm of width, times the coordinates of the nodes is the load of a
-    strain of 1 in the plane. The body expands freely along its axis, in plane strain as well.
+    The displacement is e_s x plus the response to these loads with a fixed support. The stiffness
+    matrix (2N, 2N), per mm of width, times the coordinates of the nodes is the load for a strain of
+    1 in the plane. Axial expansion is free, also in plane strain.
     """
     loads: dict[str, Floats] = {}
-    if growth is None:
+    if body_load is None:
         return loads
-    if growth.strain != growth.held_strain:
-        loads["temperature"] = (growth.strain - growth.held_strain) * (matrix @ mesh.nodes.ravel())
-    if growth.speed_rad_per_s > 0.0:
-        pull = growth.density_Ns2_per_mm4 * growth.speed_rad_per_s**2
-        loads["speed"] = pull * place_load(mesh.nodes, mesh.cells, lumped=lumped)
+    if body_load.strain != body_load.held_strain:
+        loads["temperature"] = (body_load.strain - body_load.held_strain) * (
+            matrix @ mesh.nodes.ravel()
+        )
+    if body_load.speed_rad_per_s > 0.0:
+        pull = body_load.density_Ns2_per_mm4 * body_load.speed_rad_per_s**2
+        loads["speed"] = pull * centrifugal_load(mesh.nodes, mesh.cells, lumped=lumped)
     return loads
 
 
-def _growth_of_flanks(
-    body: Body, growth: Growth | None, n_modes: int, moved: Mapping[str, Floats]
+def _flank_expansion(
+    body: Body, body_load: BodyLoad | None, n_modes: int, moved: Mapping[str, Floats]
 ) -> tuple[float, dict[str, Floats]]:
-    """Uniform expansion of a body, and the displacements of its flanks beyond that.
+    """Uniform strain of a body, and the displacements of its flanks beyond it.
 
-    Displacements are known along the normal only, as gaps require; at an edge this is not enough: a
-    tip that moves outwards touches its mate elsewhere. Most of the expansion of a tooth is uniform:
-    the strain that fits all flanks best, by least squares, scales the whole body.
-
-    `moved` are the readings (f, p) of the modes on each of f flanks under each of `_growth_loads`,
-    pressure modes first, mm². Returns the strain, and by load mode coefficients (f, n_modes), mm.
+    Normal displacements do not describe the motion of a tip corner, which touches its mate
+    elsewhere. Therefore the strain that fits all flanks best, by least squares, scales the whole
+    body. `moved`: readings (f, p) of the modes on each of f flanks under each of `_load_vectors`,
+    pressure modes first, mm². Returns the strain, and mode coefficients (f, n_modes) by load, mm.
     """
-    if growth is None:
+    if body_load is None:
         return 0.0, {}
     mesh, closed = body.mesh, body.curve.closed
     if mesh is None or not moved:
-        return growth.held_strain, {}
+        return body_load.held_strain, {}
     span, tip = body.mode_range_mm, body.tip
     read = [mode_loads(flank, span, n_modes, closed=closed, tip=tip) for flank in mesh.flanks]
 
@@ -322,11 +328,11 @@ def _growth_of_flanks(
     square = float(np.sum(evenly * unit))
     parts = {name: float(np.sum(evenly * shift)) / square for name, shift in shifts.items()}
     left = {name: shift - parts[name] * unit for name, shift in shifts.items()}
-    return growth.held_strain + sum(parts.values()), left
+    return body_load.held_strain + sum(parts.values()), left
 
 
 def _of_corners(mesh: SectorMesh | WholeMesh, onto: csc_array) -> SectorMesh | WholeMesh:
-    """The mesh with its corners alone free to move."""
+    """The mesh of linear elements, whose middle nodes are fixed."""
     middles = np.flatnonzero(np.diff(onto.indptr)[::2] == 0)
     fixed = np.union1d(mesh.fixed_nodes, middles)
     if isinstance(mesh, WholeMesh):

@@ -1,4 +1,4 @@
-"""Unit loads of the flanks of a body: pressure modes, or forces at the nodes of the elements."""
+"""Unit loads on the flanks of a body: pressure modes, or forces at nodes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from flankload.elasticity.near_field import (
     projected_sign,
     to_coefficients,
 )
-from flankload.elasticity.nodal_loads import hat_loads
+from flankload.elasticity.nodal_loads import nodal_unit_loads
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ModeLoads:
-    """Pressure modes on the flanks of a body; with friction followed by as many along the flank.
+    """Pressure modes on the flanks of a body, with friction followed by as many tangential ones.
 
     Attributes
     ----------
@@ -42,12 +42,12 @@ class ModeLoads:
     plane: str
     friction: bool
 
-    #: There are no nodes that carry unit forces.
+    #: None: no unit forces at nodes.
     nodes = None
 
     @property
     def near_field(self) -> NearField:
-        """Near field that the modes leave out."""
+        """Near field that the modes do not include."""
         body = self.body
         return NearField(
             logarithm_strength(body.material, self.plane),
@@ -58,18 +58,18 @@ class ModeLoads:
 
     @property
     def tip(self) -> Tip | None:
-        """End of the tip modes, which follow those of the flank and are included in `count`."""
+        """The tip, whose modes are the last ones and included in `count`."""
         return self.body.tip
 
     def columns(
         self, flank: SectorMesh | MeshedFlank, along: Literal["normal", "tangent"]
     ) -> Floats:
-        """Nodal forces (2 N, count) of the modes along the normal or the tangent of a flank."""
+        """Nodal forces (2 N, count) of the normal or tangential modes of a flank."""
         span, closed = self.body.mode_range_mm, self.body.curve.closed
         return mode_loads(flank, span, self.count, along=along, closed=closed, tip=self.tip)
 
     def coefficients(self, moments: Floats) -> Floats:
-        """Mode coefficients of moments (k, r, …) along the second axis."""
+        """Mode coefficients from moments (k, r, …), along the second axis."""
         body, n = self.body, self.count
         parts = [moments[:, k : k + n].swapaxes(0, 1) for k in range(0, moments.shape[1], n)]
         closed = body.curve.closed
@@ -78,11 +78,11 @@ class ModeLoads:
         ]
         return np.concatenate(found).swapaxes(0, 1)
 
-    def settle(self, response: Floats, own: Numbers, account: Account) -> None:
+    def subtract_near_field(self, response: Floats, own: Numbers, account: Account) -> None:
         """Subtract the near field from a response and convert it to mode coefficients, in place.
 
-        The response (k, p, p) is projected on the modes; `own` are the indices of the responses of
-        flanks to loads on themselves.
+        The response (k, p, p) consists of moments; `own`: indices of the responses of flanks to
+        their own loads.
         """
         low, high = self.body.mode_range_mm
         n, tip = self.count, self.tip
@@ -102,20 +102,20 @@ class ModeLoads:
         response[:] = self.between(response)
 
     def between(self, moments: Floats) -> Floats:
-        """Response (k, r, p) between moments of modes, as a map between their coefficients."""
+        """Response (k, r, p) as a map between mode coefficients, from that between moments."""
         rows = self.coefficients(moments)
         return self.coefficients(rows.swapaxes(1, 2)).swapaxes(1, 2)
 
-    def missed(self, missed: Floats) -> Floats:
-        """Estimated error of the elements along the normal, as a map between coefficients."""
-        return self.between(missed[:, : self.count])
+    def fe_error(self, fe_error: Floats) -> Floats:
+        """Estimated error of the normal displacements, as a map between mode coefficients."""
+        return self.between(fe_error[:, : self.count])
 
 
 @dataclass(frozen=True, eq=False)
 class NodeLoads:
-    """Unit forces at nodes; with friction followed by as many along the flank.
+    """Unit forces at nodes, with friction followed by as many tangential ones.
 
-    Their response includes the near field.
+    The response includes the near field.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ class NodeLoads:
     nodes: Floats
     plane: str
 
-    #: The flank has no tip modes.
+    #: None: no modes of a tip.
     tip = None
 
     @property
@@ -138,16 +138,16 @@ class NodeLoads:
 
     @property
     def near_field(self) -> NearField:
-        """Only the strength of the logarithm, for the expected width of contacts."""
+        """Strength of the logarithm, for the expected width of contacts."""
         return NearField(logarithm_strength(self.body.material, self.plane))
 
     def columns(
         self, flank: SectorMesh | MeshedFlank, along: Literal["normal", "tangent"]
     ) -> Floats:
-        """Nodal forces (2 N, n) of unit forces along the normal or the tangent of a flank."""
-        return hat_loads(flank, self.nodes, along=along)
+        """Nodal forces (2 N, n) of the normal or tangential unit forces on a flank."""
+        return nodal_unit_loads(flank, self.nodes, along=along)
 
-    def settle(self, response: Floats, own: Numbers, account: Account) -> None:
-        """Count the unit forces; the response is left as it is (see `ModeLoads.settle`)."""
+    def subtract_near_field(self, response: Floats, own: Numbers, account: Account) -> None:
+        """Count the unit forces; the response includes the near field and is unchanged."""
         assert self.body.mesh is not None
         account.count(unit_loads_nodal=response.shape[2] * len(self.body.mesh.flanks))

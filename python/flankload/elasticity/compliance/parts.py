@@ -1,4 +1,4 @@
-"""Parts of the compliance of a body: modes, near field, coast flanks, expansion, job."""
+"""Parts of the compliance of a body: modes, near field, coast flanks, expansion, root stress."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class NearField:
-    """Strengths of the near field that the modes leave out.
+    """Strengths of the near field, which the modes do not include.
 
     Attributes
     ----------
     kernel : float
         c0 of the logarithm, mm²/N; 0 for a rigid body.
     jump : float
-        j of loads along the flank, mm²/N; 0 without friction.
+        j of tangential loads, mm²/N; 0 without friction.
     wedge : (float, float)
-        psi of the mirror images of the logarithm behind free corners at both ends of the modes;
-        0 where the surface continues smoothly, on closed flanks and for unit forces at nodes.
+        psi of the mirror images of the logarithm behind free corners at both ends of the modes; 0
+        for smooth surfaces, closed flanks and unit forces at nodes.
     wedge_along : (float, float)
-        psi_nt of the images of loads along the flank, for displacements along its normal.
+        psi_nt of the images of tangential loads, for normal displacements.
     """
 
     kernel: float
@@ -36,20 +36,20 @@ class NearField:
 
 @dataclass(frozen=True)
 class AxialModes:
-    """Modes along the axis, of a body in three dimensions.
+    """Modes along the axis of a three-dimensional body.
 
     Attributes
     ----------
     range_mm : (float, float)
-        Their ends: the whole width of the body.
+        Width of the body.
     degree : int
         Highest degree q_z; a mode of the flank is P_a(xi_s) P_b(xi_z), at index a (q_z + 1) + b.
     twist : float
-        Angle by which the section turns counter-clockwise along z, rad/mm.
+        Counter-clockwise rotation of the section along z, rad/mm.
     cos_base_helix : float
         cos(beta_b): the area element of the flank is ds dz/cos(beta_b).
     end : (float, float)
-        Strengths psi of the mirror images of the near field behind the ends at low and high z.
+        Strengths psi of the mirror images behind the end faces at low and high z.
     """
 
     range_mm: tuple[float, float]
@@ -60,7 +60,7 @@ class AxialModes:
 
     @property
     def count(self) -> int:
-        """Number of modes along the axis for each along the profile."""
+        """Number of modes along the axis for each mode along the profile."""
         return self.degree + 1
 
 
@@ -73,11 +73,11 @@ class FlankModes:
     range_mm : (float, float)
         Arc lengths of the flank curve at the ends of the modes.
     closed : bool
-        The modes are harmonics of a turn around the body.
+        The modes are harmonics around the body.
     tip : Tip or None
-        End of the modes of a tip rounding or chamfer; the last modes are the tip's.
+        Tip rounding or chamfer, to which the last modes belong.
     axial : AxialModes or None
-        In three dimensions modes are products of modes along profile and axis.
+        Modes along the axis; in three dimensions, modes are products with these.
     nodes : (n,) array or None
         Arc lengths of the nodes, mm, whose unit forces replace the modes.
     """
@@ -97,10 +97,9 @@ class CoastCompliance:
     ----------
     normal : (z, p, p) array
         normal[t] maps the pressure modes on the working flank of tooth 0 to displacements on the
-        coast flank of tooth t; mm²/N. Coast flanks affect each other and the working flanks in the
-        same way, mirrored.
+        coast flank of tooth t; mm²/N. Responses to loads on coast flanks are mirror images.
     tangential : (z, p, q) array; None without friction
-        The same for the modes of load along the working flank.
+        The same for tangential loads on the working flank.
     """
 
     normal: Floats
@@ -109,15 +108,15 @@ class CoastCompliance:
 
 @dataclass(frozen=True, eq=False)
 class Expansion:
-    """Expansion of a body by temperature and speed before contact.
+    """Expansion of a body by temperature and speed, without contact.
 
     Attributes
     ----------
     strain : float
         Uniform strain of the whole body.
     shifts : dict of str to (1, p) or (f, p) array
-        By load, displacement of the flanks out of the material beyond that strain, as mode
-        coefficients, mm: one row for all teeth, or one for each flank.
+        By load, normal displacement of the flanks beyond that strain, as mode coefficients, mm: one
+        row for all teeth, or one for each flank.
     """
 
     strain: float = 0.0
@@ -131,15 +130,15 @@ class RootResponse:
     Attributes
     ----------
     points : RootPoints
-        The q places of a tooth.
+        The q points of a tooth.
     response : (z, q, p) array, or (f * f, q, p) array as `BodyCompliance.smooth`
-        response[t] maps the pressure modes of tooth 0 (MPa, pulling out of the material) to the
-        stress in the root of tooth t, MPa; with friction followed by as many modes of load along
-        the flank, towards growing arc length. In three dimensions (z, q, d + 1, p): coefficients of
-        the functions of z (`prism.AxialBasis` of degree d) per N out of the material at a place of
-        tooth 0 times the values of the modes there.
+        response[t] maps the modes of tooth 0 (MPa, tension positive) to the stress in the root of
+        tooth t, MPa; with friction followed by as many tangential modes, towards increasing arc
+        length. In three dimensions (z, q, d + 1, p): coefficients of the functions of z
+        (`prism.AxialBasis` of degree d) per N out of the material at a point of tooth 0 times the
+        values of the modes there.
     range_mm : (float, float) or None
-        Ends of the teeth along the axis; None in a plane.
+        Axial range of the teeth; None in a plane scene.
     """
 
     points: RootPoints

@@ -1,4 +1,4 @@
-"""Displacements under unit loads: of a whole body, or of one sector and its copies."""
+"""Displacements of a whole mesh, or of equal sectors, under unit loads."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from flankload.elasticity.finite_elements import degrees_of, factored
 from flankload.elasticity.near_field import mirrored_loads
 from flankload.elasticity.sector_closure import (
     CondensedSector,
-    alike_response,
     close_ring,
     condense,
     segment_response,
     tooth_response,
+    uniform_response,
 )
 
 if TYPE_CHECKING:
@@ -38,13 +38,13 @@ class Job:
     matrix : csc_array
         Stiffness of its mesh.
     friction : bool
-        Whether loads along the flank follow those along the normal.
+        Whether tangential loads follow the normal ones.
     readings : callable
-        Index of a flank to columns (2N, q) that only read the displacements, by counter.
+        Index of a flank -> columns (2N, q) for further readings of the displacements, by counter.
     forces : (2N, k) array or None
-        Known loads, of expansion.
+        Vectors of body loads.
     onto : (2N, 2N) csc_array or None
-        Displacements of all nodes from the unknown ones, where these are fewer.
+        Map from the unknown displacements to those of all nodes, for linear elements.
     """
 
     body: Body
@@ -57,11 +57,11 @@ class Job:
     onto: csc_array | None = None
 
     def on_unknowns(self, columns: Floats) -> Floats:
-        """Nodal forces (2N, k), reduced to the unknown nodes."""
+        """Nodal forces (2N, k), reduced to the unknown displacements."""
         return columns if self.onto is None else self.onto.T @ columns
 
     def unit_loads(self, flank: SectorMesh | MeshedFlank) -> Floats:
-        """Unit loads (2N, p) of a flank along the normal, with friction also along the tangent."""
+        """Normal unit loads (2N, p) of a flank, with friction followed by tangential ones."""
         normal = self.loads.columns(flank, "normal")
         if not self.friction:
             return normal
@@ -69,7 +69,7 @@ class Job:
 
     @property
     def no_forces(self) -> Floats:
-        """Response (0, k, p) to the known loads where there are none or they are not solved."""
+        """Empty response (0, k, p) to body loads."""
         known = 0 if self.forces is None else self.forces.shape[1]
         return np.zeros((0, known, self.loads.count))
 
@@ -81,11 +81,12 @@ class Response:
     Attributes
     ----------
     response : (k, r, p) array
-        By blocks as in `BodyCompliance.smooth`; further readings follow in the rows below.
+        By blocks as in `BodyCompliance.smooth`, with further readings in the rows below.
     own, across : arrays
-        Blocks of loaded flanks themselves; for each block, the one with load and reading exchanged.
+        Blocks of flanks under their own loads; for each block, that with load and reading
+        exchanged.
     by_force : (f, k, p) array
-        Readings of the loads of each flank under each known load.
+        Readings by the unit loads of each flank under each body load.
     coast : (z, n, p) array or None
         Response of the coast flanks, as coefficients.
     """
@@ -100,16 +101,13 @@ class Response:
 
 
 def of_whole(job: Job, mesh: WholeMesh) -> Response:
-    """Response of a body that is meshed as a whole: its f flanks are loaded one after the other.
-
-    response[i * f + j] is that of flank i to the loads on flank j.
-    """
+    """Response of a whole mesh with f flanks; response[i * f + j]: flank i, loads on flank j."""
     log, unknowns = job.log, job.matrix.shape[0]
     log.end_step("assembly")
     free = np.setdiff1d(np.arange(unknowns), degrees_of(mesh.fixed_nodes))
     solve = factored(job.matrix[free][:, free].tocsc(), log.account)
     log.end_step("factorisation")
-    # each kind of reading by itself: BLAS sums a product of more columns in another order
+    # a product for each kind of reading: the order of summation depends on the number of columns
     kinds = [
         [_nonzero(job.on_unknowns(job.unit_loads(flank))[free])]
         + [_nonzero(columns[free]) for columns in job.readings(i).values()]
@@ -144,10 +142,9 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
 def of_sector(
     job: Job, mesh: SectorMesh, sectors: Sequence[int | None], *, coast_flanks: bool
 ) -> dict[int | None, Response]:
-    """Response of a body of equal sectors, from the elements of one, by number of sectors to build.
+    """Response of a body of equal sectors, for each of several numbers of elastic sectors.
 
-    An odd number for a segment, 1 for a single tooth, None for the whole ring. Displacements of the
-    coast flanks are read if requested.
+    An odd number for a segment, 1 for a single tooth, None for the whole ring.
     """
     log, loads = job.log, job.unit_loads(mesh)
     readings, tooth = {}, 0
@@ -175,7 +172,7 @@ def of_sector(
         across = None
         if coast_flanks:
             assert isinstance(job.loads, ModeLoads)
-            response, across = _coast_taken(response, job.loads, tooth)
+            response, across = _split_coast(response, job.loads, tooth)
         responses[number] = Response(
             response,
             own=np.zeros(1, dtype=np.int64),
@@ -190,37 +187,36 @@ def of_sector(
 def _built(
     job: Job, sector: CondensedSector, mesh: SectorMesh, sectors: int | None
 ) -> tuple[Floats, Floats]:
-    """Response of a number of condensed sectors, to unit loads and to known loads."""
-    if sectors == 1:  # the cuts are held: the condensed stiffness has no effect
+    """Response of a number of condensed sectors to unit loads and to body loads."""
+    if sectors == 1:  # with fixed cuts, the condensed stiffness has no effect
         own = np.concatenate(sector.local)
         response = np.zeros((mesh.teeth, *own.shape))
         response[0] = own
         return response, job.no_forces
     by_force = job.no_forces
     if job.forces is not None:
-        by_force = alike_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
+        by_force = uniform_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
     if sectors is None:
         return close_ring(sector, mesh.teeth), by_force
     return segment_response(sector, mesh.teeth, sectors), by_force
 
 
-def _coast_taken(response: Floats, modes: ModeLoads, tooth: int) -> tuple[Floats, Floats]:
-    """Response (z, r - n, p) without the readings of the coast flank, and those (z, n, p).
+def _split_coast(response: Floats, modes: ModeLoads, tooth: int) -> tuple[Floats, Floats]:
+    """Response (z, r - n, p) without the readings of the coast flank, and the latter (z, n, p).
 
-    The readings follow those of the working flank; `tooth` is the tooth of this coast flank. They
-    become the map from the coefficients of loads on the working flank of tooth 0 to those of
-    displacements on the coast flank of tooth t.
+    In the response, these follow the readings of the working flank; `tooth`: tooth of the coast
+    flank. They are returned as the map from mode coefficients of loads on the working flank of
+    tooth 0 to those of displacements on the coast flank of tooth t.
     """
     first, n = response.shape[2], modes.count
-    crossing = modes.between(np.roll(response[:, first : first + n], tooth, axis=0))
-    # reciprocity (Betti): exchanging load and reading gives a load on the coast flank, which
-    # is the mirror image of a load on the working flank
-    pressures = crossing[..., :n]
-    crossing[..., :n] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
-    return np.delete(response, slice(first, first + n), axis=1), crossing
+    cross_compliance = modes.between(np.roll(response[:, first : first + n], tooth, axis=0))
+    # symmetric by reciprocity (Betti) and mirror symmetry of both flanks
+    pressures = cross_compliance[..., :n]
+    cross_compliance[..., :n] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
+    return np.delete(response, slice(first, first + n), axis=1), cross_compliance
 
 
 def _nonzero(columns: Floats) -> tuple[Numbers, Floats]:
-    """Rows with a value that is not zero, and these rows."""
+    """Numbers of the rows that are not zero, and these rows."""
     rows = np.flatnonzero(columns.any(axis=1))
     return rows, columns[rows]

@@ -1,10 +1,9 @@
-"""Response of a flank to a force along it at its sharp tip, for forces that turn over the corner.
+"""Response of a flank to a tangential force at its sharp tip, where the direction of forces turns.
 
-A unit force along the flank on its last edge reads the displacements under the pressure modes. By
-reciprocity (Betti) this is also the response of the flank to that force. The near field is not
-included: the jump of the half-plane, -j sign(s - s') (`near_field`), which cancels between two
-turned forces, and the mirror images behind free corners, -c0 psi_nt ln(d + d')
-(`bodies.free_corner`).
+A tangential unit force on the last edge reads the displacements under the pressure modes; by
+reciprocity (Betti) this is the response of the flank to that force. The near field is not included:
+the jump of the half-plane, -j sign(s - s') (`near_field`), and the mirror images behind free
+corners, -c0 psi_nt ln(d + d') (`bodies.free_corner`).
 """
 
 from __future__ import annotations
@@ -12,8 +11,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legint, legval
+from numpy.polynomial.legendre import legint, legval
 
+from flankload.base.gauss import leggauss
 from flankload.bodies.free_corner import along_strengths, image_strength, tip_angle
 from flankload.bodies.tip_modes import graded
 from flankload.elasticity.near_field import (
@@ -28,19 +28,19 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body, MeshedFlank, SectorMesh
 
-#: Gauss points: exact for a quadratic edge times a linear function and modes up to degree 20.
+#: Gauss points, exact for a quadratic edge times a linear function and modes up to degree 20.
 POINTS = 12
 
 
 def has_turned_forces(body: Body) -> bool:
-    """Whether the flank ends in a sharp tip, over which forces turn."""
-    return body.given is None and image_strength(tip_angle(body)) > 0.0
+    """Whether the flank ends in a sharp tip, where the direction of forces turns."""
+    return body.imported is None and image_strength(tip_angle(body)) > 0.0
 
 
 def turned_columns(body: Body, flank: int) -> Floats:
-    """Loads (2 N, 1) of a unit force along a flank of the mesh at its sharp tip.
+    """Loads (2 N, 1) of a tangential unit force at the sharp tip of a flank, per mm of width.
 
-    Per mm of width, on the last edge, increasing linearly from 0 to the tip.
+    The force is distributed over the last edge, increasing linearly from 0 to the tip.
     """
     mesh = _flank_of(body, flank)
     start, end = last_edge(mesh)
@@ -55,10 +55,10 @@ def turned_columns(body: Body, flank: int) -> Floats:
 
 
 def turned_coefficients(body: Body, moments: Floats, own: Numbers, plane: str) -> Floats:
-    """Displacements (k, p) of the flanks by a force along the flank at the tip.
+    """Displacements (k, p) of the flanks under a tangential force at the tip.
 
-    Mode coefficients, mm²/N, without jump and images, from the readings (k, p) of the force under p
-    modes, of k teeth or pairs of flanks; `own` are the indices of flanks under loads on themselves.
+    Mode coefficients, mm²/N, without jump and images, from the readings (k, p) by the force under p
+    modes, for k teeth or pairs of flanks; `own`: indices of flanks under their own loads.
     """
     low, high = body.mode_range_mm
     start, end = last_edge(_flank_of(body, 0))

@@ -1,13 +1,13 @@
-"""Functions of z in which the displacements of a prism are written: orthonormal Legendre.
+"""Axial shape functions of the displacements of a prism: orthonormal Legendre polynomials.
 
     phi_k(z) = sqrt((2k + 1)/b) P_k(xi), xi in [-1, 1] over the width b, k = 0 ... p
 
-With these M = 1, a load over P_b(xi) meets phi_b alone, and to keep the degrees up to q on a cut is
-to keep its first q + 1 coefficients.
+M = 1, a load over P_b(xi) acts on phi_b only, and the degrees up to q on a cut are its first q + 1
+coefficients.
 
-Where webs, rims and hubs have widths of their own (`AxialRegions`), a node has the functions of the
-widest region it belongs to: polynomials of the whole width restricted to a thin web are nearly
-dependent. Elements of a region integrate over its width, with the functions of their nodes.
+With regions of different widths (`AxialRegions`), a node has the functions of the widest region
+that contains it; polynomials of the whole width would be nearly dependent on a thin web. Elements
+of a region integrate over its width, with the functions of their nodes.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander
+from numpy.polynomial.legendre import legvander
 
+from flankload.base.gauss import leggauss
 from flankload.bodies.axial_shape import share_middle
 
 if TYPE_CHECKING:
@@ -30,11 +31,11 @@ if TYPE_CHECKING:
 
 
 class AxialFunctions(ABC):
-    """Functions of z of the nodes of a section, p + 1 of each."""
+    """Functions of z of the nodes of a section, p + 1 per node."""
 
     @abstractmethod
     def of_nodes(self, nodes: Numbers) -> tuple[tuple[AxialBasis, ...], Numbers]:
-        """Bases of one degree, the widest first, and the number of that of each node (n,)."""
+        """Bases of one degree, the widest first, and number of the basis of each node (n,)."""
 
     @property
     def _bases(self) -> tuple[AxialBasis, ...]:
@@ -51,10 +52,10 @@ class AxialFunctions(ABC):
         return share_middle([basis.range_mm for basis in self._bases])
 
     def products(self, section: SectionStiffness) -> tuple[Numbers, Floats]:
-        """Axial matrices of each pair of nodes of a section, over the width of the pair's region.
+        """Axial matrices of each pair of nodes of a section, over the width of its region.
 
-        Returns the number (n,) of each pair's matrices, equal for different pairs of nodes, and the
-        matrices (k, 4, p + 1, p + 1), each as `AxialBasis.terms`.
+        Returns for each pair the number (n,) of its matrices, and the distinct matrices
+        (k, 4, p + 1, p + 1), each as `AxialBasis.terms`.
         """
         bases, row = self.of_nodes(section.rows)
         _, column = self.of_nodes(section.columns)
@@ -74,7 +75,7 @@ class AxialBasis(AxialFunctions):
     Attributes
     ----------
     range_mm : (float, float)
-        The width, along the axis.
+        Axial range.
     degree : int
         p.
     """
@@ -105,10 +106,7 @@ class AxialBasis(AxialFunctions):
 
     @property
     def terms(self) -> Floats:
-        """M, D1, D1' and S1 = integral of phi_a' phi_b' dz, (4, p + 1, p + 1).
-
-        A derivative has lower degree, so it is exact in the basis: S1 = D1' D1.
-        """
+        """M, D1, D1' and S1 = integral of phi_a' phi_b' dz = D1' D1, (4, p + 1, p + 1)."""
         mixed = self.mixed
         return np.stack([np.eye(self.count), mixed, mixed.T, mixed.T @ mixed])
 
@@ -117,13 +115,13 @@ class AxialBasis(AxialFunctions):
         return np.eye(self.count, degree + 1) * np.sqrt(mode_norms_z(self.width_mm, degree))
 
     def values(self, z: Floats) -> Floats:
-        """phi_k at places z (n,), mm: (n, p + 1), 1/sqrt(mm)."""
+        """phi_k at z (n,), mm: (n, p + 1), 1/sqrt(mm)."""
         low, high = self.range_mm
         legendre = legvander((2.0 * np.asarray(z) - low - high) / (high - low), self.degree)
         return np.asarray(legendre * np.sqrt((2.0 * np.arange(self.count) + 1.0) / self.width_mm))
 
     def derivatives(self, z: Floats) -> Floats:
-        """phi_k' at places z (n,), mm: (n, p + 1), 1/mm^(3/2)."""
+        """phi_k' at z (n,), mm: (n, p + 1), 1/mm^(3/2)."""
         return self.values(z) @ self.mixed  # phi_b' is the sum of D1[a, b] phi_a
 
     def means(self, spans: Floats) -> Floats:
@@ -142,23 +140,23 @@ class AxialRegions(AxialFunctions):
     Attributes
     ----------
     bases : tuple of AxialBasis
-        Of one degree, the widest first.
+        Bases of one degree, the widest first.
     of_node : (N,) array
-        Number of each node's basis.
+        Number of the basis of each node.
     """
 
     bases: tuple[AxialBasis, ...]
     of_node: Numbers
 
     def of_nodes(self, nodes: Numbers) -> tuple[tuple[AxialBasis, ...], Numbers]:
-        """Those of the widest region that each node belongs to."""
+        """Functions of the widest region that contains each node."""
         return self.bases, self.of_node[nodes]
 
 
 def cross_terms(one: AxialBasis, two: AxialBasis, over: AxialBasis) -> Floats:
     """Integrals of a b, a b', a' b and a' b' over a width: (4, p + 1, p + 1).
 
-    a are functions of one basis, of the rows, b of another; the width is that of a third.
+    a: functions of basis `one` (rows), b: of `two`, over the width of `over`.
     """
     if one.range_mm == two.range_mm == over.range_mm:
         return one.terms
@@ -180,9 +178,8 @@ def functions_of(
 ) -> tuple[tuple[int, ...], AxialFunctions]:
     """Region of each entry of the mesh's cells, and the functions of its nodes.
 
-    A node of several regions has the functions of the widest one. `axial` covers the width of the
-    teeth, `extents_mm` are those of named regions; others are as wide as the teeth. Of two regions
-    that share nodes, one contains the other.
+    `axial`: functions over the width of the teeth; `extents_mm`: axial ranges of named regions;
+    others are as wide as the teeth. The ranges of regions that share nodes are nested.
     """
     of_cells = [extents_mm.get(name, axial.range_mm) for name in mesh.regions]
     if all(extent == axial.range_mm for extent in of_cells):

@@ -1,24 +1,23 @@
-"""Compliance of the flanks of a prism: a plane section over its own width, straight or twisted.
+"""Compliance of the flanks of a prism: a plane section over a width, straight or twisted.
 
-A unit force out of the material at (s', z') of a flank moves the flank at (s, z), along its normal,
-by
+The normal displacement at (s, z) of a flank under a normal unit force at (s', z') is
 
     near field + V(s, z) g V(s', z')',  V = P_a(xi_s) P_b(xi_z) at index a (q_z + 1) + b
 
-with g = `smooth[t]` on the tooth that is t pitches on, xi_s over `mode_range_mm` and xi_z over
-`axial.range_mm`. The near field acts on the same flank alone; it is that of `flank_potential`: a
-half-space with k = `kernel`/2, the images behind both ends with the strengths `axial.end` and
-behind free corners with `wedge`. So
+with g = `smooth[t]` for the tooth at t pitches, xi_s over `mode_range_mm` and xi_z over
+`axial.range_mm`. The near field on the same flank is that of `flank_potential`: a half-space with
+k = `kernel`/2, and images behind both end faces with the strengths `axial.end` and behind free
+corners with `wedge`. Hence
 
     g_0 = D⁻¹ (B'CB - <P, near P>) D⁻¹,  g_t = D⁻¹ B'C_t B D⁻¹
     D_ab = L_s b/((2a + 1)(2b + 1) cos(beta_b))
 
-with area elements ds dz/cos(beta_b), which the loads n/cos(beta_b) = (n_t, -kappa l) per ds dz hold
-already. With a tip rounding or chamfer behind the flank D = <P, P> over both, the modes of the tip
-(`bodies.tip_modes`) times the same polynomials of z among them.
+with area elements ds dz/cos(beta_b), included in the loads n/cos(beta_b) = (n_t, -kappa l) per
+ds dz. With a tip rounding or chamfer, D = <P, P> over flank and tip, including the modes of the tip
+(`bodies.tip_modes`) times the same polynomials of z.
 
-With friction loads along the profile, t/cos(beta_b) per ds dz, follow as further columns of the
-same elimination; `tangential` is their g, without the near field with `jump` and `wedge_along`.
+With friction, loads along the profile, t/cos(beta_b) per ds dz, are further columns of the same
+elimination; `tangential` is their g, without the near field with `jump` and `wedge_along`.
 """
 
 from __future__ import annotations
@@ -38,10 +37,10 @@ from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearFi
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import jump_strength, logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of, mode_norms_z
-from flankload.elasticity.prism.carried_bore import CarriedBore
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.flank_potential import projected_potential, projected_tangential
 from flankload.elasticity.prism.flank_surface import flank_surface
+from flankload.elasticity.prism.flexible_bore import FlexibleBore
 from flankload.elasticity.prism.recovery import Recovery
 from flankload.elasticity.prism.root_surface import root_surface_stress
 from flankload.elasticity.prism.section_stiffness import section_stiffness
@@ -52,38 +51,38 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.root_fillet import RootFillets
-    from flankload.bodies.shaft import CarryingShaft
+    from flankload.bodies.shaft import FlexibleShaft
     from flankload.elasticity.prism.flank_surface import FlankSurface
     from flankload.elasticity.sector_closure import CondensedSector
 
-#: Degrees of displacements above those of loads in z: four miss 0.06 % of the highest mode, two
-#: 0.5 to 2 %, and modes above p meet nothing at all.
+#: Least excess of the degree of displacements in z over that of loads, also for screening: the
+#: error of the highest mode is 0.06 % with four, 0.5 to 2 % with two.
 DEGREES_ABOVE_LOADS, SCREENING_DEGREES = 4, 2
 
 
 @dataclass(frozen=True)
 class Prism:
-    """How a plane body extends along its axis, and how finely that is resolved.
+    """Extent of a plane body along its axis, and the discretization in this direction.
 
     Attributes
     ----------
     range_mm : (float, float)
-        Along the axis, ascending.
+        Axial range, ascending.
     twist : float
-        kappa, rad/mm: by how much the section turns counter-clockwise with growing z; of a gear
-        h tan(beta)/r, h = 1 right hand, -1 left hand.
+        kappa, rad/mm: counter-clockwise rotation of the section along z; for a gear h tan(beta)/r
+        with h = 1 for a right hand, -1 for a left hand.
     degree : int
-        p, of displacements in z.
+        Degree p of displacements in z.
     load_degree : int
-        Of the pressure modes in z, at most p - 4.
+        Degree of pressure modes in z, at most p - 4.
     cut_degree : int
-        Of the displacements of the cuts between sectors in z, at most p.
+        Degree of the displacements of the cuts between sectors in z, at most p.
     screening : bool
-        Loads may go to p - 2: the highest mode is some percent too stiff.
+        Allows a load degree up to p - 2, with a highest mode that is some percent too stiff.
     regions : tuple of (str, (float, float))
-        Extents along the axis of regions of the mesh that differ from `range_mm`, by name.
-    shaft : CarryingShaft or None
-        What the bore follows; None: the bore is held.
+        Axial ranges of regions of the mesh that differ from `range_mm`, by name.
+    shaft : FlexibleShaft or None
+        Shaft that the bore follows; None: fixed bore.
     """
 
     range_mm: tuple[float, float]
@@ -93,10 +92,10 @@ class Prism:
     cut_degree: int = 4
     screening: bool = False
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
-    shaft: CarryingShaft | None = None
+    shaft: FlexibleShaft | None = None
 
     def check(self) -> None:
-        """Raise a SceneError for degrees that do not resolve each other."""
+        """Raise a SceneError for an invalid width or load degree."""
         low, high = self.range_mm
         if not low < high:
             raise SceneError(key="face_width_mm", expected="above 0", found=f"{high - low:g}")
@@ -120,12 +119,12 @@ def prism_compliance(
     estimate: bool = False,
     account: Account | None = None,
 ) -> BodyCompliance:
-    """Compliance of a body's flanks in three dimensions; a rigid body has none.
+    """Compliance of a body's flanks in three dimensions.
 
-    The fixed nodes of the sector are held over all their width or follow a shaft (`carried_bore`).
-    The degree of the pressure modes along s should be at most half the number of flank elements; a
-    tip rounding or chamfer has half as many more. With friction as many loads along the profile are
-    solved. Stress is read in `fillets`; `estimate` is that of the error of the plane elements.
+    The fixed nodes of the sector are fixed over their whole width or follow a shaft
+    (`flexible_bore`). The degree of the pressure modes along s should be at most half the number of
+    flank elements; those of a tip are added. With friction, as many loads along the profile are
+    solved. `fillets`: points for root stress; `estimate`: error estimate of the plane elements.
 
     Returns
     -------
@@ -142,38 +141,69 @@ def prism_compliance(
     prism.check()
     if body.rigid or body.mesh is None:
         return no_compliance(body)
-    mesh, log, modes_s = _sector_of(body), JobLog(account), n_modes
-    n_modes = n_modes if body.tip is None else with_tip(n_modes)
-    response, of_roots = _ring_response(
-        body, mesh, prism, n_modes, log, friction=friction, fillets=fillets
+    log, modes = JobLog(account), n_modes if body.tip is None else with_tip(n_modes)
+    (response, *_), of_roots = _ring_responses(
+        body, prism, modes, log, friction=friction, fillets=fillets
     )
-    surface, p = flank_surface(body, prism), n_modes * (prism.load_degree + 1)
-    near = _near_field(body, surface, friction=friction)
-    response, asymmetry = _smooth_coefficients(response, surface, near, n_modes, prism.load_degree)
-    unknowns = prism_unknowns(body, prism.degree)
-    log.account.count(fe_unknowns=unknowns, fe_solutions=response.shape[1])
-    log.count_loads(response.shape[1], friction=friction)
-    log.end_step("near field")
-    missed = None
+    surface = flank_surface(body, prism)
+    (found,) = _compliances(body, prism, surface, [response], log, friction=friction)
+    fe_error = None
     if estimate:
-        options = JobOptions(n_modes=modes_s, plane="strain", friction=friction, estimate=True)
-        missed = _missed(body, options, surface, prism.load_degree, log)
+        options = JobOptions(n_modes=n_modes, plane="strain", friction=friction, estimate=True)
+        fe_error = _fe_error(body, options, surface, prism.load_degree, log)
+    root = None if fillets is None else _of_roots(fillets, of_roots, surface, modes, prism)
+    job = log.cost(found.job.asymmetry, found.job.degrees_of_freedom)
+    return replace(found, root=root, fe_error=fe_error, job=job)
+
+
+def carried_and_held(
+    body: Body, prism: Prism, *, n_modes: int, friction: bool = False
+) -> tuple[BodyCompliance, ...]:
+    """Compliance of an elastic body on its shaft, and with a held bore, from one condensation.
+
+    Arguments and errors as of `prism_compliance`; without a shaft, the latter alone.
+    """
+    prism.check()
+    log, modes = JobLog(), n_modes if body.tip is None else with_tip(n_modes)
+    responses, _ = _ring_responses(body, prism, modes, log, friction=friction, fillets=None)
+    surface = flank_surface(body, prism)
+    return tuple(_compliances(body, prism, surface, responses, log, friction=friction))
+
+
+def _compliances(
+    body: Body,
+    prism: Prism,
+    surface: FlankSurface,
+    responses: list[Floats],
+    log: JobLog,
+    *,
+    friction: bool,
+) -> list[BodyCompliance]:
+    """Compliances from responses (z, p, p) of one body, without roots and error estimates."""
+    near, columns = _near_field(body, surface, friction=friction), responses[0].shape[1]
+    p = columns // 2 if friction else columns
+    coefficients = _smooth_coefficients(responses, surface, near, p, prism.load_degree)
+    unknowns = prism_unknowns(body, prism.degree)
+    log.account.count(fe_unknowns=unknowns, fe_solutions=columns)
+    log.count_loads(columns, friction=friction)
+    log.end_step("near field")
     axial = AxialModes(
         prism.range_mm, prism.load_degree, prism.twist, surface.cos_base_helix, surface.end
     )
-    return BodyCompliance(
-        smooth=np.ascontiguousarray(response[:, :p, :p]),
-        near=near,
-        modes=FlankModes(body.mode_range_mm, tip=body.tip, axial=axial),
-        tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
-        root=None if fillets is None else _of_roots(fillets, of_roots, surface, n_modes, prism),
-        missed=missed,
-        job=log.cost(asymmetry, unknowns),
-    )
+    return [
+        BodyCompliance(
+            smooth=np.ascontiguousarray(response[:, :p, :p]),
+            near=near,
+            modes=FlankModes(body.mode_range_mm, tip=body.tip, axial=axial),
+            tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
+            job=log.cost(asymmetry, unknowns),
+        )
+        for response, asymmetry in coefficients
+    ]
 
 
 def _near_field(body: Body, surface: FlankSurface, *, friction: bool) -> NearField:
-    """Strengths of the near field that the modes leave out."""
+    """Strengths of the near field, which the modes do not include."""
     return NearField(
         logarithm_strength(body.material, "strain"),
         jump=jump_strength(body.material, "strain") if friction else 0.0,
@@ -183,79 +213,83 @@ def _near_field(body: Body, surface: FlankSurface, *, friction: bool) -> NearFie
 
 
 def _smooth_coefficients(
-    response: Floats, surface: FlankSurface, near: NearField, n_modes: int, degree_z: int
-) -> tuple[Floats, float]:
-    """Readings (z, r, r) as mode coefficients without the near field, and their asymmetry.
+    responses: list[Floats], surface: FlankSurface, near: NearField, p: int, degree_z: int
+) -> list[tuple[Floats, float]]:
+    """Readings (z, r, r), which change, as mode coefficients without the near field; asymmetries.
 
-    Behind the p columns of loads along the normal are, with friction, as many along the profile.
+    The p columns of normal loads are followed, with friction, by as many along the profile.
     """
-    p, count = n_modes * (degree_z + 1), response.shape[1]
+    n_modes, count = p // (degree_z + 1), responses[0].shape[1]
     potential = projected_potential(surface, n_modes, degree_z)
-    response[0, :p, :p] -= 0.5 * near.kernel * potential
+    for response in responses:
+        response[0, :p, :p] -= 0.5 * near.kernel * potential
     if count > p:
         tangential = projected_tangential(
             surface, n_modes, degree_z, kernel=near.kernel, jump=near.jump
         )
-        response[0, :p, p:] -= tangential
-        response[0, p:, :p] -= tangential.T
+        for response in responses:
+            response[0, :p, p:] -= tangential
+            response[0, p:, :p] -= tangential.T
     inverse = _to_coefficients(surface, n_modes, degree_z, friction=count > p)
-    response = inverse @ response @ inverse
-    teeth = len(response)
-    return made_symmetric(response, -np.arange(teeth) % teeth)
+    teeth = len(responses[0])
+    across = -np.arange(teeth) % teeth
+    return [made_symmetric(inverse @ response @ inverse, across) for response in responses]
 
 
 def _to_coefficients(
     surface: FlankSurface, n_modes: int, degree_z: int, *, friction: bool
 ) -> Floats:
-    """Inverse of the products of the modes <P_ab, P_cd>, of loads along both directions."""
+    """Inverse of the products of the modes <P_ab, P_cd>, for both directions of loads."""
     along_axis = mode_norms_z(surface.width_mm, degree_z)
     inverse = np.kron(np.linalg.inv(surface.products(n_modes)), np.diag(1.0 / along_axis))
     return np.asarray(np.kron(np.eye(1 + friction), inverse))
 
 
-def _missed(
+def _fe_error(
     body: Body, options: JobOptions, surface: FlankSurface, load_degree: int, log: JobLog
 ) -> Floats:
-    """Estimated error of the response of a flank to loads on itself: `BodyCompliance.missed`.
+    """Estimated error of the response of a flank to its own loads: `BodyCompliance.fe_error`.
 
-    The elements of the section miss the same part of the deformation under a flank in every slice:
-    the error varies within a few elements, over which the load hardly changes along the axis.
-    Stress recovery in plane strain (`fe_error`) gives the missed displacement under a line load; a
-    load over P_b(z) is one line load per length.
+    The error varies within a few elements, over which the load hardly changes along the axis.
+    Therefore it is that of line loads per length, from stress recovery in plane strain
+    (`fe_error`).
     """
     section = flank_compliance(body, options, sectors=1)
-    assert section.missed is not None
+    assert section.fe_error is not None
     counted = ("fe_factorisations", "fe_solutions")
     log.account.count(**{name: section.job.counters[name] for name in counted})
     along = np.diag(1.0 / mode_norms_z(surface.width_mm, load_degree))
     cosine = surface.cos_base_helix
-    missed = cosine**2 * np.kron(section.missed[0], along)
-    missed[:, len(missed) :] /= cosine  # loads along the profile lie in the section
+    fe_error = cosine**2 * np.kron(section.fe_error[0], along)
+    fe_error[:, len(fe_error) :] /= cosine  # loads along the profile are in the section
     log.end_step("estimate")
-    return np.asarray(missed[None])
+    return np.asarray(fe_error[None])
 
 
 def _of_roots(
     fillets: RootFillets, response: Floats, surface: FlankSurface, n_modes: int, prism: Prism
 ) -> RootResponse:
-    """Readings (z, r, p) of the roots by place and function of z."""
+    """Root stress from readings (z, r, p) by point and function of z."""
     friction = response.shape[2] > n_modes * (prism.load_degree + 1)
     inverse = _to_coefficients(surface, n_modes, prism.load_degree, friction=friction)
     shape = len(response), fillets.points.arc_length_mm.size, prism.degree + 1, len(inverse)
     return RootResponse(fillets.points, (response @ inverse).reshape(shape), prism.range_mm)
 
 
-def _ring_response(
+def _ring_responses(
     body: Body,
-    mesh: SectorMesh,
     prism: Prism,
     n_modes: int,
     log: JobLog,
     *,
     friction: bool,
     fillets: RootFillets | None,
-) -> tuple[Floats, Floats]:
-    """Readings B'C_t B (z, p, p) of the loads on the closed ring, and of the roots (z, r, p)."""
+) -> tuple[list[Floats], Floats]:
+    """Readings B'C_t B (z, p, p) of the loads on the closed ring, and of the roots (z, r, p).
+
+    On a shaft, the readings with a held bore follow.
+    """
+    mesh = _sector_of(body)
     axial = AxialBasis(prism.range_mm, prism.degree)
     numbers, functions = functions_of(mesh, axial, dict(prism.regions))
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
@@ -267,11 +301,11 @@ def _ring_response(
     loads = _prism_loads(np.hstack(in_plane), axial.load_vectors(prism.load_degree))
     count, bore = loads.shape[2], None
     if prism.shaft is not None:
-        bore = CarriedBore.of(prism.shaft, section, functions, mesh, prism.twist, numbers)
+        bore = FlexibleBore.of(prism.shaft, section, functions, mesh, prism.twist, numbers)
         loads = np.concatenate([loads, bore.columns], axis=2)
     recovery = None if fillets is None else Recovery(fillets.on_elements.nodes)
     log.end_step("assembly")
-    # most fronts are too small to share: two threads take longer, and more CPU seconds
+    # most fronts are too small for several threads
     with one_blas_thread():
         sector = condense_prism(
             section,
@@ -291,15 +325,19 @@ def _ring_response(
             sector = _with_reading(sector, stress, by_loads, by_cuts)
             log.account.count(stress_recoveries=fillets.points.arc_length_mm.size)
             log.end_step("solution")
-        response = close_ring(sector, mesh.teeth) if bore is None else bore.close_ring(sector)
+        if bore is None:
+            responses = [close_ring(sector, mesh.teeth)]
+        else:
+            held = bore.held_response(sector)
+            responses = [bore.close_ring(sector, held), held]
     log.end_step("ring")
-    return response[:, :count], response[:, count:]
+    return [response[:, :count] for response in responses], responses[0][:, count:]
 
 
 def _with_reading(
     sector: CondensedSector, columns: Floats, by_loads: Floats, by_cuts: Floats
 ) -> CondensedSector:
-    """The sector with columns (r, n) that read displacements (k, …) of nodes, n of them in all."""
+    """The sector with further readings: columns (r, n) for the displacements (k, …) of nodes."""
     local, carried = (
         columns @ moved.reshape(columns.shape[1], -1) for moved in (by_loads, by_cuts)
     )
@@ -309,7 +347,7 @@ def _with_reading(
 
 
 def prism_unknowns(body: Body, degree: int) -> int:
-    """Number of unknowns of the elements of a sector with displacements of a degree along z."""
+    """Number of unknowns of the elements of a sector for a degree of displacements along z."""
     mesh = _sector_of(body)
     held = np.unique(np.concatenate([mesh.fixed_nodes, mesh.right_nodes])).size
     return COMPONENTS * (degree + 1) * (len(mesh.nodes) - held)
@@ -327,7 +365,7 @@ def _sector_of(body: Body) -> SectorMesh:
 
 
 def _prism_loads(in_plane: Floats, along: Floats) -> Floats:
-    """Loads (N, 3 (p + 1), n_s n_z) of the products of modes, by node, then unknown."""
+    """Loads (N, 3 (p + 1), n_s n_z) of the products of modes, by node and unknown."""
     n_s, (functions, n_z) = in_plane.shape[1], along.shape
     of_nodes = in_plane.reshape(-1, COMPONENTS, n_s)
     loads = np.einsum("ica,kb->ikcab", of_nodes, along)

@@ -1,17 +1,17 @@
-"""A sector of a prism condensed to its loads and cuts, front by front on LAPACK.
+"""Condensation of a sector of a prism to its loads and cuts by a multifrontal method on LAPACK.
 
-Each node of the plane mesh carries 3 (p + 1) unknowns, by axial function, then component, so that
-the cuts, which keep the axial degrees up to q alone, keep the first 3 (q + 1) of each node. Kept
-unknowns and loads stay in the fronts to the end: what is left of
+Each node of the plane mesh has 3 (p + 1) unknowns, by axial function, then component. Cuts have the
+axial degrees up to q, i.e. the first 3 (q + 1) unknowns of each node. Kept unknowns and loads
+remain in the fronts to the end: the remainder of
 
     [[K_ii, K_ic, F_i], [K_ci, K_cc, F_c], [F_i', F_c', 0]]
 
-is [[S, G], [G', -C_loc]], all that the ring closure needs. The eliminated part is positive
-definite: no pivots are exchanged.
+is [[S, G], [G', -C_loc]], the input of the ring closure. The eliminated part is positive definite,
+so that no pivoting is needed.
 
-Without twist, displacements in the section of even axial degree meet only axial ones of odd degree
-and the other way round: two problems of half the size. So it is where regions of different widths
-have one middle plane.
+Without twist, displacements in the section of even (odd) axial degree are coupled to axial ones of
+odd (even) degree only: two problems of half the size. This includes regions of different widths
+with a common middle plane.
 """
 
 from __future__ import annotations
@@ -51,19 +51,19 @@ def condense_prism(
     account: Account | None = None,
     recovery: Recovery | None = None,
 ) -> CondensedSector:
-    """Condense a sector to its loads and cuts; the fixed nodes are held over their whole width.
+    """Condense a sector to its loads and cuts, with nodes that are fixed over their whole width.
 
     Parameters
     ----------
     loads : (N, 3 (p + 1), r) array
-        Columns by node and unknown; they read, too.
+        Columns by node and unknown, which are also readings.
     cut_degree : int
-        q <= p: the displacements of the cuts are polynomials of this degree in z. Their unknowns
-        are by node, axial function, component.
+        Degree q <= p of the displacements of the cuts in z. Their unknowns are by node, axial
+        function, component.
     twisted : bool
-        False allows the two problems of half the size if the functions of z are even or odd.
+        False: two problems of half the size if the functions of z are even or odd.
     recovery : Recovery, optional
-        Keeps the fronts for displacements inside the sector.
+        Stores the fronts for displacements inside the sector.
     """
     account = Account() if account is None else account
     cut = np.concatenate([mesh.left_nodes, mesh.right_nodes])
@@ -85,12 +85,12 @@ def condense_prism(
     for unknowns in _independent(axial.count, coupled=twisted or not axial.symmetric):
         of_cut = unknowns[unknowns < per_cut]
         columns = np.flatnonzero(loads[:, unknowns].any(axis=(0, 1)))
-        pencil = _Pencil(section, products, unknowns, of_cut, position)
+        pair_blocks = _PairBlocks(section, products, unknowns, of_cut, position)
         at = (np.arange(cut.size)[:, None] * per_cut + of_cut).ravel()
         at = np.append(at, size + columns)
         own = loads[:, unknowns][:, :, columns]
         kept = None if recovery is None else recovery.part(fronts, unknowns, of_cut, columns)
-        whole[np.ix_(at, at)] += _eliminated(fronts, pencil, own, cut.size, account, kept)
+        whole[np.ix_(at, at)] += _eliminated(fronts, pair_blocks, own, cut.size, account, kept)
     if recovery is not None:
         account.workspace_bytes += recovery.bytes
     on_cut = loads[cut][:, :per_cut].reshape(size, count)
@@ -103,7 +103,7 @@ def condense_prism(
 
 
 def _independent(functions: int, *, coupled: bool) -> list[Numbers]:
-    """Unknowns of a node in sets that do not meet each other."""
+    """Sets of unknowns of a node that are not coupled to each other."""
     unknowns = np.arange(COMPONENTS * functions)
     if coupled:
         return [unknowns]
@@ -112,8 +112,8 @@ def _independent(functions: int, *, coupled: bool) -> list[Numbers]:
     return [unknowns[odd == part] for part in (0, 1)]
 
 
-class _Pencil:
-    """Blocks of the stiffness between nodes, expanded from those of the section front by front."""
+class _PairBlocks:
+    """Blocks of the stiffness between pairs of nodes, expanded from those of the section."""
 
     def __init__(
         self,
@@ -131,11 +131,11 @@ class _Pencil:
         self._first = np.searchsorted(column[self._pairs], np.arange(position.max() + 2))
 
     def pairs(self, first: int, last: int) -> Numbers:
-        """Pairs of nodes, row not before column, whose columns have these positions."""
+        """Pairs of nodes in the lower triangle whose columns are in a range of positions."""
         return self._pairs[self._first[first] : self._first[last]]
 
-    def alike(self, pairs: Numbers) -> Iterator[Flags]:
-        """Pairs with one set of axial matrices, in turn: different pairs of nodes each time."""
+    def of_one_kind(self, pairs: Numbers) -> Iterator[Flags]:
+        """Groups of pairs with the same axial matrices."""
         number = self._number[pairs]
         for one in np.unique(number):
             yield number == one
@@ -145,7 +145,7 @@ class _Pencil:
         return self._section.rows[pairs], self._section.columns[pairs]
 
     def blocks(self, pairs: Numbers, rows: Numbers, columns: Numbers) -> Floats:
-        """Stiffness (n, rows, columns) between these unknowns of pairs that are alike."""
+        """Stiffness (n, rows, columns) between unknowns of pairs with the same axial matrices."""
         (a, c), (b, d) = (np.divmod(part, COMPONENTS) for part in (rows, columns))
         of_section = self._section.blocks[pairs]
         weights = self._terms[self._number[pairs[0]]][:, a[:, None], b]
@@ -157,7 +157,7 @@ class _Pencil:
 
 @dataclass(frozen=True, eq=False)
 class _Remainder:
-    """What a front leaves: lower triangle of its boundary's matrix, loads behind the nodes."""
+    """Remainder of a front: lower triangle of the matrix of its boundary nodes, then loads."""
 
     front: Front
     sizes: Numbers
@@ -166,21 +166,18 @@ class _Remainder:
 
 def _eliminated(
     fronts: list[Front],
-    pencil: _Pencil,
+    pair_blocks: _PairBlocks,
     loads: Floats,
     cuts: int,
     account: Account,
     kept: Independent | None = None,
 ) -> Floats:
-    """So many kept nodes, in their order, and the loads after the elimination of all inner nodes.
-
-    Symmetric (m, m).
-    """
+    """Symmetric matrix (m, m) of `cuts` kept nodes, in their order, and loads after elimination."""
     left: dict[int, _Remainder] = {}
     bytes_held = most = 0
     for number, front in enumerate(fronts):
         parts = [left.pop(part) for part in front.parts]
-        left[number], factor, below = _front_remainder(front, parts, pencil, loads)
+        left[number], factor, below = _front_remainder(front, parts, pair_blocks, loads)
         if kept is not None:
             kept.keep(number, front, factor, below)
         bytes_held += left[number].matrix.nbytes
@@ -189,25 +186,25 @@ def _eliminated(
     account.count(fe_factorisations=1)
     account.workspace_bytes += most
     (last,) = left.values()
-    n, first = pencil.of_cut.size, int(pencil.position.max()) + 1 - cuts
+    n, first = pair_blocks.of_cut.size, int(pair_blocks.position.max()) + 1 - cuts
     matrix = np.zeros((cuts * n + loads.shape[2],) * 2)
-    place = (pencil.position[last.front.rest] - first)[:, None] * n + np.arange(n)
+    place = (pair_blocks.position[last.front.rest] - first)[:, None] * n + np.arange(n)
     at = np.append(place.ravel(), cuts * n + np.arange(loads.shape[2]))
     matrix[np.ix_(at, at)] = last.matrix
-    pairs = pencil.pairs(first, first + cuts)
-    row, column = (pencil.position[part] - first for part in pencil.ends(pairs))
+    pairs = pair_blocks.pairs(first, first + cuts)
+    row, column = (pair_blocks.position[part] - first for part in pair_blocks.ends(pairs))
     between = matrix[: cuts * n, : cuts * n].reshape(cuts, n, cuts, n)
-    for some in pencil.alike(pairs):
-        blocks = pencil.blocks(pairs[some], pencil.of_cut, pencil.of_cut)
+    for some in pair_blocks.of_one_kind(pairs):
+        blocks = pair_blocks.blocks(pairs[some], pair_blocks.of_cut, pair_blocks.of_cut)
         between[row[some], :, column[some]] += blocks
     return np.tril(matrix) + np.tril(matrix, -1).T
 
 
 def _front_remainder(
-    front: Front, parts: list[_Remainder], pencil: _Pencil, loads: Floats
+    front: Front, parts: list[_Remainder], pair_blocks: _PairBlocks, loads: Floats
 ) -> tuple[_Remainder, Floats, Floats]:
-    """Assemble a front, eliminate its own nodes: what is left, their factor, the rows below it."""
-    n, m = pencil.unknowns.size, pencil.of_cut.size
+    """Assemble a front and eliminate its nodes: remainder, factor, rows below the factor."""
+    n, m = pair_blocks.unknowns.size, pair_blocks.of_cut.size
     width = loads.shape[2] if front.loaded else 0
     own = front.own.size * n
     sizes = np.where(np.arange(front.rest.size) < front.inner, n, m)
@@ -216,7 +213,7 @@ def _front_remainder(
     below = np.zeros((rest, own), order="F")
     remainder = np.zeros((rest, rest), order="F")
     if front.own.size:
-        _assemble(front, pencil, pivot, below)
+        _assemble(front, pair_blocks, pivot, below)
         if front.loaded:
             below[rest - width :] = loads[front.own].reshape(own, width).T
     for part in parts:
@@ -231,38 +228,38 @@ def _front_remainder(
     return _Remainder(front, sizes, remainder), pivot, below
 
 
-def _assemble(front: Front, pencil: _Pencil, pivot: Floats, below: Floats) -> None:
-    """Stiffness of the front's own nodes and between them and its boundary."""
-    n, m, count = pencil.unknowns.size, pencil.of_cut.size, front.own.size
-    first = int(pencil.position[front.own[0]])
-    pairs = pencil.pairs(first, first + count)
-    rows, columns = pencil.ends(pairs)
-    column = pencil.position[columns] - first
-    row = pencil.position[rows] - first
-    place = np.full(pencil.position.size, -1)
+def _assemble(front: Front, pair_blocks: _PairBlocks, pivot: Floats, below: Floats) -> None:
+    """Stiffness of the nodes of a front, and between them and its boundary."""
+    n, m, count = pair_blocks.unknowns.size, pair_blocks.of_cut.size, front.own.size
+    first = int(pair_blocks.position[front.own[0]])
+    pairs = pair_blocks.pairs(first, first + count)
+    rows, columns = pair_blocks.ends(pairs)
+    column = pair_blocks.position[columns] - first
+    row = pair_blocks.position[rows] - first
+    place = np.full(pair_blocks.position.size, -1)
     place[front.rest] = np.arange(front.rest.size)
     at, inner = place[rows], front.inner
     own = pivot.reshape((n, count, n, count), order="F")
     later = below[: inner * n].reshape((n, inner, n, count), order="F")
     cuts = front.rest.size - inner
     kept = below[inner * n : inner * n + cuts * m].reshape((m, cuts, n, count), order="F")
-    alike = list(pencil.alike(pairs))
+    of_one_kind = list(pair_blocks.of_one_kind(pairs))
     for target, goal, chosen, unknowns in (
-        (own, row, row < count, pencil.unknowns),
-        (later, at, (row >= count) & (at < inner), pencil.unknowns),
-        (kept, at - inner, (row >= count) & (at >= inner), pencil.of_cut),
+        (own, row, row < count, pair_blocks.unknowns),
+        (later, at, (row >= count) & (at < inner), pair_blocks.unknowns),
+        (kept, at - inner, (row >= count) & (at >= inner), pair_blocks.of_cut),
     ):
-        for some in alike:
+        for some in of_one_kind:
             both = some & chosen
             if both.any():
-                blocks = pencil.blocks(pairs[both], unknowns, pencil.unknowns)
+                blocks = pair_blocks.blocks(pairs[both], unknowns, pair_blocks.unknowns)
                 target[:, goal[both], :, column[both]] += blocks
 
 
 def _extend(
     front: Front, sizes: Numbers, n: int, part: _Remainder, target: tuple[Floats, Floats, Floats]
 ) -> None:
-    """Add what a part leaves, run by run of unknowns that are neighbours in both."""
+    """Add the remainder of a part, in blocks of unknowns that are adjacent in both."""
     pivot, below, remainder = target
     nodes = part.front.rest
     own = len(pivot)
@@ -272,7 +269,7 @@ def _extend(
     ends = np.cumsum(part.sizes)
     runs: list[list[int]] = []  # first in the part, first in the front, length
     goal = [at[node] for node in nodes.tolist()]
-    if part.sizes.size > nodes.size:  # loads stand last
+    if part.sizes.size > nodes.size:  # loads are last
         goal.append(int(start[-1]))
     for first, last, place in zip(ends - part.sizes, ends, goal, strict=True):
         if runs and runs[-1][1] + runs[-1][2] == place and (place != own):

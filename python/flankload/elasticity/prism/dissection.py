@@ -1,25 +1,28 @@
-"""The order in which the inner nodes of a plane mesh are eliminated: nested dissection.
+"""Elimination order of the inner nodes of a plane mesh: nested dissection.
 
-The elements are bisected again and again. The nodes that both halves share separate them and are
-eliminated after them. What is left of a front, its boundary, is small.
+The elements are bisected recursively; the nodes that both halves share are eliminated after them.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from flankload.base.rotation import directions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flankload.base.arrays import Flags, Floats, Numbers
 
-#: Parts of no more nodes are eliminated at once.
+#: Largest number of nodes of a part that is not bisected.
 LEAF = 12
-#: Directions of the lines that are tried to bisect a part.
+#: Directions of the lines that are tried to bisect a part: normals (2, n) of the lines.
 DIRECTIONS = 8
+TURNS = directions(np.linspace(0.0, np.pi, DIRECTIONS, endpoint=False)).T
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,14 +34,14 @@ class Front:
     own : (o,) array
         The nodes, in their order.
     rest : (r,) array
-        Nodes of the boundary: first those that are eliminated later, in their order, then those
-        that are kept.
+        Nodes of the boundary: first those that are eliminated later, in their order, then kept
+        ones.
     inner : int
-        How many of `rest` are eliminated later.
+        Number of nodes of `rest` that are eliminated later.
     parts : tuple of int
-        Fronts whose remainder goes into this one.
+        Fronts whose remainders are added to this one.
     loaded : bool
-        Whether one of the nodes eliminated so far carries a load.
+        Whether one of the nodes eliminated so far has a load.
     """
 
     own: Numbers
@@ -51,11 +54,11 @@ class Front:
 def dissect(
     places: Floats, cells: Sequence[Numbers], *, inner: Flags, kept: Numbers, loaded: Flags
 ) -> tuple[list[Front], Numbers]:
-    """Fronts of a mesh, each after its parts; the last one has no boundary but the kept nodes.
+    """Fronts of a mesh, each after its parts; the boundary of the last one are the kept nodes.
 
-    From the places (N, 2) of the nodes, mm, the cells (E, k) kind by kind, the nodes (c,) that
-    stay, and whether a node is eliminated or carries loads (N,). Returns also when a node is
-    eliminated (N,): kept nodes are behind all others in their order, others are -1.
+    Arguments: positions (N, 2) of the nodes, mm, cells (E, k) by kind, whether a node is eliminated
+    (N,), kept nodes (c,), whether a node has loads (N,). Also returns the position of each node
+    (N,) in the order of elimination: kept nodes are last, -1 for other nodes.
     """
     sizes = np.concatenate([np.full(len(part), part.shape[1]) for part in cells])
     element = np.repeat(np.arange(sizes.size), sizes)
@@ -65,7 +68,7 @@ def dissect(
     parts: list[tuple[int, ...]] = []
 
     def split(element: Numbers, node: Numbers) -> int:
-        """Number of the front that eliminates the last nodes of these pairs."""
+        """Number of the last front of these pairs of element and node."""
         own, below = np.unique(node), []
         if own.size > LEAF:
             own, halves = _bisected(element, node, middles)
@@ -79,12 +82,11 @@ def dissect(
     order = np.concatenate(owns)
     position[order] = np.arange(order.size)
     position[kept] = order.size + np.arange(kept.size)
+    beside = _neighbours(element, node, inner.size)
     fronts: list[Front] = []
     for own, below in zip(owns, parts, strict=True):
-        touched = np.zeros(sizes.size, dtype=bool)
-        touched[element[np.isin(node, own)]] = True
-        beside = [node[touched[element]], *(fronts[part].rest for part in below)]
-        rest = np.unique(np.concatenate(beside))
+        touched = [*(beside[each] for each in own.tolist()), *(fronts[part].rest for part in below)]
+        rest = np.unique(np.concatenate(touched)) if touched else own
         rest = rest[position[rest] > position[own].max(initial=-1)]
         rest = rest[np.argsort(position[rest])]
         carries = loaded[own].any() or any(fronts[part].loaded for part in below)
@@ -92,19 +94,35 @@ def dissect(
     return fronts, position
 
 
+def _neighbours(element: Numbers, node: Numbers, count: int) -> list[Numbers]:
+    """Nodes of the elements of each node, from pairs of both, element by element."""
+    order = np.argsort(node, kind="stable")
+    first = np.searchsorted(node[order], np.arange(count + 1)).tolist()
+    of_node = element[order]
+    ends = np.searchsorted(element, np.arange(element.max(initial=-1) + 2)).tolist()
+    nodes_of = [node[one:two] for one, two in pairwise(ends)]
+    return [
+        np.concatenate([nodes_of[each] for each in of_node[one:two].tolist()])
+        if two > one
+        else node[:0]
+        for one, two in pairwise(first)
+    ]
+
+
 def _bisected(element: Numbers, node: Numbers, middles: Floats) -> tuple[Numbers, list[Flags]]:
     """Nodes that both halves share, and the pairs of each half without them.
 
     The best of some directions: the fewest nodes.
     """
-    elements = np.unique(element)
-    best: tuple[Numbers, list[Flags]] | None = None
-    for turn in np.arange(DIRECTIONS) * (np.pi / DIRECTIONS):
-        along = middles @ [np.cos(turn), np.sin(turn)]
-        ahead = along[element] > np.median(along[elements])
-        own = np.intersect1d(node[ahead], node[~ahead])
-        if best is None or own.size < best[0].size:
-            free = ~np.isin(node, own)
-            best = own, [ahead & free, ~ahead & free]
-    assert best is not None
-    return best
+    nodes, at = np.unique(node, return_inverse=True)
+    elements, of_element = np.unique(element, return_inverse=True)
+    along = middles[elements] @ TURNS
+    ahead = (along > np.median(along, axis=0))[of_element]
+    shared = np.zeros((2, nodes.size, DIRECTIONS), dtype=bool)
+    for half, part in enumerate((ahead, ~ahead)):
+        pair, direction = np.nonzero(part)
+        shared[half, at[pair], direction] = True
+    both = shared[0] & shared[1]
+    best = int(np.argmin(both.sum(axis=0)))
+    free = ~both[at, best]
+    return nodes[both[:, best]], [ahead[:, best] & free, ~ahead[:, best] & free]

@@ -1,26 +1,23 @@
 """Near field of a load on the flank of a prism: half-space, images behind end faces and corners.
 
-An involute helicoid unrolls: places (s, z) on the flank lie so far apart that
+On the developed involute helicoid, the distance R of points (s, z) and (s', z') follows from
 
     x = (s - s') - (z - z') [c(s) + c(s')]/2,  y = (z - z')/cos(beta_b),  R² = x² + y²
 
-with c = ds/dz along the straight line across the flank (a contact line), which runs along y. A unit
-force moves the flank out of the material by
+with c = ds/dz along the straight line across the flank (a contact line, x = 0), parallel to y. The
+normal displacement of the flank under a normal unit force is
 
     k [1/R + sum_e psi_e/R_e + sum_w psi_w/R_w],  k = (1 - nu²)/(pi E)
     R_e² = x² + ((z + z' - 2 z_e)/cos(beta_b))²      behind the end face z_e
     R_w² = (d + d')² + y²                            behind a free corner, d = |s - s_w|
 
-In contact lines x = 0.
-
-A unit force along the profile, towards growing arc length, moves the flank out of the material by
+The normal displacement under a unit force along the profile, towards increasing arc length, is
 
     -j/pi x/R² + k sum_w psi_nt/R_w,  j = (1 - 2 nu)(1 + nu)/(2 E)
 
 (Cerruti; K. L. Johnson, Contact Mechanics, (3.75)): inwards in front of the force.
 
-On a tip rounding or chamfer behind the flank the normal turns towards the axis of the tooth, and
-beta_b is that of the place: the mean of both places stands in R.
+On a tip rounding or chamfer, beta_b varies with s, and the mean of both points is used in R.
 """
 
 from __future__ import annotations
@@ -39,10 +36,10 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats, Numbers
 
-#: Gauss points along the profile beside those that the degrees of the modes need.
+#: Gauss points along the profile, besides those for the degrees of the modes.
 MIDDLE_POINTS = 4
-#: Beside a tip, which is short, panels away from R = 0 grow by this factor, and take so many points
-#: beside those of the modes.
+#: With a tip, which is short: growth of panels away from R = 0, and points besides those for the
+#: modes.
 GROWTH, PANEL_POINTS = 4.0, 4
 
 
@@ -51,17 +48,17 @@ def projected_potential(
 ) -> Floats:
     """<P, potential P> over the flank for modes P_a(xi_s) P_b(xi_z).
 
-    1/R is of degree -1 at R = 0: from there coordinates t, t w, t w' leave a smooth integrand, for
-    which Gauss's rule converges like a power.
+    Coordinates t, t w, t w' from R = 0 cancel the singularity of 1/R, so that the Gauss rule
+    converges exponentially.
 
     Parameters
     ----------
     n_modes : int
-        a = 0 ... n_modes - 1, those of a tip included.
+        a = 0 ... n_modes - 1, including those of a tip.
     degree_z : int
         b = 0 ... degree_z.
     finer : int
-        So many times as many points.
+        Factor on the number of points.
 
     Returns
     -------
@@ -89,10 +86,10 @@ def projected_tangential(
     jump: float,
     finer: int = 1,
 ) -> Floats:
-    """<P, near field P> for displacements along the normal under loads along the profile.
+    """<P, near field P> for normal displacements (rows) under loads along the profile, (p, p).
 
-    Arguments as of `projected_potential`, with c0 = 2 k and j, mm²/N. (p, p), rows of
-    displacements; with area elements ds dz/cos(beta), mm⁵/N.
+    Arguments as of `projected_potential`, with `kernel` c0 = 2 k and `jump` j, mm²/N. With area
+    elements ds dz/cos(beta), mm⁵/N.
     """
     rule = _Rule(surface, n_modes, degree_z, finer)
     direct, images = rule.direct(turned=True), np.zeros([n_modes] * 2 + [degree_z + 1] * 2)
@@ -111,18 +108,18 @@ def _by_mode(total: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class _Lines:
-    """Pairs of places (s, s') of two pieces of the profile at m distances s - s', g for each.
+    """Pairs of points (s, s') of two pieces of the profile at m distances s - s', g for each.
 
-    Many points of a rule are so far apart, and only differ along the axis.
+    Many points of a rule have the same distance s - s' and differ along the axis only.
 
     Attributes
     ----------
     index : (k,) array
-        Of each distance among those m that are possible between the pieces; -1 if it is not.
+        Index of each distance among the m that occur between the pieces; -1 if it does not.
     spare : (m,) array
         Length over which the pairs extend, mm.
     slope, secant : (m, g) array
-        Means of both places.
+        Means of both points.
     secants : two (m, g) arrays
     modes : two (m, g, n) arrays
     """
@@ -153,9 +150,7 @@ class _Rule:
         self._known: dict[bytes, list[_Lines]] = {}
 
     def direct(self, *, turned: bool = False) -> Floats:
-        """Without an image: over s - s' > 0, and its transpose; if turned, of x/R² in place of 1/R,
-        which is antisymmetric.
-        """
+        """Integral without an image; if turned, that of x/R², which is antisymmetric."""
         total = np.zeros((self._n, self._n, self._m, self._m))
         for (ahead, apart), weight in self._points(self._ahead, self._apart):
             for z_change in (apart, -apart):
@@ -165,7 +160,7 @@ class _Rule:
         return np.asarray(total - exchanged if turned else total + exchanged)
 
     def behind_end(self, face: int) -> Floats:
-        """Behind the low end face (0) or the high one (1)."""
+        """Integral for the image behind the low (0) or the high end face (1)."""
         surface, outward = self._surface, 1.0 if face else -1.0
         total = np.zeros((self._n, self._n, self._m, self._m))
         for (ahead, one, two), weight in self._points(self._ahead, self._apart, self._apart):
@@ -179,7 +174,7 @@ class _Rule:
         return np.asarray(total + total.transpose(1, 0, 3, 2))
 
     def behind_corner(self, corner: int) -> Floats:
-        """Behind the corner at the low end of the arc length (0) or the high one (1)."""
+        """Integral for the image behind the corner at low (0) or high (1) arc length."""
         surface = self._surface
         inwards = -1.0 if corner else 1.0
         total = np.zeros((self._n, self._n, self._m, self._m))
@@ -197,7 +192,7 @@ class _Rule:
         return total
 
     def _points(self, *edges: Floats) -> Iterator[tuple[list[Floats], Floats]]:
-        """Points (by coordinate) and weights of the boxes between edges; all edges begin at 0."""
+        """Points (by coordinate) and weights of the boxes between edges, which begin at 0."""
         for box in product(*(list(pairwise(each)) for each in edges)):
             sizes = [high - low for low, high in box]
             if any(low > 0.0 for low, _ in box):
@@ -218,10 +213,7 @@ class _Rule:
         *,
         turned: bool = False,
     ) -> Floats:
-        """Integrals (k, a, c) of P_a(s) P_c(s')/R over all places with s - s' = ahead (k,).
-
-        If turned, of P_a(s) P_c(s') x/R².
-        """
+        """Integrals (k, a, c) of P_a(s) P_c(s')/R over s - s' = ahead (k,); x/R² if turned."""
         gauss = self._along[1]
         total = np.zeros((ahead.size, self._n, self._n))
         distinct, number = np.unique(ahead, return_inverse=True)
@@ -240,7 +232,7 @@ class _Rule:
         return total
 
     def _lines(self, ahead: Floats) -> list[_Lines]:
-        """Places with s - s' = ahead (m,), once for each pair of pieces of the profile."""
+        """Points with s - s' = ahead (m,), for each pair of pieces of the profile."""
         surface, (at, _) = self._surface, self._along
         key = ahead.tobytes()
         if key in self._known:
@@ -271,7 +263,7 @@ class _Rule:
         return found
 
     def _overlap(self, z_change: Floats) -> Floats:
-        """Integrals (k, b, d) of P_b(z) P_d(z') over all places with z - z' = z_change (k,)."""
+        """Integrals (k, b, d) of P_b(z) P_d(z') over z - z' = z_change (k,)."""
         width, (at, gauss) = self._surface.width_mm, self._across
         spare = width - np.abs(z_change)
         first = np.maximum(z_change, 0.0)
@@ -282,7 +274,7 @@ class _Rule:
 
 
 def _panels(length_mm: float, shortest_mm: float, breaks_mm: Floats) -> Floats:
-    """Edges from 0 to a length: at breaks, and between them growing from a shortest panel."""
+    """Edges of panels from 0 to a length: breaks, and panels that grow from a shortest one."""
     if not breaks_mm.size or shortest_mm >= length_mm:
         return np.array([0.0, length_mm])
     steps = int(np.log(length_mm / shortest_mm) / np.log(GROWTH))
@@ -293,7 +285,7 @@ def _panels(length_mm: float, shortest_mm: float, breaks_mm: Floats) -> Floats:
 
 
 def _tensor(rules: list[tuple[Floats, Floats]]) -> tuple[list[Floats], Floats]:
-    """Points of the unit cube (by coordinate) and weights of a product of rules."""
+    """Points in the unit cube (by coordinate) and weights of a product of rules."""
     points = np.meshgrid(*(at for at, _ in rules), indexing="ij")
     weights = np.meshgrid(*(weight for _, weight in rules), indexing="ij")
     return [part.ravel() for part in points], np.prod([part.ravel() for part in weights], axis=0)
@@ -302,7 +294,7 @@ def _tensor(rules: list[tuple[Floats, Floats]]) -> tuple[list[Floats], Floats]:
 def _cone(
     dimension: int, radial: tuple[Floats, Floats], sideways: tuple[Floats, Floats]
 ) -> tuple[list[Floats], Floats]:
-    """Points of the unit cube (by coordinate) and weights, cut into cones from its corner 0."""
+    """Points (by coordinate) and weights of the unit cube, divided into cones from its corner 0."""
     (t, *others), weight = _tensor([radial, *[sideways] * (dimension - 1)])
     weight = weight * t ** (dimension - 1)
     edges = [t, *(t * other for other in others)]

@@ -1,8 +1,8 @@
-"""The working flank of a prism between the ends of its modes, as its near field sees it.
+"""The working flank of a prism between the ends of its modes, for its near field.
 
-Beside a free end a flank is more compliant than a half-space. The near field of a load has a mirror
-image behind the end, psi times as strong. The strengths were measured on finite elements: at an
-edge of 90 degrees by Poisson's ratio, and at nu = 0.3 by the angle.
+Near a free end face a flank is more compliant than a half-space: the near field of a load has a
+mirror image of strength psi behind the end. Strengths were determined by finite elements, at an
+edge of 90 degrees as a function of Poisson's ratio, and at nu = 0.3 as a function of the angle.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 
+from flankload.base.gauss import leggauss
 from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.elasticity.near_field import mode_norms, mode_values
 from flankload.errors import SceneError
@@ -26,31 +26,31 @@ if TYPE_CHECKING:
     from flankload.bodies.tip_modes import Tip
     from flankload.elasticity.prism.compliance import Prism
 
-#: psi at a right angle, measured, by Poisson's ratio.
+#: Poisson's ratios, and psi at a right angle.
 RIGHT_ANGLE = ((0.0, 0.2, 0.3, 0.4, 0.45), (0.94, 1.13, 1.30, 1.53, 1.69))
-#: 1.33 exp(-0.062 (angle - 90)), fitted at nu = 0.3 to angles from 57 degrees on.
+#: psi = 1.33 exp(-0.062 (angle - 90)) at nu = 0.3, fitted to angles of at least 57 degrees.
 AT_STEEL, STEEL_RATIO, DECAY_PER_DEGREE = 1.33, 0.3, 0.062
-#: Sharper edges were not measured: the image leaves 3.4 % at 57 degrees, and more below.
+#: Least angle, deg; the error of the image is 3.4 % at 57 degrees, and larger below.
 LEAST_ANGLE = 50.0
-#: Gauss points beside those that the degrees of the modes need: in the directions in which 1/R is
-#: smooth without being a polynomial. Twice as many change the projections by less than 1e-6.
+#: Gauss points in directions in which 1/R is smooth, but not a polynomial, besides those for the
+#: modes; twice as many change the projections by less than 1e-6.
 DIRECTION_POINTS = 16
-#: Places of a table of directions on flank and tip each: 1e-7 of them between places.
+#: Number of points of a table of directions on flank and tip each; interpolation error 1e-7.
 TABLE = 2000
 
 
 @dataclass(frozen=True, eq=False)
 class FlankSurface:
-    """Flank of a prism between the ends of its modes, unrolled, and its images.
+    """Developed flank of a prism between the ends of its modes, and its images.
 
     Attributes
     ----------
     s_mm, z_mm : (float, float)
-        Ranges of arc length and along the axis.
+        Ranges of arc length and of axial position.
     cos_base_helix : float
         cos(beta_b).
     slope : callable
-        Arc lengths to ds/dz along the straight line through the place, of the same shape.
+        Arc lengths -> ds/dz along the straight line through the point, of the same shape.
     end : (float, float)
         Strengths psi of the images behind the end faces at low and high z.
     wedge : (float, float)
@@ -58,9 +58,9 @@ class FlankSurface:
     wedge_along : (float, float)
         Strengths psi_nt behind free corners of a force along the profile.
     tip : Tip or None
-        Rounding or chamfer behind the flank; the last two modes are its own.
+        Rounding or chamfer behind the flank, to which the last modes belong.
     tip_secant : callable or None
-        Arc lengths on the tip to 1/cos(beta) there, of the same shape.
+        Arc lengths on the tip -> 1/cos(beta), of the same shape.
     """
 
     s_mm: tuple[float, float]
@@ -75,21 +75,21 @@ class FlankSurface:
 
     @property
     def pieces_mm(self) -> tuple[float, ...]:
-        """Arc lengths where the flank begins and ends, and where its tip does."""
+        """Arc lengths at the ends of the flank, and at the end of its tip."""
         return self.s_mm if self.tip is None else (*self.s_mm, self.tip.end_mm)
 
     @property
     def length_mm(self) -> float:
-        """Along the profile, the tip included."""
+        """Length along the profile, including the tip."""
         return self.pieces_mm[-1] - self.pieces_mm[0]
 
     @property
     def width_mm(self) -> float:
-        """Along the axis."""
+        """Axial width."""
         return self.z_mm[1] - self.z_mm[0]
 
     def secant(self, s: Floats) -> Floats:
-        """1/cos(beta): area elements are this times ds dz."""
+        """1/cos(beta), the area element over ds dz."""
         flank = np.full(np.shape(s), 1.0 / self.cos_base_helix)
         if self.tip_secant is None:
             return flank
@@ -112,12 +112,12 @@ class FlankSurface:
         return total
 
     def potential(self, s: Floats, z: Floats, s_load: Floats, z_load: Floats) -> Floats:
-        """Near field of point loads over k; 1/mm, infinite at the load itself.
+        """Near field of point loads over k, 1/mm; infinite at the load.
 
         Parameters
         ----------
         s, z, s_load, z_load : arrays that broadcast
-            Places, mm.
+            Positions of points and loads, mm.
         """
         z_change = z - z_load
         x = s - s_load - 0.5 * (self.slope(s) + self.slope(s_load)) * z_change
@@ -133,10 +133,7 @@ class FlankSurface:
 
 
 def flank_surface(body: Body, prism: Prism) -> FlankSurface:
-    """The working flank of tooth 0 as its near field sees it.
-
-    Raises SceneError if an edge between flank and end face is sharper than 50 degrees.
-    """
+    """The working flank of tooth 0, for its near field; raises SceneError as `edge_angles`."""
     ratio, twist = body.material.poisson_ratio, prism.twist
     low, high = (end_strength(angle, ratio) for angle in edge_angles(body, twist))
 
@@ -161,7 +158,7 @@ def flank_surface(body: Body, prism: Prism) -> FlankSurface:
 
 
 def _turning(body: Body, twist: float, s: Floats) -> tuple[Floats, Floats]:
-    """Twist times the levers P x t and P . t of the profile's tangent t at arc lengths."""
+    """Twist times P x t and P . t, with the profile's tangent t, at arc lengths."""
     if not twist:
         return np.zeros_like(s), np.zeros_like(s)
     places = np.ravel(s)
@@ -174,7 +171,7 @@ def _turning(body: Body, twist: float, s: Floats) -> tuple[Floats, Floats]:
 def _tabled_turning(
     body: Body, twist: float
 ) -> tuple[Callable[[Floats], Floats], Callable[[Floats], Floats]]:
-    """ds/dz along the straight line and 1/cos(beta) from tables: a tip takes many places."""
+    """ds/dz along the straight line and 1/cos(beta) by interpolation, for a flank with a tip."""
     assert body.tip is not None
     inside = np.linspace(1e-9, 1.0 - 1e-9, TABLE)
     low, high = body.mode_range_mm
@@ -192,23 +189,23 @@ def _tabled_turning(
 
 
 def end_strength(angle_deg: float, poisson_ratio: float) -> float:
-    """Strength psi of the image behind a free end at an angle to the flank, inside the metal."""
+    """Strength psi of the image behind an end face at an interior angle to the flank."""
     at_right_angle, at_steel = np.interp([poisson_ratio, STEEL_RATIO], *RIGHT_ANGLE)
     by_angle = AT_STEEL * np.exp(-DECAY_PER_DEGREE * (angle_deg - 90.0))
     return float(by_angle * at_right_angle / at_steel)
 
 
 def edge_angles(body: Body, twist: float) -> tuple[float, float]:
-    """Angles of the metal between the flank and the low and high end face, degrees.
+    """Interior angles between the flank and the low and high end face, degrees.
 
-    They are 90 +- asin(n.e) with e the direction out of the end: obtuse where the flank's normal
-    leans out of it. n.e = -+ kappa l cos(beta_b), l the lever of the transverse normal about the
-    axis, in the middle of the flank; tan(beta_b) = |kappa l|. `twist` is kappa, rad/mm.
+    90 +- asin(n.e) with the outward normal e of the end face and n.e = -+ kappa l cos(beta_b),
+    where l is the lever arm of the transverse normal in the middle of the flank, tan(beta_b) =
+    |kappa l|, and `twist` is kappa, rad/mm.
 
     Raises
     ------
     SceneError
-        Below 50 degrees.
+        If an angle is less than 50 degrees.
     """
     leaning = float(np.degrees(np.arctan(-twist * body.normal_lever_mm)))
     angles = 90.0 - leaning, 90.0 + leaning
@@ -222,6 +219,6 @@ def edge_angles(body: Body, twist: float) -> tuple[float, float]:
 
 
 def unit_gauss(points: int) -> tuple[Floats, Floats]:
-    """Gauss's rule on [0, 1]."""
+    """Gauss rule on [0, 1]."""
     at, weights = leggauss(points)
     return 0.5 + 0.5 * at, 0.5 * weights

@@ -1,9 +1,8 @@
 """Displacement and stress in a whole prism under forces on its flanks.
 
-One sector is condensed to its cuts and its fronts are kept; the cuts of the ring are solved one
-sector harmonic at a time, and each sector takes one back substitution (`recovery`). The solid that
-is shown is the section at stations along the axis: two for each layer of quadratic elements and
-one, as many layers as keep the degree of the displacements.
+One sector is condensed to its cuts, and its fronts are stored; the cuts of the ring are solved by
+sector harmonics, and each sector requires one back substitution (`recovery`). The solid mesh for
+output has layers of quadratic elements along the axis, enough for the degree of the displacements.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from flankload.bodies.body import SectorMesh
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import lame_parameters
 from flankload.elasticity.loaded_body import node_widths, on_edges, ring_of
-from flankload.elasticity.near_field import carrying_edges
+from flankload.elasticity.near_field import loaded_edges
 from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.recovery import Recovery
@@ -31,10 +30,10 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Body
     from flankload.elasticity.prism.compliance import Prism
 
-#: Solid elements of three stations of a plane element, in meshio's names.
+#: Solid element of each plane element, by name in meshio.
 SOLIDS = {"quad9": "hexahedron27", "triangle6": "wedge18"}
-#: Plane element nodes of each node of a solid, and its station: corners below and above, edges
-#: below and above, upright edges; then the faces and the middle in VTK's order.
+#: Node of the plane element, and axial station, of each node of a solid: corners below and above,
+#: edges below and above, axial edges; then faces and middle in the order of VTK.
 SOLID_NODES = {
     "quad9": (
         (0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, 7, 0, 1, 2, 3, 7, 5, 4, 6, 8, 8, 8),
@@ -49,18 +48,18 @@ SOLID_NODES = {
 
 @dataclass(frozen=True, eq=False)
 class SolidPart:
-    """Elements of one width: n nodes of the whole section at J stations.
+    """Solid elements of one width: n nodes of the whole section at J axial stations.
 
     Attributes
     ----------
     nodes : (n,) array
-        Of the section of the whole body.
+        Numbers in the section of the whole body.
     cells : ((kind, (E, k) array), ...)
-        Plane elements, in nodes of the part.
+        Plane elements, by nodes of the part.
     z_mm : (J,) array
         Stations, ascending.
     values, slopes : (b, J, p + 1) arrays
-        Functions of z of each basis at the stations, and their derivatives.
+        Axial functions of each basis at the stations, and their derivatives.
     """
 
     nodes: Numbers
@@ -71,7 +70,7 @@ class SolidPart:
 
     @property
     def solids(self) -> Cells:
-        """Solid elements, in points numbered by node, then station."""
+        """Solid elements, with points numbered by node, then station."""
         count, found = self.z_mm.size, []
         for kind, cells in self.cells:
             node, level = map(np.array, SOLID_NODES[kind])
@@ -83,24 +82,24 @@ class SolidPart:
 
 @dataclass(frozen=True, eq=False)
 class LoadedPrism:
-    """The elements of a whole prism, ready for forces on its flanks.
+    """The condensed elements of a whole prism, for forces on its flanks.
 
     Attributes
     ----------
     body : Body
-        As `Body.for_elements` returns it.
+        From `Body.for_elements`.
     nodes : (M, 2) array
-        Of the section of the whole body at z = 0, mm; nodes of the cuts occur once.
+        Section of the whole body at z = 0, mm, without duplicate nodes on the cuts.
     numbers : (z, N) array
-        Node of the whole body of each node of each sector.
+        Node of the whole body for each node of each sector.
     basis_of : (M,) array
-        Number of the functions of z of each node.
+        Number of the axial basis of each node.
     parts : tuple of SolidPart
         One for each width of regions.
     sector : CondensedSector
-        With its cuts alone.
+        Condensed to its cuts.
     recovery : Recovery
-        With all fronts.
+        All fronts.
     """
 
     body: Body
@@ -114,29 +113,29 @@ class LoadedPrism:
 
     @property
     def mesh(self) -> SectorMesh:
-        """Of a sector."""
+        """Mesh of a sector."""
         assert isinstance(self.body.mesh, SectorMesh)
         return self.body.mesh
 
     def on_flank(self, s_mm: Floats) -> tuple[Numbers, Floats]:
-        """Nodes (n, 3) of a sector beside places of its flank, and their shape functions there."""
-        edges, s = carrying_edges(self.mesh)
+        """Nodes (n, 3) of the edges at points of the flank of a sector, and shape functions."""
+        edges, s = loaded_edges(self.mesh)
         at, shapes = on_edges(s, s_mm)
         return edges[at], shapes
 
     def flank_widths(self) -> tuple[Numbers, Floats]:
         """Nodes (k,) of the flank of a sector, and the area (k,) of each per mm along z, mm."""
-        nodes, widths = node_widths(*carrying_edges(self.mesh))
+        nodes, widths = node_widths(*loaded_edges(self.mesh))
         return nodes, widths * np.hypot(1.0, self.prism.twist * self.body.normal_lever_mm)
 
     def displacements(
         self, tooth: Numbers, s_mm: Floats, spans_mm: Floats, force_N: Floats
     ) -> Floats:
-        """Displacements (M, p + 1, 3) under forces (n, 3), N, on flanks, each even over a span.
+        """Displacements (M, p + 1, 3) under forces (n, 3), N, uniform over spans on flanks.
 
-        Forces act on teeth (n,) at arc lengths (n,) between the ends (n, 2) of their spans along
-        the axis. Both are in the section turned with the helix, in the frame of the body;
-        displacements by node and function of z.
+        Forces act on teeth (n,) at arc lengths (n,), between the axial ends (n, 2) of their spans.
+        Components are in the section rotated with the helix, in the frame of the body;
+        displacements are by node and function of z.
         """
         mesh, count = self.mesh, self.prism.degree + 1
         z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
@@ -160,10 +159,7 @@ class LoadedPrism:
         return found
 
     def solved(self, forces: Floats) -> Floats:
-        """Displacements of all sectors of the ring under nodal forces (N, 3 (p + 1), z).
-
-        Both by node, unknown and sector, in the frames of the sectors.
-        """
+        """Displacements of all sectors under nodal forces (N, 3 (p + 1), z), in their frames."""
         kept, carried = self.recovery.reduced(forces)
         on_cuts = ring_displacements(replace(self.sector, carried=(carried,)), self.mesh.teeth)
         return self.recovery.displacements(kept, on_cuts, len(self.mesh.nodes))
@@ -171,8 +167,8 @@ class LoadedPrism:
     def fields(self, part: SolidPart, moved: Floats) -> tuple[Floats, Floats]:
         """Displacement (n, J, 3), mm, and stress (n, J, 6), MPa, at the points of a part.
 
-        In the section turned with the helix, from the result of `displacements`. The stress xx, yy,
-        zz, xy, yz, xz is recovered and averaged over the elements of a node.
+        In the section rotated with the helix, from the result of `displacements`. The stress xx,
+        yy, zz, xy, yz, xz is averaged over the elements of a node.
         """
         own, basis, twist = moved[part.nodes], self.basis_of[part.nodes], self.prism.twist
         v, by_z = (
@@ -181,7 +177,7 @@ class LoadedPrism:
         )
         places = self.nodes[part.nodes]
         columns = np.zeros((len(places), 2, v[0].size))
-        columns[:, 0] = v.reshape(len(places), -1)  # of a scalar: e_xx and 2 e_xy are its slopes
+        columns[:, 0] = v.reshape(len(places), -1)  # in x: e_xx and 2 e_xy are its derivatives
         strains = recovered_strains(places, part.cells, columns.reshape(2 * len(places), -1))
         slopes = strains.reshape(len(places), 3, *v.shape[1:])
         by_x, by_y = slopes[:, 0], slopes[:, 2]
@@ -229,7 +225,7 @@ def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
 def _parts(
     whole: Cells, regions: tuple[int, ...], bases: tuple[AxialBasis, ...]
 ) -> tuple[SolidPart, ...]:
-    """Parts of equal width of the whole body."""
+    """Parts of the whole body by width."""
     found = []
     for region in sorted(set(regions)):
         low, high = bases[region].range_mm

@@ -1,12 +1,12 @@
-"""Displacements inside a condensed sector of a prism: the fronts are kept and substituted back.
+"""Displacements inside a condensed sector of a prism by back substitution in stored fronts.
 
-A front with the factor L of its own nodes and the rows B L'⁻¹ below it, B of its boundary x_b and
-of the load columns, leaves
+A front with the factor L of its nodes and the rows B L'⁻¹ below it, with B for its boundary x_b and
+the load columns, gives
 
     x = L'⁻¹ (y - (B L'⁻¹)' [x_b, -c]),   y = L⁻¹ f                                        (R5)
 
-for loads with the factors c and forces f on its nodes, reduced by the fronts before it. What is
-wanted of few nodes needs their own fronts and those that are eliminated after them alone.
+for loads with the factors c and forces f on its nodes, reduced by the previous fronts.
+Displacements of a few nodes require their fronts and all later ones on the way to the cuts.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ class KeptFront:
     Attributes
     ----------
     factor : (o, o) array
-        Lower triangle L of the matrix of its own unknowns.
+        Lower triangle L.
     below : (r, o) array
-        Rows of its boundary, then of the loads, times L'⁻¹.
+        Rows of the boundary, then of the loads, times L'⁻¹.
     """
 
     front: Front
@@ -43,16 +43,16 @@ class KeptFront:
 
 @dataclass(eq=False)
 class Independent:
-    """Fronts of a set of unknowns of the nodes that meets no other one.
+    """Fronts of a set of unknowns of the nodes that is not coupled to others.
 
     Attributes
     ----------
     unknowns, of_cut : (n,), (m,) arrays
-        Of an inner node and of one of a cut.
+        Unknowns of an inner node, and of a node of a cut.
     columns : (k,) array
-        Load columns with a part in this set.
+        Load columns that are not 0 in this set.
     needed : (f,) array of bool
-        Fronts that are kept, in the order of their elimination.
+        Fronts to be stored, in the order of elimination.
     """
 
     unknowns: Numbers
@@ -62,18 +62,18 @@ class Independent:
     fronts: list[KeptFront] = field(default_factory=list)
 
     def keep(self, number: int, front: Front, factor: Floats, below: Floats) -> None:
-        """Keep a front, if it is needed."""
+        """Store a front, if needed."""
         if self.needed[number] and front.own.size:
             self.fronts.append(KeptFront(front, factor, below))
 
 
 class Recovery:
-    """Fronts that a condensation keeps, and what follows from them.
+    """Stored fronts of a condensation, and displacements from them.
 
     Parameters
     ----------
     nodes : (k,) array, optional
-        Nodes whose displacements are wanted; by default all.
+        Nodes whose displacements are needed; default: all.
     """
 
     def __init__(self, nodes: Numbers | None = None) -> None:
@@ -84,19 +84,19 @@ class Recovery:
 
     @property
     def bytes(self) -> int:
-        """Size of the kept fronts."""
+        """Size of the stored fronts."""
         return sum(
             kept.factor.nbytes + kept.below.nbytes for part in self._parts for kept in part.fronts
         )
 
     def begin(self, cut: Numbers, unknowns: int, per_cut: int) -> None:
-        """Begin a condensation to the nodes of cuts with so many unknowns of a node."""
+        """Begin a condensation to nodes of cuts, with numbers of unknowns per node."""
         self._cut, self._unknowns, self._per_cut = cut, unknowns, per_cut
 
     def part(
         self, fronts: Sequence[Front], unknowns: Numbers, of_cut: Numbers, columns: Numbers
     ) -> Independent:
-        """A set of unknowns whose fronts are to be kept."""
+        """Add a set of unknowns whose fronts are to be stored."""
         needed = np.ones(len(fronts), dtype=bool)
         if self._nodes is not None:
             for number in range(len(fronts) - 1, -1, -1):
@@ -111,8 +111,8 @@ class Recovery:
     def unit_displacements(self, nodes: Numbers, loads: int) -> tuple[Floats, Floats]:
         """Displacements of nodes (k,) under unit loads and under unit displacements of the cuts.
 
-        By loads (k, 3 (p + 1), loads), with both cuts held; by cuts (k, 3 (p + 1), 2 m), without
-        loads and with unknowns of the cuts as in `CondensedSector`.
+        By loads (k, 3 (p + 1), loads) with fixed cuts; by cuts (k, 3 (p + 1), 2 m) without loads,
+        with unknowns of the cuts as in `CondensedSector`.
         """
         cuts, per_cut = self._cut.size, self._per_cut
         by_loads = np.zeros((nodes.size, self._unknowns, loads))
@@ -132,10 +132,10 @@ class Recovery:
         return by_loads, by_cuts
 
     def reduced(self, forces: Floats) -> tuple[list[list[Floats]], Floats]:
-        """What the fronts keep of forces (N, 3 (p + 1), r) on all nodes, and what the cuts carry.
+        """Reduce forces (N, 3 (p + 1), r) on all nodes; those on fixed nodes are ignored.
 
-        y of (R5), by part and front; and the forces (2 m, r) on the cuts, as in `CondensedSector`.
-        Those on fixed nodes are ignored.
+        Returns y of (R5), by part and front, and the forces (2 m, r) on the cuts, as in
+        `CondensedSector`.
         """
         kept, r = [], forces.shape[2]
         carried = np.zeros((self._cut.size, self._per_cut, r))
@@ -156,7 +156,7 @@ class Recovery:
     def displacements(self, kept: list[list[Floats]], on_cuts: Floats, nodes: int) -> Floats:
         """Displacements (N, 3 (p + 1), r) of all nodes; 0 at fixed ones.
 
-        From the forces kept in `reduced` and the displacements (2 m, r) of the cuts.
+        From the reduced forces and the displacements (2 m, r) of the cuts.
         """
         r = on_cuts.shape[1]
         found = np.zeros((nodes, self._unknowns, r))
@@ -174,7 +174,7 @@ class Recovery:
         factors: Floats | None,
         forces: list[Floats] | None = None,
     ) -> dict[int, Floats]:
-        """Displacements (n, r) of each kept node and (m, r) of the cuts, last fronts first."""
+        """Displacements (n, r) of each node of the stored fronts, and (m, r) of the cuts."""
         r, n = on_cuts.shape[2], part.unknowns.size
         moved = dict(zip(self._cut.tolist(), on_cuts, strict=True))
         for number in range(len(part.fronts) - 1, -1, -1):
@@ -183,7 +183,7 @@ class Recovery:
             if factors is not None and each.front.loaded:
                 known.append(-factors)
             own = np.zeros((each.front.own.size * n, r)) if forces is None else forces[number]
-            if known:  # rows of loads are the last ones
+            if known:  # rows of loads are last
                 beside = np.concatenate(known)
                 own = own - each.below[: len(beside)].T @ beside
             own = dtrsm(1.0, each.factor, own, lower=1, trans_a=1)
@@ -192,7 +192,7 @@ class Recovery:
 
 
 def _rows(front: Front, part: Independent) -> list[tuple[int, slice]]:
-    """Nodes of a front's boundary, and the rows of each."""
+    """Nodes of the boundary of a front, and the rows of each."""
     sizes = np.where(np.arange(front.rest.size) < front.inner, part.unknowns.size, part.of_cut.size)
     ends = np.cumsum(sizes)
     return [

@@ -1,18 +1,18 @@
-"""Stress on the root fillets of a prism: a free surface that turns with the section.
+"""Stress on the root fillets of a prism, a free surface that rotates with the section.
 
-The surface is P(s) turned by kappa z. With the unit tangent t of the section and e = (-kappa y,
-kappa x, 1) along the line of constant s, the displacements v change by dv/ds and
-w = dv/dz + kappa (-v_y, v_x, 0), and the strains of the surface are
+The surface is P(s) rotated by kappa z. With the unit tangent t of the section, e = (-kappa y,
+kappa x, 1) along the line of constant s, the displacements v and
+w = dv/dz + kappa (-v_y, v_x, 0), the strains of the surface are
 
     E_ss = t.dv/ds,  E_zz = e.w,  2 E_sz = t.w + e.dv/ds                                   (R6)
 
-in the oblique directions t and e; g = |e|, c = t.e/g. Across and along the tooth's root line e
+in the oblique directions t and e; g = |e|, c = t.e/g. Across and along the root line e
 
     e_11 = (E_ss - 2 c E_sz/g + c² E_zz/g²)/(1 - c²),  e_22 = E_zz/g²
     s_11 = E/(1 - nu²) (e_11 + nu e_22)                                                    (R7)
 
-since no stress acts on the surface. None of the factors depends on z: the stress is a polynomial of
-the degree of the displacements.
+for a free surface. The factors do not depend on z, so that the stress is a polynomial of the degree
+of the displacements.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ def root_surface_stress(
 ) -> Floats:
     """Stress s_11 across the root line at the points of fillets, from displacements of their nodes.
 
-    (q (p + 1), 3 m (p + 1)), MPa/mm: by point and function of z, from the unknowns of the nodes by
-    node, function of z and component. The displacements are written in `functions`, the stress in
-    `axial` of the same degree, over the width of the teeth; `twist` is kappa, rad/mm.
+    (q (p + 1), 3 m (p + 1)), MPa/mm: by point and function of z, from unknowns by node, function of
+    z and component. Displacements are in terms of `functions`, the stress in terms of `axial`, of
+    the same degree, over the width of the teeth; `twist` is kappa, rad/mm.
     """
     count = axial.count
     x, y = fillet.places.T
@@ -64,7 +64,7 @@ def root_surface_stress(
     nu = material.poisson_ratio
     stress = material.young_modulus_MPa / (1.0 - nu**2) * (e_11 + nu * e_22)
     bases, number = functions.of_nodes(fillet.nodes)
-    if bases != (axial,):  # coefficients over the teeth of each node's own functions
+    if bases != (axial,):  # projection of each node's functions on those of the teeth
         in_axial = np.stack([cross_terms(axial, basis, axial)[0] for basis in bases])[number]
         stress = np.einsum("qmabd,mbe->qmaed", stress, in_axial)
     return np.ascontiguousarray(stress.transpose(0, 2, 1, 3, 4)).reshape(len(x) * count, -1)

@@ -1,7 +1,7 @@
-"""Stiffness of the plane section of a prism: three components, twist, and their axial change.
+"""Stiffness of the plane section of a prism with three displacement components and twist.
 
-In the frame that turns with the section, v is the displacement and D v = dv/dz + kappa L v its
-change along the axis, L v = y dv/dx - x dv/dy + (-v_y, v_x, 0). The strain
+In the frame that rotates with the section, the displacement v has the axial derivative
+D v = dv/dz + kappa L v, L v = y dv/dx - x dv/dy + (-v_y, v_x, 0). The strain
 (xx, yy, zz, 2xy, 2xz, 2yz) is P v + Q dv/dz, and with functions phi_a of z
 
     K = K_PP x M + K_PQ x D1 + K_PQ' x D1' + K_QQ x S1,  K_PP = integral of P'CP dA, ...
@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
 
-#: Degree of the integration: x and y multiply gradients where the section twists, and shapes are
-#: squared.
+#: Degree of the integration, for products of shape functions and of gradients times x and y.
 SECTION_DEGREE = 6
 
 
@@ -38,11 +37,11 @@ class SectionStiffness:
     rows, columns : (n,) arrays
         Nodes i and j, each pair once in a region, by ascending region, i, j.
     blocks : (n, 4, 3, 3) array
-        Of K_PP, K_PQ, K_QP = K_PQ' and K_QQ; N/mm per mm, N/mm, N/mm, N.
+        K_PP, K_PQ, K_QP = K_PQ' and K_QQ; N/mm per mm, N/mm, N/mm, N.
     nodes : int
         Number of nodes.
     regions : (n,) array
-        Number of the region whose elements the blocks come from.
+        Number of the region of each block.
     """
 
     rows: Numbers
@@ -57,9 +56,8 @@ def section_stiffness(
 ) -> SectionStiffness:
     """Section matrices of a plane mesh with the axis at the origin.
 
-    Nodes and cells are those of `finite_elements.stiffness`; `twist` is kappa, rad/mm,
-    counter-clockwise with growing z; `regions` number the region of each entry of `cells`, by
-    default one.
+    Nodes and cells as of `finite_elements.stiffness`; `twist`: kappa, rad/mm, counter-clockwise
+    with increasing z; `regions`: number of the region of each entry of `cells`, by default one.
     """
     places, parts, count = [], [], len(nodes)
     for number, (kind, connectivity) in zip(regions or [0] * len(cells), cells, strict=True):

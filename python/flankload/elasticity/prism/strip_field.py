@@ -1,8 +1,7 @@
-"""Displacement of a body under forces on strips of its flanks, in slices: for flanks that conform.
+"""Displacement of a body under forces on strips of its flanks, in slices, for conforming flanks.
 
-A strip of a slice moves a strip of another one by (S1) of `docs/theory/slices.md` with the mean
-(S3) of 1/R; x is the distance of both strips whose logarithm is the mean logarithm of the distances
-of their points.
+The displacement of a strip under a force on another one is (S1) of `docs/theory/slices.md` with the
+mean (S3) of 1/R; the logarithm of x is the mean logarithm of the distances of their points.
 """
 
 from __future__ import annotations
@@ -19,13 +18,13 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
     from flankload.elasticity.compliance import BodyCompliance
 
-#: From so many lengths of segments on their second moments are enough, to 1e-5 of the mean.
+#: Distance, over the length of segments, above which second moments suffice, to 1e-5 of the mean.
 FAR = 10.0
 
 
 @dataclass(frozen=True, eq=False)
 class StripField:
-    """Displacement of a body under forces on N strips of J slices.
+    """Displacement field of a body under forces on N strips of J slices.
 
     Attributes
     ----------
@@ -34,11 +33,11 @@ class StripField:
     over : (J, n_z) array
         Means of the modes along the axis over the slices.
     near : (N, J, J) array
-        Near field of strips n apart, with the images behind end faces, mm/N.
+        Near field of strips at a distance n, with the images behind end faces, mm/N.
     corners : (2, N, N, J, J) or empty array
         Images behind free corners.
     weight : (J,) array
-        Part of the common width.
+        Width of each slice over the common width.
     """
 
     compliance: BodyCompliance
@@ -55,8 +54,8 @@ class StripField:
     ) -> StripField:
         """Field of a body in three dimensions.
 
-        At strips with the middles (N,) along the profile and one width, in slices between edges (J
-        + 1,).
+        For strips with middles (N,) along the profile and equal widths, in slices between edges
+        (J + 1,).
         """
         modes, s = compliance.modes, s_mm
         width, z = np.diff(edges_mm), 0.5 * (edges_mm[1:] + edges_mm[:-1])
@@ -89,7 +88,7 @@ class StripField:
         )
 
     def of_even_load(self) -> Floats:
-        """Mean displacement of strips (N, N) of all slices under even loads on all teeth."""
+        """Mean displacement of strips (N, N) over all slices under uniform loads on all teeth."""
         modes = np.einsum("ia,b->iab", self.along, self.weight @ self.over)
         modes = modes.reshape(len(self.along), -1)
         found = modes @ self.compliance.smooth.sum(axis=0) @ modes.T
@@ -100,7 +99,7 @@ class StripField:
         return np.asarray(found)
 
     def between_sites(self, spread: Floats, teeth: Numbers) -> Floats:
-        """Compliance (S, J, S, J) between slices whose forces are spread over the strips."""
+        """Compliance (S, J, S, J) between slices with forces that are distributed over strips."""
         modes = np.einsum("a,jb->jab", spread @ self.along, self.over)
         modes = modes.reshape(len(self.over), -1)
         blocks = modes @ self.compliance.smooth @ modes.T
@@ -124,9 +123,10 @@ def _axial_means(ends_mm: tuple[float, float], count: int, edges_mm: Floats) -> 
 
 
 def strip_distances(count: int, width_mm: float) -> Floats:
-    """Distances (n,) of strips 0, 1, ... apart by the mean logarithm between their points, mm.
+    """Distances (n,) of strips 0, 1, ... widths apart by the mean logarithm between points, mm.
 
-    The second integral of ln x is x²/2 ln x - 3 x²/4: strips as far as n widths have the mean
+    The second integral of ln x is x²/2 ln x - 3 x²/4; the mean logarithm of strips n widths apart
+    is
 
         ln w - 3/2 + [(n + 1)² ln(n + 1) - 2 n² ln n + (n - 1)² ln|n - 1|]/2
     """

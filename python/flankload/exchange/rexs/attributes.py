@@ -29,19 +29,10 @@ DIGITS = 14
 
 @dataclass(frozen=True)
 class Entry:
-    """An attribute that is read.
+    """An attribute that is read, of components of some types.
 
-    Attributes
-    ----------
-    types : tuple of str
-        Types of components that have the attribute.
-    attribute : str
-    in_file : str
-        Unit in the database, for attributes to which the file gives no unit.
-    key : str
-        Key of the scene; `body` is `body_1` or `body_2`.
-    how : str
-        `PLAIN`, or the rule.
+    `in_file` is its unit in the database, for attributes to which the file gives no unit; `key` is
+    the key of the scene, in which `body` is `body_1` or `body_2`; `how` is `PLAIN`, or the rule.
     """
 
     types: tuple[str, ...]
@@ -152,16 +143,12 @@ TABLE = (
         ("end_relief_depth_datum_face", "mm", "body.end_relief_um", "at the end of the datum face"),
         ("end_relief_length_datum_face", "mm", "body.end_relief_length_mm",
          "at the end of the datum face"),
-    ),
-    *_of(ENDS[1:],
-        ("end_relief_depth_non_datum_face", "mm", "body.end_relief_um", "at the other end"),
-        ("end_relief_length_non_datum_face", "mm", "body.end_relief_length_mm", "at the other end"),
-    ),
-    *_of(ENDS[:1],
         ("end_relief_evaluation_reference_datum_face", "mm", "body.end_relief_um",
          "must be an end of the face width, counted from an end or from the middle"),
     ),
     *_of(ENDS[1:],
+        ("end_relief_depth_non_datum_face", "mm", "body.end_relief_um", "at the other end"),
+        ("end_relief_length_non_datum_face", "mm", "body.end_relief_length_mm", "at the other end"),
         ("end_relief_evaluation_reference_non_datum_face", "mm", "body.end_relief_um",
          "as at the datum face"),
     ),

@@ -23,17 +23,9 @@ OF_TOOL = (
 
 @dataclass
 class Gear:
-    """A gear while its table is filled.
+    """A gear while its table is filled; `name` is that of the table, body_1 or body_2.
 
-    Attributes
-    ----------
-    source : Source
-    flank : Source or None
-        The flank whose profile is taken.
-    name : str
-        Table of the scene: body_1 or body_2.
-    keys : dict
-        Keys of the table.
+    `flank` is the flank whose profile is taken, if there is one.
     """
 
     source: Source

@@ -22,14 +22,9 @@ Value = str | float | bool | tuple[object, ...] | None
 
 @dataclass(frozen=True)
 class Attribute:
-    """An attribute of a component.
+    """An attribute of a component, with its unit as in the file, which may name none.
 
-    Attributes
-    ----------
-    unit : str or None
-        As in the file; None if the file names no unit.
-    value : str, float, bool, tuple or None
-        None: a matrix, a coded array or another value that no scene needs.
+    The value is None for a matrix, a coded array or another value that no scene needs.
     """
 
     unit: str | None
@@ -66,17 +61,9 @@ class Relation:
 
 @dataclass(frozen=True)
 class Model:
-    """A gearbox model.
+    """A gearbox model: components by id, relations, load cases by id.
 
-    Attributes
-    ----------
-    file : Path
-    version : str
-    components : dict
-        By id.
-    relations : tuple of Relation
-    load_cases : dict
-        By id: the components of the case, by id, with the attributes that differ between cases.
+    A load case has components by id, with the attributes that differ between cases.
     """
 
     file: Path

@@ -88,12 +88,8 @@ def _float(value: object) -> float | None:
 class Stock:
     """The components that belong to a stage, and lines about what was not taken over.
 
-    Attributes
-    ----------
-    model : Model
-        With the attributes of the load case.
-    settings : mapping
-        Keys of the scene that are given beside the file: what they replace is not required.
+    The model has the attributes of the load case; `settings` are keys of the scene that are given
+    beside the file: what they replace is not required.
     """
 
     model: Model

@@ -1,4 +1,7 @@
-"""The cylindrical gear stages of a model."""
+"""The cylindrical gear stages of a model, and the torque on body 1.
+
+The torque is that of the stage itself, or of the only load on the shaft of a gear.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ from flankload.exchange.rexs.attributes import GEARS
 
 if TYPE_CHECKING:
     from flankload.exchange.rexs.model import Component, Model
+    from flankload.exchange.rexs.source import Source, Stock
 
 
 @dataclass(frozen=True)
@@ -59,13 +63,7 @@ def _stage(model: Model, component: Component) -> Stage:
 
 
 def stage_rows(model: Model) -> list[tuple[str, ...]]:
-    """Table of the stages: id, ids and teeth of the gears, kind, name; the header first.
-
-    Raises
-    ------
-    SceneError
-        As `stage_of`.
-    """
+    """Table of the stages: id, ids and teeth of the gears, kind, name; the header first."""
     rows: list[tuple[str, ...]] = [("stage", "gears", "teeth", "kind", "name")]
     for part in _stages(model):
         stage = _stage(model, part)
@@ -85,3 +83,67 @@ def stage_rows(model: Model) -> list[tuple[str, ...]]:
 
 def _stages(model: Model) -> list[Component]:
     return [part for part in model.components.values() if part.type == "cylindrical_stage"]
+
+
+# --- load -----------------------------------------------------------------------------------------
+def model_of_case(model: Model, number: int | None, *, needed: bool) -> tuple[Model, list[str]]:
+    """The model with the attributes of a load case (None: the only one), lines about the others.
+
+    An unknown load case is refused; several cases without a number, if the load is needed.
+    """
+    cases = list(model.load_cases)
+    if number is None and len(cases) == 1:
+        number = cases[0]
+    if number is None and (not cases or not needed):
+        rest = cases
+    elif number in cases:
+        model = model.with_load_case(number)
+        rest = [case for case in cases if case != number]
+    else:
+        expected = f"the id of a load_case: {', '.join(map(str, cases)) or 'none in the file'}"
+        model.refuse("--load-case", expected, "nothing" if number is None else number)
+    lines = [f"not taken: load_case {', '.join(map(str, rest))}: another load"] if rest else []
+    return model, lines
+
+
+def torque_of(
+    stock: Stock, stage: Stage, data: tuple[Source | None, Source | None]
+) -> float | None:
+    """Amount of the torque on gear 1, N m; None if the file defines none."""
+    teeth = [abs(stock.source(gear).number("number_of_teeth", "") or 0.0) for gear in stage.gears]
+    ratios = (1.0, teeth[0] / teeth[1] if teeth[1] else 0.0)
+    for source, ratio in zip(data, ratios, strict=True):
+        if source is not None and (value := source.number("torque", "N m")) and ratio:
+            return float(f"{abs(value) * ratio:.12g}")
+    for gear, ratio in zip(stage.gears, ratios, strict=True):
+        if (value := _torque_of_shaft(stock, gear)) and ratio:
+            return float(f"{abs(value) * ratio:.12g}")
+    return None
+
+
+def _torque_of_shaft(stock: Stock, gear: Component) -> float | None:
+    """The only torque on the shaft of a gear that is the only one, and in one stage only."""
+    model = stock.model
+    shafts = model.partners("assembly", "part", gear.id, "assembly")
+    roles = ("gear_1", "gear_2")
+    stages = [part for role in roles for part in model.partners("stage", role, gear.id, "stage")]
+    if len(shafts) != 1 or len(stages) != 1 or _is_coupled(model, shafts[0]):
+        return None
+    parts = model.partners("assembly", "assembly", shafts[0].id, "part")
+    loads = [
+        stock.source(part)
+        for part in parts
+        if part.type == "external_load" and "torque_around_u_axis" in part.attributes
+    ]
+    if len(loads) != 1 or sum(part.type in GEARS for part in parts) != 1:
+        return None
+    return loads[0].number("torque_around_u_axis", "N m")
+
+
+def _is_coupled(model: Model, shaft: Component) -> bool:
+    """Whether anything but a bearing connects a shaft with another part."""
+    return any(
+        "bearing" not in part.type
+        for role in ("inner_part", "outer_part")
+        for part in model.partners("side", role, shaft.id, "assembly")
+    )

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.errors import SceneError
 from flankload.exchange.rexs.body import body_of
-from flankload.exchange.rexs.load import model_of_case, torque_of
 from flankload.exchange.rexs.modifications import modifications_of
 from flankload.exchange.rexs.pair import pair_of
-from flankload.exchange.rexs.source import Stock
-from flankload.exchange.rexs.stages import Stage, stage_of
+from flankload.exchange.rexs.source import Source, Stock
+from flankload.exchange.rexs.stages import Stage, model_of_case, stage_of, torque_of
 from flankload.scene import Scene
 from flankload.scene.tree import with_changes
 
@@ -20,23 +19,14 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flankload.exchange.rexs.model import Component, Model
-    from flankload.exchange.rexs.source import Source
 
 
 @dataclass(frozen=True)
 class Choices:
-    """What the user determines beside the file.
+    """What the user determines beside the file: ids of stage and load case (None: the only one).
 
-    Attributes
-    ----------
-    stage : int or None
-        Id of the stage; None: the only one.
-    load_case : int or None
-        Id of the load case; None: the only one.
-    flank : "left", "right" or None
-        Loaded flank of the gears for which the file does not define it.
-    settings : mapping
-        Keys of the scene by path, which replace those of the file.
+    `flank`, "left" or "right", is the loaded flank of the gears for which the file does not define
+    it; `settings` are keys of the scene by path, which replace those of the file.
     """
 
     stage: int | None = None
@@ -57,24 +47,10 @@ class Translation:
 def scene_of_stage(
     model: Model, choices: Choices | None = None, *, file: Path | None = None
 ) -> Translation:
-    """Make a scene of a cylindrical gear stage.
+    """Make a scene of a cylindrical gear stage; its name is that of `file` if the stage has none.
 
-    Parameters
-    ----------
-    model : Model
-    choices : Choices, optional
-    file : Path, optional
-        File of the scene, for its name if the stage has none.
-
-    Returns
-    -------
-    Translation
-
-    Raises
-    ------
-    SceneError
-        If the stage does not exist or is ambiguous, a value is missing or invalid, or the scene
-        contradicts the rules of scenes.
+    Raises SceneError if the stage does not exist or is ambiguous, a value is missing or invalid, or
+    the scene contradicts the rules of scenes.
     """
     choices = choices or Choices()
     given = "load.torque_Nm" in choices.settings

@@ -1,14 +1,14 @@
 """The kinds "pulley" and "belt": teeth of a timing belt, grooves of its pulley.
 
-Everything about a tooth is given in its own frame: the origin on its centre line, level with the
-ends of both lands beside it, x outwards (away from the pulley), y in the direction of rotation,
-from the tight strand to the slack one. The working flank of the belt is the one at negative y: the
-pulley pushes it towards the slack strand. The pitch line, on which the cord lies, is a circle of
+The frame of a tooth has its origin on the centre line, level with the ends of both adjacent lands,
+x outwards (away from the pulley), y in the direction of rotation, from the tight strand to the
+slack one. The working flank of the belt is at negative y: the pulley pushes it towards the slack
+strand. The pitch line, on which the cord lies, is a circle of
 radius teeth*pitch/(2 pi); the land circle is smaller by `land_distance_mm`.
 
-An elastic pulley is a ring of equal sectors, each with one of its own teeth: a sector extends from
-the middle of one groove to the middle of the next. In its frame the land between them is centred on
-the x axis, and the flank that drives the belt has positive polar angles.
+An elastic pulley is a ring of equal sectors, each from the middle of one groove to the middle of
+the next. In the frame of a sector the land is centred on the x axis, and the flank that drives the
+belt has positive polar angles.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ class Round:
     def distance(self, places: Floats) -> Floats:
         """As `Trapezoid.distance`."""
         away = places - self.center
-        # beside the straight part only the circumferential distance matters
+        # next to the straight part only the circumferential distance matters
         away[:, 0] = np.where(
             self.height_mm > self.radius_mm, np.minimum(away[:, 0], 0.0), away[:, 0]
         )

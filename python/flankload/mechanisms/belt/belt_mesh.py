@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.rounding import TIE
 from flankload.mechanisms.belt.belt import Round
 from flankload.meshes.blocks import BlockMesh, coons, even_breaks, with_middles
 
@@ -28,10 +29,8 @@ if TYPE_CHECKING:
 FLANK_ELEMENTS = 6
 #: Least number of element rows from the land to the cord, and from the cord to the back.
 LEAST_ROWS = 2
-#: Round tips touch nothing; this part of the arc over half a tooth is meshed.
+#: Meshed fraction of the arc over half a round tooth, whose tip has no contact.
 TIP_BULGE = 0.6
-#: Angles that differ by less are equal, rad.
-SAME = 1e-10
 #: Meshed length of the strands, in half pitches from the first and the last tooth: up to the middle
 #: of the land behind the next tooth.
 STRAND = 3
@@ -88,11 +87,10 @@ def half_land(strip: Strip, flank_elements: int) -> Floats:
 def coarser(strip: Strip, flank_elements: int) -> tuple[Strip, int]:
     """The strip with half as many rows, or fewer, and half as many elements on a flank.
 
-    At least one row remains. With elements that are already long, only the flanks would become
-    coarser, which shows little of the discretization error.
+    At least one row remains. Coarser flanks alone would show little of the discretization error.
     """
     radii = _radii(strip, 1.5 * _tooth_size(strip)[0] / flank_elements)[::2]
-    below = int(np.searchsorted(radii, strip.pitch_radius_mm - SAME))
+    below = int(np.searchsorted(radii, strip.pitch_radius_mm - TIE))
     rows = max(1, below // 2), max(1, (radii.size - 1 - below) // 2)
     return replace(strip, rows=rows), max(1, flank_elements // 2)
 
@@ -110,10 +108,10 @@ def mesh_strip(
     land. The piece lies between two places in half pitches; by default it is the whole belt with
     the strands of `STRAND`.
     """
-    maker = _Maker(strip, flank_elements, ends_rad)
+    builder = _StripBuilder(strip, flank_elements, ends_rad)
     for place in range(*(places or (-STRAND, 2 * strip.wrapped_teeth - 2 + STRAND))):
-        maker.add(place)
-    return maker.mesh()
+        builder.add(place)
+    return builder.mesh()
 
 
 def _tooth_size(strip: Strip) -> tuple[float, float]:
@@ -124,7 +122,7 @@ def _tooth_size(strip: Strip) -> tuple[float, float]:
     return tooth.height_mm, tooth.width_mm
 
 
-class _Maker:
+class _StripBuilder:
     """Assembly of half pitches; nodes are radius and angle, as if all lay on the pulley."""
 
     def __init__(self, strip: Strip, flank_elements: int, ends_rad: tuple[float, float]) -> None:
@@ -167,7 +165,7 @@ class _Maker:
         nodes, turns = self._straightened(np.concatenate(self._blocks.places))
         cord, angles = _joined(self._cord), _joined(self._cord_angles)
         middles = angles[1::2]
-        tight, slack = (cord[np.flatnonzero(np.abs(angles - end) < SAME)] for end in self._ends)
+        tight, slack = (cord[np.flatnonzero(np.abs(angles - end) < TIE)] for end in self._ends)
         return BeltMesh(
             nodes=nodes,
             turns_rad=turns,
@@ -184,7 +182,7 @@ class _Maker:
 
     def _add_land(self, number: int, breaks: Floats) -> None:
         """Add half a land; an element boundary lies where a strand begins."""
-        inside = [a for a in self._ends if breaks[0] + SAME < a < breaks[-1] - SAME]
+        inside = [a for a in self._ends if breaks[0] + TIE < a < breaks[-1] - TIE]
         parts = [breaks]
         for end in inside:
             size = breaks[1] - breaks[0]
@@ -216,7 +214,7 @@ class _Maker:
     def _add_ring(self, breaks: Floats) -> Numbers:
         """Add a part of the strip above a land or tooth from the nodes of its lower edge."""
         angles = with_middles(breaks)
-        # columns run against the rotation, so that a block with outward rows is right-handed
+        # with columns against the rotation, a block with outward rows is right-handed
         grid = np.stack(np.meshgrid(self._rows, angles[::-1], indexing="ij"), axis=-1)
         numbers = self._blocks.add(grid, self._known)[:, ::-1]
         self._known = {"right": numbers[:, -1]}

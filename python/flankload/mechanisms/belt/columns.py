@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 from scipy.sparse import csc_array, hstack
 
+from flankload.base.gauss import leggauss
 from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import assembled, degrees_of
-from flankload.elasticity.nodal_loads import hat_values
+from flankload.elasticity.nodal_loads import linear_shapes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.belt_mesh import BeltMesh
 
-#: Moments below this part of a shape function's own moment are roundoff.
+#: Roundoff of moments, relative to the moment of a shape function with itself.
 NO_MOMENT = 1e-12
-#: Gauss points between two breaks: the integrands are cubic, on round flanks approximately.
+#: Gauss points between two breaks; the integrands are cubic, on round flanks approximately.
 GAUSS_POINTS = 4
 
 
@@ -88,19 +88,19 @@ def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, csc_array]:
     for tooth, nodes in sorted(mesh.flanks.items()):
         angle = strip.pitch_rad * (tooth + 0.5)
         places = mesh.nodes[nodes]
-        shapes, hats, along = _on_edges(places)
+        shapes, linear, along = _on_edges(places)
         size = np.linalg.norm(along, axis=1)
         out = np.column_stack([-along[:, 1], along[:, 0]])
         at = shapes @ places
-        length = hats.T @ size
-        lever = -(hats.T @ (at[:, 0] * out[:, 1] - at[:, 1] * out[:, 0])) / length
-        gap = (hats.T @ (size * strip.gaps(strip.in_tooth(at, angle)))) / length
-        middle = (hats.T @ (size[:, None] * at)) / length[:, None]
-        normal = hats.T @ out
+        length = linear.T @ size
+        lever = -(linear.T @ (at[:, 0] * out[:, 1] - at[:, 1] * out[:, 0])) / length
+        gap = (linear.T @ (size * strip.gaps(strip.in_tooth(at, angle)))) / length
+        middle = (linear.T @ (size[:, None] * at)) / length[:, None]
+        normal = linear.T @ out
         normal = normal / np.linalg.norm(normal, axis=1)[:, None]
         teeth = np.full(length.size, tooth)
         parts.append(Flanks(teeth, middle, normal, lever, gap, length, (places,)))
-        own = -np.einsum("gq,gh,gd->qdh", shapes, hats, out) / length
+        own = -np.einsum("gq,gh,gd->qdh", shapes, linear, out) / length
         columns.append(_at_nodes(own.reshape(-1, length.size), degrees_of(nodes), mesh))
     return Flanks.joined(parts), hstack(columns, format="csc")
 
@@ -116,9 +116,9 @@ class Lands:
     angle_rad : (h,) array
         Angle of the end node of each shape function.
     degrees : (h,) array
-        Degrees of freedom that `basis` replaces by the displacements of the shape functions.
+        Degrees of freedom replaced by the displacements of the shape functions.
     basis : (2N, 2N) csc_array
-        Displacements of the nodes by the other degrees of freedom and by these displacements.
+        Nodal displacements from the other degrees of freedom and from these displacements.
     forces : (2N, h) csc_array
         Nodal loads of a unit circumferential force on each shape function.
     """
@@ -134,34 +134,33 @@ def land_columns(mesh: BeltMesh) -> Lands:
     """Shape functions on all lands, and the radial displacements of lands in terms of them.
 
     The radial displacement of a land is the linear function whose moments with all shape functions
-    equal those of the displacements u there, ∫ hat u = ∫ hat way. A land fixed in this sense is
-    held by pressures that its shape functions can represent, and no single node is held further.
-    The quadratic functions at the ends of an edge have a moment with their own shape function only,
-    so the land displacements replace the displacements there.
+    equal those of the nodal displacements u, ∫ h u = ∫ h w. Pressures that the shape functions can
+    represent fix such a land; no node is fixed individually. The quadratic functions at the ends
+    of an edge have a moment with one shape function only, so w replaces the displacements there.
     """
     size = 2 * len(mesh.nodes)
     numbers, degrees, entries = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], []
     forces = [csc_array((size, 0))]
     for number, nodes in sorted(mesh.lands.items()):
-        shapes, hats, along = _on_edges(mesh.nodes[nodes])
-        weighted = np.linalg.norm(along, axis=1)[:, None] * hats
+        shapes, linear, along = _on_edges(mesh.nodes[nodes])
+        weighted = np.linalg.norm(along, axis=1)[:, None] * linear
         moments = weighted.T @ shapes
         own = moments[:, ::2].diagonal()[:, None]
         ends, middles = 2 * nodes[::2], 2 * nodes[1::2]
-        for values, columns in ((weighted.T @ hats, ends), (-moments[:, 1::2], middles)):
+        for values, columns in ((weighted.T @ linear, ends), (-moments[:, 1::2], middles)):
             row, column = np.nonzero(np.abs(values) > NO_MOMENT * own)
             entries.append((ends[row], columns[column], (values / own)[row, column]))
         numbers.append(np.full(ends.size, number))
         degrees.append(ends)
         forces.append(_at_nodes(moments.T / weighted.sum(axis=0), 2 * nodes + 1, mesh))
-    ways = np.concatenate(degrees)
-    others = np.setdiff1d(np.arange(size), ways)
+    replaced = np.concatenate(degrees)
+    others = np.setdiff1d(np.arange(size), replaced)
     entries.append((others, others, np.ones(others.size)))
     rows, columns, values = (np.concatenate(part) for part in zip(*entries, strict=True))
     return Lands(
         np.concatenate(numbers),
-        mesh.turns_rad[ways // 2],
-        ways,
+        mesh.turns_rad[replaced // 2],
+        replaced,
         assembled(values, rows, columns, (size, size)),
         hstack(forces, format="csc"),
     )
@@ -184,7 +183,7 @@ def _on_edges(places: Floats) -> tuple[Floats, Floats, Floats]:
     line = np.arange(len(places), dtype=np.float64)
     at, weight = gauss_points(line[::2])
     shapes, slopes = quadratic(at, line)
-    return shapes, hat_values(at, line[::2]), weight[:, None] * (slopes @ places)
+    return shapes, linear_shapes(at, line[::2]), weight[:, None] * (slopes @ places)
 
 
 def gauss_points(breaks: Floats) -> tuple[Floats, Floats]:

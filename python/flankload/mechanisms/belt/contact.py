@@ -157,7 +157,7 @@ def solve_belt(
         problem.levers,
         problem.torque,
         load_rows=problem.rows,
-        # strands that bend at edges of lands press on these, but the reverse effect is zero
+        # strands that bend at edges of lands press on these; the reverse effect is zero
         positive_definite=True
         if land_friction == 0.0 and not ((land_lift or response.elastic_pulley) and response.phase)
         else None,
@@ -294,7 +294,7 @@ def state_under(
         state = _solved(scene, strip, response, torque_Nm, slack)
     except ContactError as error:
         friction, width = scene.effects.land_friction, strip.width_mm
-        # the torque of a problem without load is that of the lands under the slack tension
+        # without load the torque is that of the lands under the slack tension
         unloaded = contact_problem(strip, response, 0.0, slack / width, friction)
         alone = -1e-3 * width * unloaded.torque
         if alone > torque_Nm:
@@ -321,7 +321,7 @@ def state_under(
 
 
 def lands_in_words(sites: Numbers, some: Flags) -> str:
-    """Names of some lands by the teeth (S,): one before each, and one behind the last.
+    """Names of selected lands by the teeth (S,): one before each, and one behind the last.
 
     `some` (S + 1,) selects lands, from the tight strand.
     """
@@ -351,7 +351,7 @@ def _jumps(strip: Strip, state: BeltState) -> bool:
 def _jump_tension(
     scene: Scene, strip: Strip, response: StripResponse, torque_Nm: float, slack_N: float
 ) -> float:
-    """Slack tension (N) below which a belt jumps that jumps at the given one."""
+    """Slack tension (N) below which the belt jumps; it jumps at the given one."""
     low, high = slack_N, 2.0 * slack_N
     for _ in range(STEPS):
         if not _jumps(strip, _solved(scene, strip, response, torque_Nm, high)):

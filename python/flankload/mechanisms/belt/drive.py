@@ -12,7 +12,11 @@ from flankload.mechanisms.belt.belt import Strip, build_pulley, build_strip
 from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS, coarser
 from flankload.mechanisms.belt.contact import state_under
 from flankload.mechanisms.belt.estimate import estimate_belt
-from flankload.mechanisms.belt.pulley_compliance import PulleyResponse, rest_on, solve_pulley
+from flankload.mechanisms.belt.pulley_compliance import (
+    PulleyResponse,
+    on_elastic_pulley,
+    solve_pulley,
+)
 from flankload.mechanisms.belt.pulley_mesh import PulleyMesh, mesh_pulley
 from flankload.mechanisms.belt.row import BeltRow, StripResponse, condensation_work, phases
 from flankload.mechanisms.wrapped import WrappedAssembly, WrappedStates, positions_of
@@ -29,6 +33,21 @@ if TYPE_CHECKING:
 LEAST_ELEMENTS = 2
 
 
+class PulleyMeshes:
+    """Meshes of an elastic pulley, made on demand."""
+
+    def __init__(self, keys: Pulley, strip: Strip, plane: str) -> None:
+        self._keys, self._strip, self._plane = keys, strip, plane
+        self._made: dict[int, PulleyMesh] = {}
+
+    def of(self, elements: int) -> PulleyMesh:
+        """The mesh with this number of elements per tooth flank; a SceneError if it is invalid."""
+        if elements not in self._made:
+            pulley = build_pulley(self._keys, self._strip, self._plane)
+            self._made[elements] = mesh_pulley(pulley, elements)
+        return self._made[elements]
+
+
 @dataclass(frozen=True)
 class BeltAssembly(WrappedAssembly):
     """A belt on its pulley, before finite elements are solved.
@@ -39,10 +58,13 @@ class BeltAssembly(WrappedAssembly):
         Belt with the discretization of the run.
     coarse : BeltRow
         Belt with half as many elements, for the error estimate.
+    pulley : PulleyMeshes
+        Meshes of an elastic pulley.
     """
 
     row: BeltRow
     coarse: BeltRow
+    pulley: PulleyMeshes
 
     @property
     def strip(self) -> Strip:
@@ -70,13 +92,15 @@ class BeltStates(WrappedStates):
 
 def assemble(scene: Scene) -> BeltAssembly:
     """Belt, pulley and positions of a scene."""
-    strip = build_strip(*bodies_of(scene))
+    keys, belt = bodies_of(scene)
+    strip = build_strip(keys, belt)
     elements, columns = flank_elements(scene, strip), land_columns_of(scene)
     halved, fewer = coarser(strip, elements)
     return BeltAssembly(
         *positions_of(scene, strip.pitch_rad),
         BeltRow(strip, elements, **columns),
         BeltRow(halved, fewer, **columns),
+        PulleyMeshes(keys, strip, scene.accuracy.plane),
     )
 
 
@@ -98,22 +122,21 @@ def flank_elements(scene: Scene, strip: Strip) -> int:
 
 
 def land_columns_of(scene: Scene) -> dict[str, bool]:
-    """Land columns that a scene needs; an elastic pulley needs those of lifting lands."""
+    """Land columns required by a scene; an elastic pulley requires those of lifting lands."""
     return {
         "sliding": scene.effects.land_friction != 0.0,
         "lifting": scene.effects.land_lift or not scene.body_1.rigid,
     }
 
 
-def pulley_mesh(scene: Scene, elements: int | None = None) -> PulleyMesh:
-    """Mesh of an elastic pulley; by default with as many elements beside a tooth as on it.
+def pulley_mesh(scene: Scene) -> PulleyMesh:
+    """Mesh of an elastic pulley with the flank elements of the belt.
 
     Raises SceneError if no valid mesh can be made.
     """
     keys, belt = bodies_of(scene)
     strip = build_strip(keys, belt)
-    pulley = build_pulley(keys, strip, scene.accuracy.plane)
-    return mesh_pulley(pulley, elements or flank_elements(scene, strip))
+    return PulleyMeshes(keys, strip, scene.accuracy.plane).of(flank_elements(scene, strip))
 
 
 def solved_pulley(scene: Scene, mesh: PulleyMesh, account: Account) -> PulleyResponse:
@@ -126,7 +149,7 @@ def response_at(
 ) -> StripResponse:
     """Response of the belt at a position, on a rigid pulley or on an elastic one."""
     held = row.at(angle_rad / row.strip.pitch_rad, account)
-    return held if known is None else rest_on(held, row.strip, known)
+    return held if known is None else on_elastic_pulley(held, row.strip, known)
 
 
 def error_estimates(
@@ -138,14 +161,14 @@ def error_estimates(
 ) -> list[Mapping[str, object] | None]:
     """Errors from elements twice as long at up to two positions, and from the spacing of positions.
 
-    Each torque has a list of states, one per position. The work is counted. One entry per torque,
-    as the result shows it; None without torque.
+    `found` has a list of states per torque, one per position. Returns one entry per torque in the
+    form of the result, None without torque. The work is counted.
     """
     row, coarse, strip = assembly.row, assembly.coarse, assembly.strip
     pulley = None
     if known is not None:
-        pulley = solved_pulley(scene, pulley_mesh(scene, coarse.elements), account)
-    # source, and responses compared: with longer elements and, if not None, another than the run's
+        pulley = solved_pulley(scene, assembly.pulley.of(coarse.elements), account)
+    # position; source, response to compare with (None: that of the run), and with longer elements
     tried: list[tuple[int, list[tuple[str, StripResponse | None, StripResponse]]]] = []
     for p in assembly.tried:
         at = partial(response_at, angle_rad=float(assembly.position_rad[p]), account=account)
@@ -183,7 +206,7 @@ def predicted_work(scene: Scene, assembly: BeltAssembly) -> dict[str, dict[str, 
         "sweep": work_of_states(row, positions.size * len(scene.torques_Nm)),
     }
     if elastic:
-        counted["compliance body 1"] = work_of_pulley(scene, pulley_mesh(scene))
+        counted["compliance body 1"] = work_of_pulley(scene, assembly.pulley.of(row.elements))
     if scene.accuracy.estimate and loaded:
         coarse, tried = assembly.coarse, positions[assembly.tried]
         states = tried.size * loaded
@@ -191,7 +214,7 @@ def predicted_work(scene: Scene, assembly: BeltAssembly) -> dict[str, dict[str, 
         work.update(work_of_states(coarse, states * (2 if elastic else 1)))
         if elastic:
             work.update(work_of_states(row, 2 * states))
-            work.update(work_of_pulley(scene, pulley_mesh(scene, coarse.elements)))
+            work.update(work_of_pulley(scene, assembly.pulley.of(coarse.elements)))
         counted["estimate"] = dict(work)
     return counted
 

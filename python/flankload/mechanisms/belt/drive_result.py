@@ -105,12 +105,12 @@ def _drive(
     lands = [width * state.land_N_per_mm for state in states]
     lifts = [UM_PER_MM * state.land_lift_mm for state in states]
     friction_forces = [width * state.land_friction_N_per_mm for state in states]
-    # load that later teeth and lands take from the cord; a land precedes its tooth
+    # tension removed by later teeth and lands; a land precedes its tooth
     behind = [
         slack + np.cumsum((width * state.tooth_N_per_mm + friction[1:])[::-1])[::-1]
         for state, friction in zip(states, friction_forces, strict=True)
     ]
-    # if it does not precede a site
+    # NaN if the last land precedes a site
     last = np.array([state.first_land + state.land_N_per_mm.size - 1 for state in states])
     ends = np.where(last > sites.numbers[-1], 0.0, np.nan)
     return BeltDrive(

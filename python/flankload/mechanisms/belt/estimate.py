@@ -7,15 +7,14 @@ elements
     trapezoids and arcs, with 6 and 12 elements on a flank, the distance to the limit from 24 and 40
     elements was 0.5 to 1.03 of that estimate in the rotation, once 0.1; in shares 0.02 to 0.8, once
     1.7.) Both bodies are independent sources, whose squares are added. The error varies little with
-    position, so two positions are examined: those on both sides of the place where a tooth engages,
-    between which the rotation decreases most.
+    position, so two positions are examined: those before and after a tooth engages, between which
+    the rotation decreases most.
 positions
-    Over a pitch the rotation is a sawtooth: the tight strand stretches until a tooth engages.
-    Between two such places the curve is smooth and is extrapolated from the positions up to the
-    discontinuity on both sides. The difference of the samples from the mean and from the peak to
-    peak of that curve is their error, with its sign. The uncertainty is the bend of the curve
-    between positions. Single angles, or one position, give no estimate for the region beside them;
-    one position has no peak to peak.
+    Over a pitch the rotation is a sawtooth: the tight strand stretches until a tooth engages. The
+    smooth curve in between is extrapolated to the discontinuities. The signed differences between
+    the samples and this curve in mean and peak to peak are their errors. The uncertainty is the
+    change of the curve's slope between positions. Single angles, or one position, give no estimate
+    for the region beyond them; one position has no peak to peak.
 """
 
 from __future__ import annotations
@@ -25,6 +24,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rounding import TIE
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -33,15 +34,13 @@ if TYPE_CHECKING:
 
 #: Remaining element error, relative to the change between elements of double length and those of
 #: the run.
-LEFT = 2.0
-#: Relative error of the largest load share, divided by that of the rotation: if teeth and cord are
-#: both too stiff, the load sharing hardly changes, and the change of shares may vanish.
-SHARES = 0.25
-#: Positions closer than this part of a pitch are equal.
-SAME = 1e-9
-#: Uncertainty of a linear extrapolation, relative to its amount, in addition to the bends; the
-#: whole amount if there are only two positions.
-DOUBT = 0.25
+REMAINING = 2.0
+#: Least relative error of the largest load share, divided by that of the rotation: the change of
+#: shares may vanish if teeth and cord are both too stiff.
+SHARE_ERROR = 0.25
+#: Uncertainty of a linear extrapolation, relative to its amount, beside that of the bends; 1 with
+#: only two positions.
+EXTRAPOLATION_ERROR = 0.25
 
 
 def estimate_belt(
@@ -51,14 +50,14 @@ def estimate_belt(
 ) -> dict[str, object]:
     """Estimated errors under a torque and all contributions by source, as a result shows them.
 
-    Each source that is compared has states at some positions and the states there with longer
-    elements; the largest change with the same source counts. `states` are at all positions, with
-    `phases` (P,) as of `row.phases`; None for single angles.
+    Each source in `compared` has pairs of states at some positions, the second with longer
+    elements; the largest change per source counts. `states` are at all positions, with `phases`
+    (P,) from `row.phases`; None for single angles.
     """
     rotation = np.array([state.rotation_rad for state in states])
     by_source: dict[str, dict[str, float]] = {}
     for source, pairs in compared:
-        left = {name: LEFT * error for name, error in _of_elements(pairs, rotation).items()}
+        left = {name: REMAINING * error for name, error in _of_elements(pairs, rotation).items()}
         before = by_source.get(source, left)
         by_source[source] = {name: max(before[name], error) for name, error in left.items()}
     if phases is not None and rotation.size > 1:
@@ -84,13 +83,13 @@ def _of_elements(
     """Change by longer elements in each quantity."""
     turned = np.array([two.rotation_rad - one.rotation_rad for one, two in pairs])
     mean = _over(abs(float(turned.mean())), abs(float(rotation.mean())))
-    # an increasing torque deforms the bodies as the whole torque does, on other parts of flanks
+    # an additional torque deforms the bodies like the whole torque, on other parts of flanks
     first, second = np.array([[state.compliance_rad_per_N for state in pair] for pair in pairs]).T
     others = abs(float(np.mean([*map(_over, second - first, first)])))
     largest = _over(float(np.abs(turned).max()), float(np.abs(rotation).max()))
     return {
         "transmission_error": largest,
-        "load_share": max(_of_shares(one, two, SHARES * largest) for one, two in pairs),
+        "load_share": max(_of_shares(one, two, SHARE_ERROR * largest) for one, two in pairs),
         "transmission_error_mean": mean,
         "transmission_error_peak_to_peak": _over(float(np.ptp(turned)), float(np.ptp(rotation))),
         "stiffness_secant": mean,
@@ -99,7 +98,7 @@ def _of_elements(
 
 
 def _of_shares(one: BeltState, two: BeltState, least: float) -> float:
-    """Change of a load share; at least a part of the largest share."""
+    """Change of a load share, at least `least` times the largest share."""
     force, whole = one.tooth_N_per_mm, float(one.tooth_N_per_mm.sum())
     change = float(np.abs(two.tooth_N_per_mm - force).max())
     return hypot(_over(change, whole), least * _over(float(force.max()), whole))
@@ -113,7 +112,7 @@ def between_places(phases: Floats, rotation: Floats, tangent: Floats) -> dict[st
     repeat these.
     """
     order = np.argsort(phases, kind="stable")
-    once = order[np.diff(phases[order], prepend=-np.inf) > SAME]
+    once = order[np.diff(phases[order], prepend=-np.inf) > TIE]
     if once.size < 2:
         return {}
     places = phases[once]
@@ -142,7 +141,7 @@ def _of_peak_to_peak(places: Floats, values: Floats) -> float:
 
 
 def _doubt(values: Floats, error: float, bend: float) -> float:
-    return abs(error) if values.size == 2 else float(hypot(DOUBT * error, bend))
+    return abs(error) if values.size == 2 else float(hypot(EXTRAPOLATION_ERROR * error, bend))
 
 
 def _to_the_breaks(places: Floats, values: Floats) -> tuple[Floats, Floats]:

@@ -28,16 +28,13 @@ from flankload.mechanisms.wrapped import WrappedMechanism
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from flankload.base.arrays import Floats
     from flankload.mechanisms.belt.contact import BeltState
     from flankload.mechanisms.belt.drive import BeltAssembly
     from flankload.mechanisms.belt.pulley_compliance import PulleyResponse
-    from flankload.mechanisms.data_sheet import DataSheet
     from flankload.mechanisms.parts import Parts
-    from flankload.mechanisms.protocol import Counted, Mechanism, Rows, States
+    from flankload.mechanisms.protocol import Mechanism, States
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
-    from flankload.result import Result
     from flankload.scene import Scene
 
 #: CPU seconds of a contact problem.
@@ -49,30 +46,12 @@ class TimingBelt(WrappedMechanism):
 
     no_flanks_reason: str | None = "'belt', which lies on its pulley as a strip"
 
-    def assemble(self, scene: Scene) -> BeltAssembly:
-        return assemble(scene)
-
-    def work(self, scene: Scene, assembly: BeltAssembly) -> Counted:
-        return predicted_work(scene, assembly)
-
-    def stiffness(self, assembly: BeltAssembly, states: Sequence[BeltState]) -> Floats:
-        return tangent_stiffness(assembly, states)
-
-    def result(
-        self,
-        scene: Scene,
-        assembly: BeltAssembly,
-        states: BeltStates,
-        number: int,
-        estimate: Mapping[str, object] | None,
-    ) -> Result:
-        return result_of_belt(scene, assembly, states, number, estimate)
-
-    def rows(self, scene: Scene) -> dict[str, Rows]:
-        return rows_of_belt(scene)
-
-    def data_sheet(self, scene: Scene) -> DataSheet:
-        return sheet_of_belt(scene)
+    assemble = staticmethod(assemble)
+    work = staticmethod(predicted_work)
+    stiffness = staticmethod(tangent_stiffness)
+    result = staticmethod(result_of_belt)
+    rows = staticmethod(rows_of_belt)
+    data_sheet = staticmethod(sheet_of_belt)
 
     def compliances(
         self,
@@ -86,7 +65,8 @@ class TimingBelt(WrappedMechanism):
         pulley = None
         if not scene.body_1.rigid:
             with clock.stage("compliance body 1") as account:
-                pulley = solved_pulley(scene, pulley_mesh(scene), account)
+                mesh = assembly.pulley.of(assembly.row.elements)
+                pulley = solved_pulley(scene, mesh, account)
                 account.bytes = held_bytes(pulley)
         with clock.stage("compliance body 2") as account:
             assembly.row.solve_cell(account)

@@ -4,13 +4,12 @@ One sector of the pulley is solved under unit forces at the nodes that a belt ca
 ring of all sectors is closed by a Fourier sum. The response of any shape functions on flanks and
 lands follows from these, wherever the belt lies on the pulley.
 
-A shape function of the belt lies anywhere on a flank or a land of the pulley, whose elements have
-other boundaries: its force is distributed over these as over those of the belt, and the same
-columns average displacements. On flanks this is so on both bodies. On lands N are the forces
-conjugate to the displacements of the shape functions: on both bodies they represent the pressure
-M^-1 N in shape functions, M = ∫ hat hat ds, and the displacement is M^-1 ∫ hat u ds, the linear
-function with the same moments as the displacements u. A pulley whose surface moves as a linear
-function therefore moves the belt by exactly that function.
+The elements of belt and pulley do not match: the force of a shape function h of the belt is
+distributed over the pulley's elements by h, and the same columns average displacements. On lands,
+the forces N are conjugate to the displacements of the shape functions: on both bodies the pressure
+is M^-1 N in shape functions, M = ∫ h h ds, and the displacement is M^-1 ∫ h u ds, the linear
+function with the same moments as the displacements u. A linear motion of the pulley's surface
+therefore moves the belt exactly.
 
 The lands of the belt follow the pulley, w = v - C_ll N - C_lf F - C_lt t, with v ≥ 0 where they can
 lift. Substituted into N = P F + p T2 + P_t t + S w, this gives N, and with it every response of a
@@ -30,7 +29,7 @@ from scipy.linalg import lu_factor, lu_solve
 from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.job_log import JobLog
-from flankload.elasticity.nodal_loads import hat_values
+from flankload.elasticity.nodal_loads import linear_shapes
 from flankload.elasticity.sector_closure import close_ring, condense
 from flankload.mechanisms.belt.columns import gauss_points, quadratic
 from flankload.mechanisms.belt.pulley_mesh import PulleyMesh, fractions
@@ -55,7 +54,7 @@ class Touch:
     numbers : (c,) array
         Index of each shape function among all.
     forces : (r, c) array
-        Unit force of each, as combination of `unit_forces`; its transpose averages displacements.
+        Unit force of each as a combination of `unit_forces`; the transpose averages displacements.
     """
 
     sector: int
@@ -113,7 +112,9 @@ def pulley_compliance(known: PulleyResponse, touches: list[Touch], count: int) -
     return 0.5 * (found + found.T)
 
 
-def rest_on(response: StripResponse, strip: Strip, known: PulleyResponse) -> StripResponse:
+def on_elastic_pulley(
+    response: StripResponse, strip: Strip, known: PulleyResponse
+) -> StripResponse:
     """Response of a strip on an elastic pulley, with land displacements relative to the pulley.
 
     The response on a rigid pulley has the columns of lifting lands, and of sliding lands if
@@ -177,7 +178,7 @@ def touches_of(
         forces = flank_forces(mesh, turned(line, -pitch * (tooth + response.phase)), rows)
         touches.append(Touch(tooth, count + np.arange(forces.shape[1]), forces))
         count += forces.shape[1]
-    hats = response.land.size
+    functions = response.land.size
     for number in range(response.lands):
         own = np.flatnonzero(response.land == number)
         if not own.size:
@@ -187,12 +188,12 @@ def touches_of(
         held, along = land_forces(mesh, away * _narrower(strip, mesh.pulley), rows)
         touches.append(Touch(sector, count + own, held))
         if sliding:
-            touches.append(Touch(sector, count + hats + own, along))
-    return touches, count + hats * (1 + sliding)
+            touches.append(Touch(sector, count + functions + own, along))
+    return touches, count + functions * (1 + sliding)
 
 
 def _narrower(strip: Strip, pulley: ElasticPulley) -> float:
-    """Ratio of the land widths of pulley and belt, which presses on the whole land."""
+    """Ratio of the land widths of pulley and belt; the belt presses on the whole land."""
     width = strip.tooth.width_mm if strip.tooth is not None else 0.0
     return pulley.half_land_rad / (0.5 * strip.pitch_rad - asin(0.5 * width / strip.land_radius_mm))
 
@@ -207,11 +208,11 @@ def flank_forces(mesh: PulleyMesh, flank: Floats, rows: int) -> Floats:
     own = fractions(mesh.sector.nodes[mesh.flank])
     parts = fractions(flank)
     at, weight = gauss_points(_breaks(parts[::2], own[::2]))
-    hats = hat_values(at, parts[::2])
+    linear = linear_shapes(at, parts[::2])
     along = weight[:, None] * (quadratic(at, parts)[1] @ flank)
     out = np.column_stack([-along[:, 1], along[:, 0]])
-    lengths = hats.T @ np.linalg.norm(along, axis=1)
-    forces = np.einsum("gq,gh,gd->qdh", quadratic(at, own)[0], hats, out) / lengths
+    lengths = linear.T @ np.linalg.norm(along, axis=1)
+    forces = np.einsum("gq,gh,gd->qdh", quadratic(at, own)[0], linear, out) / lengths
     found = np.zeros((rows, lengths.size))
     found[: 2 * own.size] = forces.reshape(2 * own.size, -1)
     return found
@@ -229,14 +230,14 @@ def land_forces(mesh: PulleyMesh, ends_rad: Floats, rows: int) -> tuple[Floats, 
     ends = np.clip(ends_rad, nodes[0], nodes[-1])
     at, weight = gauss_points(_breaks(ends, nodes[::2]))
     weight = weight * mesh.pulley.land_radius_mm
-    hats = hat_values(at, ends)
-    spread = quadratic(at, nodes)[0].T @ (weight[:, None] * hats)
+    linear = linear_shapes(at, ends)
+    spread = quadratic(at, nodes)[0].T @ (weight[:, None] * linear)
     held = np.zeros((rows, ends.size))
-    held[first:last] = np.linalg.solve(hats.T @ (weight[:, None] * hats), spread.T).T
+    held[first:last] = np.linalg.solve(linear.T @ (weight[:, None] * linear), spread.T).T
     if rows == last:
         return held, held[:, :0]
     along = np.zeros_like(held)
-    along[last:] = spread / (weight @ hats)
+    along[last:] = spread / (weight @ linear)
     return held, along
 
 

@@ -30,7 +30,7 @@ MIRROR = np.array([1.0, -1.0])
 LEAST_ROWS, LEAST_LAND = 2, 2
 #: Largest height of a row relative to its radius: the twist of a thick ring is proportional to
 #: 1/r², and rows of 0.35 give an error of 2e-4.
-ROW_PART = 0.2
+ROW_RATIO = 0.2
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class PulleyMesh:
 
 
 def mesh_pulley(pulley: ElasticPulley, flank_elements: int = FLANK_ELEMENTS) -> PulleyMesh:
-    """Mesh of one sector, with as many elements beside a belt's tooth as on it.
+    """Mesh of one sector, with the same number of flank elements as the belt.
 
     Raises SceneError if no valid mesh can be made.
     """
@@ -111,7 +111,7 @@ def _grooved(pulley: ElasticPulley, land: Floats, flank_elements: int, size: flo
 
 
 def _flank(pulley: ElasticPulley, flank_elements: int, size: float) -> tuple[Floats, int]:
-    """Places of the working flank from the land on, and the number that a tooth touches."""
+    """Points of the working flank from the land on, and the number in the contact part."""
     parts = with_middles(np.linspace(0.0, 1.0, flank_elements + 1))
     flank = pulley.flank(parts)
     if not pulley.flank_goes_on:
@@ -137,7 +137,7 @@ def _side_grid(pulley: ElasticPulley, shaft: Floats, rows: Floats, size: float) 
 def _rows(pulley: ElasticPulley, depth: float, size: float) -> Floats:
     """Fractions of the distance from the foot of the tooth to the bore."""
     below = np.linspace(0.0, depth, 50)
-    caps = np.stack([below, ROW_PART * (pulley.bore_radius_mm + depth - below)])
+    caps = np.stack([below, ROW_RATIO * (pulley.bore_radius_mm + depth - below)])
     rows = growing_breaks(depth, FIRST_ROW * size, GROWTH, caps)
     return rows if rows.size > LEAST_ROWS else np.linspace(0.0, 1.0, LEAST_ROWS + 1)
 

@@ -1,8 +1,7 @@
 """Timing belt as a row of equal cells from tooth to tooth, with two ends at the strands.
 
-The cells are the same at every position of the belt on its pulley: one is condensed once. The ends
-depend on how far the teeth have advanced. All parts are assembled through the stiffness of the
-faces between them.
+The cells are equal at all positions, so that one is condensed once. The ends depend on the advance
+of the teeth. All parts are assembled through the stiffness of the faces between them.
 """
 
 from __future__ import annotations
@@ -28,8 +27,8 @@ if TYPE_CHECKING:
     from flankload.mechanisms.belt.belt import Strip
     from flankload.mechanisms.belt.belt_mesh import BeltMesh
 
-#: Parts of a land that are shorter than this part of an element are omitted.
-SLIVER = 0.3
+#: Least length of a part of a land, relative to an element; shorter parts are omitted.
+LEAST_LENGTH_RATIO = 0.3
 
 
 @dataclass(frozen=True)
@@ -135,8 +134,8 @@ class PieceSize:
 def condensation_work(kept: int, columns: int, normal: int, along: int) -> dict[str, int]:
     """Counters of elements condensed to some unknowns, by the names of `cost.COUNTERS`.
 
-    Each kept unknown of the cuts needs a solution, many of them a second factorisation; further
-    solutions are `columns`, and unit loads act along the normal and along the surface.
+    Each kept unknown of the cuts requires a solution, or many together a second factorisation;
+    `columns` are further solutions; unit loads are normal and tangential.
     """
     many = kept > MANY_KEPT
     cuts = 0 if many else kept
@@ -156,16 +155,14 @@ def phases(strip: Strip, position_rad: Floats) -> Floats:
 
 
 class BeltRow:
-    """A belt whose cell from tooth to tooth is solved once for all positions.
-
-    Pieces are meshed and solved when a position needs them first.
+    """A belt whose cell from tooth to tooth is solved once; pieces are solved on demand.
 
     Parameters
     ----------
     strip : Strip
-        Must have teeth: a belt without teeth cannot be cut in the middle of a land.
+        With teeth: a belt without teeth cannot be cut in the middle of a land.
     flank_elements : int
-        On the flank of a tooth.
+        Number on the flank of a tooth.
     sliding, lifting : bool
         Whether the columns of sliding and lifting lands are included.
     """
@@ -190,7 +187,7 @@ class BeltRow:
         self._known: tuple[tuple[float, float], StripResponse] | None = None
 
     def at(self, phase: float, account: Account | None = None) -> StripResponse:
-        """Response of the belt when its teeth have advanced by so many pitches; work is counted."""
+        """Response of the belt after an advance of its teeth, in pitches; work is counted."""
         teeth = -round_down(phase + 0.5)
         on = self.strip.pitch_rad * (phase + teeth)
         ends = strand_ends(self.strip, self.elements, on)
@@ -262,10 +259,9 @@ class BeltRow:
 def strand_ends(strip: Strip, flank_elements: int, on_rad: float) -> tuple[float, float]:
     """Places where the strands begin, from the middles of the first and the last land.
 
-    If the tangent points of the strands lie on these lands, the strands begin there. Over grooves
-    the belt is free: a strand is straight up to the edge of the nearest land, of which a small part
-    is always fixed. This part has the default element length and does not decrease with shorter
-    elements, because the displacement of a belt held at a point would be unbounded. The middles of
+    Strands begin at their tangent points if these lie on lands. Over grooves a strand is straight
+    up to the edge of the nearest land, of which a part of the default element length is always
+    fixed, because the displacement of a belt fixed at a point would be unbounded. The middles of
     both lands are `on_rad` beyond the tangent points, in the direction of rotation.
     """
     land = half_land(strip, flank_elements)
@@ -274,7 +270,7 @@ def strand_ends(strip: Strip, flank_elements: int, on_rad: float) -> tuple[float
     def near(end: float) -> float:
         # avoid very thin elements
         for known in (-edge, 0.0, edge):
-            if abs(end - known) < SLIVER * element:
+            if abs(end - known) < LEAST_LENGTH_RATIO * element:
                 return known
         return end
 
@@ -287,13 +283,12 @@ def at_position(
 ) -> StripResponse:
     """Response at a position, from the response with strands that begin at the same places.
 
-    The free length of a strand ends at its tangent point: any extra length of the tight strand
-    moves all teeth. It leaves along the tangent: the edge of the land resists any bending beyond
-    that of the belt on the pulley.
+    The free length of a strand ends at its tangent point, so an extra length of the tight strand
+    moves all teeth. A strand leaves along the tangent: the edge of the land prevents more bending
+    than on the pulley.
 
-    The known response has the middle of the first land at angle 0; it moves to `on_rad`, and
-    `teeth` is added to its numbers. Strands begin at `ends` from the middles of the first and the
-    last land, rad.
+    The middle of the first land moves from angle 0 to `on_rad`, and `teeth` is added to all
+    numbers. Strands begin at `ends` from the middles of the first and the last land, rad.
     """
     along = response.flanks.levers_mm / strip.pitch_radius_mm
     follow = along * (strip.pitch_radius_mm * (ends[0] + on_rad) / strip.strand_N_per_mm)
@@ -324,7 +319,7 @@ def at_position(
 
 
 def moved_on(piece: Piece, teeth: int, angle_rad: float) -> Piece:
-    """A piece at a place further around the pulley, by an angle and so many numbers of teeth."""
+    """A piece moved around the pulley by an angle and a number of teeth."""
     return replace(
         piece,
         flanks=replace(piece.flanks.turned(angle_rad), tooth=piece.flanks.tooth + teeth),

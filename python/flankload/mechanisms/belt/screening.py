@@ -19,13 +19,12 @@ from flankload.mechanisms.belt.drive import (
     assemble,
     land_columns_of,
     predicted_work,
-    pulley_mesh,
     response_at,
     solved_pulley,
     work_of_pulley,
 )
 from flankload.mechanisms.belt.drive_result import sites_of
-from flankload.mechanisms.belt.pulley_compliance import rest_on
+from flankload.mechanisms.belt.pulley_compliance import on_elastic_pulley
 from flankload.mechanisms.belt.row import BeltRow
 from flankload.mechanisms.element_rates import load_packages
 from flankload.mechanisms.premises import Torque, broken_by_turn, require_premises
@@ -41,9 +40,9 @@ if TYPE_CHECKING:
     from flankload.mechanisms.effect_size import States
     from flankload.scene import Scene
 
-#: Elements on a flank of the screening, and least number of a second piece; that one has two
-#: thirds as many as the run, so that it costs a third of a piece of the run.
-ELEMENTS, MORE_ELEMENTS = 2, 4
+#: Elements on a flank of the screening, and least number of a second piece; that one has half as
+#: many as the run, so that it costs a fifth of a piece of the run.
+ELEMENTS, MORE_ELEMENTS = 2, 3
 #: Positions of the screening, and one after the next tooth has engaged: lands lift most there.
 POSITIONS = 3
 BYTES = 8
@@ -122,18 +121,20 @@ class BeltScreening(Screening):
         self._few = BeltRow(run.strip, min(ELEMENTS, run.elements), sliding=True, lifting=True)
         load_packages()
         # the first piece takes the time of what packages do once
-        BeltRow(run.strip, self._few.elements).solve_cell(Account())
-        elements = max(MORE_ELEMENTS, 2 * run.elements // 3)
+        self._few.solve_cell(Account())
+        elements = max(MORE_ELEMENTS, run.elements // 2)
         more = BeltRow(run.strip, elements, **land_columns_of(scene))
         self._rates = PieceRates(self._few, more, float(at[0]) / run.strip.pitch_rad)
         self._held = [response_at(self._few, None, float(angle)) for angle in at]
         self._elastic, self._pulley = self._held, Account()
         if not scene.body_1.rigid:
             all_asked = with_keys(scene, land_friction=scene.effects.land_friction or 0.1)
-            mesh = pulley_mesh(scene, self._few.elements)
+            mesh = self._assembly.pulley.of(self._few.elements)
             with self._pulley:
                 known = solved_pulley(all_asked, mesh, self._pulley)
-            self._elastic = [rest_on(response, run.strip, known) for response in self._held]
+            self._elastic = [
+                on_elastic_pulley(response, run.strip, known) for response in self._held
+            ]
             self._sector = len(mesh.sector.nodes)
 
     def states(self, scene: Scene) -> list[States]:
@@ -187,7 +188,7 @@ class BeltScreening(Screening):
 
     def _pulley_of(self, scene: Scene, elements: int) -> Account:
         """Cost of the sector of a pulley, proportional to the entries of its factor."""
-        mesh = pulley_mesh(scene, elements)
+        mesh = self._assembly.pulley.of(elements)
         nodes, work = len(mesh.sector.nodes), work_of_pulley(scene, mesh)
         part = nodes * log(nodes) / (self._sector * log(self._sector))
         loads = work["unit_loads_normal"] + work["unit_loads_tangential"]

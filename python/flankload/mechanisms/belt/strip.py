@@ -1,10 +1,9 @@
 """Response of pieces of a timing belt to forces on teeth, lands and strands.
 
 Lands are fixed radially by shape functions, the cord is a line of bars in the mesh; the tight
-strand fixes the cord where it begins, the slack strand pulls it. The belt beyond these points only
-serves as material beside the last land: no force acts on it. All columns belong to unit forces per
-mm of width, distributed over the elements as linear shape functions; displacements are averaged
-with the same functions.
+strand fixes the cord where it begins, the slack strand pulls it. No force acts on the belt beyond
+these points, which supports the last land. All columns are those of unit forces per mm of width,
+distributed by linear shape functions; displacements are averaged with the same functions.
 
 A piece is condensed to its columns and to its faces in the middles of teeth, which it shares with
 adjacent pieces. For prescribed displacements, at lands (by shape functions) and at the tight
@@ -119,8 +118,8 @@ def solve_piece(
 def _columns(matrix: csc_array, forces: Floats, prescribed: Numbers) -> tuple[Floats, Floats]:
     """Nodal forces of all columns, and their direct response.
 
-    After the columns of `forces` follow those of unit displacements of the `prescribed` degrees of
-    freedom: their output is the negative reaction.
+    The columns of `forces` come first, then unit displacements of the `prescribed` degrees of
+    freedom, whose output is the negative reaction.
     """
     held = matrix[:, prescribed].toarray()
     columns, loads = np.hstack([forces, -held]), forces.shape[1]

@@ -9,8 +9,7 @@ they shift g0.
 
 Linear state: planes tangent to the seat arcs, about the rollers' places on the pitch circle, with
 tensions for the lateral stiffness that decrease linearly from end to end. Iteration: planes at the
-nearest points of the pockets, with their curvature and the tensions found, until no roller moves
-any more.
+nearest points of the pockets, with their curvature and the current tensions, until no roller moves.
 """
 
 from __future__ import annotations
@@ -40,23 +39,22 @@ if TYPE_CHECKING:
 #: Planes of a seat in a linear state: 17 give an error of the tensions of 1.3 % of the tight
 #: tension in the widest seat, 9 give 4.7 %.
 SEAT_PLANES = 17
-#: Compliance of each plane by itself, relative to that of the contact: without it the forces on
-#: several planes of the same roller would not be unique.
-OWN_PART = 1e-4
-#: Parts of the torque by which it is changed to find the derivative of the rotation: for a linear
-#: state, whose seats have corners, and for the iteration.
+#: Additional compliance of each plane, relative to that of the contact; it makes the forces on
+#: several planes of a roller unique.
+PLANE_COMPLIANCE_RATIO = 1e-4
+#: Relative change of the torque for the derivative of the rotation: in a linear state, whose seats
+#: have corners, and in the iteration.
 TORQUE_STEP = {False: 0.05, True: 1e-3}
-#: A support against rotation of the sprocket is weak if its compliance exceeds the remaining one by
-#: this factor.
-WEAK = 1e-5
+#: Ratio of the rotational stiffness of support and contact below which the support is weak.
+WEAK_SUPPORT_RATIO = 1e-5
 #: Largest motion of a roller in a pass, in pitches, and the motion below which it has converged.
-LONGEST_STEP, STANDS = 0.02, 1e-10
+LONGEST_STEP, CONVERGED = 0.02, 1e-10
 #: Largest number of passes.
 MOST_PASSES = 200
-#: Least and largest part of a step, and the pass from which the least part is used.
-LEAST_PART, LARGEST_PART, STEADY_FROM = 0.25, 1.5, 60
-#: Least torque relative to that of the slack strand: below it the rotation between planes is not
-#: unique, so smaller torques are replaced by this one.
+#: Least and largest factor of a step, and the pass from which the least factor is used.
+LEAST_STEP_FACTOR, LARGEST_STEP_FACTOR, STEADY_FROM = 0.25, 1.5, 60
+#: Least torque, relative to that of the slack strand, which replaces smaller ones: with these the
+#: rotation between planes is not unique.
 LEAST_TORQUE = 1e-4
 
 
@@ -131,19 +129,19 @@ def solve_wrap(
 ) -> WrapState:
     """State of the rollers at a position under a torque and the tension of the slack strand.
 
-    With large displacements iterated until convergence, otherwise one linear state; with its
-    compliance also the derivative of the rotation with respect to the torque.
+    With large displacements it is iterated until convergence, otherwise it is one linear state. The
+    compliance is the derivative of the rotation with respect to the torque.
 
     Raises ContactError if the contact problem has no solution.
     """
-    found = _follow(
+    found = _iterate(
         _Problem.of(wrap, chain, torque_Nmm, slack_N), large_displacement=large_displacement
     )
     # the slack tension turns the sprocket, too: its torque is the scale
     more = TORQUE_STEP[large_displacement] * (torque_Nmm + slack_N * wrap.levers_mm[1])
     other = found
     if with_compliance:
-        other = _follow(
+        other = _iterate(
             _Problem.of(wrap, chain, torque_Nmm + more, slack_N),
             found if large_displacement else None,
             large_displacement=large_displacement,
@@ -216,23 +214,23 @@ class _Problem:
         parts = np.zeros((planes.gap.size, n, 2))
         parts[np.arange(planes.gap.size), planes.roller] = planes.normal
         rows = parts.reshape(-1, 2 * n)
-        # a seat that rotates with the sprocket moves its curvature with it
-        drag = np.einsum("nij,nj->ni", bend, _turning(place)).ravel()
+        # the curvature of a seat rotates with the sprocket
+        drag = np.einsum("nij,nj->ni", bend, _rotation_shift(place)).ravel()
         solved = free @ np.linalg.solve(
             free.T @ stiffness @ free,
             free.T @ np.column_stack([force - stiffness @ known, drag, rows.T]),
         )
         base, dragged, moved = solved[:, 0] + known, solved[:, 1], solved[:, 2:]
         same = planes.roller[:, None] == planes.roller[None, :]
-        alike = planes.normal @ planes.normal.T + OWN_PART * np.eye(planes.gap.size)
+        alike = planes.normal @ planes.normal.T + PLANE_COMPLIANCE_RATIO * np.eye(planes.gap.size)
         matrix = rows @ moved + same * alike / chain.contact_stiffness_N_per_mm
         levers = cross(place[planes.roller], planes.normal) - rows @ dragged
-        state, turn = _solve_turning(
+        state, turn = _solve_with_support(
             0.5 * (matrix + matrix.T),
             planes.gap + rows @ base,
             levers,
             self.torque_Nmm + float(drag @ base),
-            float(drag @ (_turning(place).ravel() - dragged)),
+            float(drag @ (_rotation_shift(place).ravel() - dragged)),
         )
         on_planes = state.normal_forces[: planes.gap.size]
         move = base + moved @ on_planes + dragged * turn
@@ -272,7 +270,7 @@ class _Problem:
 
 
 @dataclass(frozen=True)
-class _Followed:
+class _Iterated:
     """Result of an iteration."""
 
     step: _Pass
@@ -283,9 +281,9 @@ class _Followed:
     moves_mm: float
 
 
-def _follow(
-    problem: _Problem, start: _Followed | None = None, *, large_displacement: bool
-) -> _Followed:
+def _iterate(
+    problem: _Problem, start: _Iterated | None = None, *, large_displacement: bool
+) -> _Iterated:
     """One linear state, or passes until convergence, optionally from an earlier result."""
     wrap, chain = problem.wrap, problem.chain
     if start is None:
@@ -296,7 +294,7 @@ def _follow(
         step, place, turned = start.step, start.place, start.turned
         passes, pivots, moves = 0, 0, 0.0
     if not large_displacement:
-        return _Followed(step, place, turned, passes, pivots, moves)
+        return _Iterated(step, place, turned, passes, pivots, moves)
     longest, part = LONGEST_STEP * chain.pitch_mm, 1.0
     last = np.zeros_like(place)
     while passes < MOST_PASSES:
@@ -304,18 +302,18 @@ def _follow(
         problem = replace(problem, tight_N=step.tight_N)
         step = problem.solved(place, chain.tensions(place), step.bend, planes)
         passes, pivots = passes + 1, pivots + step.state.info.pivots
-        part = _part(part, step.move, last) if passes < STEADY_FROM else LEAST_PART
+        part = _part(part, step.move, last) if passes < STEADY_FROM else LEAST_STEP_FACTOR
         last, moves = step.move, float(np.abs(step.move).max())
-        taken = min(part, longest / max(moves, 1e-3 * longest))
-        place, turned = place + taken * step.move, turned + taken * step.turn
-        if moves < STANDS * chain.pitch_mm:
+        factor = min(part, longest / max(moves, 1e-3 * longest))
+        place, turned = place + factor * step.move, turned + factor * step.turn
+        if moves < CONVERGED * chain.pitch_mm:
             moves = 0.0
             break
-    return _Followed(step, place, turned, passes, pivots, moves)
+    return _Iterated(step, place, turned, passes, pivots, moves)
 
 
 def _part(part: float, move: Floats, last: Floats) -> float:
-    """Part of a step to take, from the change caused by the previous part (Aitken).
+    """Factor of a step, from the change by the previous one (Aitken).
 
     Flanks have no curvature here, and tensions are those of the previous pass.
     """
@@ -323,7 +321,9 @@ def _part(part: float, move: Floats, last: Floats) -> float:
     size = float((change**2).sum())
     if size == 0.0 or not last.any():
         return part
-    return float(np.clip(-part * (last * change).sum() / size, LEAST_PART, LARGEST_PART))
+    return float(
+        np.clip(-part * (last * change).sum() / size, LEAST_STEP_FACTOR, LARGEST_STEP_FACTOR)
+    )
 
 
 def _curvature_stiffness(rollers: int, planes: Planes, on_planes_N: Floats) -> Floats:
@@ -340,21 +340,21 @@ def _curvature_stiffness(rollers: int, planes: Planes, on_planes_N: Floats) -> F
     return bends
 
 
-def _turning(place: Floats) -> Floats:
+def _rotation_shift(place: Floats) -> Floats:
     """Displacements of places by a unit rotation about the axis."""
     return np.column_stack([-place[:, 1], place[:, 0]])
 
 
-def _solve_turning(
+def _solve_with_support(
     matrix: Floats, gaps: Floats, levers: Floats, torque: float, support: float
 ) -> tuple[ContactState, float]:
     """Contact with a sprocket on an elastic support against rotation, N mm/rad.
 
     B·F + s phi = M: a support that is not weak is condensed into the matrix, K + B Bᵀ/s, g0 - B
-    M/s, and the rotation is no unknown any more. The contact loop requires a motion: a separate
-    pair fixes it.
+    M/s, which eliminates the rotation. A separate pair provides the motion that the contact loop
+    requires.
     """
-    if support * np.abs(matrix).max() <= WEAK * np.abs(levers).max() ** 2:
+    if support * np.abs(matrix).max() <= WEAK_SUPPORT_RATIO * np.abs(levers).max() ** 2:
         state = solve_contact_general(
             matrix, gaps, levers[:, None], [torque], method="single", positive_definite=True
         )

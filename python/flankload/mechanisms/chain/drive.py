@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.errors import ContactError, NoContactState, SceneError
-from flankload.mechanisms.chain.contact import STANDS, WrapState, solve_wrap, work_of
+from flankload.mechanisms.chain.contact import CONVERGED, WrapState, solve_wrap, work_of
 from flankload.mechanisms.chain.sprocket import Sprocket, build_sprocket
 from flankload.mechanisms.chain.wrap import Chain, Wrap, wrap_at
 from flankload.mechanisms.wrapped import WrappedAssembly, positions_of, slack_of
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 SPAN_PITCHES = 40.0
 #: Contact problems of a linear state: for the state, and for its stiffness.
 LINEAR_PASSES = 2
-#: A link under compression above this part of the tight tension is not possible.
+#: Least tension of a link, relative to the tight tension: roundoff of a slack link.
 LEAST_TENSION = -1e-6
 
 
@@ -74,12 +74,12 @@ def error_estimate(
     torque_Nm: float,
     account: Account,
 ) -> dict[str, object]:
-    """Error of one linear state, from an iteration at two positions, as the result shows it.
+    """Error of one linear state, from an iteration at two positions, in the form of the result.
 
-    The iteration stops at a part of a pitch, which is its own error. Its work is counted.
+    The error of the iteration is its tolerance. Its work is counted.
     """
     if scene.effects.large_displacement:
-        left = {"transmission_error": STANDS, "load_share": STANDS}
+        left = {"transmission_error": CONVERGED, "load_share": CONVERGED}
         return {**left, "by_source": {"passes": left}}
     turn, share = 0.0, 0.0
     scale = max(abs(state.rotation_rad) for state in states)

@@ -20,16 +20,13 @@ from flankload.mechanisms.wrapped import WrappedMechanism, WrappedStates
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from flankload.base.arrays import Floats
     from flankload.mechanisms.chain.contact import WrapState
     from flankload.mechanisms.chain.drive import ChainAssembly
-    from flankload.mechanisms.data_sheet import DataSheet
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Mechanism, MeshFile, Rows, States
+    from flankload.mechanisms.protocol import Mechanism, MeshFile, States
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
-    from flankload.result import Result
     from flankload.scene import Scene
 
 
@@ -38,30 +35,12 @@ class ChainOnSprocket(WrappedMechanism):
 
     no_flanks_reason: str | None = "'chain', whose sprocket has pockets and which is a truss"
 
-    def assemble(self, scene: Scene) -> ChainAssembly:
-        return assemble(scene)
-
-    def work(self, scene: Scene, assembly: ChainAssembly) -> Counted:
-        return predicted_work(scene, assembly)
-
-    def stiffness(self, assembly: ChainAssembly, states: Sequence[WrapState]) -> Floats:
-        return tangent_stiffness(assembly, states)
-
-    def result(
-        self,
-        scene: Scene,
-        assembly: ChainAssembly,
-        states: WrappedStates,
-        number: int,
-        estimate: Mapping[str, object] | None,
-    ) -> Result:
-        return result_of_chain(scene, assembly, states, number, estimate)
-
-    def rows(self, scene: Scene) -> dict[str, Rows]:
-        return rows_of_chain(scene)
-
-    def data_sheet(self, scene: Scene) -> DataSheet:
-        return sheet_of_chain(scene)
+    assemble = staticmethod(assemble)
+    work = staticmethod(predicted_work)
+    stiffness = staticmethod(tangent_stiffness)
+    result = staticmethod(result_of_chain)
+    rows = staticmethod(rows_of_chain)
+    data_sheet = staticmethod(sheet_of_chain)
 
     def compliances(
         self,

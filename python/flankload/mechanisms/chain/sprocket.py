@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from flankload.scene import Sprocket as SprocketKeys
 
 #: ISO 606: least and largest roller seating radius, r_i = 0.505 d1 (+ 0.069 d1^(1/3)).
-SEAT_PART, SEAT_ROOT = 0.505, 0.069
+SEAT_RATIO, SEAT_ROOT = 0.505, 0.069
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Sprocket:
 
     @property
     def tooth_top_mm(self) -> float:
-        """Radius at which both flanks of a tooth meet, or at which they stop rising before that."""
+        """Radius at which both flanks of a tooth meet, or their largest radius before that."""
         x, y = self.flank_centers[1] + [0.0, self.pitch_radius_mm]
         radius = self.flank_radius_mm - 0.5 * self.roller_diameter_mm
         distance, beyond = float(np.hypot(x, y)), float(np.arctan2(x, y)) - self.half_pitch_rad
@@ -103,7 +103,7 @@ class Sprocket:
     @property
     def highest_roller_mm(self) -> float:
         """Largest outward motion of a roller along a flank before it reaches the tip."""
-        # there the line from the flank's centre through the roller meets the tip circle
+        # the line from the flank's centre through that roller meets the tip circle
         center = self.flank_centers[0] + [0.0, self.pitch_radius_mm]
         inner = self.flank_radius_mm - 0.5 * self.roller_diameter_mm
         distance = float(np.hypot(*center))
@@ -174,7 +174,9 @@ def _proportions(spec: SprocketKeys) -> Sprocket:
     """Sprocket from its keys and from ISO 606 where they are missing, unchecked."""
     d, z = spec.roller_diameter_mm, spec.teeth
     wide = spec.seat == "wide"
-    seat = spec.roller_seat_radius_mm or SEAT_PART * d + (SEAT_ROOT * d ** (1 / 3) if wide else 0.0)
+    seat = spec.roller_seat_radius_mm or SEAT_RATIO * d + (
+        SEAT_ROOT * d ** (1 / 3) if wide else 0.0
+    )
     flank = spec.flank_radius_mm or (0.008 * d * (z**2 + 180) if wide else 0.12 * d * (z + 2))
     angle = radians(spec.seating_angle_deg or 120.0 - 90.0 / z)
     pitch_diameter = spec.pitch_mm / sin(pi / z)

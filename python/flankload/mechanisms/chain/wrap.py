@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
     from flankload.mechanisms.chain.sprocket import Sprocket
 
-#: Number of planes beside that of the nearest point, and their least distance from it, rad.
-BESIDE, APART = 5, 0.05
+#: Number of fixed planes on the seat arc, and their least distance from that at the nearest point,
+#: rad.
+ARC_PLANES, LEAST_ANGLE = 5, 0.05
 
 
 @dataclass(frozen=True)
@@ -192,8 +193,8 @@ def seat_planes(wrap: Wrap, place: Floats, turned: float, angles: Floats) -> Pla
 def nearest_planes(wrap: Wrap, place: Floats, turned: float) -> Planes:
     """Planes at the nearest points of the pockets, with their curvature, and adjacent planes.
 
-    In the seat, the plane of the nearest point and further planes of the arc that limit long steps;
-    the planes of both flanks always: no contact surface lies beyond their feet.
+    Both flanks always have a plane, since no contact surface lies beyond their feet; a roller in
+    the seat has that of the nearest point and further planes of the arc, which limit long steps.
     """
     sprocket = wrap.sprocket
     polar = wrap.angles_rad + turned
@@ -203,7 +204,7 @@ def nearest_planes(wrap: Wrap, place: Floats, turned: float) -> Planes:
     nearest = np.arctan2(-away[:, 0], -away[:, 1])
     flank_normals, flank_gaps = sprocket.flank_gaps(local)
     roller, normal, gap, curvature = [], [], [], []
-    fan = np.linspace(-half, half, BESIDE)
+    fan = np.linspace(-half, half, ARC_PLANES)
     for i in range(len(place)):
         for side in (0, 1):
             roller.append(i)
@@ -212,7 +213,7 @@ def nearest_planes(wrap: Wrap, place: Floats, turned: float) -> Planes:
             curvature.append(-1.0 / (flank_gaps[side, i] + sprocket.flank_radius_mm))
         if abs(nearest[i]) > half:
             continue
-        angles = np.append(fan[np.abs(fan - nearest[i]) > APART], nearest[i])
+        angles = np.append(fan[np.abs(fan - nearest[i]) > LEAST_ANGLE], nearest[i])
         planes, gaps = sprocket.seat_planes(angles, local[i : i + 1])
         roller += [i] * angles.size
         normal += list(planes)

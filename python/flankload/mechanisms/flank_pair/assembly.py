@@ -12,7 +12,7 @@ import numpy as np
 from msgspec import structs
 
 from flankload.bodies import Body, build_body
-from flankload.bodies.imported.given import ModalCompliance
+from flankload.bodies.imported.compliance import ModalCompliance
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.bodies.root_fillet import RootFillets, root_fillets
 from flankload.contact.sweep import FlankContact, sweep
@@ -23,7 +23,7 @@ from flankload.mechanisms.parts import made_once
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.toggles import without_modifications
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.expansion import growth_notes, growth_of
+from flankload.pairing.expansion import body_load_notes, body_loads_of
 from flankload.pairing.friction import friction_notes, friction_of
 from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
@@ -41,10 +41,10 @@ from flankload.scene.effects import Effects, effects_of
 from flankload.scene.effects.rules import check_coast_kinds
 from flankload.scene.usual import question_notes
 
-#: Largest distance between such flanks, as part of the pitch: a larger one means another tooth or
-#: another centre distance.
-LARGEST_STANDING_GAP = 0.25
-#: Flanks from files that deviate from their involute by at most this amount are unmodified.
+#: Largest distance between flanks with angles from files, relative to the pitch; a larger distance
+#: indicates another tooth or centre distance.
+LARGEST_FLANK_DISTANCE = 0.25
+#: Least deviation from the involute of a modified flank from a file, um.
 LEAST_DEVIATION_UM = 1e-3
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def bodies_of(
     element_mm = scene.accuracy.flank_element_mm
     try:
         if effects_of(scene).nodal_near_field:
-            # named, or from the contact width of the curves
+            # from the scene, or from the contact width
             nodes_mm = element_mm or spacing_for_loads(
                 (made(0), made(1)), scene.torques_Nm, scene.pair.face_width_mm
             )
@@ -137,7 +137,7 @@ def build_bodies(
             position_rad=reached_positions(window.position_rad, one),
             coast_flanks=effects.coast_flanks,
         )
-        # coefficients may differ from tooth to tooth
+        # influence coefficients may differ between teeth
         pairing = replace(pairing, period=window.period)
         friction = friction_of(scene, one, pairing)
         fillets = (_fillets(one, "body_1", effects), _fillets(two, "body_2", effects))
@@ -156,7 +156,7 @@ def build_bodies(
         notes=(),
         friction=friction,
         fillets=fillets,
-        growth=growth_of(scene, pairing),
+        body_loads=body_loads_of(scene, pairing),
         slices=_slices(scene, (one, two), pairing),
     )
     return replace(pair, notes=_notes(scene, pair, window.notes))
@@ -183,7 +183,7 @@ def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple
         *([] if slices is None else tilt_notes(pair.pairing.fit, slices)),
         *window_notes,
         *friction_notes(pair.friction, pair.pairing),
-        *growth_notes(scene),
+        *body_load_notes(scene),
         *(
             f"body_{z}: rigid, so there is no stress in its roots"
             for z, body in enumerate(pair.bodies, start=1)
@@ -203,13 +203,13 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
     angles = scene.pair.inclination_um_per_mm, scene.pair.deviation_um_per_mm
     misalignment = 0.0
     if any(angles):
-        if pairing.mesh is None:
+        if pairing.gear_geometry is None:
             raise SceneError(
                 key="pair.inclination_um_per_mm" if angles[0] else "pair.deviation_um_per_mm",
                 expected="nothing, since a body without a profile has no pressure angle",
                 found=angles[0] or angles[1],
             )
-        misalignment = gap_by_misalignment(*angles, pairing.mesh.pressure_angle_rad)
+        misalignment = gap_by_misalignment(*angles, pairing.gear_geometry.pressure_angle_rad)
     graded = scene.effects.contact == "pairs"
     return slices_of((one, two), scene.accuracy.slices, misalignment, graded=graded)
 
@@ -238,7 +238,7 @@ def _with_file(error: SceneError, scene: Scene) -> SceneError:
 
 def _check_nodes(body: Body, key: str) -> None:
     """Refuse nodal forces for a body with imported pressure modes: its file has no nodal tables."""
-    if isinstance(body.given, ModalCompliance):
+    if isinstance(body.imported, ModalCompliance):
         raise SceneError(
             key="effects.near_field",
             expected=f"'analytic', since {key}.file holds pressure modes: nodes that carry forces "
@@ -248,7 +248,7 @@ def _check_nodes(body: Body, key: str) -> None:
 
 
 def _nodes_of_modes(body: Body, scene: Scene, z: int) -> float | None:
-    """Distance of flank nodes that the named number of modes needs; None if they are so fine."""
+    """Spacing of flank nodes for the given number of modes; None if the mesh is fine enough."""
     assert scene.accuracy.modes is not None
     wanted = elements_for_modes(scene.accuracy.modes)
     parametric = hasattr((scene.body_1, scene.body_2)[z], "module_mm")
@@ -285,12 +285,12 @@ def _body(
         return made_once(call, parts)
 
     errors_um = () if spec.from_file else spec.pitch_errors_um
-    if errors_um:  # they place the teeth of a body and change nothing else: others share it
+    if errors_um:  # they only shift the teeth, so bodies with other errors share the rest
         spec = structs.replace(spec, pitch_errors_um=())
     plain = without_modifications(spec) if scene.accuracy.unmodified_elements else spec
     if plain == spec or spec.rigid:
         own = built(spec)
-    else:  # the flank alone: a rigid body has no mesh
+    else:  # a rigid body is made without a mesh
         own, elements = built(structs.replace(spec, rigid=True)), built(plain)
         own = replace(own, rigid=False, mesh=elements.mesh, elements=elements)
     return replace(own, pitch_errors_um=tuple(errors_um)) if errors_um else own
@@ -306,7 +306,7 @@ def _stamps(scene: Scene, key: str) -> tuple[tuple[int, int], ...]:
     stamps = []
     for name, path in scene.files.items():
         if name.startswith(f"{key}."):
-            with suppress(OSError, ValueError):  # whoever reads the file says what is wrong
+            with suppress(OSError, ValueError):  # reading the file raises the error
                 stat = path.stat()
                 stamps.append((stat.st_mtime_ns, stat.st_size))
     return tuple(stamps)
@@ -332,12 +332,11 @@ def _is_modified_file(body: Body) -> bool:
     )
 
 
-# --- flanks whose places come from files ----------------------------------------------------------
-def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPair:
-    """Add a note on the distance between the flanks if the files give their places.
+# --- flanks with positions from files -------------------------------------------------------------
+def with_flank_distance(scene: Scene, pair: BodyPair, account: Account) -> BodyPair:
+    """Add a note on the distance between flanks whose positions come from files.
 
-    The state without load is counted in the account. Raises a SceneError if the flanks are too far
-    apart.
+    The unloaded state is counted in the account. Raises SceneError if the flanks are too far apart.
     """
     if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known:
         return pair
@@ -348,7 +347,7 @@ def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPai
     radius = pair.body_1.reference_radius_mm
     gap_mm = float(unloaded.rotation_rad[0]) * radius
     apart = "overlap by" if gap_mm < 0 else "stand apart by"
-    if abs(gap_mm) > LARGEST_STANDING_GAP * pair.pairing.pitch_rad * radius:
+    if abs(gap_mm) > LARGEST_FLANK_DISTANCE * pair.pairing.pitch_rad * radius:
         _blame_flank(scene, pair, f"{apart} {abs(gap_mm):.3f} mm")
         raise SceneError(
             file=scene.file,
@@ -360,10 +359,10 @@ def with_standing_gap(scene: Scene, pair: BodyPair, account: Account) -> BodyPai
         f"as the files stand, the flanks {apart} {1000 * abs(gap_mm):.3g} um at the first "
         "position; rotation and transmission error count from there"
     )
-    return replace(pair, standing_note=note)
+    return replace(pair, flank_distance_note=note)
 
 
-def _blame_flank(scene: Scene, pair: BodyPair, stand: str) -> None:
+def _blame_flank(scene: Scene, pair: BodyPair, distance: str) -> None:
     """Refuse a mesh flank that faces clockwise if that of its mate faces counter-clockwise."""
     if pair.body_1.mirrored == pair.body_2.mirrored:
         return
@@ -377,5 +376,5 @@ def _blame_flank(scene: Scene, pair: BodyPair, stand: str) -> None:
         expected="the other flank of the tooth: one that faces counter-clockwise about the axis of "
         "its body, as that of the mate does",
         found=f"{(sets or (spec.flank_set,))[0]!r}, which faces clockwise: in their "
-        f"mirror image the flanks {stand}",
+        f"mirror image the flanks {distance}",
     )

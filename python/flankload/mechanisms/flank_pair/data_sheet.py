@@ -1,4 +1,4 @@
-"""Drawing data of bodies that touch on flanks: computed from the bodies, not from the keys.
+"""Drawing data of bodies that touch on flanks, computed from the bodies, not from the keys.
 
 Symbols after ISO 21771; modules, angles and profile shifts follow from the radii and the tooth
 thickness of the flanks that are solved.
@@ -23,24 +23,24 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.bodies.profile.involute import Involute
     from flankload.pairing.body_pair import BodyPair
-    from flankload.pairing.gear_pair import Mesh
+    from flankload.pairing.gear_pair import GearGeometry
     from flankload.pairing.spline_fit import SplineFit
     from flankload.scene import BodySpec, Scene
 
-#: Helix angles below this, rad, are those of spur teeth.
-STRAIGHT = 1e-9
-#: Larger differences between the profile shift of the flank and that of the scene are allowances.
+#: Least helix angle of helical teeth, rad.
+LEAST_HELIX = 1e-9
+#: Least difference of the flank's profile shift from that of the scene if there is an allowance.
 ALLOWANCE = 1e-6
-#: Deviations from the involute below this, um, are roundoff.
-ROUNDING_UM = 1e-6
+#: Least deviation from the involute above roundoff, um.
+LEAST_DEVIATION_UM = 1e-6
 
 
 def data_sheet(scene: Scene) -> DataSheet:
     """Drawing data of both bodies; raises a SceneError if they cannot be made or paired."""
     pair = build_bodies(scene)
     one, two = pair.bodies
-    mesh = pair.pairing.mesh
-    path = () if mesh is None else _path(pair, mesh)
+    gears = pair.pairing.gear_geometry
+    path = () if gears is None else _path(pair, gears)
     return DataSheet(
         kinds=(one.kind.replace("_", " "), two.kind.replace("_", " ")),
         bodies=(
@@ -77,7 +77,7 @@ def _rows_of_profile(body: Body, spec: BodySpec) -> Iterator[SheetRow]:
 
 
 def _active(path: tuple[PathPoint, ...], z: int) -> Iterator[SheetRow]:
-    """Ends of the active profile: body 1 meets from its root to its tip, body 2 from its tip."""
+    """Ends of the active profile: contact moves from root to tip on body 1, reversed on body 2."""
     if path:
         root, tip = (path[0], path[-1]) if z == 0 else (path[-1], path[0])
         yield SheetRow("active tip diameter", "d_Na", _mm(tip.diameters_mm[z]))
@@ -98,8 +98,8 @@ def _rows_of_body(body: Body, scene: Scene) -> Iterator[SheetRow]:
         inside = body.bore_radius_mm < np.hypot(*body.outline.T).max()
         around = "diameter of the bore, held" if inside else "outer diameter, held"
         yield SheetRow(around, "", _mm(2 * body.bore_radius_mm))
-    if body.given is not None:
-        yield SheetRow("compliance", "", body.given.description)
+    if body.imported is not None:
+        yield SheetRow("compliance", "", body.imported.description)
     if body.rigid:
         yield SheetRow("material", "", "rigid")
         return
@@ -142,7 +142,7 @@ def _rows_of_involute(body: Body, involute: Involute, spec: BodySpec) -> Iterato
     normal = atan(tan(transverse) * cos(helix))
     module = 2 * reference / body.teeth
     yield SheetRow("number of teeth", "z", f"{body.teeth}")
-    if abs(helix) > STRAIGHT:
+    if abs(helix) > LEAST_HELIX:
         yield SheetRow("normal module", "m_n", f"{module * cos(helix):.6g} mm")
         yield SheetRow("transverse module", "m_t", f"{module:.6g} mm")
         yield SheetRow("normal pressure angle", "α_n", _deg(normal))
@@ -223,7 +223,7 @@ def _rows_of_flank(body: Body, spec: BodySpec) -> Iterator[SheetRow]:
             symbol = "d_Ca" if name == "relief" else "d_Fa"
             yield SheetRow(f"start of the {name}", symbol, _mm(diameter))
     largest = float(-profile.deviation_um.min())
-    if keys is None and largest > ROUNDING_UM:
+    if keys is None and largest > LEAST_DEVIATION_UM:
         yield SheetRow("largest deviation from the involute", "", f"{largest:.2f} µm")
 
 
@@ -248,15 +248,15 @@ def _rows_along_axis(body: Body) -> Iterator[SheetRow]:
 
 # --- pair -----------------------------------------------------------------------------------------
 def _rows_of_pair(scene: Scene, pair: BodyPair) -> Iterator[SheetRow]:
-    mesh, fit = pair.pairing.mesh, pair.pairing.fit
+    gears, fit = pair.pairing.gear_geometry, pair.pairing.fit
     apart = f"{scene.pair.axes_apart_mm:g} mm"
     if fit is not None:
         yield SheetRow("offset of the axes", "", apart)
-        yield from _rows_of_fit(fit)
+        yield from _spline_rows(fit)
     else:
         yield SheetRow("centre distance", "a", apart)
-    if mesh is not None:
-        yield from _rows_of_mesh(pair, mesh, scene.pair.face_width_mm)
+    if gears is not None:
+        yield from _gear_rows(pair, gears, scene.pair.face_width_mm)
     yield SheetRow("common face width", "b", f"{scene.pair.face_width_mm:g} mm")
     for name, symbol, value in (
         ("misalignment in the plane of the axes", "f_Σδ", scene.pair.inclination_um_per_mm),
@@ -266,29 +266,29 @@ def _rows_of_pair(scene: Scene, pair: BodyPair) -> Iterator[SheetRow]:
             yield SheetRow(name, symbol, f"{value:g} µm/mm")
 
 
-def _rows_of_mesh(pair: BodyPair, mesh: Mesh, width_mm: float) -> Iterator[SheetRow]:
+def _gear_rows(pair: BodyPair, gears: GearGeometry, width_mm: float) -> Iterator[SheetRow]:
     one, two = pair.bodies
     yield SheetRow("gear ratio", "u", f"{two.teeth}/{one.teeth} = {two.teeth / one.teeth:.4f}")
-    yield SheetRow("working transverse pressure angle", "α_wt", _deg(mesh.pressure_angle_rad))
-    diameters = f"{2 * mesh.pitch_radius_1_mm:.4f} / {2 * mesh.pitch_radius_2_mm:.4f} mm"
+    yield SheetRow("working transverse pressure angle", "α_wt", _deg(gears.pressure_angle_rad))
+    diameters = f"{2 * gears.pitch_radius_1_mm:.4f} / {2 * gears.pitch_radius_2_mm:.4f} mm"
     yield SheetRow("working pitch diameters", "d_w1 / d_w2", diameters)
-    yield SheetRow("transverse base pitch", "p_bt", _mm(mesh.base_pitch_mm))
-    yield SheetRow("transverse contact ratio", "ε_α", f"{mesh.contact_ratio:.4f}")
-    if mesh.usable_contact_ratio < mesh.contact_ratio:
-        text = f"{mesh.usable_contact_ratio:.4f}"
+    yield SheetRow("transverse base pitch", "p_bt", _mm(gears.base_pitch_mm))
+    yield SheetRow("transverse contact ratio", "ε_α", f"{gears.contact_ratio:.4f}")
+    if gears.usable_contact_ratio < gears.contact_ratio:
+        text = f"{gears.usable_contact_ratio:.4f}"
         yield SheetRow("part of it with both flanks involutes", "", text)
     helix = _helix_rad(one)
-    if abs(helix) > STRAIGHT and one.involute is not None:
+    if abs(helix) > LEAST_HELIX and one.involute is not None:
         axial_pitch = 2 * pi * one.involute.reference_radius_mm / one.teeth / tan(abs(helix))
         overlap = width_mm / axial_pitch
         yield SheetRow("overlap ratio", "ε_β", f"{overlap:.4f}")
-        yield SheetRow("total contact ratio", "ε_γ", f"{mesh.contact_ratio + overlap:.4f}")
-    backlash = mesh.backlash_mm * cos(mesh.pressure_angle_rad) * cos(_base_helix_rad(one))
-    yield SheetRow("backlash on the working pitch circles", "j_wt", _mm(mesh.backlash_mm))
+        yield SheetRow("total contact ratio", "ε_γ", f"{gears.contact_ratio + overlap:.4f}")
+    backlash = gears.backlash_mm * cos(gears.pressure_angle_rad) * cos(_base_helix_rad(one))
+    yield SheetRow("backlash on the working pitch circles", "j_wt", _mm(gears.backlash_mm))
     yield SheetRow("normal backlash", "j_bn", _mm(backlash))
 
 
-def _rows_of_fit(fit: SplineFit) -> Iterator[SheetRow]:
+def _spline_rows(fit: SplineFit) -> Iterator[SheetRow]:
     low, high = fit.active_radii_mm
     yield SheetRow("pressure angle", "α", _deg(fit.pressure_angle_rad))
     yield SheetRow("pitch diameter", "D", _mm(2 * fit.pitch_radius_mm))
@@ -297,13 +297,13 @@ def _rows_of_fit(fit: SplineFit) -> Iterator[SheetRow]:
     yield SheetRow("normal backlash", "j_bn", _mm(fit.normal_backlash_mm))
 
 
-def _path(pair: BodyPair, mesh: Mesh) -> tuple[PathPoint, ...]:
+def _path(pair: BodyPair, gears: GearGeometry) -> tuple[PathPoint, ...]:
     """Points A to E of the path of contact, in the order in which a pair passes them."""
-    pitch, angle = mesh.base_pitch_mm, mesh.pressure_angle_rad
-    start, end = mesh.path_start_mm, mesh.path_end_mm
+    pitch, angle = gears.base_pitch_mm, gears.pressure_angle_rad
+    start, end = gears.path_start_mm, gears.path_end_mm
     # a length that increases on body 1 decreases on body 2, or increases on an internal gear
     sense = pair.body_2.outward
-    radii = [radius * cos(angle) for radius in (mesh.pitch_radius_1_mm, mesh.pitch_radius_2_mm)]
+    radii = [radius * cos(angle) for radius in (gears.pitch_radius_1_mm, gears.pitch_radius_2_mm)]
 
     def point(name: str, along: float) -> PathPoint:
         one = radii[0] * tan(angle) + along

@@ -15,7 +15,7 @@ from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.protocol import Description, MeshFile
 from flankload.meshes.report import quality_rows
-from flankload.pairing.gear_pair import describe_mesh
+from flankload.pairing.gear_pair import describe_gears
 from flankload.pairing.spline_fit import describe_fit
 from flankload.scene.effects import EFFECTS, switches_of
 
@@ -33,8 +33,8 @@ def describe(scene: Scene) -> Description:
     """Describe bodies, pairing and effects; raises a SceneError if they are impossible."""
     pair = build_bodies(scene)
     for body in pair.bodies:
-        if body.given is not None:
-            compliance_of(body, scene)  # detects errors in its file at negligible cost
+        if body.imported is not None:
+            compliance_of(body, scene)  # checks the file at negligible cost
     switches = switches_of(scene)
     has_teeth = pair.pairing.motion is None
     effects = [row for row in EFFECTS if has_teeth or not row.of_teeth]
@@ -49,11 +49,11 @@ def describe(scene: Scene) -> Description:
 
 
 def _rows_of_pair(scene: Scene, pair: BodyPair) -> list[tuple[str, str]]:
-    mesh, fit = pair.pairing.mesh, pair.pairing.fit
+    gears, fit = pair.pairing.gear_geometry, pair.pairing.fit
     return [
         ("offset" if fit else "centre distance", f"{scene.pair.axes_apart_mm:g} mm"),
         ("face width", f"{scene.pair.face_width_mm:g} mm"),
-        *(describe_mesh(mesh) if mesh is not None else ()),
+        *(describe_gears(gears) if gears is not None else ()),
         *(describe_fit(fit) if fit is not None else ()),
     ]
 
@@ -64,7 +64,7 @@ def mesh_files(scene: Scene) -> Iterator[MeshFile]:
     for z, body in enumerate(pair.bodies):
         name, turn = f"body_{z + 1}", pair.pairing.turns_at_zero_rad[z]
         if body.mesh is None:
-            why = "its compliance comes from a file" if body.given is not None else "rigid"
+            why = "its compliance comes from a file" if body.imported is not None else "rigid"
             yield MeshFile(name, None, f"{why}, so it has no mesh")
             continue
         part = f"one of {body.teeth} sectors"
@@ -102,8 +102,8 @@ def _rows_of_body(body: Body) -> list[tuple[str, str]]:
         ]
     else:
         rows.append(("reference radius", f"{body.reference_radius_mm:g} mm"))
-    if body.given is not None:
-        return [*rows, ("compliance", body.given.description)]
+    if body.imported is not None:
+        return [*rows, ("compliance", body.imported.description)]
     if body.mesh is None:
         return [*rows, ("mesh", "none: rigid")]
     return [*rows, *_rows_of_mesh(body)]

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from flankload.contact.sweep import CoastSweep, SliceStates, Sweep
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.pairing.body_pair import BodyPair
-    from flankload.pairing.gear_pair import Mesh
+    from flankload.pairing.gear_pair import GearGeometry
     from flankload.pairing.slices import Slices
     from flankload.result.geometry import PairGeometry
     from flankload.scene import Scene
@@ -48,7 +48,7 @@ def result_of(
     geometry: PairGeometry | None = None,
     notes: tuple[str, ...] = (),
 ) -> Result:
-    """Make the result of one torque; its `cost` contains the part of this torque.
+    """Result of one torque; its `cost` contains the part of this torque.
 
     `estimate` are error estimates as the result shows them; `geometry` is shared by the results of
     several torques; `notes` are further warnings.
@@ -62,7 +62,7 @@ def result_of(
     width = peak_width = scene.pair.face_width_mm
     if pair.slices is not None:
         width, peak_width = float(pair.slices.width_mm.sum()), 1.0
-    standing = (*pair.notes, *([pair.standing_note] if pair.standing_note else []))
+    pair_notes = (*pair.notes, *([pair.flank_distance_note] if pair.flank_distance_note else []))
     result = Result(
         name=scene.name,
         torque_Nm=found.torque_Nmm / 1000.0,
@@ -83,7 +83,7 @@ def result_of(
         face_width_mm=width,
         estimate=estimate,
         cost=_cost(found, compliances),
-        warnings=(*standing, *notes, *notes_of_sweep(pair, compliances, found, width)),
+        warnings=(*pair_notes, *notes, *notes_of_sweep(pair, compliances, found, width)),
         drawing=_drawing(pair),
         geometry=geometry,
         root_readings=(
@@ -93,13 +93,13 @@ def result_of(
         follower_angle_rad=None
         if pair.pairing.motion is None
         else pair.pairing.turns(pair.position_rad)[0],
-        unloaded_rotation_rad=found.unloaded_rad,
+        unloaded_rotation_rad=None if found.unloaded is None else found.unloaded.rotation_rad,
     )
     return _with_parts(result, pair, found, carries)
 
 
 def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[np.int64]) -> Result:
-    """A result with the parts that only some pairs have: slices, coast flanks, friction."""
+    """A result with the optional parts: slices, coast flanks, friction."""
     if pair.slices is not None and found.slices is not None:
         result = replace(
             result,
@@ -168,7 +168,7 @@ def _stiffness(tangent_rad_per_Nmm: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _pair_tables(pair: BodyPair, pairs: PackedPairs, width_mm: float) -> PairTables:
-    """Tables of the contact pairs at all positions, made when they are read."""
+    """Tables of the contact pairs at all positions, made on demand."""
     return PairTables(len(pairs.count), partial(_pair_table, pair, pairs, width_mm))
 
 
@@ -177,7 +177,7 @@ def _pair_table(pair: BodyPair, pairs: PackedPairs, width_mm: float, p: int) -> 
     column, number, slices = pairs.columns_at(p), pairs.slices_at(p), pair.slices
     z_mm, length = None, np.asarray(width_mm)
     if slices is not None and number is not None:
-        # the contact line of a slice leans by the base helix angle, as its normal does
+        # the contact line of a slice and its normal are inclined by the base helix angle
         z_mm = slices.z_mm[number]
         length = slices.width_mm[number] * np.hypot(1.0, _slope(pair, column))
     half_width = pair.effects.lumped_contact and not pair.pairing.whole_circle
@@ -251,10 +251,10 @@ def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoad
         axis = np.array([z * pair.pairing.center_distance_mm, 0.0, shaft.z_mm])
         bearings[z] = np.zeros((count, len(shaft.bearing_loads), 3))
         for p in range(count):
-            points, normal, rubbing = _contacts(pair, slices, pairs, p)
+            points, normal, friction = _contacts(pair, slices, pairs, p)
             if not normal.any():
                 continue
-            force = sign * (normal + rubbing)
+            force = sign * (normal + friction)
             wrench = np.concatenate([force.sum(axis=0), np.cross(points - axis, force).sum(axis=0)])
             turned = (shaft.compliance @ wrench)[3:]
             across = normal[:, :2].sum(axis=0)
@@ -267,23 +267,23 @@ def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoad
 def _contacts(
     pair: BodyPair, slices: Slices, pairs: PackedPairs, p: int
 ) -> tuple[Floats, Floats, Floats]:
-    """Points (n, 3) of the contacts of a position, normal forces on body 2 and friction there."""
+    """Contact points (n, 3) at position p, with normal and friction forces on body 2."""
     column = pairs.columns_at(p)
     across, up = column["normal_x"], column["normal_y"]
     # n = (cos b n_t, -twist l cos b) with the lever l of the transverse normal
     slope = _slope(pair, column)
     normals = np.column_stack([across, up, slope]) / np.hypot(1.0, slope)[:, np.newaxis]
     force = column["force"][:, np.newaxis]
-    rubbing = np.zeros_like(normals)
-    if "friction" in column:  # against the tangent: the normal turned backward
+    friction = np.zeros_like(normals)
+    if "friction" in column:  # along the normal rotated by -90 degrees
         along = np.column_stack([-up, across, np.zeros_like(up)])
-        rubbing = column["friction"][:, np.newaxis] * force * along
+        friction = column["friction"][:, np.newaxis] * force * along
     z_mm = slices.z_mm[pairs.slices_at(p)]
-    return np.column_stack([column["x"], column["y"], z_mm]), force * normals, rubbing
+    return np.column_stack([column["x"], column["y"], z_mm]), force * normals, friction
 
 
 def _slope(pair: BodyPair, column: Mapping[str, Floats]) -> Floats:
-    """Axial part of each normal out of body 1, relative to its transverse part."""
+    """Axial component of each outward normal of body 1, relative to the transverse one."""
     axial = pair.body_1.axial
     lever = column["x"] * column["normal_y"] - column["y"] * column["normal_x"]
     return np.asarray(-(0.0 if axial is None else axial.twist_rad_per_mm) * lever)
@@ -304,7 +304,7 @@ def _drawing(pair: BodyPair) -> PairDrawing:
         bore_radius_2_mm=pair.body_2.bore_radius_mm,
         profiles=profiles,
         cam_turns_clockwise=pair.body_2.turns_clockwise if pair.pairing.motion else None,
-        active_roll_mm=_active_roll_mm(pair.pairing.mesh, pair.pairing.ratio, profiles),
+        active_roll_mm=_active_roll_mm(pair.pairing.gear_geometry, pair.pairing.ratio, profiles),
         axial=(pair.body_1.axial, pair.body_2.axial),
         tilted=pair.slices is not None
         and pair.slices.conforming is not None
@@ -313,11 +313,11 @@ def _drawing(pair: BodyPair) -> PairDrawing:
 
 
 def _active_roll_mm(
-    mesh: Mesh | None,
+    mesh: GearGeometry | None,
     ratio: float,
     profiles: tuple[ProfileDeviation | None, ProfileDeviation | None],
 ) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
-    """Roll lengths between which the flanks meet: each ends at its tip or tip rounding."""
+    """Roll lengths of the active profiles, which end at a tip or tip rounding."""
     if mesh is None:
         return None, None
     # both base circles touch the line of action; a length that increases on body 1 decreases on

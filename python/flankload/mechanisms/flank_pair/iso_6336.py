@@ -26,26 +26,26 @@ if TYPE_CHECKING:
     from flankload.scene.gear import Gear
     from flankload.scene.shaft import Shaft
 
-#: K' of a pinion between two bearings, beside their middle on the side where the torque enters (the
-#: negative on the other): of a pinion that stiffens the shaft, and of one that does not.
-STIFFENING, PLAIN = 0.48, 0.8
-#: A pinion stiffens its shaft if it is so much larger.
-STIFFENS = 1.15
-#: Largest distance from the middle between the bearings, parts of their distance.
+#: K' of a pinion between two bearings, offset from their middle towards the torque input (negative
+#: away from it): of a pinion that stiffens the shaft, and of one that does not.
+K_STIFFENING, K_PLAIN = 0.48, 0.8
+#: Least ratio of pinion and shaft diameter at which the pinion stiffens the shaft.
+STIFFENING_RATIO = 1.15
+#: Largest distance from the middle between the bearings, relative to the bearing span.
 LARGEST_OFFSET = 0.3
-#: E of the standard's steel, MPa.
+#: Young's modulus of steel in the standard, MPa.
 STEEL = 206000.0
 #: Line load below which c' is proportional to it, N/mm.
 LOW_LOAD = 100.0
 
 
 def with_iso_factor(result: Result, scene: Scene, pair: BodyPair) -> Result:
-    """A result with the factor of the standard, or a note why there is none.
+    """A result with the factor of the standard, or with a note on why it is absent.
 
     Unchanged without a shaft that bends and twists under the teeth.
     """
     axials = (pair.body_1.axial, pair.body_2.axial)
-    if result.shafts is None or not any(axial and axial.carrying for axial in axials):
+    if result.shafts is None or not any(axial and axial.flexible for axial in axials):
         return result
     factor = k_h_beta_iso(scene, pair, result.torque_Nm)
     if isinstance(factor, str):
@@ -55,11 +55,11 @@ def with_iso_factor(result: Result, scene: Scene, pair: BodyPair) -> Result:
 
 
 def k_h_beta_iso(scene: Scene, pair: BodyPair, torque_Nm: float) -> float | str:
-    """K_H-beta by ISO 6336-1, method C, for a torque on body 1, or why the formula has none."""
+    """K_H-beta by ISO 6336-1, method C, for a torque on body 1, or why it does not apply."""
     from flankload.scene.gear import Gear
 
     one, two = scene.body_1, scene.body_2
-    mesh = pair.pairing.mesh
+    mesh = pair.pairing.gear_geometry
     if not (isinstance(one, Gear) and isinstance(two, Gear)) or mesh is None or pair.slices is None:
         return "the formula is for two external gears"
     number = 0 if one.teeth <= two.teeth else 1
@@ -89,7 +89,7 @@ def _reference_diameter(gear: Gear) -> float:
 
 
 def _bending(shaft: Shaft, diameter: float) -> float | str:
-    """K' l s/d_1² (d_1/d_sh)⁴, or what the formula does not cover."""
+    """K' l s/d_1² (d_1/d_sh)⁴, or why the formula does not apply."""
     assert shaft.bearing_positions_mm is not None
     assert shaft.radial_stiffness_N_per_um is not None
     assert shaft.gear_position_mm is not None
@@ -107,13 +107,13 @@ def _bending(shaft: Shaft, diameter: float) -> float | str:
             f"{LARGEST_OFFSET:g} of the bearing distance from its middle"
         )
     of_shaft = _equal_diameter(shaft, one, two)
-    factor = STIFFENING if diameter >= STIFFENS * of_shaft else PLAIN
+    factor = K_STIFFENING if diameter >= STIFFENING_RATIO * of_shaft else K_PLAIN
     towards = offset if shaft.torque_end == "II" else -offset
     return factor * span * towards / diameter**2 * (diameter / of_shaft) ** 4
 
 
 def _equal_diameter(shaft: Shaft, one: float, two: float) -> float:
-    """Diameter of a solid shaft whose mean of 1/I between two places is that of the steps."""
+    """Diameter of a uniform shaft with the mean 1/I of the stepped shaft between two points."""
     assert shaft.lengths_mm is not None
     assert shaft.diameters_mm is not None
     ends = np.concatenate([[0.0], np.cumsum(shaft.lengths_mm)])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.gauss import leggauss
 from flankload.base.rotation import turned
 from flankload.elasticity.loaded_body import loaded_body
 from flankload.elasticity.prism.loaded_prism import loaded_prism
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 
-#: Points of a contact cell at which its force acts on the elements (Gauss).
+#: Gauss points of a contact cell at which its force acts on the elements.
 POINTS = 4
 
 
@@ -35,14 +36,14 @@ class NodalFields:
     Attributes
     ----------
     points_mm : (M, 2) array; (M, 3) in three dimensions
-        Undeformed places.
+        Undeformed positions.
     displacement_mm : array of that shape
-        By the contact forces; not by temperature, speed, a press fit or shafts.
+        Due to the contact forces; not to temperature, speed, a press fit or shafts.
     stress_MPa : (M, 4) array; (M, 6)
         xx, yy, zz, xy, then yz, xz; averaged over the elements of a node.
     contact_pressure_MPa : (M,) array
-        Normal force of a flank node over its part of the flank; 0 elsewhere.
-    force_N : array of the shape of the places
+        Normal force of a flank node divided by its area; 0 elsewhere.
+    force_N : array of the shape of the positions
         Consistent nodal forces of the contacts, over the face width.
     """
 
@@ -64,9 +65,9 @@ class NodalFields:
 class PointForces:
     """Forces (n, 3) at points of the flanks of a body, N.
 
-    They are in the section turned with the helix, in the frame of the body; `normal_N` (n,) is the
-    magnitude of the part normal to the flank. `s_mm` (n,) are arc lengths on the flank of the
-    elements, `spans_mm` (n, 2) the ends along the axis of the slice over which a force is even.
+    Their frame is that of the body, rotated with the helix; `normal_N` (n,) are magnitudes of the
+    components normal to the flank, `s_mm` (n,) arc lengths on the flank of the elements, and
+    `spans_mm` (n, 2) the ends along the axis of the slice over which a force is uniform.
     """
 
     tooth: Numbers
@@ -78,7 +79,7 @@ class PointForces:
 
 @dataclass(frozen=True, eq=False)
 class BodyOfPair:
-    """Body 0 or 1 of a pair with its elements, on which contact forces of results act."""
+    """Body 0 or 1 of a pair, with elements for the contact forces of results."""
 
     number: int
     body: Body
@@ -94,7 +95,7 @@ class BodyOfPair:
         return np.asarray(sense * sites % self.body.teeth)
 
     def on_elements(self, s: Floats) -> Floats:
-        """Arc lengths on the flank that the elements follow, of those on the flank of the body."""
+        """Arc lengths on the flank of the elements for those on the flank of the body."""
         low, high = self.body.mode_range_mm
         first, last = self.loaded.body.mode_range_mm
         return np.asarray(first + (s - low) * ((last - first) / (high - low)))
@@ -105,7 +106,7 @@ class BodyOfPair:
         return float((drawing.angle_1, drawing.angle_2)[self.number][p])
 
     def center(self, result: Result) -> Floats:
-        """Place (2,) of the body's axis."""
+        """Position (2,) of the body's axis."""
         return np.array([self.number * result.drawing.center_distance_mm, 0.0])
 
     def point_forces(
@@ -117,18 +118,18 @@ class BodyOfPair:
         """
         shape, slices = result.drawing.axial[0], result.slices
         carries = table.force_N > 0
-        x, weights = np.polynomial.legendre.leggauss(POINTS)
+        x, weights = leggauss(POINTS)
         site, cell, normal_N = table.site[carries], table.cell_mm[carries], table.force_N[carries]
         s = (table.arc_length_1_mm, table.arc_length_2_mm)[self.number][carries]
         s = self.on_elements((s[:, None] + 0.5 * cell[:, None] * x).ravel())
-        normal = np.column_stack([table.normal_x, table.normal_y])[carries]
-        # the normal out of body 1 leans along its helix
-        lean = np.zeros(site.size)
+        normal = table.normal[carries]
+        # the outward normal of body 1 has an axial component
+        axial = np.zeros(site.size)
         if shape is not None:
             lever = table.x_mm[carries] * normal[:, 1] - table.y_mm[carries] * normal[:, 0]
-            lean = -shape.twist_rad_per_mm * lever
-        leaning = np.column_stack([normal, lean])
-        on_1 = -normal_N[:, None] * leaning / np.linalg.norm(leaning, axis=1, keepdims=True)
+            axial = -shape.twist_rad_per_mm * lever
+        normals = np.column_stack([normal, axial])
+        on_1 = -normal_N[:, None] * normals / np.linalg.norm(normals, axis=1, keepdims=True)
         if table.friction_force_N is not None:
             tangent = np.column_stack([normal[:, 1], -normal[:, 0], np.zeros(len(normal))])
             tangent *= -1.0 if coast else 1.0
@@ -151,13 +152,13 @@ class BodyOfPair:
 
 @dataclass(frozen=True, eq=False)
 class FieldBody(BodyOfPair):
-    """One body of a plane pair whose elements are loaded with the contact forces of results."""
+    """A body of a plane pair, with elements for the contact forces of results."""
 
     loaded: LoadedBody
 
     @property
     def cells(self) -> tuple[tuple[str, Numbers], ...]:
-        """Elements, in the points of the fields."""
+        """Elements, by index of the points of the fields."""
         return self.loaded.cells
 
     def at(self, result: Result, p: int) -> NodalFields:
@@ -196,13 +197,13 @@ class FieldBody(BodyOfPair):
 
 @dataclass(frozen=True, eq=False)
 class SolidBody(BodyOfPair):
-    """One three-dimensional body whose elements are loaded with the contact forces of results."""
+    """A three-dimensional body, with elements for the contact forces of results."""
 
     loaded: LoadedPrism
 
     @property
     def cells(self) -> tuple[tuple[str, Numbers], ...]:
-        """Elements, in the points of the fields: those of each part one after the other."""
+        """Elements, by index of the points of the fields, part by part."""
         found, first = [], 0
         for part in self.loaded.parts:
             found += [(kind, data + first) for kind, data in part.solids]
@@ -268,16 +269,16 @@ class SolidBody(BodyOfPair):
 
 
 def field_bodies(scene: Scene) -> dict[str, FieldBody | SolidBody | str]:
-    """Both bodies of a scene by name, ready for the contact forces of its results.
+    """Both bodies of a scene by name, for the contact forces of its results.
 
-    A text says why a body has no fields.
+    A string gives the reason why a body has no fields.
     """
     pair = build_bodies(scene)
     bodies, elastic = pair.bodies, pair.elastic
     found: dict[str, FieldBody | SolidBody | str] = {}
     for z, body in enumerate(bodies):
         name = f"body_{z + 1}"
-        if body.given is not None:
+        if body.imported is not None:
             found[name] = "its compliance comes from a file, so it has no elements and no fields"
         elif body.mesh is None or not elastic[z]:
             found[name] = "rigid, so it has no fields"
@@ -291,9 +292,9 @@ def field_bodies(scene: Scene) -> dict[str, FieldBody | SolidBody | str]:
 
 
 def _on_layers(z_mm: Floats, spans_mm: Floats) -> Floats:
-    """Means (n, J) of the shape functions of layers of three stations over spans (n, 2)."""
+    """Means (n, J) of the quadratic shape functions along the axis over spans (n, 2)."""
     found = np.zeros((len(spans_mm), z_mm.size))
-    points, weights = np.polynomial.legendre.leggauss(2)  # parabolas are exact
+    points, weights = leggauss(2)  # parabolas are exact
     whole = spans_mm[:, 1] - spans_mm[:, 0]
     for k in range(0, z_mm.size - 1, 2):
         low, high = (np.clip(spans_mm, z_mm[k], z_mm[k + 2])).T
@@ -306,7 +307,7 @@ def _on_layers(z_mm: Floats, spans_mm: Floats) -> Floats:
 
 
 def in_world(vectors: Floats, turns: Floats) -> Floats:
-    """Vectors (…, 3), each rotated about z by an angle of its own (…)."""
+    """Vectors (…, 3), rotated about z by angles (…)."""
     return np.concatenate([turned(vectors[..., :2], turns), vectors[..., 2:]], axis=-1)
 
 

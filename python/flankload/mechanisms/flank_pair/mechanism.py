@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from flankload.analysis.estimate import MOST_SWEEPS
 from flankload.mechanisms.flank_pair import data_sheet as sheet
 from flankload.mechanisms.flank_pair import description, premises
-from flankload.mechanisms.flank_pair.assembly import build_bodies, with_standing_gap
+from flankload.mechanisms.flank_pair.assembly import build_bodies, with_flank_distance
 from flankload.mechanisms.flank_pair.from_sweep import result_of
 from flankload.mechanisms.flank_pair.iso_6336 import with_iso_factor
 from flankload.mechanisms.flank_pair.prediction import duration_of, predicted_work
 from flankload.mechanisms.flank_pair.stages import (
     compliances_of,
-    grown_pair,
+    expanded_pair,
     with_compliance_period,
 )
 from flankload.mechanisms.flank_pair.states import (
@@ -22,8 +22,8 @@ from flankload.mechanisms.flank_pair.states import (
     continued_states,
     error_estimates,
     flank_states,
+    incomplete_estimate_notes,
     position_notes,
-    unseen_notes,
 )
 from flankload.pairing.body_pair import BodyPair
 
@@ -57,14 +57,14 @@ class FlankPair:
         parts: Parts | None = None,
     ) -> BodyPair:
         """Assemble both bodies."""
-        return with_standing_gap(scene, build_bodies(scene, discretization, parts=parts), account)
+        return with_flank_distance(scene, build_bodies(scene, discretization, parts=parts), account)
 
     def broken_by_geometry(self, assembly: BodyPair) -> Iterator[Broken]:
         """Premises that the geometry violates without load."""
         return premises.broken_by_geometry(assembly)
 
     def work(self, scene: Scene, assembly: BodyPair) -> Counted:
-        """Counters of a run by stage, as far as they are known before it."""
+        """Counters by stage that are known before a run."""
         return predicted_work(scene, assembly)
 
     def sweeps(self, scene: Scene) -> int:
@@ -81,7 +81,7 @@ class FlankPair:
     ) -> tuple[BodyPair, Compliances]:
         """Solve the elements of both bodies; return also the pair with period and expansion."""
         found = compliances_of(scene, assembly, clock, kept, parts)
-        return grown_pair(with_compliance_period(scene, assembly, found), found)
+        return expanded_pair(with_compliance_period(scene, assembly, found), found)
 
     def states(
         self,
@@ -125,7 +125,7 @@ class FlankPair:
         estimates: Sequence[Mapping[str, object] | None],
     ) -> tuple[Result, ...]:
         """Results, one per torque."""
-        unseen = unseen_notes(assembly, compliances) if any(estimates) else ()
+        unseen = incomplete_estimate_notes(assembly, compliances) if any(estimates) else ()
         results = []
         for found, estimate, doubt in zip(
             states.found, estimates, states.position_errors, strict=True
@@ -160,7 +160,7 @@ class FlankPair:
         return duration_of(scene, assembly)
 
     def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
-        """Solve a scene on a coarse discretization, as it is and with each effect switched."""
+        """Solve a scene on a coarse discretization, unchanged and with each effect switched."""
         from flankload.mechanisms.flank_pair.screening import FlankPairScreening
 
         return FlankPairScreening(scene, levels=levels, dimension=dimension)

@@ -24,18 +24,16 @@ if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.result import Result
 
-#: Value in place of a body number at a corner: a lumped contact that no parabola approximates.
-OTHER_SHAPE = -2
-#: Part of a pitch (of a radian for drives without pitches) by which body 1 can wind up before
-#: deformations are no longer small. Finite elements with large displacements on the FZG type C pair
-#: in softer materials rotate further than those with small ones: by 0.3 % at 0.0067 of a pitch, 0.7
-#: % at 0.016, 1.1 % at 0.031, 1.9 % at 0.061.
+#: Value of a corner contact for a lumped contact whose gap is not parabolic.
+NOT_PARABOLIC = -2
+#: Largest rotation of body 1 under load for small deformations, in pitches, or in radians without
+#: pitches. On FZG type C pairs of softer materials, finite elements with large displacements rotate
+#: further than with small ones by 0.3 % at 0.0067, 0.7 % at 0.016, 1.1 % at 0.031, 1.9 % at 0.061.
 SMALL_WIND_UP = 0.02
-#: Modes are equally accurate on this factor fewer elements than `elements_for_modes` gives. 56
-#: gears and rings with 6 modes on 10 elements instead of 12, and 7 on 14 instead of 18, had errors
-#: of 0.83 and 0.73 % in nine of ten peak pressures; 0.80 and 0.75 % with the full number; 1.1 and
-#: 1.2 % with still fewer.
-FEWER_DO = 1.2
+#: Ratio of `elements_for_modes` to the number of elements that suffices. On 56 gears and rings, 6
+#: modes on 10 elements instead of 12, and 7 on 14 instead of 18, had errors of 0.83 and 0.73 % in
+#: nine of ten peak pressures; 0.80 and 0.75 % with the full number, 1.1 and 1.2 % with fewer still.
+ELEMENT_RESERVE = 1.2
 
 
 def notes_of_sweep(
@@ -54,7 +52,7 @@ def notes_of_sweep(
             "splines in three dimensions: pressures are means over the common height of the "
             "flanks, without the peaks at its ends (a plane scene has them)"
         )
-    shaped = np.count_nonzero((found.site_corner == OTHER_SHAPE).any(axis=1))
+    shaped = np.count_nonzero((found.site_corner == NOT_PARABOLIC).any(axis=1))
     if shaped:
         yield (
             f"at {shaped} of {found.status.size} positions a kink, a rounding or an end lies "
@@ -79,13 +77,13 @@ def _notes_of_body(
     body = pair.bodies[z]
     modes = compliance.flank_modes if compliance.modes.nodes is None else 0
     wanted = _wanted_elements(body, modes)
-    if body.mesh is not None and wanted > FEWER_DO * body.mesh.flank_elements:
+    if body.mesh is not None and wanted > ELEMENT_RESERVE * body.mesh.flank_elements:
         yield (
             f"{modes} pressure modes on the {body.mesh.flank_elements} flank elements of "
             f"body_{z + 1}: {wanted} bear them, far fewer make the result "
             "worse, first of all pressures at tip roundings"
         )
-    alone = _beside_unnamed(pair, found) if body.named_teeth else []
+    alone = _beside_absent_teeth(pair, found) if body.named_teeth else []
     if alone:
         yield (
             f"pairs {', '.join(map(str, alone))} carry beside teeth of body_{z + 1} that have "
@@ -106,22 +104,22 @@ def _notes_of_body(
 def notes_of_result(result: Result, pair: BodyPair) -> Iterator[str]:
     """Warnings about the rotation and gaps of a result."""
     yield from _large_wind_up(result)
-    if result.coast is None and any(growth is not None for growth in pair.growth):
+    if result.coast is None and any(growth is not None for growth in pair.body_loads):
         yield from _overlaps(result)
 
 
 def _wanted_elements(body: Body, modes: int) -> int:
-    """Flank elements that the modes need; cam profiles are closed or have many elements anyway."""
-    if body.modes_part > 1.0 or body.curve.closed:
+    """Flank elements required by the modes; cam profiles always have enough."""
+    if body.modes_factor > 1.0 or body.curve.closed:
         return 2 * (modes - 1)
     return elements_for_modes(modes)
 
 
-def _beside_unnamed(pair: BodyPair, found: Sweep) -> list[int]:
-    """Pairs that carry load although a neighbouring pair is not part of the model."""
+def _beside_absent_teeth(pair: BodyPair, found: Sweep) -> list[int]:
+    """Loaded pairs next to a pair that is not modelled."""
     sites = pair.pairing.sites
-    carrying = sites[(found.site_force_N > 0).any(axis=0)]
-    return [int(j) for j in carrying if not np.isin([j - 1, j + 1], sites).all()]
+    loaded = sites[(found.site_force_N > 0).any(axis=0)]
+    return [int(j) for j in loaded if not np.isin([j - 1, j + 1], sites).all()]
 
 
 def _wind_up_rad(result: Result) -> NDArray[np.float64]:
@@ -151,7 +149,7 @@ def _large_wind_up(result: Result) -> Iterator[str]:
 
 
 def _overlaps(result: Result) -> Iterator[str]:
-    """Warn if expansion makes coast flanks overlap before there is any torque."""
+    """Warn if expansion makes coast flanks overlap without torque."""
     gap_um = result.coast_flank_gap_um
     if gap_um is None:
         return

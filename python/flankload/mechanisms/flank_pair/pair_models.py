@@ -32,14 +32,14 @@ from flankload.elasticity.compliance import (
     no_compliance,
 )
 from flankload.elasticity.finite_elements import linear_cells, stiffness
-from flankload.elasticity.prism import Prism, prism_compliance
+from flankload.elasticity.prism import Prism, carried_and_held
 from flankload.errors import FlankloadError
 from flankload.mechanisms.element_rates import ElementRates, load_packages
 from flankload.mechanisms.flank_pair.assembly import bodies_of, build_bodies, without_ends
 from flankload.mechanisms.flank_pair.stages import compliance_of, modes_of
 from flankload.mechanisms.toggles import with_keys, with_rigid
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.expansion import growth_of
+from flankload.pairing.expansion import body_loads_of
 from flankload.pairing.friction import friction_of
 from flankload.pairing.pairing import coast_sites
 from flankload.scene.axial import degrees_of
@@ -51,15 +51,17 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.bodies import Body
-    from flankload.bodies.shaft import CarryingShaft
+    from flankload.bodies.shaft import FlexibleShaft
     from flankload.elasticity.job_log import JobCost
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.toggles import Toggle
-    from flankload.pairing.expansion import Growth
-    from flankload.scene import Scene
+    from flankload.pairing.expansion import BodyLoad
+    from flankload.scene import BodySpec, Scene
 
-    #: With friction or not, influence numbers, expansion.
-    _FileVariant = tuple[bool, str, Growth | None]
+    #: With friction or not, influence numbers.
+    _FileVariant = tuple[bool, str]
+    #: Number, table, whether it is three-dimensional and touches with its tip.
+    _BodyVariant = tuple[int, BodySpec, bool, bool]
 
 #: Modes and cells of the screening; its mesh is that of the run.
 COARSE = Discretization(flank_element_parts=1.0, modes=3, grid=Grid(1.0, 3.0))
@@ -81,18 +83,18 @@ class Variant:
     ----------
     spatial : bool
         Whether they are solved in three dimensions.
-    shaft : CarryingShaft or None
+    shaft : FlexibleShaft or None
         What the bore follows.
     sectors : int or None
         Number of teeth of a segment.
-    growth : Growth or None
+    growth : BodyLoad or None
         Expansion, where it needs the elements.
     """
 
     spatial: bool = False
-    shaft: CarryingShaft | None = None
+    shaft: FlexibleShaft | None = None
     sectors: int | None = None
-    growth: Growth | None = None
+    growth: BodyLoad | None = None
 
 
 class PairModels:
@@ -108,6 +110,7 @@ class PairModels:
         self._jobs: tuple[dict[Variant, BodyCompliance], ...] = ({}, {})
         self._of_files: tuple[dict[_FileVariant, BodyCompliance], ...] = ({}, {})
         self._meshes: dict[int, Body] = {}
+        self._bodies: dict[_BodyVariant, Body] = {}
         self._sections: dict[int, BodyCompliance] = {}
         self.screened = screened(scene)
         self.rates: dict[int, ElementRates] = {}
@@ -147,14 +150,21 @@ class PairModels:
             ),
             friction=friction_of(scene, body_1, pairing),
             fillets=pair.fillets if effects.root_stress else (None, None),
-            growth=growth_of(scene, pairing),
+            body_loads=body_loads_of(scene, pairing),
         )
 
     def _body(self, scene: Scene, z: int, *, tip_contact: bool) -> Body:
+        """A body as another scene has it, made once."""
+        key = z, (scene.body_1, scene.body_2)[z], is_spatial(scene).on, tip_contact
+        if key not in self._bodies:
+            self._bodies[key] = self._made(scene, z, tip_contact=tip_contact)
+        return self._bodies[key]
+
+    def _made(self, scene: Scene, z: int, *, tip_contact: bool) -> Body:
         """A body as another scene has it; its elements stay, if its curve is another one."""
         body, spec = self._pair.bodies[z], (scene.body_1, scene.body_2)[z]
         mine = (self._scene.body_1, self._scene.body_2)[z]
-        if body.mesh is None and body.given is None and not spec.rigid:
+        if body.mesh is None and body.imported is None and not spec.rigid:
             if z not in self._meshes:
                 (self._meshes[z],) = bodies_of(scene, self._pair.discretization, (z,))
             body = replace(body, mesh=self._meshes[z].mesh)
@@ -166,7 +176,7 @@ class PairModels:
             (built,) = bodies_of(rigid, self._pair.discretization, (z,))
             body = replace(built, mesh=body.mesh)
         own = getattr(spec, "pitch_errors_um", ())
-        if body.given is not None:  # a file has its own
+        if body.imported is not None:  # a file has its own
             own = own or body.pitch_errors_um
         ends = replace(body, active_range_mm=None) if tip_contact else without_ends(body)
         return replace(ends, rigid=spec.rigid, pitch_errors_um=tuple(own))
@@ -179,17 +189,23 @@ class PairModels:
         spatial = [scene for scene in asked if is_spatial(scene).on]
         if not self._pair.effects.three_dimensions:
             self._solve_plane_elements(z, [scene for scene in asked if scene not in spatial])
-        on_shafts: dict[CarryingShaft | None, Scene] = {}
+        friction = any(each.has_friction for each in spatial)
+        for scene in spatial:  # those on a shaft first: a held bore is solved with them
+            if self._variant(scene, z).shaft is not None:
+                self._solve_prism(z, scene, friction=friction)
         for scene in spatial:
-            on_shafts.setdefault(self._variant(scene, z).shaft, scene)
-        for scene in on_shafts.values():
-            self._solve_prism(z, scene, friction=any(each.has_friction for each in spatial))
+            self._solve_prism(z, scene, friction=friction)
 
     def _solve_prism(self, z: int, scene: Scene, *, friction: bool) -> None:
         """A three-dimensional body on coarse elements, and the plane body on the same elements."""
+        variant = self._variant(scene, z)
+        if variant in self._jobs[z]:
+            return
         load_packages()
-        body, found = coarse_compliance(scene, z, friction=friction)
-        self._jobs[z][self._variant(scene, z)] = found
+        body, (found, *held) = coarse_compliances(scene, z, friction=friction)
+        self._jobs[z][variant] = found
+        for each in held:
+            self._jobs[z].setdefault(replace(variant, shaft=None), each)
         if z in self.prism_rates:  # on another shaft
             return
         self.prism_rates[z] = PrismRates(body, found.job)
@@ -247,17 +263,17 @@ class PairModels:
 
     def _needs_elements(self, scene: Scene, z: int) -> bool:
         pair = self.assembly(scene)
-        growth = pair.growth[z]
+        growth = pair.body_loads[z]
         elastic = pair.elastic[z]
         return elastic or (growth is not None and growth.needs_elements)
 
     def _variant(self, scene: Scene, z: int) -> Variant:
         """What is built of the elements of a body for a scene."""
         pair = self.assembly(scene)
-        axial, growth = pair.bodies[z].axial, pair.growth[z]
+        axial, growth = pair.bodies[z].axial, pair.body_loads[z]
         grows = growth if growth is not None and growth.needs_elements else None
-        carrying = None if axial is None else axial.carrying
-        return Variant(is_spatial(scene).on, carrying, scene.sectors, grows)
+        flexible = None if axial is None else axial.flexible
+        return Variant(is_spatial(scene).on, flexible, scene.sectors, grows)
 
     def sections(self, pair: BodyPair) -> Compliances:
         """Plane compliances on the elements of coarse three-dimensional bodies."""
@@ -271,25 +287,23 @@ class PairModels:
 
     def compliance(self, scene: Scene, pair: BodyPair, z: int) -> BodyCompliance:
         """Compliance of a body, before it grows as a whole."""
-        body, growth = pair.bodies[z], pair.growth[z]
+        body, growth = pair.bodies[z], pair.body_loads[z]
         if not self._needs_elements(scene, z):
             return no_compliance(body, growth)
-        found = self._jobs[z].get(self._variant(scene, z)) or self._from_file(scene, body, z)
-        if growth is not None and not growth.needs_elements:
+        found = self._jobs[z].get(self._variant(scene, z)) if self._jobs[z] else None
+        found = found or self._from_file(scene, body, z)
+        if growth is not None and (body.imported is not None or not growth.needs_elements):
             found = replace(found, expansion=Expansion(growth.strain))
         if not scene.effects.coast_flank:
             found = replace(found, coast=None)
         return found if scene.effects.tooth_coupling else found.without_coupling()
 
     def _from_file(self, scene: Scene, body: Body, z: int) -> BodyCompliance:
-        """Compliance that a body has from its file."""
-        growth = self.assembly(scene).growth[z]
-        key = scene.has_friction, scene.effects.influence, growth
+        """Compliance that a body has from its file, without expansion."""
+        key = scene.has_friction, scene.effects.influence
         if key not in self._of_files[z]:
             plain = with_keys(scene, tooth_coupling=True)
-            self._of_files[z][key] = compliance_of(
-                body, plain, self._pair.discretization, growth=growth
-            )
+            self._of_files[z][key] = compliance_of(body, plain, self._pair.discretization)
         return self._of_files[z][key]
 
 
@@ -309,10 +323,12 @@ def _differ(one: Any, two: Any, *left_out: str) -> bool:
 
 
 # --- three-dimensional bodies on coarse elements --------------------------------------------------
-def coarse_compliance(
+def coarse_compliances(
     scene: Scene, z: int, *, friction: bool = False
-) -> tuple[Body, BodyCompliance]:
+) -> tuple[Body, tuple[BodyCompliance, ...]]:
     """Body z (0, 1) of a three-dimensional scene on coarse elements, and its compliance.
+
+    On a flexible shaft that with a held bore follows.
 
     Elements that the scene names coarser, or a file gives, stay. `friction`: loads along the flank
     are solved, too.
@@ -332,10 +348,10 @@ def coarse_compliance(
         cut_degree=CUT_DEGREE,
         screening=True,
         regions=body.axial.regions,
-        shaft=body.axial.carrying,
+        shaft=body.axial.flexible,
     )
     modes = modes_of(body, scene, COARSE_PRISM)
-    return body, prism_compliance(body, prism, n_modes=modes, friction=friction)
+    return body, carried_and_held(body, prism, n_modes=modes, friction=friction)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Positions of a scene, the periods that they cover, and notes on what lies outside."""
+"""Positions of a scene, the periods that they cover, and notes on uncovered teeth."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def positions_of(
     geometric = period_of(*bodies, by_tooth=coefficients_by_tooth(scene, bodies[0]))
     whole = geometric.with_compliance(groups)
     pitches = _pitches(wanted, _reached(geometric, groups, bodies))
-    period = geometric if _stands_for_all(wanted, pitches, geometric) else whole
+    period = geometric if _represents_all(wanted, pitches, geometric) else whole
     closed = pitches is not None and pitches % period.pitches == 0
     position_rad = _positions(wanted, period.pitch_rad, pitches, closed=closed)
     notes: tuple[str, ...] = ()
@@ -95,8 +95,8 @@ def _positions(
     return pitch_rad * np.arange(wanted.count * pitches + last) / wanted.count
 
 
-def _stands_for_all(wanted: Positions, pitches: int | None, period: Period) -> bool:
-    """Whether teeth that differ only in compliance count as equal.
+def _represents_all(wanted: Positions, pitches: int | None, period: Period) -> bool:
+    """Whether the positions are to represent teeth that differ only in compliance.
 
     This holds for positions within one period of the geometry; more positions are only needed to
     resolve the differences.
@@ -108,7 +108,7 @@ def _stands_for_all(wanted: Positions, pitches: int | None, period: Period) -> b
 
 
 def _reached(period: Period, groups: tuple[int, int], bodies: tuple[Body, Body]) -> Period:
-    """Period that positions can cover: teeth without a flank in their file never carry load."""
+    """Period that positions can cover; teeth without a flank in their file carry no load."""
     one, two = (
         1 if body.named_teeth else group for body, group in zip(bodies, groups, strict=True)
     )
@@ -132,7 +132,7 @@ def _beyond_teeth(
     if groups == (1, 1) or pitches is None or pitches % whole.pitches == 0:
         return
     unlike = [z for z in (0, 1) if groups[z] > 1]
-    yielding = " and ".join(
+    repetitions = " and ".join(
         f"that of body_{z + 1} after {groups[z]} of {bodies[z].teeth} teeth" for z in unlike
     )
     cure = "positions.pitches = 'hunting' for all"
@@ -141,7 +141,7 @@ def _beyond_teeth(
             cure = f"name the flanks of all teeth of body_{z + 1}, then {cure}"
     window = "one" if pitches == 1 else f"{pitches}"
     yield (
-        f"the compliance does not repeat with the tooth, {yielding}: the curves repeat after "
+        f"the compliance does not repeat with the tooth, {repetitions}: the curves repeat after "
         f"{whole.pitches} pitches, these positions run over {window}; their mean, peak to peak "
         f"and harmonics are not those of all teeth ({cure})"
     )

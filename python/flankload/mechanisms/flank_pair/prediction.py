@@ -64,7 +64,7 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     # files that give the places of the flanks take a state without load
     stages = {"bodies": {"states": 0 if known else 1}}
     for z in (0, 1):
-        growth = pair.growth[z]
+        growth = pair.body_loads[z]
         if pair.elastic[z] or (growth is not None and growth.load_cases):
             stages[f"compliance body {z + 1}"] = _elements(scene, pair, z)
     return stages | _sweeps(scene, pair)
@@ -74,7 +74,7 @@ def _elements(scene: Scene, pair: BodyPair, z: int) -> dict[str, int]:
     """Work of the elements of body z."""
     body, grows, work = (
         pair.bodies[z],
-        pair.growth[z],
+        pair.body_loads[z],
         work_in(f"compliance body {z + 1}", pair.effects),
     )
     if not pair.elastic[z]:  # elements are needed for the expansion only
@@ -265,8 +265,8 @@ def _pairs(pair: BodyPair) -> float:
         touching = float(pairing.sites.size)
     elif pairing.motion is not None:
         touching = 1.0
-    elif pairing.mesh is not None:
-        touching = pairing.mesh.contact_ratio
+    elif pairing.gear_geometry is not None:
+        touching = pairing.gear_geometry.contact_ratio
     return cells * touching * (2.0 if pairing.coast is not None else 1.0)
 
 

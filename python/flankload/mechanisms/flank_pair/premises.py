@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rounding import TIE
 from flankload.errors import ContactError, NoContactState
 from flankload.mechanisms.premises import (
     Broken,
@@ -29,22 +30,19 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 
-#: Parts of a torque without a solution that are tried until one of them has a solution.
-PARTS = tuple(0.25**k for k in range(1, 9))
-#: Loaded teeth, and their coast flanks with them, bend back by this part of the rotation under
-#: load: on the FZG type C pair under 30 to 900 N m, coast flanks that overlap by 0.14 of that
-#: rotation before there is torque carry no load; 0.19 changes the transmission error by 0.5 %, 0.43
-#: by 9 %.
-LEAN = 0.8
-#: Coast flanks that overlap by less are separated except for rounding, um.
-ROUNDING_UM = 1e-3
-#: A contact ratio below 1 by at most this amount counts as 1.
-ROUNDING = 1e-9
+#: Fractions of a torque without a solution, tried until one has a solution.
+TORQUE_RATIOS = tuple(0.25**k for k in range(1, 9))
+#: Ratio of the bending of loaded teeth, which moves their coast flanks, to the rotation under load.
+#: On the FZG type C pair under 30 to 900 N m, an overlap of coast flanks without torque of 0.14 of
+#: that rotation carries no load; 0.19 changes the transmission error by 0.5 %, 0.43 by 9 %.
+BENDING_RATIO = 0.8
+#: Least overlap of coast flanks above roundoff, um.
+GAP_TOLERANCE_UM = 1e-3
 
 
-#: With less, a tip corner carries the load alone at some positions, with unbounded pressure.
+#: Below it, a tip corner carries all the load at some positions, with unbounded pressure.
 CONTACT_RATIO = Premise("contact_ratio", 1.0, "a contact ratio of at least 1")
-#: Coast flanks that overlap carry load, too.
+#: Overlapping coast flanks carry load.
 BACKLASH = Premise(
     "backlash",
     0.0,
@@ -61,9 +59,9 @@ PRESSURE = Premise(
 
 # --- before elements are solved -------------------------------------------------------------------
 def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
-    """Premises that are violated independent of the load."""
-    mesh = pair.pairing.mesh
-    if mesh is None or mesh.contact_ratio >= CONTACT_RATIO.limit - ROUNDING:
+    """Premises that are violated at any load."""
+    mesh = pair.pairing.gear_geometry
+    if mesh is None or mesh.contact_ratio >= CONTACT_RATIO.limit - TIE:
         return
     yield Broken(
         CONTACT_RATIO,
@@ -105,10 +103,9 @@ def broken_by_load(
     if softer and pressure > PRESSURE.limit * min(softer):
         amount = f"{pressure / min(softer):.3g} of {min(softer):g} MPa"
         yield torque.broken(PRESSURE, amount)
-    # without torque there is no contact force: the rotation is that of the working flanks by
-    # definition
+    # without torque there is no contact force: the working flanks define the rotation
     overlap_um = coast_overlap_um(pair, geometry, found) if found.torque_Nmm > 0.0 else 0.0
-    if overlap_um > ROUNDING_UM:
+    if overlap_um > GAP_TOLERANCE_UM:
         yield Broken(
             BACKLASH,
             _key_of_backlash(scene),
@@ -132,7 +129,7 @@ def blame_load(
         return
     torque_Nmm = max(scene.torques_Nmm)
     number = scene.torques_Nmm.index(torque_Nmm)
-    for part in PARTS:
+    for part in TORQUE_RATIOS:
         try:
             (found,) = run(part * torque_Nmm)
         except ContactError:
@@ -159,7 +156,7 @@ def coast_overlap_um(pair: BodyPair, geometry: PairGeometry, found: Sweep) -> fl
     if coast is None or not _may_close(pair):
         return 0.0
     wind_up_rad = found.torque_Nmm * found.tangent_rad_per_Nmm
-    bent_rad = LEAN * np.where(np.isfinite(wind_up_rad), wind_up_rad, 0.0)
+    bent_rad = BENDING_RATIO * np.where(np.isfinite(wind_up_rad), wind_up_rad, 0.0)
     gap_rad = coast.gap_rad + found.rotation_rad - bent_rad
     known = np.isfinite(gap_rad)
     return -1000.0 * coast.base_radius_mm * float(np.min(gap_rad, where=known, initial=0.0))
@@ -184,20 +181,20 @@ def _key_of_backlash(scene: Scene) -> str:
 
 
 def _may_close(pair: BodyPair) -> bool:
-    """Whether anything can remove more than the backlash; keys that only remove metal never do."""
+    """Whether anything can remove the whole backlash; keys that only remove metal cannot."""
     if pair.effects.coast_flanks:
         return False
-    bodies, mesh, fit = pair.bodies, pair.pairing.mesh, pair.pairing.fit
-    if any(growth is not None for growth in pair.growth) or any(
+    bodies, mesh, fit = pair.bodies, pair.pairing.gear_geometry, pair.pairing.fit
+    if any(growth is not None for growth in pair.body_loads) or any(
         body.flank_turns_rad for body in bodies
     ):
         return True
-    room = 0.0
+    clearance = 0.0
     if mesh is not None:
-        room = mesh.backlash_mm * cos(mesh.pressure_angle_rad)
+        clearance = mesh.backlash_mm * cos(mesh.pressure_angle_rad)
     elif fit is not None:
-        room = fit.normal_backlash_mm - 2.0 * fit.offset_mm
+        clearance = fit.normal_backlash_mm - 2.0 * fit.offset_mm
     added_mm = sum(max((0.0, *body.pitch_errors_um)) for body in bodies) / 1000.0
     surfaces = [body.axial.surface for body in bodies if body.axial is not None]
     added_mm += sum(surface.most_added_mm for surface in surfaces if surface is not None)
-    return room <= added_mm
+    return clearance <= added_mm

@@ -34,7 +34,7 @@ from flankload.mechanisms.flank_pair.prediction import (
     states_of,
 )
 from flankload.mechanisms.flank_pair.premises import blame_load, broken_by_geometry, broken_by_load
-from flankload.mechanisms.flank_pair.stages import contact_of, grown_pair, swept
+from flankload.mechanisms.flank_pair.stages import contact_of, expanded_pair, swept
 from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.screening import Screening
 from flankload.mechanisms.toggles import Toggle, toggles, with_keys
@@ -53,8 +53,9 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 
-#: Positions of the screening; of these so many with the run's own cells, and with finite forces.
-MOST_POSITIONS, FINE_POSITIONS, FINITE_POSITIONS = 8, 4, 4
+#: Positions of the screening; of these so many with the run's own cells where sizes are compared on
+#: them, or seconds are measured alone; and with finite forces.
+MOST_POSITIONS, FINE_POSITIONS, TIMED_POSITIONS, FINITE_POSITIONS = 8, 4, 3, 4
 #: Final number of adaptive positions relative to the first round, approximately.
 ADAPTIVE_PART = 3.0
 #: Effects that are not tried while off, unless `levels` is set: coarser contact models, which are
@@ -85,6 +86,10 @@ MOST_LARGEST, MOST_BEYOND, MOST_MEAN = 0.22, 0.056, 0.1
 SHARE = 1.5
 #: Least duration of a call of the core, s.
 TINY_S = 1e-5
+#: Of conforming flanks, a state on twice as many cells takes 1.6 to 3 times as long, and 1.1 to 1.4
+#: times as many pivots, influence columns and bytes.
+MORE_SECONDS, MORE_WORK = 2.0, 1.3
+MORE_ON_FINER = ("pivots", "influence_columns", "influence_columns_tangential")
 #: CPU seconds of the plane elements behind the error estimate of a prism, as part of the prism's.
 SECTION_PART = 0.1
 
@@ -138,12 +143,13 @@ class FlankPairScreening(Screening):
         base, self._base_s = self._first_states()
         self._check_load(base)
         self.base = self._states(self._models.screened, base)
-        self.unloaded_rad = self.base[0].rotation_rad
+        self.unloaded_rad, call_s = self.base[0].rotation_rad, 0.0
         if loaded:
-            (unloaded,), _ = self._timed(self._models.screened, torques_Nm=(0.0,))
+            (unloaded,), call_s = self._timed(self._models.screened, torques_Nm=(0.0,))
             self.unloaded_rad = unloaded.rotation_rad
         self.reference_radius_mm = self._pair.body_1.reference_radius_mm
-        self._rate = self._state_rate()
+        # states without torque take little time beside the call itself
+        self._rate = self._state_rate(min(call_s, 0.5 * self._base_s))
 
     def _tried(self, name: str, toggle: Toggle, *, dimension: bool) -> Toggle:
         """The toggle; without a scene if it adds a dimension to a short run."""
@@ -167,15 +173,16 @@ class FlankPairScreening(Screening):
         if name == "finite_influence":
             return self._finite_size(scene, on=on)
         if name == "lumped_contact":
-            return self._with_fine_cells(scene, on=on, mine=self._fine)
+            # contact pairs in slices take as long as all other states together
+            return self._with_fine_cells(scene, on=on, fewer=1 if self._pair.slices is None else 2)
         if name == SPATIAL:
-            return self._with_fine_cells(scene, on=on, mine=self._fine if on else self._sections())
+            return self._with_fine_cells(scene, on=on, mine=None if on else self._sections())
         return super().size(name, on=on)
 
     def change(self, scene: Scene) -> Size:
         """Change by another scene; without cells against the cells of the run."""
         if effects_of(scene).lumped_contact and not self._pair.effects.lumped_contact:
-            return self._with_fine_cells(scene, on=False, mine=self._fine)
+            return self._with_fine_cells(scene, on=False)
         return super().change(scene)
 
     def _sections(self) -> list[States]:
@@ -184,12 +191,18 @@ class FlankPairScreening(Screening):
         found, _ = self._timed(self._scene, few, torque, fine=True, sections=True)
         return self._states(self._scene, found)
 
-    def _with_fine_cells(self, scene: Scene, *, on: bool, mine: list[States]) -> Size:
-        """Change by a scene that differs in its cells or slices, with those of the run."""
-        few = _every(self._at, FINE_POSITIONS)
+    def _with_fine_cells(
+        self, scene: Scene, *, on: bool, mine: list[States] | None = None, fewer: int = 1
+    ) -> Size:
+        """Change by a scene that differs in its cells or slices, with those of the run.
+
+        By default with those of the scene itself, at each `fewer`-th of their positions.
+        """
+        few = slice(None, None, fewer * _every(self._at, FINE_POSITIONS).step)
         found, seconds = self._timed(screened(scene), few, self._torques[-1:], fine=True)
         self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / found[0].status.size)
         other = self._states(screened(scene), found)
+        mine = mine or self._states(self._scene, self._fine, slice(None, None, fewer))
         return self.between(other, on=on, mine=mine, which=few)
 
     def states(self, scene: Scene) -> list[States]:
@@ -217,15 +230,22 @@ class FlankPairScreening(Screening):
         """Cells of the run."""
         return self._pair.discretization.grid
 
-    def _states(self, scene: Scene, found: tuple[Sweep, ...]) -> list[States]:
+    @property
+    def _timed_grid(self) -> Grid:
+        """Cells on which states are timed: of conforming flanks half as many as in the run."""
+        return self._grid.coarser() if self._pair.pairing.whole_circle else self._grid
+
+    def _states(
+        self, scene: Scene, found: tuple[Sweep, ...], which: slice = slice(None)
+    ) -> list[States]:
         pair = self._models.assembly(scene)
         return [
             States.of(
                 part.torque_Nmm / 1000.0,
                 pair.pairing.sites,
-                part.rotation_rad,
-                part.site_force_N,
-                face_load_factor=_face_load_factor(part),
+                part.rotation_rad[which],
+                part.site_force_N[which],
+                face_load_factor=_face_load_factor(part, which),
             )
             for part in found
         ]
@@ -246,10 +266,10 @@ class FlankPairScreening(Screening):
             pair = replace(pair, slices=pair.slices.coarser())
         models = self._models
         found_of = models.sections(pair) if sections else models.compliances(scene, pair)
-        pair, compliances = grown_pair(pair, found_of)
+        pair, compliances = expanded_pair(pair, found_of)
         torques, start = self._torques if torques_Nm is None else torques_Nm, process_time()
         found = swept(
-            contact_of(scene, pair, compliances, self._grid if fine else COARSE.grid),
+            contact_of(scene, pair, compliances, self._timed_grid if fine else COARSE.grid),
             self._at[few],
             [1000.0 * torque for torque in torques],
             keep_pairs=account is not None,
@@ -269,7 +289,9 @@ class FlankPairScreening(Screening):
 
     def _geometry(self) -> tuple[BodyPair, PairGeometry]:
         pair = replace(self._models.assembly(self._models.screened), position_rad=self._at)
-        pair, compliances = grown_pair(pair, self._models.compliances(self._models.screened, pair))
+        pair, compliances = expanded_pair(
+            pair, self._models.compliances(self._models.screened, pair)
+        )
         return pair, pair_geometry(pair, compliances)
 
     def _first_states(self) -> tuple[tuple[Sweep, ...], float]:
@@ -365,32 +387,38 @@ class FlankPairScreening(Screening):
             )
         return stages
 
-    def _state_rate(self) -> StateRate:
-        """Measure the seconds of a state on the run's own cells, and on cells twice as wide."""
-        few, torque, account = _every(self._at, FINE_POSITIONS), self._torques[-1:], Account()
+    def _state_rate(self, call_s: float) -> StateRate:
+        """Measure the seconds of a state on the run's own cells, and on cells twice as wide.
+
+        Of conforming flanks on cells twice as wide only.
+        """
+        compared = self._pair.slices is not None or "lumped_contact" in self.toggles
+        few = _every(self._at, FINE_POSITIONS if compared else TIMED_POSITIONS)
+        torque, account = self._torques[-1:], Account()
         found, seconds = self._timed(self._scene, few, torque, account, fine=True)
-        self._fine, count = self._states(self._scene, found), found[0].status.size
-        account.bytes, call = held_bytes(found), 0.0
-        if count > 1:
-            _, one = self._timed(self._scene, slice(1), torque, Account(), fine=True)
-            call = max(0.0, one - (seconds - one) / (count - 1))
-            call = min(call, 0.5 * self._base_s)  # short states: noise is no longer than half
-        wide = (self._base_s - call) / (self._at.size * len(self._torques))
-        state, wide = max(TINY_S, (seconds - call) / count), max(TINY_S, wide)
+        self._fine, count = found, found[0].status.size
+        account.bytes = held_bytes(found)
+        state = max(TINY_S, (seconds - call_s) / count)
+        if self._timed_grid != self._grid:
+            for name in MORE_ON_FINER:
+                account.counters[name] = round(MORE_WORK * account.counters.get(name, 0))
+            account.bytes = round(MORE_WORK * account.bytes)
+            return StateRate(call_s, MORE_SECONDS * state, state, account, count)
+        wide = max(TINY_S, (self._base_s - call_s) / (self._at.size * len(self._torques)))
         cells = self._grid.strips_per_half_width / COARSE.grid.strips_per_half_width
         ratio = cells if self._pair.slices is None else 1.0  # slices stay in most of the estimate
         # by the power law between both
         power = log(state / wide) / log(ratio) if ratio > 1.0 and state > wide else 0.0
-        return StateRate(call, state, state * 0.5**power, account, count)
+        return StateRate(call_s, state, state * 0.5**power, account, count)
 
 
-def _face_load_factor(found: Sweep) -> float | None:
-    """K_Hbeta of all positions; None in the plane."""
+def _face_load_factor(found: Sweep, which: slice) -> float | None:
+    """K_Hbeta of some positions; None in the plane."""
     slices = found.slices
     if slices is None:
         return None
     widths = np.diff(slices.edges_mm)
-    return float(face_load_factors(slices.force_N, widths, each=slices.conforming).max())
+    return float(face_load_factors(slices.force_N[which], widths, each=slices.conforming).max())
 
 
 def _every(positions: Floats, most: int) -> slice:

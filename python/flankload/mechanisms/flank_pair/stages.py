@@ -17,12 +17,12 @@ from flankload.elasticity.compliance import (
     flank_compliance,
     no_compliance,
 )
-from flankload.elasticity.imported_compliance import given_compliance
+from flankload.elasticity.imported_compliance import imported_compliance
 from flankload.elasticity.nodal_loads import nodes_of
 from flankload.elasticity.prism import Prism, prism_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.expansion import grown, grown_slices
+from flankload.pairing.expansion import expanded, expanded_slices
 from flankload.scene.axial import degrees_of
 from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import effects_of
@@ -38,14 +38,13 @@ if TYPE_CHECKING:
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.stage_clock import Kept, StageClock
-    from flankload.pairing.expansion import Growth
+    from flankload.pairing.expansion import BodyLoad
     from flankload.scene import Scene
     from flankload.scene.discretization import Grid
 
 Compliances = tuple[BodyCompliance, BodyCompliance]
-#: Number of linear steps of each force for finite influence coefficients. For coefficients that
-#: increase in proportion to the force, 10 steps have 5 % more of that increase than infinitely many
-#: steps, 3 steps 14 %.
+#: Number of load steps for finite influence coefficients. For coefficients proportional to the
+#: force, 10 steps overestimate their increase by 5 %, 3 steps by 14 %.
 FINITE_STEPS = 10
 #: Effects that need loads along the flanks.
 FRICTION, FINITE = "effects.friction_coefficient", "effects.influence = 'finite'"
@@ -57,7 +56,7 @@ def elements_call(
     discretization: Discretization,
     *,
     fillets: RootFillets | None = None,
-    growth: Growth | None = None,
+    body_load: BodyLoad | None = None,
     estimate: bool = False,
 ) -> partial[BodyCompliance]:
     """The call that computes the compliance of an elastic body; its arguments determine it.
@@ -77,9 +76,9 @@ def elements_call(
         )
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     tangential = effects.friction or effects.finite_influence
-    if own.given is not None:
+    if own.imported is not None:
         return partial(
-            given_compliance,
+            imported_compliance,
             own,
             modes=scene.accuracy.modes,
             default_modes=discretization.modes,
@@ -101,7 +100,7 @@ def elements_call(
             estimate=estimate,
         ),
         sectors=scene.sectors,
-        growth=growth if growth is not None and growth.needs_elements else None,
+        body_load=body_load if body_load is not None and body_load.needs_elements else None,
     )
 
 
@@ -111,7 +110,7 @@ def compliance_of(
     discretization: Discretization | None = None,
     *,
     fillets: RootFillets | None = None,
-    growth: Growth | None = None,
+    body_load: BodyLoad | None = None,
     estimate: bool = False,
 ) -> BodyCompliance:
     """Compliance of one elastic body: from its finite elements, or imported.
@@ -131,17 +130,17 @@ def compliance_of(
     """
     discretization = discretization or choose_discretization(scene)
     call = elements_call(
-        body, scene, discretization, fillets=fillets, growth=growth, estimate=estimate
+        body, scene, discretization, fillets=fillets, body_load=body_load, estimate=estimate
     )
-    return _in_scene(call(), body, scene, growth)
+    return _in_scene(call(), body, scene, body_load)
 
 
 def _in_scene(
-    found: BodyCompliance, body: Body, scene: Scene, growth: Growth | None
+    found: BodyCompliance, body: Body, scene: Scene, body_load: BodyLoad | None
 ) -> BodyCompliance:
     """Apply uniform expansion, modified flanks and coupling, which need no elements."""
-    if growth is not None and (body.given is not None or not growth.needs_elements):
-        found = replace(found, expansion=Expansion(growth.strain))
+    if body_load is not None and (body.imported is not None or not body_load.needs_elements):
+        found = replace(found, expansion=Expansion(body_load.strain))
     if body.elements is not None:
         found = found.on_flank(body)
     return found if scene.effects.tooth_coupling else found.without_coupling()
@@ -157,9 +156,9 @@ def compliances_of(
     """
     found, elastic = [], pair.elastic
     for z, body in enumerate(pair.bodies):
-        growth = pair.growth[z]
-        if not elastic[z] and (growth is None or not growth.needs_elements):
-            found.append(no_compliance(body, growth))
+        body_load = pair.body_loads[z]
+        if not elastic[z] and (body_load is None or not body_load.needs_elements):
+            found.append(no_compliance(body, body_load))
             continue
         stage = f"compliance body {z + 1}"
         if z in kept:
@@ -172,19 +171,19 @@ def compliances_of(
             scene,
             pair.discretization,
             fillets=pair.fillets[z],
-            growth=growth,
+            body_load=body_load,
             estimate=scene.accuracy.estimate and elastic[z],
         )
         key, held = (None, None) if parts is None else parts.find(call)
         if held is not None:
-            found.append(_in_scene(held, body, scene, growth))
+            found.append(_in_scene(held, body, scene, body_load))
             continue
         with clock.stage(stage) as account:
             solved = call()
-            compliance = _in_scene(solved, body, scene, growth)
+            compliance = _in_scene(solved, body, scene, body_load)
             account.count(**compliance.job.counters)
             # the estimate includes the discretization error of the elements
-            account.bytes += held_bytes(replace(compliance, missed=None))
+            account.bytes += held_bytes(replace(compliance, fe_error=None))
             account.workspace_bytes += compliance.job.workspace_bytes
             found.append(compliance)
         if parts is not None and key is not None:
@@ -196,7 +195,7 @@ def compliances_of(
 
 
 def with_compliance_period(scene: Scene, pair: BodyPair, compliances: Compliances) -> BodyPair:
-    """Add the positions that teeth of different compliance need."""
+    """Add the positions required by teeth of different compliance."""
     part = ALIKE * scene.accuracy.tolerance
     one, two = (
         teeth_until_alike(compliance, body.teeth, part)
@@ -205,10 +204,10 @@ def with_compliance_period(scene: Scene, pair: BodyPair, compliances: Compliance
     if (one, two) == (1, 1):
         return pair
     longer = build_bodies(scene, pair.discretization, bodies=pair.bodies, groups=(one, two))
-    return replace(longer, standing_note=pair.standing_note)
+    return replace(longer, flank_distance_note=pair.flank_distance_note)
 
 
-def grown_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, Compliances]:
+def expanded_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, Compliances]:
     """Apply the expansion of whole bodies to both; later stages are independent of its origin."""
     if not any(compliance.expansion.strain for compliance in compliances):
         return pair, compliances
@@ -216,14 +215,14 @@ def grown_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, Comp
     strains, slices = (one.expansion.strain, two.expansion.strain), pair.slices
     shapes = pair.body_1.axial, pair.body_2.axial
     if slices is not None and shapes[0] is not None and shapes[1] is not None:
-        slices = grown_slices(slices, (shapes[0], shapes[1]), strains)
+        slices = expanded_slices(slices, (shapes[0], shapes[1]), strains)
     pair = replace(
         pair,
-        body_1=grown(pair.body_1, strains[0]),
-        body_2=grown(pair.body_2, strains[1]),
+        body_1=expanded(pair.body_1, strains[0]),
+        body_2=expanded(pair.body_2, strains[1]),
         slices=slices,
     )
-    return pair, (one.grown(), two.grown())
+    return pair, (one.expanded(), two.expanded())
 
 
 def contact_of(
@@ -256,7 +255,7 @@ def swept(
 
 
 def prism_of(body: Body, scene: Scene) -> Prism:
-    """How a three-dimensional body extends along its axis, with the degrees of a scene."""
+    """Axial extension of a three-dimensional body, with the polynomial degrees of a scene."""
     axial = body.axial
     assert axial is not None
     degree, load_degree = degrees_of(scene.accuracy)
@@ -266,7 +265,7 @@ def prism_of(body: Body, scene: Scene) -> Prism:
         degree=degree,
         load_degree=load_degree,
         regions=axial.regions,
-        shaft=axial.carrying,
+        shaft=axial.flexible,
     )
 
 
@@ -279,8 +278,8 @@ def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
     if scene.effects.near_field == "nodes" and body.mesh is not None:
         return nodes_of(body.mesh).size
     asked, wanted = scene.accuracy.modes, discretization.modes
-    if body.modes_part > 1.0:
-        asked, wanted = None, round(body.modes_part * (asked or wanted))
+    if body.modes_factor > 1.0:
+        asked, wanted = None, round(body.modes_factor * (asked or wanted))
     if asked is not None or body.mesh is None:
         return asked or 0
     count = max(2, min(wanted, body.mesh.flank_elements // 2 + 1))

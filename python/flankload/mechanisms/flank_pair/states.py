@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     Run = Callable[..., tuple[Sweep, ...]]
 
-#: A transmission error that varies by less than this part of the flank's length is roundoff.
+#: Least variation of the transmission error above roundoff, relative to the flank's length.
 LEAST_VARIATION = 1e-7
 
 
@@ -80,7 +80,7 @@ def flank_states(
         account.bytes += held_bytes(found)
     again = partial(swept, contact, pair.position_rad, keep_pairs=False)
     if scene.accuracy.tangents and not pair.effects.lumped_contact:
-        # the equations of a lumped contact include its tangent
+        # a lumped contact is solved with its tangent
         with clock.stage("tangent") as account:
             progress = clock.sweep_progress("tangent")
             found = with_tangents(found, partial(again, account=account, progress=progress))
@@ -95,7 +95,7 @@ def flank_states(
 def continued_states(
     scene: Scene, pair: BodyPair, compliances: Compliances, clock: StageClock, similar: FlankStates
 ) -> tuple[BodyPair, FlankStates]:
-    """As `flank_states`, from those of a solved pair that differs by a small step; no tangents."""
+    """As `flank_states`, continued from those of a slightly different pair; no tangents."""
     pair = replace(pair, position_rad=similar.position_rad, adaptive=False)
     contact = contact_of(scene, pair, compliances)
     run = partial(swept, contact, pair.position_rad)
@@ -133,7 +133,7 @@ def _all_positions(
 
 
 def window_of(pair: BodyPair) -> Window:
-    """Range of tooth pitches that the positions cover, which are not single angles."""
+    """Range of tooth pitches that positions other than single angles cover."""
     assert pair.pitches is not None
     pairing = pair.pairing
     return Window(
@@ -141,8 +141,8 @@ def window_of(pair: BodyPair) -> Window:
         pitches=pair.pitches,
         closed=pair.closed,
         sites=pairing.sites,
-        # the single flank of a cam is its own neighbour
-        whole_circle=pairing.whole_circle or pairing.motion is not None,
+        # the neighbour of a cam's single flank is the same flank
+        cyclic=pairing.whole_circle or pairing.motion is not None,
     )
 
 
@@ -193,13 +193,13 @@ def error_estimates(
             for t, estimate in zip(loaded, estimated, strict=True):
                 estimates[t] = estimate.as_dict(positions=states.position_errors[t])
     for z, compliance in enumerate(compliances):
-        account.bytes += held_bytes(compliance.missed)
+        account.bytes += held_bytes(compliance.fe_error)
         clock.move(compliance.job.seconds, f"compliance body {z + 1}", "estimate")
     return estimates
 
 
 def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, dict[str, object]]:
-    """Arguments of the sweeps that show the errors of degrees along the axis and of slices."""
+    """Arguments of the sweeps that estimate the errors of axial degrees and of slices."""
     if pair.slices is None:
         return {}
     fewer = tuple(compliance.fewer_axial_modes() for compliance in compliances)
@@ -227,7 +227,7 @@ def _sources(
     return sources
 
 
-def unseen_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:
+def incomplete_estimate_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:
     """Notes on bodies whose discretization error the estimate does not include."""
     if pair.slices is not None:
         jumps = any(body.axial and body.axial.regions for body in pair.bodies)
@@ -240,7 +240,9 @@ def unseen_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:
     unknown = [
         f"body_{z + 1}"
         for z, (body, compliance) in enumerate(zip(pair.bodies, compliances, strict=True))
-        if body.given is not None and compliance.missed is None and compliance.modes.nodes is None
+        if body.imported is not None
+        and compliance.fe_error is None
+        and compliance.modes.nodes is None
     ]
     if not unknown:
         return ()

@@ -1,8 +1,8 @@
-"""Reading and writing of mesh files; the only package that uses file formats and meshio.
+"""Reading and writing of mesh files.
 
-gmsh's .msh and Abaqus' .inp have their own readers, since meshio loses parts of both formats
-(entities in several groups, unnamed groups; plane element types, sets on the keyword line,
-surfaces). All other formats (.vtu and others) are read with meshio.
+.msh (gmsh) and .inp (Abaqus) are read here, since meshio drops parts of both formats (entities in
+several groups, unnamed groups; plane element types, sets on the keyword line, surfaces). All other
+formats are read with meshio.
 """
 
 from flankload.meshes.io.parts import PLANE_CELLS, RawMesh

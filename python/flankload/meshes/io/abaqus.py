@@ -1,8 +1,7 @@
-"""Reading of Abaqus' and CalculiX' .inp: nodes, plane elements, sets, surfaces, material names.
+"""Reading of .inp files (Abaqus, CalculiX): nodes, plane elements, sets, surfaces, materials.
 
-Keywords and names are case-insensitive. A keyword that would create nodes or elements in another
-way (included files, generation, several parts) is refused with its line; steps, loads and other
-keywords are skipped.
+Keywords and names are case-insensitive. Keywords that create nodes or elements in other ways
+(included files, generation, several parts) are refused; all others are skipped.
 """
 
 from __future__ import annotations
@@ -18,17 +17,19 @@ from flankload.meshes.io.parts import PLANE_CELLS, BadFile, FileMesh
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from flankload.base.arrays import Floats
+
 #: Largest credible number of a node or element; larger ones come from a damaged file.
 LARGEST_NUMBER = 10**9
-#: Number of nodes → meshio's name, for plane elements.
+#: Number of nodes → name in meshio, for plane elements.
 PLANE_OF = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8"}
-#: Number of nodes of elements that only carry names.
-LINES = {"T2D2": 2, "T2D3": 3, "T3D2": 2, "T3D3": 3, "B21": 2, "B22": 3, "B31": 2, "B32": 3}
+#: Line elements, which only define sets, with their number of nodes.
+LINE_ELEMENTS = {"T2D2": 2, "T2D3": 3, "T3D2": 2, "T3D3": 3, "B21": 2, "B22": 3, "B31": 2, "B32": 3}
 #: Number of corners, hence of edges S1, S2, …; the middle node of edge k is node corners + k.
 EDGE_CORNERS = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4}
-#: Longest credible generated set; longer ones come from a damaged file.
+#: Largest credible generated set; larger ones come from a damaged file.
 LONGEST_RANGE = 10**7
-#: Keywords that would add nodes or elements.
+#: Keywords that create nodes or elements in unsupported ways, with the supported one.
 REFUSED = {
     "INCLUDE": "a whole mesh in one file",
     "NGEN": "every node written out",
@@ -47,18 +48,18 @@ def read_abaqus(path: Path) -> FileMesh:
     Raises
     ------
     BadFile
-        If it has no mesh, or one that this reader does not support; names the line.
+        If it has no mesh, or an unsupported one; names the line.
     """
     reader = _Reader()
     text = path.read_bytes().decode("utf-8", "replace")
     for keyword in keywords(text.splitlines()):
-        reader.take(keyword)
+        reader.read_keyword(keyword)
     return reader.file_mesh()
 
 
 @dataclass
 class _Reader:
-    """Content read so far, in the file's own numbers; names in upper case."""
+    """Content read so far, with the numbers of the file; names in upper case."""
 
     nodes: dict[int, tuple[float, float, float]] = field(default_factory=dict)
     elements: dict[int, tuple[str, tuple[int, ...]]] = field(default_factory=dict)
@@ -67,11 +68,11 @@ class _Reader:
     surfaces: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
     sections: list[tuple[str, str]] = field(default_factory=list)
     elastic: list[tuple[float, float]] = field(default_factory=list)
-    spelt: dict[str, str] = field(default_factory=dict)
+    spelling: dict[str, str] = field(default_factory=dict)
     reduced: set[str] = field(default_factory=set)
     parts: int = 0
 
-    def take(self, keyword: Keyword) -> None:
+    def read_keyword(self, keyword: Keyword) -> None:
         """Process a keyword with its data lines."""
         name = keyword.name
         if name in REFUSED:
@@ -80,15 +81,15 @@ class _Reader:
             raise keyword.refused("a whole mesh in one file")
         match name:
             case "NODE":
-                self._take_nodes(keyword)
+                self._read_nodes(keyword)
             case "ELEMENT":
-                self._take_elements(keyword)
+                self._read_elements(keyword)
             case "NSET":
-                self._take_node_set(keyword)
+                self._read_node_set(keyword)
             case "ELSET":
-                self._take_set(keyword, "ELSET", self.element_sets)
+                self._read_set(keyword, "ELSET", self.element_sets)
             case "SURFACE":
-                self._take_surface(keyword)
+                self._read_surface(keyword)
             case "SOLID SECTION" | "SOLIDSECTION":
                 if material := keyword.options.get("MATERIAL", "").upper():
                     self.sections.append((keyword.options.get("ELSET", "").upper(), material))
@@ -104,46 +105,42 @@ class _Reader:
                 raise keyword.refused("an instance that is not moved")
 
     def _name(self, keyword: Keyword, option: str) -> str | None:
-        """Name given by an option, in upper case; its spelling is stored."""
+        """Name in an option, in upper case; its spelling is stored."""
         given = keyword.options.get(option)
         if not given:
             return None
-        self.spelt.setdefault(given.upper(), given)
+        self.spelling.setdefault(given.upper(), given)
         return given.upper()
 
-    def _take_nodes(self, keyword: Keyword) -> None:
+    def _read_nodes(self, keyword: Keyword) -> None:
         numbers = []
-        for row in keyword.data:
-            values = keyword.numbers(row)
-            (number,) = keyword.integers(Row(row.line, row.words[:1]))
-            x, y, z = (*values[1:4], 0.0, 0.0, 0.0)[:3]
-            if self.nodes.setdefault(number, (x, y, z)) != (x, y, z):
+        for row, number, place in _nodes_of(keyword):
+            if self.nodes.setdefault(number, place) != place:
                 raise row.refused(f"node {number} once", "twice, at different places")
             numbers.append(number)
         if name := self._name(keyword, "NSET"):
             self.node_sets.setdefault(name, []).extend(numbers)
 
-    def _take_elements(self, keyword: Keyword) -> None:
-        written = keyword.needed("TYPE").upper()
+    def _read_elements(self, keyword: Keyword) -> None:
+        written = keyword.required("TYPE").upper()
         kind, size = self._kind(written)
         numbers = []
-        for row in keyword.whole_rows(1 + size):
-            values = keyword.integers(row)
-            if len(values) != 1 + size:
-                raise row.refused(f"{size} nodes of an element {written}", f"{len(values) - 1}")
-            element = (kind, tuple(values[1:]))
-            if self.elements.setdefault(values[0], element) != element:
-                raise row.refused(f"element {values[0]} once", "twice, with different nodes")
-            numbers.append(values[0])
+        for row, (number, *nodes) in keyword.whole_rows(1 + size):
+            if len(nodes) != size:
+                raise row.refused(f"{size} nodes of an element {written}", f"{len(nodes)}")
+            element = (kind, tuple(nodes))
+            if self.elements.setdefault(number, element) != element:
+                raise row.refused(f"element {number} once", "twice, with different nodes")
+            numbers.append(number)
         if name := self._name(keyword, "ELSET"):
             self.element_sets.setdefault(name, []).extend(numbers)
 
     def _kind(self, written: str) -> tuple[str, int]:
-        """meshio's name and number of nodes of an element type."""
-        if written in LINES:
-            size = LINES[written]
+        """Name in meshio and number of nodes of an element type."""
+        if written in LINE_ELEMENTS:
+            size = LINE_ELEMENTS[written]
             return ("line" if size == 2 else "line3"), size
-        # H (hybrid), I (incompatible modes), M (modified), R (reduced) only change the formulation
+        # H (hybrid), I (incompatible modes), M (modified), R (reduced) affect the formulation only
         plain = written.rstrip("HIMRT")
         if plain[:3] in ("CPE", "CPS") and plain[3:].isdigit() and int(plain[3:]) in PLANE_OF:
             if plain != written:
@@ -151,17 +148,17 @@ class _Reader:
             return PLANE_OF[int(plain[3:])], int(plain[3:])
         raise BadFile("plane elements (CPE3/4/6/8, CPS3/4/6/8)", f"elements {written}")
 
-    def _take_node_set(self, keyword: Keyword) -> None:
+    def _read_node_set(self, keyword: Keyword) -> None:
         source = self._name(keyword, "ELSET")
         if source is None:
-            self._take_set(keyword, "NSET", self.node_sets)
+            self._read_set(keyword, "NSET", self.node_sets)
             return
         target = self._name(keyword, "NSET") or ""
         nodes = [n for e in self.element_sets.get(source, []) for n in self.elements[e][1]]
         self.node_sets.setdefault(target, []).extend(nodes)
 
-    def _take_set(self, keyword: Keyword, option: str, sets: dict[str, list[int]]) -> None:
-        keyword.needed(option)
+    def _read_set(self, keyword: Keyword, option: str, sets: dict[str, list[int]]) -> None:
+        keyword.required(option)
         members = sets.setdefault(self._name(keyword, option) or "", [])
         for row in keyword.data:
             if "GENERATE" in keyword.options:
@@ -180,7 +177,7 @@ class _Reader:
                 else:
                     raise row.refused(f"numbers or sets of {option}", f"{word!r}")
 
-    def _take_surface(self, keyword: Keyword) -> None:
+    def _read_surface(self, keyword: Keyword) -> None:
         kind = keyword.options.get("TYPE", "ELEMENT").upper()
         if kind not in ("ELEMENT", "NODE"):
             return
@@ -193,9 +190,9 @@ class _Reader:
             face = words[1] if len(words) > 1 else ""
             rows.append((words[0], "NODE" if kind == "NODE" else face))
 
-    # --- from the file's numbers to node indices ------------------------------------------------
+    # --- from numbers of the file to node indices -----------------------------------------------
     def file_mesh(self) -> FileMesh:
-        """Content of the file as a mesh."""
+        """The mesh of the file."""
         if not self.nodes:
             raise BadFile("a readable mesh file", "no *NODE in it")
         place_of = {number: place for place, number in enumerate(self.nodes)}
@@ -210,7 +207,7 @@ class _Reader:
         mesh.blocks = [(kind, np.array(rows, dtype=np.int64)) for kind, rows in by_kind.items()]
         for name, listed in self._all_sets():
             members = [place_of[node] for node in listed if node in place_of]
-            mesh.add_to_set(self.spelt.get(name, name), np.array(members, dtype=np.int64))
+            mesh.add_to_set(self.spelling.get(name, name), np.array(members, dtype=np.int64))
         for section, material in self.sections:
             count = sum(self._is_plane(element) for element in self.element_sets.get(section, []))
             if count:
@@ -236,7 +233,7 @@ class _Reader:
             yield name, [node for row in rows for node in self._surface_nodes(*row)]
 
     def _surface_nodes(self, target: str, face: str) -> Iterable[int]:
-        """Nodes of one line of a surface: of a node or node set, or of edges of elements."""
+        """Nodes of one line of a surface: a node, a node set, or edges of elements."""
         if face == "NODE":
             yield from self.node_sets.get(target, [int(target)] if target.isdigit() else [])
             return
@@ -253,24 +250,49 @@ class _Reader:
                 yield from (nodes[k], nodes[(k + 1) % corners], *nodes[corners + k :][:1])
 
 
+def _nodes_of(keyword: Keyword) -> Iterator[tuple[Row, int, tuple[float, float, float]]]:
+    """Row, number and position of each node of *NODE."""
+    table = keyword.table()
+    if table is not None and _are_whole(table[:, 0]):
+        places = np.zeros((len(table), 3))
+        places[:, : table.shape[1] - 1] = table[:, 1:4]
+        numbers = table[:, 0].astype(np.int64).tolist()
+        yield from zip(keyword.data, numbers, map(tuple, places.tolist()), strict=True)
+        return
+    for row in keyword.data:
+        (number,) = keyword.integers(Row(row.line, row.words[0]))
+        x, y, z = (*keyword.numbers(row)[1:4], 0.0, 0.0, 0.0)[:3]
+        yield row, number, (x, y, z)
+
+
+def _are_whole(values: Floats) -> bool:
+    """Whether all numbers are integers of at most `LARGEST_NUMBER`."""
+    return bool(((values == np.round(values)) & (np.abs(values) <= LARGEST_NUMBER)).all())
+
+
 @dataclass
 class Row:
-    """One data line, or several that belong together.
+    """One data line, with its continuation lines.
 
     Attributes
     ----------
     line : int
         Line number in the file, from 1.
-    words : list of str
+    content : str
         The comma-separated values.
     """
 
     line: int
-    words: list[str]
+    content: str
+
+    @property
+    def words(self) -> list[str]:
+        """The values, without blanks around them."""
+        return [word.strip() for word in self.content.split(",")]
 
     @property
     def text(self) -> str:
-        """The row as quoted in a message."""
+        """The row for a message."""
         return repr(", ".join(self.words)[:40])
 
     def refused(self, expected: str, found: str) -> BadFile:
@@ -301,15 +323,27 @@ class Keyword:
         """Make the error of this keyword."""
         return BadFile(expected, f"*{self.name} in line {self.line}")
 
-    def needed(self, option: str) -> str:
+    def required(self, option: str) -> str:
         """Value of a required option."""
         value = self.options.get(option, "")
         if not value:
             raise self.refused(f"{option}= on the keyword line")
         return value
 
+    def table(self) -> Floats | None:
+        """All rows as numbers (n, k); None if lengths differ or a value is not a plain number."""
+        rows = [row.content for row in self.data]
+        if len({row.count(",") for row in rows}) != 1:
+            return None
+        try:
+            return np.array([float(word) for word in ",".join(rows).split(",")]).reshape(
+                len(rows), -1
+            )
+        except ValueError:
+            return None
+
     def numbers(self, row: Row) -> list[float]:
-        """Values of a row as numbers, empty ones as 0; Fortran's exponents (D) are accepted."""
+        """Values of a row as numbers, empty ones as 0; exponents may be those of Fortran (D)."""
         try:
             return [float(word.upper().replace("D", "E") or 0) for word in row.words]
         except ValueError:
@@ -322,19 +356,23 @@ class Keyword:
             raise row.refused(f"whole numbers after *{self.name}", row.text)
         return [int(value) for value in values]
 
-    def whole_rows(self, size: int) -> Iterator[Row]:
-        """Rows of `size` values each; a shorter row is continued by the following ones."""
+    def whole_rows(self, size: int) -> Iterator[tuple[Row, list[int]]]:
+        """Rows of `size` whole numbers; shorter rows are joined with the following ones."""
+        table = self.table()
+        if table is not None and table.shape[1] == size and _are_whole(table):
+            yield from zip(self.data, table.astype(np.int64).tolist(), strict=True)
+            return
         waiting: Row | None = None
         for row in self.data:
             words = [word for word in row.words if word]
-            waiting = Row(row.line, words) if waiting is None else Row(
-                waiting.line, waiting.words + words
-            )  # fmt: skip
-            if len(waiting.words) >= size:
-                yield waiting
+            if waiting is not None:
+                words = [*waiting.words, *words]
+            waiting = Row(row.line if waiting is None else waiting.line, ",".join(words))
+            if len(words) >= size:
+                yield waiting, self.integers(waiting)
                 waiting = None
         if waiting is not None:
-            yield waiting
+            yield waiting, self.integers(waiting)
 
 
 def keywords(lines: Sequence[str]) -> Iterable[Keyword]:
@@ -355,8 +393,7 @@ def keywords(lines: Sequence[str]) -> Iterable[Keyword]:
         if not line.startswith("*"):
             if current is None:
                 raise BadFile("a readable mesh file", f"{line[:40]!r} before any *KEYWORD")
-            words = [word.strip() for word in line.rstrip(", \t").split(",")]
-            current.data.append(Row(number, words))
+            current.data.append(Row(number, line.rstrip(", \t")))
             continue
         first = number
         while line.endswith(",") and number < len(lines):

@@ -1,23 +1,24 @@
-"""Reading of gmsh's .msh, versions 2.2 and 4.1, as text or binary.
+"""Reading of .msh files (gmsh), versions 2.2 and 4.1, text or binary.
 
-Physical groups become named sets: the nodes of a set are those of the group's elements. A group
-without a name is named by its dimension and number ("line 2").
+The nodes of a physical group become a named set; a group without a name is named by its dimension
+and number ("line 2").
 """
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from flankload.base.arrays import Numbers
 from flankload.meshes.io.parts import BadFile, FileMesh, disjoint_groups
 
+Number = TypeVar("Number", int, float)
 #: Types of numbers in a file.
 INT, SIZE, REAL = "i4", "u8", "f8"
-#: gmsh's element type number → meshio's name and number of nodes.
+#: Element type number in gmsh → name in meshio and number of nodes.
 ELEMENTS = {
     1: ("line", 2), 2: ("triangle", 3), 3: ("quad", 4), 4: ("tetra", 4),
     5: ("hexahedron", 8), 6: ("wedge", 6), 7: ("pyramid", 5), 8: ("line3", 3),
@@ -50,7 +51,7 @@ class _Reader:
         #: node numbers, ascending, and their positions in the file
         self._tags = self._order = np.empty(0, dtype=np.int64)
         self._points = np.empty((0, 3))
-        #: (kind, nodes (E, k), groups as (dimension, number)) of elements, in the file's numbers
+        #: elements: (kind, nodes (E, k), groups as (dimension, number)), with numbers of the file
         self._found: list[tuple[str, Numbers, list[tuple[int, int]]]] = []
 
     def read(self) -> FileMesh:
@@ -106,71 +107,72 @@ class _Reader:
 
     # --- version 4.1 ------------------------------------------------------------------------------
     def _read_entities(self) -> None:
-        take = self._stream
-        for dimension, count in enumerate(take.take(SIZE, 4)):
+        stream = self._stream
+        for dimension, count in enumerate(stream.read(SIZE, 4)):
             for _ in range(int(count)):
-                entity = take.one(INT)
-                take.take(REAL, 3 if dimension == 0 else 6)
-                groups = take.take(INT, take.one(SIZE))
+                entity = stream.one(INT)
+                stream.read(REAL, 3 if dimension == 0 else 6)
+                groups = stream.read(INT, stream.one(SIZE))
                 self._groups_of[dimension, entity] = [int(group) for group in groups]
                 if dimension:
-                    take.take(INT, take.one(SIZE))
+                    stream.read(INT, stream.one(SIZE))
 
     def _read_nodes(self) -> None:
-        take = self._stream
-        blocks = int(take.take(SIZE, 4)[0])
+        stream = self._stream
+        blocks = int(stream.read(SIZE, 4)[0])
         tags, points = [], []
         for _ in range(blocks):
-            dimension, _, parametric = (int(word) for word in take.take(INT, 3))
-            count = take.one(SIZE)
-            tags.append(take.take(SIZE, count).astype(np.int64))
+            dimension, _, parametric = (int(word) for word in stream.read(INT, 3))
+            count = stream.one(SIZE)
+            tags.append(stream.read(SIZE, count).astype(np.int64))
             width = 3 + (dimension if parametric else 0)
-            points.append(take.take(REAL, width * count).reshape(count, width)[:, :3])
+            points.append(stream.read(REAL, width * count).reshape(count, width)[:, :3])
         if tags:
             self._keep_nodes(np.concatenate(tags), np.vstack(points))
 
     def _read_elements(self) -> None:
-        take = self._stream
-        for _ in range(int(take.take(SIZE, 4)[0])):
-            dimension, entity, number = (int(word) for word in take.take(INT, 3))
+        stream = self._stream
+        for _ in range(int(stream.read(SIZE, 4)[0])):
+            dimension, entity, number = (int(word) for word in stream.read(INT, 3))
             kind, size = _element(number)
-            count = take.one(SIZE)
-            data = take.take(SIZE, count * (1 + size)).reshape(count, 1 + size)
+            count = stream.one(SIZE)
+            data = stream.read(SIZE, count * (1 + size)).reshape(count, 1 + size)
             groups = self._groups_of.get((dimension, entity), [])
-            # a negative number means that the group has the entity in reverse direction
+            # negative numbers of groups mean the reverse direction
             named = [(dimension, abs(group)) for group in groups]
             self._found.append((kind, data[:, 1:].astype(np.int64), named))
 
     # --- version 2.2 ------------------------------------------------------------------------------
     def _read_nodes_2(self) -> None:
-        take = self._stream
-        if take.text:
-            count = take.one(INT)
-            table = take.take(REAL, 4 * count).reshape(count, 4)
+        stream = self._stream
+        if stream.text:
+            count = stream.one(INT)
+            table = stream.read(REAL, 4 * count).reshape(count, 4)
             if not (np.abs(table[:, 0]) < 2**53).all():
-                raise BadFile("node numbers", "a number that is none")
+                raise BadFile("node numbers", "a number that is not an integer")
             self._keep_nodes(table[:, 0].astype(np.int64), table[:, 1:])
             return
-        count = take.count_line()
-        records = take.take("u1", 28 * count).reshape(count, 28)
+        count = stream.count_line()
+        records = stream.read("u1", 28 * count).reshape(count, 28)
         points = np.ascontiguousarray(records[:, 4:]).view(REAL)
         self._keep_nodes(np.ascontiguousarray(records[:, :4]).view(INT)[:, 0], points)
 
     def _read_elements_2(self) -> None:
-        take = self._stream
-        count = take.one(INT) if take.text else take.count_line()
-        by_group: dict[tuple[str, int, int], list[Numbers]] = {}
+        stream = self._stream
+        count = stream.one(INT) if stream.text else stream.count_line()
+        by_group: dict[tuple[str, int, int], list[Any]] = {}
         while count > 0:
-            # a text file has a header for each element, a binary one for each run of a type
-            if take.text:
-                _, number, n_tags = (int(word) for word in take.take(INT, 3))
-                together = 1
+            # a header per element in text, per sequence of elements of one type in binary files
+            if stream.text:
+                _, number, n_tags = stream.whole(3)
+                kind, size = _element(number)
+                rows: Any = [stream.whole(n_tags + size)]
             else:
-                number, together, n_tags = (int(word) for word in take.take(INT, 3))
-            kind, size = _element(number)
-            width = n_tags + size + (0 if take.text else 1)
-            rows = take.take(INT, width * together).reshape(together, width)[:, -n_tags - size :]
-            count -= together
+                number, together, n_tags = (int(word) for word in stream.read(INT, 3))
+                kind, size = _element(number)
+                width = n_tags + size + 1
+                rows = stream.read(INT, width * together).reshape(together, width)[:, 1:]
+            count -= len(rows)
             for row in rows:
                 group = abs(int(row[0])) if n_tags else 0
                 by_group.setdefault((kind, _dimension(kind), group), []).append(row[n_tags:])
@@ -187,8 +189,8 @@ class _Reader:
     def _places(self, tags: Numbers) -> Numbers:
         at = np.searchsorted(self._tags, tags)
         at[at == self._tags.size] = 0
-        if (strange := self._tags[at] != tags).any():
-            raise BadFile("elements on nodes that the file has", f"node {tags[strange][0]}")
+        if (unknown := self._tags[at] != tags).any():
+            raise BadFile("elements on nodes that the file has", f"node {tags[unknown][0]}")
         return np.asarray(self._order[at], dtype=np.int64)
 
     def _file_mesh(self) -> FileMesh:
@@ -203,7 +205,7 @@ class _Reader:
             if _dimension(kind) != 2:
                 mesh.blocks.append((kind, nodes))
                 continue
-            # version 2.2 repeats an element for each of its groups
+            # in version 2.2, an element is repeated for each of its groups
             numbers, new = [], []
             for row, key in enumerate(map(tuple, np.sort(nodes, axis=1).tolist())):
                 repeated = key in known and bool(groups)
@@ -233,7 +235,7 @@ def _dimension(kind: str) -> int:
 
 
 class Stream:
-    """A file of sections, as text or binary, read number by number."""
+    """Sequential reader of a file of sections, text or binary."""
 
     def __init__(self, content: bytes) -> None:
         self._content = content
@@ -258,31 +260,23 @@ class Stream:
         return self._content[start:end]
 
     def lines(self) -> list[str]:
-        """Lines of a section that is always text; the stream is then after the section."""
+        """Read a section that is always text."""
         body = self._content[self._at : self._end()]
         self._skip()
         return body.decode("utf-8", "replace").strip().splitlines()
 
     def open_numbers(self) -> None:
-        """Start reading numbers of the section."""
+        """Begin to read the numbers of the section."""
         if self.text:
             self._words = self._content[self._at : self._end()].split()
             self._next = 0
 
-    def take(self, kind: str, count: int) -> Any:
+    def read(self, kind: str, count: int) -> Any:
         """Read the next numbers of the section, (count,)."""
         if self.text:
-            words = self._words[self._next : self._next + count]
-            self._next += count
-            if len(words) < count:
-                raise self._cut_off()
-            try:
-                return np.array(words, dtype=REAL if kind == REAL else np.int64)
-            except ValueError:
-                raise BadFile(
-                    f"numbers in section ${self.section}",
-                    " ".join(word.decode("ascii", "replace") for word in words[:8]),
-                ) from None
+            if kind == REAL:
+                return np.array(self._parsed(float, count), dtype=REAL)
+            return np.array(self.whole(count), dtype=np.int64)
         size = np.dtype(kind).itemsize * count
         part = self._content[self._at : self._at + size]
         if len(part) < size:
@@ -290,8 +284,26 @@ class Stream:
         self._at += size
         return np.frombuffer(part, dtype=kind)
 
+    def whole(self, count: int) -> list[int]:
+        """Read the next integers of a text section."""
+        return self._parsed(int, count)
+
+    def _parsed(self, number: type[Number], count: int) -> list[Number]:
+        """Read the next words of a text section as numbers."""
+        words = self._words[self._next : self._next + count]
+        self._next += count
+        if len(words) < count:
+            raise self._cut_off()
+        try:
+            return [number(word) for word in words]
+        except ValueError:
+            raise BadFile(
+                f"numbers in section ${self.section}",
+                " ".join(word.decode("ascii", "replace") for word in words[:8]),
+            ) from None
+
     def count_line(self) -> int:
-        """Read a number on a line of its own in a binary section."""
+        """Read a number on a separate line of a binary section."""
         line = self._line_from(self._at)
         if not line.strip().isdigit():
             raise self._cut_off()
@@ -299,10 +311,10 @@ class Stream:
 
     def one(self, kind: str) -> int:
         """Read the next number of the section."""
-        return int(self.take(kind, 1)[0])
+        return int(self.read(kind, 1)[0])
 
     def close_numbers(self) -> None:
-        """Go past the end of the section."""
+        """Skip the rest of the section."""
         self._skip()
 
     def _skip(self) -> None:

@@ -1,8 +1,4 @@
-"""Reading of files of named arrays: .npz, and .csv with one table.
-
-Nothing in a file is ever executed: pickled arrays are refused. The result is plain arrays by name;
-the caller checks their meaning and reports errors through `NamedArrays`.
-"""
+"""Reading of files of named arrays: .npz without pickled objects, and .csv with one table."""
 
 from __future__ import annotations
 
@@ -20,19 +16,19 @@ from flankload.base.array_archive import BadArchive, Member, read_members
 from flankload.base.arrays import Flags, Floats, Numbers
 from flankload.errors import ComplianceFileError, SceneError
 
-#: Columns of a table in front of the matrix: offset of the displaced tooth, and the point.
+#: Columns of a table before those of the matrix: offset of the displaced tooth, and the point.
 LEADING_COLUMNS = ("offset", "x_mm", "y_mm")
-PLAIN = "a .npz file of plain arrays"
-#: Largest length of an axis: more than the nodes of any flank, little enough for the memory.
+EXPECTED_FILE = "a .npz file of plain arrays"
+#: Largest length of an axis; flanks have fewer nodes.
 MOST_ROWS = 100000
 MOST_CHARACTERS = 10000
-#: Larger than any length, stiffness or compliance in mm and N; its powers stay within a double.
+#: Largest number; lengths, stiffnesses and compliances in mm and N are smaller, and powers finite.
 LARGEST = 1e30
 
 
 @dataclass(frozen=True)
 class NamedArrays:
-    """Arrays of one file, by name; each is read when it is requested.
+    """Arrays of one file by name, each read on request.
 
     Attributes
     ----------
@@ -47,11 +43,11 @@ class NamedArrays:
         return name in self.members
 
     def refuse(self, name: str, expected: str, found: object) -> NoReturn:
-        """Raise an error: an array is not as expected."""
+        """Raise an error for an array."""
         raise ComplianceFileError(file=self.file, key=name, expected=expected, found=found)
 
     def check_names(self, *known: str) -> None:
-        """Refuse arrays of unknown names, so that a misspelled name does not go unnoticed."""
+        """Refuse arrays with unknown (misspelled) names."""
         for name in self.members:
             if name not in known:
                 self.refuse(
@@ -59,7 +55,7 @@ class NamedArrays:
                 )
 
     def numbers(self, name: str, *shape: int | None) -> Floats:
-        """An array of finite numbers; None in the shape means any length up to MOST_ROWS."""
+        """An array of finite numbers; None in the shape: any length up to `MOST_ROWS`."""
         member = self._member(name, "numbers")
         wanted = f"({', '.join('any' if n is None else str(n) for n in shape)})"
         if member.dtype.kind not in "fiu":
@@ -72,10 +68,11 @@ class NamedArrays:
         if max(member.shape, default=0) > MOST_ROWS:
             self.refuse(name, f"at most {MOST_ROWS} entries along an axis", f"{member.shape}")
         result = self._read(name).astype(np.float64)
-        strange = np.argwhere(~(np.abs(result) <= LARGEST))
-        if len(strange):
-            place = f"[{', '.join(map(str, strange[0]))}]" if result.ndim else ""
-            value = result[tuple(strange[0])]
+        good = np.abs(result) <= LARGEST
+        if not good.all():
+            invalid = np.argwhere(~good)
+            place = f"[{', '.join(map(str, invalid[0]))}]" if result.ndim else ""
+            value = result[tuple(invalid[0])]
             wanted = f"numbers of at most {LARGEST:g}" if np.isfinite(value) else "finite numbers"
             self.refuse(f"{name}{place}", wanted, f"{value:g}")
         return result
@@ -119,7 +116,7 @@ class NamedArrays:
         return tuple(str(value) for value in self._read(name))
 
     def text(self, name: str, *choices: str) -> str:
-        """A single text, one of the choices if there are any."""
+        """A single text, one of the choices if any are given."""
         member = self._member(name, "text")
         is_text = member.shape == () and _is_text(member)
         value = str(self._read(name)) if is_text else ""
@@ -130,7 +127,7 @@ class NamedArrays:
         return value
 
     def flags(self, name: str, count: int) -> Flags:
-        """An array of `count` truth values."""
+        """An array of `count` Booleans."""
         member = self._member(name, "true or false")
         if member.shape != (count,) or member.dtype != np.bool_:
             self.refuse(
@@ -139,7 +136,7 @@ class NamedArrays:
         return self._read(name)
 
     def dimensions(self, name: str) -> int:
-        """Number of axes of an array; 0 if the file does not have it."""
+        """Number of axes of an array; 0 if it is absent."""
         return len(self.members[name].shape) if name in self else 0
 
     def _member(self, name: str, what: str) -> Member:
@@ -151,14 +148,13 @@ class NamedArrays:
         try:
             return self.members[name].read()
         except BadArchive as error:
-            self.refuse(name, PLAIN, error.found)
+            self.refuse(name, EXPECTED_FILE, error.found)
 
 
 def read_arrays(path: str | Path, key: str) -> NamedArrays:
     """Read a file of named arrays: .npz, or .csv with a table of points and a matrix.
 
-    Names and values of the .csv file are in its comments. `key` is the scene's key that names the
-    file, for messages.
+    Scalars of a .csv file are in its comments. `key` is the scene's key of the file, for messages.
 
     Raises
     ------
@@ -168,18 +164,18 @@ def read_arrays(path: str | Path, key: str) -> NamedArrays:
     path = Path(path)
     expected, suffix = "a .npz or .csv file", path.suffix.lower()
     found = "" if suffix in (".npz", ".csv") else suffix or "no suffix"
-    if not isfile(path):  # unlike Path.is_file, no exception for a name that is too long
+    if not isfile(path):  # unlike Path.is_file, without an exception for long names
         found = "a folder" if isdir(path) else "no such file"
     if found:
         raise ComplianceFileError(file=path, key=key, expected=expected, found=found)
     if suffix == ".csv":
         arrays = _read_csv(path, key)
-        return NamedArrays(path, {name: _held(value) for name, value in arrays.items()})
+        return NamedArrays(path, {name: _member_of(value) for name, value in arrays.items()})
     try:
         return NamedArrays(path, read_members(path))
     except BadArchive as error:
         key, found = error.name or key, error.found
-    raise ComplianceFileError(file=path, key=key, expected=PLAIN, found=found)
+    raise ComplianceFileError(file=path, key=key, expected=EXPECTED_FILE, found=found)
 
 
 def _is_text(member: Member) -> bool:
@@ -187,14 +183,14 @@ def _is_text(member: Member) -> bool:
     return member.dtype.kind == "U" and member.dtype.itemsize <= 4 * MOST_CHARACTERS
 
 
-def _held(array: NDArray[Any]) -> Member:
+def _member_of(array: NDArray[Any]) -> Member:
     return Member(array.shape, array.dtype, lambda: array)
 
 
 def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> Floats:
     """Read a table (rows, columns) of numbers from a .csv file, with or without column names.
 
-    `key` is the scene's key that names the file; lines that begin with # are skipped.
+    `key` is the scene's key of the file; lines that begin with # are skipped.
 
     Raises
     ------
@@ -216,7 +212,7 @@ def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> Floats:
 
 
 class CsvRow(NamedTuple):
-    """A row of a .csv file: its file, the number of its line, its text and its cells."""
+    """A row of a .csv file: file, line number, text and cells."""
 
     file: Path
     number: int
@@ -230,9 +226,9 @@ class CsvRow(NamedTuple):
 
 
 def csv_rows(path: Path, key: str, wanted: str) -> list[CsvRow]:
-    """Rows of a .csv file, without empty lines and those that begin with #.
+    """Rows of a .csv file, without empty lines and lines that begin with #.
 
-    For messages: the scene's key that names the file, and a description of the wanted file.
+    `key` (the scene's key of the file) and `wanted` (its description) are for messages.
 
     Raises
     ------

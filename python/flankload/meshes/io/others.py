@@ -1,7 +1,4 @@
-"""Reading of all other formats (VTU and others) with meshio.
-
-Sets are meshio's sets, or integer 0/1 arrays over points or cells.
-"""
+"""Reading of other formats with meshio; sets are those of meshio, or 0/1 arrays."""
 
 from __future__ import annotations
 
@@ -18,7 +15,7 @@ if TYPE_CHECKING:
     import meshio
     from numpy.typing import NDArray
 
-#: Arrays over cells that contain material numbers, in lower case.
+#: Names of cell arrays with material numbers, in lower case.
 MATERIAL_ARRAYS = ("material", "materials", "material_id", "material_ids", "materialid",
                    "materialids", "mat", "mat_id", "matid")  # fmt: skip
 
@@ -36,7 +33,7 @@ def read_with_meshio(path: Path) -> FileMesh:
     Raises
     ------
     BadFile
-        For any kind of failure of meshio (SystemExit, printed messages).
+        For any failure of meshio, including SystemExit.
     """
     import meshio
 

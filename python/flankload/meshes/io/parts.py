@@ -1,4 +1,4 @@
-"""Content of a mesh file: as read from the file, and as a plane mesh for other packages."""
+"""Content of a mesh file, as read and as a plane mesh for other packages."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 
 from flankload.base.arrays import Floats, Numbers
 
-#: Plane elements that can be read; linear ones are converted to quadratic ones by the body.
+#: Supported plane elements.
 PLANE_CELLS = ("triangle", "triangle6", "quad", "quad8", "quad9")
-#: Cells that only carry names.
+#: Cells that only define sets.
 LOWER_CELLS = ("vertex", "line", "line3")
 
 
 class BadFile(Exception):  # noqa: N818 - becomes a MeshError where file and key are known
-    """What was expected at a place of a file, and what was found."""
+    """An error in a file, with the expected and the found content."""
 
     def __init__(self, expected: str, found: str) -> None:
         super().__init__(expected, found)
@@ -27,15 +27,15 @@ class BadFile(Exception):  # noqa: N818 - becomes a MeshError where file and key
 
 @dataclass
 class FileMesh:
-    """A mesh file in the form of its reader, filled during reading.
+    """A mesh file during reading.
 
     Attributes
     ----------
     points : (N, 2) or (N, 3) array
     blocks : list of (kind, (E, k) array)
-        All elements, in meshio's names and node order.
+        All elements, with names and node order of meshio.
     sets : dict of str to list of arrays
-        Nodes of each named set, in any order; repetitions are allowed.
+        Nodes of each named set, in any order and with repetitions.
     materials, elastic, notes
         As in `RawMesh`.
     """
@@ -54,21 +54,21 @@ class FileMesh:
 
 @dataclass(frozen=True)
 class RawMesh:
-    """A plane mesh as in its file.
+    """The plane mesh of a file.
 
     Attributes
     ----------
     file : Path
     nodes : (N, 2) array
-        mm. Nodes without an element are dropped.
+        mm; without nodes that belong to no element.
     cells : ((kind, (E, k) array), ...)
-        Blocks of elements, in meshio's names and node order.
+        Blocks of elements, with names and node order of meshio.
     sets : dict of str to array
         Nodes of each named set, ascending.
     materials : dict of str to int
-        Number of elements of each material, or of each group that may mean a material.
+        Number of elements of each material, or of each group that may be a material.
     elastic : (float, float) or None
-        Young's modulus and Poisson's ratio, if the file has exactly one material law.
+        Young's modulus and Poisson's ratio, if the file has exactly one material.
     notes : tuple of str
         Remarks for the user on how the file was read.
     """
@@ -82,7 +82,7 @@ class RawMesh:
     notes: tuple[str, ...] = ()
 
     def set_name(self, wanted: str) -> str | None:
-        """Name of a set as spelled in the file: exact match first, then without regard to case."""
+        """Name of a set as in the file: an exact match, or the only one that differs by case."""
         if wanted in self.sets:
             return wanted
         alike = [name for name in self.sets if name.casefold() == wanted.casefold()]
@@ -90,9 +90,9 @@ class RawMesh:
 
 
 def disjoint_groups(groups: Mapping[str, Numbers], count: int) -> dict[str, int]:
-    """Sizes of element groups that may mean materials: groups that share no element.
+    """Sizes of element groups that may be materials.
 
-    Empty if a group contains all elements, of which there are `count`, or if groups overlap.
+    Empty if groups overlap or one contains all elements, whose number is `count`.
     """
     members = {name: np.unique(elements) for name, elements in groups.items() if elements.size}
     whole = any(elements.size == count for elements in members.values())

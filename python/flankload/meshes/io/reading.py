@@ -1,4 +1,4 @@
-"""Reading of a mesh file into a plane mesh with named sets, with checks for all formats."""
+"""Reading of mesh files of all formats as plane meshes with named sets, with checks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flankload.meshes.io.gmsh import read_gmsh
 from flankload.meshes.io.others import known_to_meshio, read_with_meshio
 from flankload.meshes.io.parts import LOWER_CELLS, PLANE_CELLS, BadFile, FileMesh, RawMesh
 
-#: Largest distance of nodes from the plane, relative to the size of the mesh.
+#: Largest distance of nodes from the plane, over the size of the mesh.
 PLANE_TOLERANCE = 1e-9
 
 #: Largest credible coordinate, mm; larger ones come from a damaged file.
@@ -23,7 +23,7 @@ READERS = {".msh": read_gmsh, ".inp": read_abaqus}
 
 
 def is_mesh_name(path: Path) -> bool:
-    """Whether the name of a file is that of a mesh file."""
+    """Whether the suffix of a file is that of a mesh file."""
     suffix = path.suffix.lower()
     if suffix in ("", ".toml"):
         return False
@@ -34,16 +34,16 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
     """Read a plane mesh with its named sets.
 
     The file is gmsh .msh (2.2 or 4.1), Abaqus or CalculiX .inp, .vtu, or another format of meshio;
-    `key` is the scene's key that names it, for messages.
+    `key` is the scene's key of the file, for messages.
 
     Raises
     ------
     MeshError
-        If the file is missing, cannot be read, or is no plane mesh of triangles and quadrilaterals.
+        If the file is missing, unreadable, or not a plane mesh of triangles and quadrilaterals.
     """
     path = Path(path)
     try:
-        if not isfile(path):  # unlike Path.is_file, no exception for a name that is too long
+        if not isfile(path):  # unlike Path.is_file, without an exception for long names
             raise BadFile("a mesh file", "a folder" if isdir(path) else "no such file")
         found_mesh = READERS.get(path.suffix.lower(), read_with_meshio)(path)
         _check(found_mesh)
@@ -51,7 +51,7 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
     except BadFile as error:
         expected, found = error.expected, error.found
     except (ValueError, LookupError, OverflowError) as error:
-        # a damaged file: inconsistent numbers
+        # inconsistent numbers of a damaged file
         reason = " ".join(str(error).split())[:80]
         expected, found = "a readable mesh file", f"numbers that do not fit together ({reason})"
     except OSError as error:
@@ -61,20 +61,20 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
 
 def _check(mesh: FileMesh) -> None:
     """Check that all elements are plane elements and lie in one plane."""
-    strange: dict[str, int] = {}
+    unsupported: dict[str, int] = {}
     for kind, data in mesh.blocks:
         if kind not in PLANE_CELLS + LOWER_CELLS and len(data):
-            strange[kind] = strange.get(kind, 0) + len(data)
+            unsupported[kind] = unsupported.get(kind, 0) + len(data)
     kinds = {kind for kind, data in mesh.blocks if len(data)}
-    if strange or not kinds & set(PLANE_CELLS):
-        found = ", ".join(f"{count} {kind}" for kind, count in sorted(strange.items()))
+    if unsupported or not kinds & set(PLANE_CELLS):
+        found = ", ".join(f"{count} {kind}" for kind, count in sorted(unsupported.items()))
         raise BadFile(
             "plane elements (" + ", ".join(PLANE_CELLS) + ")",
             found or ", ".join(sorted(kinds)) or "no elements",
         )
-    strange_places = ~(np.abs(mesh.points) <= LARGEST_MM)
-    if strange_places.any():
-        raise BadFile(f"coordinates up to {LARGEST_MM:g} mm", f"{mesh.points[strange_places][0]:g}")
+    invalid = ~(np.abs(mesh.points) <= LARGEST_MM)
+    if invalid.any():
+        raise BadFile(f"coordinates up to {LARGEST_MM:g} mm", f"{mesh.points[invalid][0]:g}")
     used = np.unique(np.concatenate([d.ravel() for kind, d in mesh.blocks if kind in PLANE_CELLS]))
     points = mesh.points[used]
     size = float(np.ptp(points, axis=0).max())
@@ -86,7 +86,7 @@ def _check(mesh: FileMesh) -> None:
 
 
 def _plane_mesh(mesh: FileMesh, path: Path) -> RawMesh:
-    """Plane elements, the nodes that they use, and the sets, renumbered."""
+    """Plane elements with their nodes and sets, renumbered."""
     cells = [(kind, data) for kind, data in mesh.blocks if kind in PLANE_CELLS and len(data)]
     used = np.unique(np.concatenate([data.ravel() for _, data in cells]))
     new_number = np.full(len(mesh.points), -1)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 #: Suffixes that can be written.
 WRITERS = (".msh", ".vtu", ".inp")
-#: Abaqus' names of plane-strain elements; the centre nodes of nine-node elements are omitted.
+#: Names of plane-strain elements in Abaqus, and number of nodes without the centre node.
 ABAQUS_TYPES = {"triangle6": ("CPE6", 6), "quad8": ("CPE8", 8), "quad9": ("CPE8", 8)}
 
 
@@ -39,16 +39,16 @@ def write_mesh(
     ----------
     path : path
         Its suffix selects the format: .msh (gmsh 2.2, sets as physical groups), .vtu (sets as 0/1
-        point data) or .inp (Abaqus, node sets; nine-node elements without their centre nodes,
-        which are restored on reading).
+        point data) or .inp (Abaqus, node sets; without centre nodes, which are restored on
+        reading).
     nodes : (N, 2) array
         mm.
     cells : ((kind, (E, k) array), ...)
     edge_sets : mapping of str to (m, 3) array
         First, last and middle node of each edge.
     regions : sequence of str, optional
-        Name of the set of each entry of `cells`, "" for none but BODY: .msh physical groups, .vtu
-        0/1 cell data, .inp element sets.
+        Name of the element set of each entry of `cells`, "" for BODY: physical group in .msh, 0/1
+        cell data in .vtu, element set in .inp.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def _by_meshio(
 
 
 def _content(mesh: meshio.Mesh, suffix: str, options: Mapping[str, Any]) -> bytes:
-    """Content of a file; meshio can only write to files."""
+    """Content of a file by way of a temporary file, since meshio has no other output."""
     import meshio
 
     with TemporaryDirectory(prefix="flankload_") as folder:
@@ -112,10 +112,10 @@ def vtu_of(
     point_data: Mapping[str, NDArray[Any]],
     cell_data: Mapping[str, Sequence[NDArray[Any]]] | None = None,
 ) -> bytes:
-    """Content of a .vtu file with fields, binary and compressed.
+    """Content of a binary, compressed .vtu file with fields.
 
-    Points (N, 3), cells in meshio's names and order of nodes, fields (N, …) by name, and for each
-    entry of `cells` fields (E, …) by name.
+    Points (N, 3), cells with names and node order of meshio, fields (N, …) by name, and fields
+    (E, …) by name for each entry of `cells`.
     """
     import meshio
 
@@ -152,7 +152,7 @@ def _abaqus_text(
     edges: Mapping[str, Numbers],
     regions: Sequence[str],
 ) -> str:
-    """Content of an .inp file: numbers from 1, all elements in the set BODY."""
+    """Content of an .inp file; elements without a region are in the set BODY."""
     kept = [(*ABAQUS_TYPES[kind], data) for kind, data in cells]
     used = np.unique(np.concatenate([data[:, :size].ravel() for _, size, data in kept]))
     lines = ["** coordinates in mm", "*NODE"]

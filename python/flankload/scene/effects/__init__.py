@@ -1,13 +1,20 @@
-"""The effects that a scene can request: one record for each, and queries of the records.
+"""The effects that a scene can request: one record per effect, and queries of the records.
 
 A record lists the keys that switch an effect on and the keys with which it is refused, the work it
 adds to a run, the counters that show this work, and the method that estimates its size before the
-run (`Effect`). Other modules read one truth value per effect (`Effects`) or, on request, the key
-that decides (`Switch`).
+run (`Effect`). Other modules read one Boolean per effect (`Effects`) or the deciding key
+(`Switch`).
 """
 
 from flankload.scene.effects.record import Effect, SizeBy, Switch, Work
-from flankload.scene.effects.records import EFFECTS, Effects, effects_of, switches_of, work_in
+from flankload.scene.effects.records import (
+    EFFECTS,
+    Effects,
+    effects_of,
+    excluded_by,
+    switches_of,
+    work_in,
+)
 from flankload.scene.effects.switches import MODIFICATIONS, RELIEF_PLACES, is_spatial, require_plane
 
 __all__ = [
@@ -20,6 +27,7 @@ __all__ = [
     "Switch",
     "Work",
     "effects_of",
+    "excluded_by",
     "is_spatial",
     "require_plane",
     "switches_of",

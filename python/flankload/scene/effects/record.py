@@ -12,9 +12,8 @@ from flankload.scene.effects.keys import EffectsAsked, has_amount
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
 
-#: How the size of an effect is estimated before the run: by solving the same pair with another
-#: compliance, other gaps, other contact places or other lever arms; by a law of the node spacing;
-#: or not at all, if the effect changes no contact state.
+#: Change of the pair by which the size of an effect is estimated before the run: compliance, gaps,
+#: places of contact or lever arms; a law of the node spacing; "nothing": no contact state changes.
 SizeBy = Literal["compliance", "gaps", "places", "levers", "spacing", "nothing"]
 
 
@@ -26,7 +25,7 @@ class Switch:
     ----------
     on : bool
     because : str
-        The key that decides, with its value; or the condition that holds without a key.
+        The deciding key with its value, or the condition that decides without a key.
     named : bool
         The scene sets the key.
     """
@@ -38,7 +37,7 @@ class Switch:
 
 @dataclass(frozen=True)
 class Work:
-    """Work that an effect adds to a run, relative to the run without it; negative: it saves work.
+    """Work that an effect adds to a run, relative to the run without it; negative if it saves work.
 
     Attributes
     ----------
@@ -76,31 +75,29 @@ class Effect:
     stages : tuple of str
         Stages of the run that do its work, with the names of `result.cost["stages"]`.
     keys : tuple of str
-        Keys that switch the effect on; "body_*" is either body. Default: the keys of `on`.
+        Keys that switch the effect on; "body_*": either body. Default: the keys of `on`.
     on : mapping of str to object
         Keys of [effects] and the values with which the effect is on; None: the key is absent. The
-        first key decides. A number is the assumed value if the scene sets none: the effect is on
-        with any number but 0.
+        first key decides. A number is the value assumed if the scene sets none; the effect is on
+        with any number except 0.
     called_for : callable or None
         Function from Scene to Switch, for an effect without a key in [effects].
     needs_load : bool
         The effect needs a load.
     work : Work
     counters : tuple of str
-        Counters of `result.cost` that are 0 or absent without the effect.
+        Counters of `result.cost` that are zero or absent without the effect.
     size_by : SizeBy
     refused_with : mapping of str to str
-        Excluded effects, and the text of the refusal ("expected") of the scene's key.
-    excludes : tuple of str
-        All effects that cannot be combined with it, whichever of the two is refused.
+        Excluded effects, each with the text "expected" of the error line.
     refused_for : mapping of str to str
-        Excluded kinds of bodies, with the text of the refusal; "{body}" is the table of the body.
+        Excluded kinds of bodies, each with the text "expected"; "{body}" is the table of the body.
     only_for : str or None
-        The only kind of body 2 with this effect; a chain or a belt has no other effects.
+        The only kind of body 2 with this effect; chains and belts have no other effects.
     of_teeth : bool
-        Only bodies with teeth have the effect; a cam and its follower do not.
+        Only bodies with teeth have the effect, not a cam and its follower.
     coarser : bool
-        The effect simplifies the model: the change of the result is an error.
+        The effect simplifies the model, so that the change of the result is an error.
     """
 
     name: str
@@ -114,15 +111,19 @@ class Effect:
     counters: tuple[str, ...] = ()
     size_by: SizeBy = "nothing"
     refused_with: Mapping[str, str] = field(default_factory=dict)
-    excludes: tuple[str, ...] = ()
     refused_for: Mapping[str, str] = field(default_factory=dict)
     only_for: str | None = None
     of_teeth: bool = False
     coarser: bool = False
 
+    def __post_init__(self) -> None:
+        """Complete the keys."""
+        switches = tuple(f"effects.{key}" for key, value in self.on.items() if value is not None)
+        object.__setattr__(self, "keys", self.keys or switches)
+
     @cached_property
     def key(self) -> str | None:
-        """The key of [effects] that decides."""
+        """The deciding key of [effects]."""
         return next(iter(self.on), None)
 
     @property
@@ -140,11 +141,11 @@ class Effect:
 
     @cached_property
     def is_quantity(self) -> bool:
-        """Whether the deciding key is a number, not a choice."""
+        """Whether the deciding key is a number."""
         return self.key in self.numbers
 
     def is_asked(self, asked: EffectsAsked) -> bool:
-        """Whether the key has the value of the effect; for a quantity, any number but 0."""
+        """Whether the key has the value of the effect; for a quantity, any number except 0."""
         if self.key is None:
             return False
         value = getattr(asked, self.key)
@@ -170,7 +171,7 @@ class Effect:
 
 
 def as_key(value: Any) -> str:
-    """A value as in a scene file; a list is shortened to its length."""
+    """A value as in a scene file; of a list only its length."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, tuple):

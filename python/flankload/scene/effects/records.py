@@ -1,8 +1,8 @@
-"""The effects, one record each; an effect that a scene does not request is not computed."""
+"""The records of all effects; an effect that a scene does not request is not computed."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
 
 BODIES = ("compliance body 1", "compliance body 2")
 SWEEPS = ("sweep", "tangent", "estimate")
-#: Parts that several records share: effects on the elastic part of a body, on gaps, by expansion.
+#: Common parts of records: effects on the elastic part of a body, on gaps, by expansion.
 OF_SECTORS: dict[str, Any] = {"stages": BODIES, "size_by": "compliance", "of_teeth": True}
 OF_GAPS: dict[str, Any] = {"stages": ("bodies",), "size_by": "gaps", "of_teeth": True}
-OF_GROWTH: dict[str, Any] = {
+OF_EXPANSION: dict[str, Any] = {
     "stages": (*BODIES, *SWEEPS),
     "work": Work(growth_loads=1),
     "counters": ("fe_load_cases_growth",),
     "size_by": "gaps",
 }
-#: Kinds of bodies whose coast flanks are not modelled, with the reason.
+#: Kinds of bodies without a model of their coast flanks, with the reason.
 ONE_FLANK = {
     "mesh": "of whose teeth a file names one flank",
     "compliance": "of whose teeth a file names one flank",
@@ -56,7 +56,7 @@ def _elastic(number: int) -> Effect:
 
 @dataclass(frozen=True)
 class Effects:
-    """The effects that a scene requests: one truth value per record of `EFFECTS`."""
+    """The effects that a scene requests: one Boolean per record of `EFFECTS`."""
 
     elastic_body_1: bool
     elastic_body_2: bool
@@ -85,22 +85,7 @@ class Effects:
     land_lift: bool
 
 
-def _completed(*records: Effect) -> tuple[Effect, ...]:
-    """The records with their keys; an exclusion that one of two states holds for both."""
-    pairs = {(record.name, other) for record in records for other in record.refused_with}
-    pairs |= {(other, name) for name, other in pairs}
-    return tuple(
-        replace(
-            record,
-            keys=record.keys
-            or tuple(f"effects.{key}" for key, value in record.on.items() if value is not None),
-            excludes=tuple(each.name for each in records if (record.name, each.name) in pairs),
-        )
-        for record in records
-    )
-
-
-EFFECTS = _completed(
+EFFECTS = (
     _elastic(1),
     _elastic(2),
     Effect(
@@ -251,14 +236,14 @@ EFFECTS = _completed(
             "effects.support_expansion_per_K",
         ),
         on={"temperature_rise_K": 50.0},
-        **OF_GROWTH,
+        **OF_EXPANSION,
     ),
     Effect(
         "centrifugal_growth",
         "centrifugal expansion",
         keys=("effects.speed_rpm", "effects.density_kg_m3"),
         on={"speed_rpm": 3000.0},
-        **OF_GROWTH,
+        **OF_EXPANSION,
         refused_for={
             "cam": "nothing, since body_2.kind is 'cam': its follower, body_1, swings and does not "
             "turn"
@@ -338,12 +323,21 @@ def effects_of(scene: Scene) -> Effects:
 
 
 def switches_of(scene: Scene) -> dict[str, Switch]:
-    """Effects that a scene requests, each with the key that decides, in the order of records."""
+    """Effects that a scene requests, each with the deciding key, in the order of records."""
     return {effect.name: effect.switch(scene) for effect in EFFECTS}
 
 
+def excluded_by(effect: Effect) -> tuple[str, ...]:
+    """All effects that cannot be combined with this one."""
+    return tuple(
+        other.name
+        for other in EFFECTS
+        if other.name in effect.refused_with or effect.name in other.refused_with
+    )
+
+
 def work_in(stage: str, effects: Effects) -> Work:
-    """Work that all requested effects add to a stage, the sum over the records."""
+    """Sum of the work that all requested effects add to a stage."""
     work = [row.work for row in EFFECTS if stage in row.stages and getattr(effects, row.name)]
     return Work(
         **{item.name: sum(getattr(row, item.name) for row in work) for item in fields(Work)}

@@ -1,4 +1,4 @@
-"""Refusal of effects that exclude each other or do not apply to the bodies; names both keys."""
+"""Refusal of effects that exclude each other or do not apply to the bodies."""
 
 from __future__ import annotations
 
@@ -18,26 +18,24 @@ if TYPE_CHECKING:
     from flankload.scene.scene import BodySpec, SceneFile
 
 RECORDS = {effect.name: effect for effect in EFFECTS}
-#: Largest strain for which expansion is linear; far beyond that of any machine.
+#: Largest strain for which expansion is taken as linear.
 LARGEST_STRAIN = 0.02
 
 
 def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    """Refuse meaningless combinations of effects and bodies; names both keys.
-
-    `given` is the scene as in the file.
-    """
+    """Refuse impossible combinations of effects and bodies; `given`: scene as in the file."""
     wanted = [effect for effect in EFFECTS if effect.is_asked(asked.effects)]
     _check_known(asked, given.get("effects", {}))
     _check_friction(asked)
     _check_extent(asked)
     _check_teeth(asked, given.get("effects", {}))
-    _check_growth(asked)
+    _check_expansion(asked)
     spatial = three_dimensional_key(asked)
     for effect in wanted:
-        if spatial is None or effect.name != "lumped_contact":  # one of slices suits all kinds
+        # lumped contact of slices applies to all kinds
+        if spatial is None or effect.name != "lumped_contact":
             _check_kinds(effect, asked.body_1.kind, asked.body_2.kind, found=_value(effect, asked))
-    _check_levels(asked)
+    _check_contact_models(asked)
     _check_forces(asked)
     for effect in wanted:
         for other, expected in effect.refused_with.items():
@@ -59,7 +57,7 @@ def _bodies(asked: SceneFile) -> tuple[tuple[str, BodySpec], tuple[str, BodySpec
 
 
 def _check_known(asked: SceneFile, given: Mapping[str, Any]) -> None:
-    """Check that a drive has its own effects only, and that no other body has those."""
+    """Check that a drive has only its own effects, and that other bodies have none of these."""
     kind_1, kind_2 = asked.body_1.kind, asked.body_2.kind
     for drive in dict.fromkeys(effect.only_for for effect in EFFECTS if effect.only_for):
         own = [effect.key for effect in EFFECTS if effect.only_for == drive]
@@ -146,8 +144,8 @@ def _check_teeth(asked: SceneFile, given: Mapping[str, Any]) -> None:
         refuse("effects.tip_contact", expected, False)
 
 
-def _check_growth(asked: SceneFile) -> None:
-    """Check that each key of expansion has its cause, a small strain, and elements to act on."""
+def _check_expansion(asked: SceneFile) -> None:
+    """Check that expansion has a cause, a small strain, and finite elements where needed."""
     effects = asked.effects
     for key, other in (
         ("thermal_expansion_per_K", "temperature_rise_K"),
@@ -173,7 +171,7 @@ def _check_growth(asked: SceneFile) -> None:
 
 
 def _check_elements(asked: SceneFile, key: str) -> None:
-    """Check for finite elements: expansion by speed or against a support is a load on them."""
+    """Check for finite elements, on which speed and supports of other expansion act as loads."""
     if asked.effects.body == "tooth" and not (asked.body_1.rigid and asked.body_2.rigid):
         why = "effects.body is 'tooth': the expansion of a body depends on all its sectors"
         refuse(f"effects.{key}", f"nothing, since {why}", getattr(asked.effects, key))
@@ -188,7 +186,7 @@ def _of_both(value: float | tuple[float, ...] | None) -> tuple[float, ...]:
     return value if isinstance(value, tuple) else (value or 0.0,) * 2
 
 
-def _check_levels(asked: SceneFile) -> None:
+def _check_contact_models(asked: SceneFile) -> None:
     """Check accuracy keys: lumped contact has no cells, nodal forces have no pressure modes."""
     accuracy = asked.accuracy
     if asked.effects.contact == "lumped":

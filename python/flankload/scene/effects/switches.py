@@ -1,8 +1,9 @@
-"""Switches of the effects that no key of [effects] decides on."""
+"""Switches of the effects that have no key in [effects]."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from flankload.errors import SceneError
@@ -19,7 +20,7 @@ MODIFICATIONS = (
     *("tip_radius_mm", "tip_chamfer_mm"),
 )
 
-#: Keys of the places of reliefs, without which a relief is absent.
+#: Keys of the places of reliefs, which every relief requires.
 RELIEF_PLACES = (
     *("tip_relief_start_diameter_mm", "tip_relief_knee_um", "tip_relief_knee_diameter_mm"),
     "root_relief_start_diameter_mm",
@@ -39,8 +40,9 @@ def is_elastic(number: int) -> Callable[[Scene], Switch]:
     return switch
 
 
+@lru_cache(maxsize=64)
 def is_spatial(scene: Scene) -> Switch:
-    """Whether the bodies are three-dimensional; the reason is the first such key."""
+    """Whether the bodies are three-dimensional, and the first key that requires it."""
     key, named = three_dimensional_key(scene), scene.effects.dimension is not None
     return Switch(key is not None, key or "nothing varies along the axis", named)
 
@@ -51,7 +53,7 @@ def require_plane(scene: Scene, reason: str) -> None:
     Raises
     ------
     SceneError
-        With the reason and the key that makes the scene three-dimensional.
+        If it is one; names the reason and the key that makes it three-dimensional.
     """
     switch = is_spatial(scene)
     if switch.on:
@@ -64,7 +66,7 @@ def require_plane(scene: Scene, reason: str) -> None:
 
 
 def is_modified(scene: Scene) -> Switch:
-    """Whether a flank is modified; the reason is the first such key."""
+    """Whether a flank is modified, and the first key that modifies it."""
     for number, body in enumerate((scene.body_1, scene.body_2), start=1):
         inside, table = body.flank_keys
         for key in MODIFICATIONS if table is not None else ():
@@ -74,7 +76,7 @@ def is_modified(scene: Scene) -> Switch:
 
 
 def has_lead(scene: Scene) -> Switch:
-    """Whether a flank is modified along the axis; the reason is the first such key."""
+    """Whether a flank is modified along the axis, and the first key that modifies it."""
     return _first_of(scene, LEAD_KEYS, "no modification along the axis")
 
 
@@ -92,7 +94,7 @@ def is_misaligned(scene: Scene) -> Switch:
 
 
 def _first_of(scene: Scene, keys: tuple[str, ...], none: str) -> Switch:
-    """The first of these keys along the axis that a body has."""
+    """Switch of the first of these keys along the axis that a body has."""
     for number, body in enumerate((scene.body_1, scene.body_2), start=1):
         for key in keys if isinstance(body, AxialKeys) else ():
             value = getattr(body, key)

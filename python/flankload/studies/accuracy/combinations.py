@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from flankload.studies.accuracy.refinements import ADAPTIVE, ADAPTIVE_START
+from flankload.studies.accuracy.quantities import largest
+from flankload.studies.accuracy.refinements import ADAPTIVE, ADAPTIVE_START, Refinements
 
 if TYPE_CHECKING:
     from flankload.scene.named_discretization import NamedDiscretization
     from flankload.studies.accuracy.reference import Reference
-    from flankload.studies.accuracy.refinements import Refinements
     from flankload.studies.accuracy.runs import Run
 
 #: Part of a tolerance allowed for each parameter in the first guess.
@@ -42,11 +42,12 @@ def search(
 ) -> None:
     """Run combinations near the cheapest that meets a tolerance in some errors."""
 
-    if reference.doubt(measures) > tolerance:  # no run could be certified to meet it
+    doubt = largest(reference.doubts, measures)
+    if doubt is None or doubt > tolerance:  # no run could be certified to meet it
         return
 
     def meets(discretization: NamedDiscretization) -> bool:
-        error = reference.within(run(discretization), measures)
+        error = largest(reference.errors(run(discretization)), measures, reference.doubts)
         return error is not None and error <= tolerance
 
     guesses = (
@@ -66,12 +67,11 @@ def coarser(
     discretization: NamedDiscretization, names: tuple[str, ...], refinements: Refinements
 ) -> NamedDiscretization | None:
     """The discretization with some parameters a step coarser; None if one has no coarser step."""
-    if names == ("count",) and discretization.adaptive is not None:
-        looser = [tolerance for tolerance in ADAPTIVE if tolerance > discretization.adaptive]
-        return (
-            replace(discretization, count=ADAPTIVE_START, adaptive=min(looser)) if looser else None
-        )
-    return refinements.coarser(discretization, *names)
+    if names != ("count",) or discretization.adaptive is None:
+        return refinements.coarser(discretization, *names)
+    looser = min((x for x in ADAPTIVE if x > discretization.adaptive), default=None)
+    found = replace(discretization, count=ADAPTIVE_START, adaptive=looser)
+    return None if looser is None else found
 
 
 def guess(
@@ -86,7 +86,8 @@ def guess(
         enough = [
             run
             for run in reference.steps(parameter)
-            if (error := reference.largest(run, measures, parameter)) is not None and error <= part
+            if (error := largest(reference.errors(run, parameter), measures)) is not None
+            and error <= part
         ]
         if not enough:
             return None

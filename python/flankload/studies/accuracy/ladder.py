@@ -29,28 +29,19 @@ IN_DOUBT = 0.5
 #: fitted to almost equal steps would give more, but are not reliable.
 MOST_LEFT = 2.0
 #: Changes below this part of the value are roundoff.
-ROUNDING = 1e-8
+LEAST_CHANGE = 1e-8
 
 
 @dataclass(frozen=True)
 class Limit:
     """Limit of a sequence of refinements.
 
-    Attributes
-    ----------
-    value : array
-        Extrapolated; the finest value if the sequence does not converge monotonically.
-    order : float or None
-        Fitted order; None without extrapolation.
-    monotone : bool
-        Whether the changes keep their sign and decrease, or are roundoff.
-    doubt : float
-        Largest difference of finest value and limit; without an order the last change.
-    slow : bool
-        Whether convergence is too slow for a reliable limit.
-    left : array
-        Possible error of `value` itself: a part of the extrapolation, or the last change, or for
-        slow convergence the correction from the fitted order, up to twice the last change.
+    `value` is extrapolated, with the fitted `order`, or the finest value if the sequence does not
+    converge monotonically. `monotone`: whether the changes keep their sign and decrease, or are
+    roundoff. `doubt` is the largest difference of finest value and limit, without an order the last
+    change. `slow`: whether convergence is too slow for a reliable limit. `left` is the possible
+    error of `value` itself: a part of the extrapolation, or the last change, or for slow
+    convergence the correction from the fitted order, up to twice the last change.
     """
 
     value: Floats
@@ -62,33 +53,24 @@ class Limit:
 
 
 def limit_of(sizes: Sequence[float], values: Sequence[Floats]) -> Limit:
-    """Limit of a sequence of refinements.
+    """Limit of a sequence of refinements, from its values at ascending sizes: the finest first.
 
-    Parameters
-    ----------
-    sizes : sequence of float
-        Ascending: the finest first.
-    values : sequence of arrays of one shape
-        In the same order; NaN if missing.
-
-    Returns
-    -------
-    Limit
-        The first three values count; fewer than three are not extrapolated.
+    The values are arrays of one shape, NaN if missing. The first three count; fewer than three are
+    not extrapolated.
     """
     finest = np.asarray(values[0], dtype=float)
     if len(values) < 2:
         return Limit(finest, None, False, float("nan"), np.full_like(finest, np.nan))
     last = finest - np.asarray(values[1], dtype=float)
-    scale = _largest(finest)
-    doubt = _largest(last)
-    if doubt <= ROUNDING * scale:
+    doubt = largest_of(last)
+    if doubt <= LEAST_CHANGE * largest_of(finest):
         return Limit(finest, None, True, doubt, last)
     if len(values) < 3:
         return Limit(finest, None, False, doubt, last)
     before = np.asarray(values[1], dtype=float) - np.asarray(values[2], dtype=float)
     along = float(np.nansum(last * before))
-    order = _fitted_order(sizes, _norm(before), _norm(last)) if along > 0 else None
+    sizes_of_changes = (float(np.sqrt(np.nansum(change**2))) for change in (before, last))
+    order = _fitted_order(sizes, *sizes_of_changes) if along > 0 else None
     if order is None:
         return Limit(finest, None, False, doubt, last)
     part = sizes[0] ** order / (sizes[1] ** order - sizes[0] ** order)
@@ -116,10 +98,6 @@ def _fitted_order(sizes: Sequence[float], before: float, last: float) -> float |
     return float(brentq(beyond, LEAST_ORDER, LARGEST_ORDER, xtol=1e-15, rtol=1e-15))
 
 
-def _norm(change: Floats) -> float:
-    return float(np.sqrt(np.nansum(change**2)))
-
-
-def _largest(values: Floats) -> float:
-    known = np.abs(values[np.isfinite(values)])
-    return float(known.max(initial=0.0))
+def largest_of(values: Floats) -> float:
+    """Largest magnitude of the finite numbers."""
+    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))

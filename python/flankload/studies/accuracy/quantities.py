@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.studies.accuracy.ladder import Limit, limit_of
+from flankload.base.plain import plain
+from flankload.studies.accuracy.ladder import Limit, largest_of, limit_of
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -59,6 +60,8 @@ NUMBERS = (
     "stiffness_tangent",
     "face_load_factor",
 )
+#: All quantities that converge.
+CONVERGING = (*OVER_POSITIONS, *OVER_SITES, *NUMBERS)
 #: Scalars of a torque that do not converge.
 CORNER = "corner_pressure"
 #: A transmission error that varies less has no peak to peak.
@@ -129,10 +132,7 @@ def common(runs: Sequence[Quantities]) -> list[Quantities]:
 def limits_of(sizes: Sequence[float], runs: Sequence[Quantities]) -> dict[str, Limit]:
     """Limits of arrays and scalars, from runs at ascending step sizes: the finest first."""
     parts = common(runs[:3])
-    return {
-        name: limit_of(sizes, [part[name] for part in parts])
-        for name in (*OVER_POSITIONS, *OVER_SITES, *NUMBERS)
-    }
+    return {name: limit_of(sizes, [part[name] for part in parts]) for name in CONVERGING}
 
 
 def with_numbers(
@@ -146,25 +146,23 @@ def with_numbers(
     return {**limits, **known}
 
 
-def moved(
-    run: Quantities, ladders: Sequence[Mapping[str, Limit]], finest: Quantities
-) -> Quantities:
-    """A run shifted by the difference between the finest step and the limit of each sequence."""
+def shifted(run: Quantities, *shifts: Mapping[str, Floats]) -> Quantities:
+    """A run shifted by what is added to its quantities, where that has their shape."""
     parts = dict(run)
-    for name in (*OVER_POSITIONS, *OVER_SITES, *NUMBERS):
-        for ladder in ladders:
-            if ladder[name].value.shape == finest[name].shape == run[name].shape:
-                parts[name] = parts[name] + (ladder[name].value - finest[name])
+    for shift in shifts:
+        for name, values in shift.items():
+            if values.shape == run[name].shape:
+                parts[name] = parts[name] + values
     return parts
 
 
-def off_by(run: Quantities, ladder: Mapping[str, Limit]) -> Quantities:
-    """A run shifted by the remaining error of the limits of a sequence."""
-    parts = dict(run)
-    for name in (*OVER_POSITIONS, *OVER_SITES, *NUMBERS):
-        if ladder[name].left.shape == run[name].shape:
-            parts[name] = run[name] + ladder[name].left
-    return parts
+def largest(
+    errors: Mapping[str, float], names: Iterable[str], doubts: Mapping[str, float] | None = None
+) -> float | None:
+    """The largest of some errors, each with its uncertainty; None if none is known."""
+    doubts = doubts or {}
+    known = (errors[name] + doubts.get(name, 0.0) for name in names if name in errors)
+    return max(known, default=None)
 
 
 def errors_of(run: Quantities, reference: Quantities) -> dict[str, float]:
@@ -191,14 +189,14 @@ def _errors(one: Quantities, two: Quantities, t: int) -> dict[str, float]:
         "transmission_error_mean": _part(
             change("transmission_error_mean"), abs(float(two["transmission_error_mean"][t]))
         ),
-        "load_share": _greatest(one["load_share"][t] - two["load_share"][t]),
+        "load_share": largest_of(one["load_share"][t] - two["load_share"][t]),
     }
     span = float(two["transmission_error_peak_to_peak"][t])
     if span > LEAST_VARIATION_UM:
         found["transmission_error_peak_to_peak"] = change("transmission_error_peak_to_peak") / span
     highest = float(two["largest_pressure"][t])
     if highest > 0:
-        local = _greatest(one["peak_pressure"][t] - two["peak_pressure"][t])
+        local = largest_of(one["peak_pressure"][t] - two["peak_pressure"][t])
         found["peak_pressure"] = max(local, change("largest_pressure")) / highest
     if two["face_load_factor"][t] != 1.0:
         found["face_load_factor"] = change("face_load_factor") / two["face_load_factor"][t]
@@ -212,24 +210,13 @@ def _errors(one: Quantities, two: Quantities, t: int) -> dict[str, float]:
     return found
 
 
-def _greatest(values: Floats) -> float:
-    return float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
-
-
 def _part(change: float, whole: float) -> float:
     return change / whole if whole > 0 else 0.0
 
 
 def to_tree(run: Quantities) -> dict[str, Any]:
     """Data in the form of JSON: null for NaN."""
-    return {name: _lists(values) for name, values in run.items()}
-
-
-def _lists(values: Floats) -> list[Any]:
-    whole = values.astype(object)
-    whole[~np.isfinite(values)] = None
-    nested: list[Any] = whole.tolist()
-    return nested
+    return {name: plain(values) for name, values in run.items()}
 
 
 def from_tree(tree: Mapping[str, Any]) -> Quantities:

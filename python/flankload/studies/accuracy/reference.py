@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from math import hypot, inf
 from typing import TYPE_CHECKING
 
 from flankload.scene.axial import DEGREES_ABOVE_LOAD
-from flankload.studies.accuracy.quantities import errors_of, limits_of, moved, off_by, with_numbers
-from flankload.studies.accuracy.refinements import ADAPTIVE, ADAPTIVE_START, KINKS
+from flankload.studies.accuracy.quantities import (
+    Quantities,
+    errors_of,
+    limits_of,
+    shifted,
+    with_numbers,
+)
+from flankload.studies.accuracy.refinements import ADAPTIVE, ADAPTIVE_START, KINKS, Refinements
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from flankload.scene.named_discretization import NamedDiscretization
     from flankload.studies.accuracy.ladder import Limit
-    from flankload.studies.accuracy.quantities import Quantities
-    from flankload.studies.accuracy.refinements import Refinements
     from flankload.studies.accuracy.runs import Run
 
 
@@ -33,12 +35,6 @@ def ladder(refinements: Refinements, parameter: str) -> Iterator[NamedDiscretiza
         for tolerance in ADAPTIVE if _many(refinements) else ():
             yield replace(refinements.finest, count=ADAPTIVE_START, adaptive=tolerance)
         yield from _every_kink(refinements)
-
-
-def at_default(refinements: Refinements, parameter: str) -> Iterator[NamedDiscretization]:
-    """The same steps with the others at their default: cost of a step in a cheap run."""
-    for discretization in ladder(refinements, parameter):
-        yield twin(refinements, parameter, discretization)
 
 
 def twin(
@@ -68,14 +64,7 @@ def _many(refinements: Refinements) -> bool:
 
 
 class Reference:
-    """Knowledge about the limits at some time of a study.
-
-    Parameters
-    ----------
-    done : mapping of NamedDiscretization to Run
-        Finished runs.
-    refinements : Refinements
-    """
+    """Knowledge about the limits at some time of a study, from its finished runs."""
 
     def __init__(self, done: Mapping[NamedDiscretization, Run], refinements: Refinements) -> None:
         self._done, self._refinements = done, refinements
@@ -88,10 +77,7 @@ class Reference:
 
     def steps(self, parameter: str) -> list[Run]:
         """Finished steps of a sequence that have a solution, the finest first."""
-        steps = (
-            self._done.get(discretization)
-            for discretization in ladder(self._refinements, parameter)
-        )
+        steps = (self._done.get(step) for step in ladder(self._refinements, parameter))
         return [run for run in steps if run is not None and run.values is not None]
 
     def _limits(self, parameter: str) -> dict[str, Limit] | None:
@@ -116,13 +102,10 @@ class Reference:
         """The finest of the other runs with varied positions: adaptive, or else even."""
         others = [run for run in self.steps("count") if run.values is not best]
         adaptive = [run for run in others if run.discretization.adaptive is not None]
-        run = (
-            min(adaptive, key=lambda run: run.discretization.adaptive or inf)
-            if adaptive
-            else others[0]
-        )
-        assert run.values is not None
-        return run.values
+        adaptive.sort(key=lambda run: run.discretization.adaptive or inf)
+        values = (adaptive or others)[0].values
+        assert values is not None
+        return values
 
     @cached_property
     def doubts(self) -> dict[str, float]:
@@ -135,8 +118,10 @@ class Reference:
         reference = self.of()
         if reference is None:
             return {}
-        parts = [errors_of(off_by(reference, limits), reference) for limits in self.limits.values()]
-        if any(len(steps) > 1 for steps in self._unknown()):
+        left = [{name: x.left for name, x in limits.items()} for limits in self.limits.values()]
+        parts = [errors_of(shifted(reference, shift), reference) for shift in left]
+        ladders = self._refinements.ladders
+        if any(len(steps) > 1 for name, steps in ladders.items() if name not in self.limits):
             base = self._done.get(self._refinements.base)
             if base is None or base.values is None:
                 return dict.fromkeys(errors_of(reference, reference), inf)
@@ -146,14 +131,6 @@ class Reference:
             for name, error in part.items():
                 found[name] = hypot(found.get(name, 0.0), error)
         return found
-
-    def _unknown(self) -> list[tuple[float, ...]]:
-        """Parameters without a known limit."""
-        return [
-            steps
-            for parameter, steps in self._refinements.ladders.items()
-            if parameter not in self.limits
-        ]
 
     @staticmethod
     def _size(discretization: NamedDiscretization, parameter: str) -> float:
@@ -165,32 +142,20 @@ class Reference:
 
     def of(self, *parameters: str) -> Quantities | None:
         """The finest run with some parameters at their limits; by default all."""
-        if self.finest is None:
+        if (finest := self.finest) is None:
             return None
-        wanted = [
-            self.limits[parameter]
+        shifts = (
+            {
+                name: limit.value - finest[name]
+                for name, limit in self.limits[parameter].items()
+                if limit.value.shape == finest[name].shape
+            }
             for parameter in (parameters or self.limits)
             if parameter in self.limits
-        ]
-        return moved(self.finest, wanted, self.finest)
+        )
+        return shifted(finest, *shifts)
 
     def errors(self, run: Run, *parameters: str) -> dict[str, float]:
         """Errors of a run against the limits of some parameters; by default all."""
         reference = self.of(*parameters)
         return {} if reference is None or run.values is None else errors_of(run.values, reference)
-
-    def doubt(self, measures: Sequence[str]) -> float:
-        """The largest of some uncertainties."""
-        return max((self.doubts[name] for name in measures if name in self.doubts), default=inf)
-
-    def within(self, run: Run, measures: Sequence[str]) -> float | None:
-        """Upper bound of some errors: the largest plus its uncertainty; None if unknown."""
-        errors = self.errors(run)
-        return max(
-            (errors[name] + self.doubts[name] for name in measures if name in errors), default=None
-        )
-
-    def largest(self, run: Run, measures: Sequence[str], *parameters: str) -> float | None:
-        """The largest of some errors; None if none is known."""
-        errors = self.errors(run, *parameters)
-        return max((errors[name] for name in measures if name in errors), default=None)

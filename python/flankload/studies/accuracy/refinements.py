@@ -55,19 +55,13 @@ FINEST: tuple[Fineness, ...] = tuple(
     {"flank_element_mm": part, "strips_per_half_width": strips, "count": positions}
     for part, strips, positions in ((0.125, 40, 4), (0.25, 40, 4), (0.25, 20, 2), (0.5, 20, 2))
 )
+SPATIAL_KEYS = (
+    *("flank_element_mm", "axial_degree", "load_degree_z"),
+    *("strips_per_half_width", "count"),
+)
 SPATIAL_FINEST: tuple[Fineness, ...] = tuple(
-    {
-        "flank_element_mm": part,
-        "axial_degree": p,
-        "load_degree_z": q,
-        "strips_per_half_width": strips,
-        "count": positions,
-    }
-    for part, p, q, strips, positions in (
-        (0.5, 12, 8, 24, 4),
-        (0.5, 10, 6, 24, 4),
-        (1.0, 10, 6, 12, 2),
-    )
+    dict(zip(SPATIAL_KEYS, limits, strict=True))
+    for limits in ((0.5, 12, 8, 24, 4), (0.5, 10, 6, 24, 4), (1.0, 10, 6, 12, 2))
 )
 #: Part of the budget for the steps of parameters; number of runs at the finest cells and positions
 #: among them, and number of solutions with the finest elements, in the plane and with their degrees
@@ -79,14 +73,8 @@ LADDERS_PART, LADDER_SWEEPS, LADDER_ELEMENTS, LADDER_DEGREES = 0.6, 20.0, 1.5, 3
 class Refinements:
     """Steps of each parameter of a scene by the names of `NamedDiscretization`, coarse steps first.
 
-    Attributes
-    ----------
-    ladders : dict of str to tuple
-    base : NamedDiscretization
-        The default parameters, named explicitly.
-    finest : NamedDiscretization
-    can_adapt : bool
-        Whether adaptive positions are possible.
+    `base` has the default parameters, named explicitly; `can_adapt`: whether adaptive positions are
+    possible.
     """
 
     ladders: dict[str, tuple[float, ...]]

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from time import process_time
 from typing import TYPE_CHECKING
 
 from flankload.base.arguments import require_names, require_number, require_path
-from flankload.errors import SceneError
-from flankload.scene import scene_of
+from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.named_discretization import NamedDiscretization
+from flankload.scene.refusal import refuse
 from flankload.studies.accuracy.combinations import search
 from flankload.studies.accuracy.quantities import MEASURES
-from flankload.studies.accuracy.reference import Reference, at_default, ladder
+from flankload.studies.accuracy.reference import Reference, ladder, twin
 from flankload.studies.accuracy.refinements import (
     COARSE,
     affordable,
@@ -24,19 +25,10 @@ from flankload.studies.accuracy.refinements import (
 )
 from flankload.studies.accuracy.runs import Run, Runs
 from flankload.studies.accuracy.study import Row, Study
-from flankload.studies.accuracy.study_text import (
-    corner_notes,
-    failure_notes,
-    file_notes,
-    limit_notes,
-)
+from flankload.studies.accuracy.study_text import notes_of
 from flankload.studies.plan import choose_effects
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from flankload.scene import Scene, SceneLike
-
     Progress = Callable[[str, int, int], None]
 
 #: Tolerances for which combinations are searched.
@@ -112,21 +104,17 @@ def accuracy(
 
 
 def _check(scene: Scene, quantities: Sequence[str], budget_s: float) -> None:
-    known = ", ".join(MEASURES)
+    known = f"some of {', '.join(MEASURES)}"
     if not quantities:
-        raise SceneError(key="quantities", expected=f"some of {known}", found="none")
+        refuse("quantities", known, "none")
     for quantity in quantities:
         if quantity not in MEASURES:
-            raise SceneError(key="quantities", expected=f"some of {known}", found=f"'{quantity}'")
+            refuse("quantities", known, f"'{quantity}'")
     if not budget_s > 0:
-        raise SceneError(key="budget", expected="CPU seconds > 0", found=f"{budget_s:g}")
+        refuse("budget", "CPU seconds > 0", f"{budget_s:g}")
     if not all(torque > 0 for torque in scene.torques_Nm):
-        raise SceneError(
-            key="load.torque_Nm",
-            expected="torques > 0, since without load there is no approximation",
-            found="0",
-            file=scene.file,
-        )
+        expected = "torques > 0, since without load there is no approximation"
+        refuse("load.torque_Nm", expected, "0", scene.file)
 
 
 class _StudyRuns:
@@ -158,20 +146,18 @@ class _StudyRuns:
             for discretization in ladder(self.refinements, parameter):
                 self.run(parameter, discretization)
         for parameter in self.refinements.ladders:
-            for discretization in at_default(self.refinements, parameter):
-                self.run("default but for one knob", discretization)
+            for step in ladder(self.refinements, parameter):
+                self.run("default but for one knob", twin(self.refinements, parameter, step))
         for group, discretization in self._levels():
             self.run(group, discretization)
         reference = Reference(self.runs.done, self.refinements)
         alone = [MEASURES[quantity] for quantity in self.quantities]
         for measures in (self.measures, *(alone if len(alone) > 1 else ())):
             for tolerance in TOLERANCES:
-                search(tolerance, self.refinements, reference, measures, self._combination)
+                run = partial(self.run, "combination")
+                search(tolerance, self.refinements, reference, measures, run)
         if can_be_nodal(self.scene):  # last, since it is the most expensive one
             self.run("nodes", self._nodes(None))
-
-    def _combination(self, discretization: NamedDiscretization) -> Run:
-        return self.run("combination", discretization)
 
     def run(self, group: str, discretization: NamedDiscretization) -> Run:
         """A run, assigned to the first group that requests it."""
@@ -227,22 +213,14 @@ class _StudyRuns:
         done = self.runs.done
 
         def row(discretization: NamedDiscretization, *parameters: str) -> Row:
-            alone = reference.errors(done[discretization], *parameters) if parameters else {}
-            return Row(
-                self.groups[discretization],
-                done[discretization],
-                reference.errors(done[discretization]),
-                alone,
-            )
+            run = done[discretization]
+            alone = reference.errors(run, *parameters) if parameters else {}
+            return Row(self.groups[discretization], run, reference.errors(run), alone)
 
-        steps = {
-            parameter: tuple(
-                row(step, parameter)
-                for step in ladder(self.refinements, parameter)
-                if step in self.groups
-            )
-            for parameter in self.refinements.ladders
-        }
+        steps = {}
+        for parameter in self.refinements.ladders:
+            known = (step for step in ladder(self.refinements, parameter) if step in self.groups)
+            steps[parameter] = tuple(row(step, parameter) for step in known)
         rows = tuple(
             row(discretization, *({group} & steps.keys()))
             for discretization, group in self.groups.items()
@@ -256,12 +234,7 @@ class _StudyRuns:
             limits=reference.limits,
             knobs=self.refinements,
             doubts=reference.doubts,
-            notes=(
-                *limit_notes(rows),
-                *corner_notes(steps.get("strips_per_half_width", ())),
-                *file_notes(self.scene),
-                *failure_notes(rows),
-            ),
+            notes=notes_of(self.scene, rows, steps.get("strips_per_half_width", ())),
             stopped=stopped,
             interrupted=interrupted,
         )

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.base.files import write_atomically
 from flankload.cost import Account
-from flankload.errors import FlankloadError, PremiseError, SceneError
-from flankload.mechanisms import run_once
+from flankload.errors import FlankloadError, PremiseError
+from flankload.mechanisms import Progress, run_once
 from flankload.scene.named_discretization import NamedDiscretization, scene_at
+from flankload.scene.refusal import refuse
 from flankload.studies.accuracy.quantities import Quantities, from_tree, quantities_of, to_tree
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
-    from flankload.mechanisms import Progress
     from flankload.scene import Scene
 
     Kept = dict[int, tuple[BodyCompliance, Account]]
@@ -36,21 +36,10 @@ SHARED_ABOVE_S = 0.4
 class Run:
     """A finished run.
 
-    Attributes
-    ----------
-    discretization : NamedDiscretization
-    cpu_s : float
-        CPU seconds of all its stages, including elements.
-    memory_bytes : int
-        Arrays of all stages, and the largest workspace.
-    values : Quantities or None
-        None if it has no solution.
-    failure : str or None
-        Reason for the missing solution.
-    stages : dict
-        CPU seconds by stage.
-    outside : tuple of str
-        Premises of the model that it violates.
+    `cpu_s` are the CPU seconds of all its stages, elements included, and `stages` those of each;
+    `memory_bytes` are the arrays of all stages and the largest workspace. `values` is None for a
+    run without a solution, whose reason is `failure`. `outside` names the premises of the model
+    that it violates.
     """
 
     discretization: NamedDiscretization
@@ -73,14 +62,7 @@ def fingerprint(scene: Scene) -> str:
 
 
 class Runs:
-    """Finished runs of a scene, in memory and in a file.
-
-    Parameters
-    ----------
-    scene : Scene
-    file : Path or None
-        File from which finished runs are read and to which they are written.
-    """
+    """Finished runs of a scene, in memory and in a file if there is one."""
 
     def __init__(self, scene: Scene, file: Path | None = None) -> None:
         self.scene = scene
@@ -101,11 +83,8 @@ class Runs:
         except (ValueError, KeyError, TypeError):
             head, runs, lines = {}, [], []
         if head != self._head:
-            raise SceneError(
-                key="--resume",
-                expected="a file of finished runs of this very scene and version, or none yet",
-                found=f"{file}, which is another one",
-            )
+            expected = "a file of finished runs of this very scene and version, or none yet"
+            refuse("--resume", expected, f"{file}, which is another one")
         self._lines = lines[1:]
         self.done = {run.discretization: run for run in runs}
 
@@ -121,7 +100,7 @@ class Runs:
         return self.done[discretization]
 
     def _solved(self, discretization: NamedDiscretization, progress: Progress | None) -> Run:
-        as_it_is = first_scene(self.scene) if discretization.as_it_stands else self.scene
+        as_it_is = first_scene(self.scene) if discretization.is_empty else self.scene
         scene = scene_at(as_it_is, discretization)
         try:
             run = _measured(discretization, scene, self._compliances(discretization), progress)
@@ -137,7 +116,7 @@ class Runs:
 
     def _compliances(self, discretization: NamedDiscretization) -> Kept:
         """Compliances for the same elements and modes; or for more modes, if that saves time."""
-        if discretization.as_it_stands:
+        if discretization.is_empty:
             return {}
         elements = (
             discretization.level if discretization.level in ("nodes", "plane") else "",
@@ -148,13 +127,11 @@ class Runs:
         kept = self._kept.setdefault((elements, modes, load_degree), {})
         if kept or modes is None:
             return kept
+        wanted = (modes, load_degree or 0)
         for (of_elements, more, degree), other in self._kept.items():
-            if (
-                of_elements == elements
-                and ((more or 0) > modes or (degree or 0) > (load_degree or 0))
-                and (more or 0) >= modes
-                and (degree or 0) >= (load_degree or 0)
-            ):
+            has = (more or 0, degree or 0)
+            enough = has != wanted and has[0] >= wanted[0] and has[1] >= wanted[1]
+            if of_elements == elements and enough:
                 fewer = {z: _with_modes(*body, modes, load_degree) for z, body in other.items()}
                 if all(body is not None for body in fewer.values()):
                     kept.update({z: body for z, body in fewer.items() if body is not None})

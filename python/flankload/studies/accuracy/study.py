@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -12,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.base.card import Card
 from flankload.base.files import write_atomically
+from flankload.result.export import CsvForm
 from flankload.scene.named_discretization import NamedDiscretization
-from flankload.studies.accuracy.quantities import HEADS, MEANINGS
+from flankload.studies.accuracy.quantities import HEADS, MEANINGS, largest
 from flankload.studies.accuracy.reference import twin
 from flankload.studies.accuracy.study_text import NAMED, text_of
 
@@ -29,17 +28,10 @@ if TYPE_CHECKING:
 class Row:
     """A run of a study and its errors.
 
-    Attributes
-    ----------
-    group : str
-        Parameter of a sequence, "combination", "default", "default but for one knob", "as it
-        stands", "finest", or a contact model.
-    run : Run
-    errors : dict
-        Relative errors against the limit of all parameters, by the names of `quantities.HEADS`.
-    alone : dict
-        For a step of a sequence: against the limit of this parameter, with the others at their
-        finest.
+    Its group is the parameter of a sequence, "combination", "default", "default but for one knob",
+    "as it stands", "finest", or a contact model. `errors` are relative to the limit of all
+    parameters, by the names of `quantities.HEADS`; `alone`, for a step of a sequence, to the limit
+    of this parameter with the others at their finest.
     """
 
     group: str
@@ -54,8 +46,7 @@ class Row:
 
     def largest(self, measures: Sequence[str]) -> float | None:
         """The largest of some errors; None if none is known."""
-        errors = [self.errors[name] for name in measures if name in self.errors]
-        return max(errors, default=None)
+        return largest(self.errors, measures)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -117,17 +108,9 @@ class Study(Card):
         return tuple(sorted(known, key=lambda row: row.run.cpu_s))
 
     def front(self, *names: str) -> tuple[Row, ...]:
-        """Pareto front of CPU seconds and `within`, the cheapest row first.
+        """Pareto front of CPU seconds and `within`: seconds ascend, error bounds descend.
 
-        Parameters
-        ----------
-        *names : str
-            Errors to be limited; by default those of the study.
-
-        Returns
-        -------
-        tuple of Row
-            Seconds ascend, error bounds descend.
+        The names are those of the errors to be limited; by default those of the study.
         """
         best: list[Row] = []
         for row in self.candidates(*names):
@@ -136,21 +119,13 @@ class Study(Card):
         return tuple(best)
 
     def within(self, row: Row, *names: str) -> float:
-        """Upper bound of some errors of a row: the largest plus the uncertainty of the limit.
+        """Upper bound of some errors of a candidate: the largest plus the uncertainty of the limit.
 
-        Parameters
-        ----------
-        row : Row
-            One of the candidates.
-        *names : str
-            As in `front`.
-
-        Returns
-        -------
-        float
+        The names are as in `front`.
         """
-        known = [name for name in names or self.measures if name in row.errors]
-        return max(row.errors[name] + self.doubts.get(name, 0.0) for name in known)
+        bound = largest(row.errors, names or self.measures, self.doubts)
+        assert bound is not None
+        return bound
 
     def cheapest(self, tolerance: float, *names: str) -> Row | None:
         """The cheapest run that certainly meets a tolerance; None if there is none.
@@ -163,8 +138,7 @@ class Study(Card):
 
     def doubt(self, *names: str) -> float | None:
         """Largest uncertainty of the limit among some errors; None if unknown."""
-        known = [self.doubts[name] for name in names or self.measures if name in self.doubts]
-        return max(known, default=None)
+        return largest(self.doubts, names or self.measures)
 
     def __str__(self) -> str:
         """The table."""
@@ -172,28 +146,21 @@ class Study(Card):
 
     def to_csv(self, path: str | Path | None = None) -> str:
         """Return a line per run as CSV; write it to `path`."""
-        stream = io.StringIO()
-        writer = csv.writer(stream, lineterminator="\n")
         keys = [key.name for key in fields(NamedDiscretization)]
         errors = [name for name in HEADS if any(name in row.errors for row in self.rows)]
         heads = [f"{kind}_{name}" for kind in ("error", "error_of_knob") for name in errors]
-        writer.writerow(["group", *keys, "cpu_s", "memory_bytes", *heads, "failure"])
+        lines = [["group", *keys, "cpu_s", "memory_bytes", *heads, "failure"]]
         for row in self.rows:
             used = row.run.discretization.as_dict()
             found = (of.get(name) for of in (row.errors, row.alone) for name in errors)
-            writer.writerow(
-                [
-                    row.group,
-                    *(used.get(key, "") for key in keys),
-                    f"{row.run.cpu_s:.6g}",
-                    row.run.memory_bytes,
-                    *("" if error is None else f"{error:.4g}" for error in found),
-                    row.run.failure or "",
-                ]
-            )
+            cells = [row.group, *(f"{used.get(key, '')}" for key in keys)]
+            cells += [f"{row.run.cpu_s:.6g}", f"{row.run.memory_bytes}"]
+            cells += ["" if error is None else f"{error:.4g}" for error in found]
+            lines.append([*cells, row.run.failure or ""])
+        text = CsvForm().lines(lines)
         if path is not None:
-            write_atomically(path, stream.getvalue())
-        return stream.getvalue()
+            write_atomically(path, text)
+        return text
 
     def as_dict(self) -> dict[str, Any]:
         """The study in the form of JSON."""

@@ -63,16 +63,7 @@ DEFAULT_SECONDS = "default"
 
 
 def text_of(study: Study) -> str:
-    """Tables of parameter steps, contact models and combinations; the cheapest discretizations.
-
-    Parameters
-    ----------
-    study : Study
-
-    Returns
-    -------
-    str
-    """
+    """Tables of parameter steps, contact models and combinations; the cheapest discretizations."""
     return "\n".join(_lines(study))
 
 
@@ -154,10 +145,8 @@ def _others(study: Study, names: Sequence[str]) -> Iterator[str]:
             words = "combinations on the Pareto front"
         if not rows:
             continue
-        cells = [
-            _heading(words, names),
-            *(_cells(_label(row), row, row.errors, names) for row in rows),
-        ]
+        cells = [_heading(words, names)]
+        cells += [_cells(_label(row), row, row.errors, names) for row in rows]
         if group == "finest":
             doubts = (_percent(study.doubts.get(name)) for name in names)
             cells.append([f"  {LIMIT}", "", "", *doubts])
@@ -168,12 +157,10 @@ def _others(study: Study, names: Sequence[str]) -> Iterator[str]:
 def _label(row: Row) -> str:
     """Parameters of a run in short."""
     used = row.run.discretization
-    if used.as_it_stands:
+    if used.is_empty:
         return "all parameters as in the scene"
-    if used.level == "nodes" and used.flank_element_mm is None:
-        parts = ["nodes by the contact's width"]
-    else:
-        parts = []
+    alone = used.level == "nodes" and used.flank_element_mm is None
+    parts = ["nodes by the contact's width"] * alone
     for name, unit in UNITS.items():
         if (value := getattr(used, name)) is not None:
             degrees = f"/{used.load_degree_z}" * (name == "axial_degree")
@@ -207,10 +194,7 @@ def _cheapest(study: Study, names: Sequence[str]) -> Iterator[str]:
     yield "CPU seconds of the cheapest discretization"
     rows = [["  to", *(HEADS[name] for name in names), "all"]]
     for tolerance in NAMED:
-        seconds = [
-            *(_seconds(study, tolerance, name) for name in names),
-            _seconds(study, tolerance),
-        ]
+        seconds = (_seconds(study, tolerance, *of) for of in (*((name,) for name in names), ()))
         rows.append([f"  {100 * tolerance:g} %", *seconds])
     yield from text_table(rows, left=1)
     for tolerance in NAMED:
@@ -246,6 +230,11 @@ def _why_none(study: Study, tolerance: float) -> str:
     return f"not reached ({IN_DOUBT}): the uncertainty of the limit is {size}"
 
 
+def notes_of(scene: Scene, rows: Sequence[Row], cells: Sequence[Row]) -> tuple[str, ...]:
+    """All notes of a study; `cells` are the steps of the number of cells."""
+    return *limit_notes(rows), *corner_notes(cells), *file_notes(scene), *failure_notes(rows)
+
+
 def limit_notes(rows: Sequence[Row]) -> tuple[str, ...]:
     """Note on errors that are not included: violated premises of the model."""
     names = sorted({name for row in rows for name in row.run.outside})
@@ -254,18 +243,15 @@ def limit_notes(rows: Sequence[Row]) -> tuple[str, ...]:
 
 def corner_notes(rows: Sequence[Row]) -> tuple[str, ...]:
     """Note on an error that no discretization reduces: the pressure on sharp corners."""
-    pressures = [
-        (
-            row.run.discretization.strips_per_half_width,
-            float(np.max(row.run.values[CORNER], initial=0.0)),
-        )
-        for row in rows
-        if row.run.values is not None
-    ]
-    carrying = sorted((n, pressure) for n, pressure in pressures if n and pressure > 0)
+    carrying = []
+    for row in rows:
+        strips = row.run.discretization.strips_per_half_width
+        if row.run.values is not None and strips:
+            pressure = float(np.max(row.run.values[CORNER], initial=0.0))
+            carrying += [(strips, pressure)] * (pressure > 0)
     if not carrying:
         return ()
-    (few, low), (many, high) = carrying[0], carrying[-1]
+    (few, low), (many, high) = min(carrying), max(carrying)
     note = (
         f"a sharp corner carries load: its pressure, {low:.0f} MPa with {few:g} strips "
         f"and {high:.0f} MPa with {many:g}, has no limit; no discretization changes that, "
@@ -285,9 +271,9 @@ def file_notes(scene: Scene) -> tuple[str, ...]:
 
 def failure_notes(rows: Sequence[Row]) -> tuple[str, ...]:
     """Runs without a solution, with the reason."""
-    return tuple(
-        f"{row.group.replace('_', ' ')} ({used}): {row.run.failure}"
-        for row in rows
-        if row.run.failure is not None
-        for used in (", ".join(f"{k} {x}" for k, x in row.run.discretization.as_dict().items()),)
-    )
+    notes = []
+    for row in rows:
+        if row.run.failure is not None:
+            used = ", ".join(f"{k} {x}" for k, x in row.run.discretization.as_dict().items())
+            notes.append(f"{row.group.replace('_', ' ')} ({used}): {row.run.failure}")
+    return tuple(notes)

@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 
 from flankload.base.arguments import is_number
-from flankload.contact import solve_contact, solve_contact_general
+from flankload.contact import ContactState, solve_contact, solve_contact_general
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
@@ -19,6 +19,7 @@ from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import bodies_of
 from flankload.scene import read_scene
 from flankload.scene.discretization import DEFAULT
+from flankload.scene.refusal import refuse
 from flankload.studies.benchmark.case import Case, place_of
 from flankload.studies.prepared import solve_scene
 
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from flankload.contact import ContactState
     from flankload.result import Result
 
     #: Value at the indices of an identifier.
@@ -41,14 +41,8 @@ MODES_S, MODES_Z = 3, 5
 class Answers(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Answers of a program: the content of an answer file.
 
-    Attributes
-    ----------
-    program : str
-        Name and version.
-    values : dict
-        By case, values by identifier. Cases and quantities may be missing.
-    seconds : dict
-        By case, elapsed seconds; optional.
+    `program` is its name and version; `values` are by case and identifier, of which any may be
+    missing; `seconds` are the elapsed seconds by case, optional.
     """
 
     program: str
@@ -57,29 +51,16 @@ class Answers(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def read_answers(path: Path) -> Answers:
-    """Read the answers of a program.
+    """Read the answers of a program: JSON, {"program": …, "values": {case: {identifier: value}}}.
 
-    Parameters
-    ----------
-    path : Path
-        JSON file: {"program": …, "values": {case: {identifier: value}}}.
-
-    Returns
-    -------
-    Answers
-
-    Raises
-    ------
-    SceneError
-        If the file cannot be read or does not follow the format.
+    Raises SceneError if the file cannot be read or does not follow the format.
     """
     try:
         found = msgspec.json.decode(path.read_bytes())
         _check_numbers(path, found)
         return msgspec.convert(found, Answers)
     except OSError as error:
-        expected, why = "a JSON file with answers to read", str(error.strerror).lower()
-        raise SceneError(file=path, key="file", expected=expected, found=why) from None
+        refuse("file", "a JSON file with answers to read", str(error.strerror).lower(), path)
     except msgspec.DecodeError as error:
         raise SceneError(file=path, key="answers", expected="answers", found=error) from None
 
@@ -90,28 +71,13 @@ def _check_numbers(path: Path, found: Any) -> None:
     for name, values in cases.items() if isinstance(cases, dict) else ():
         for identifier, value in values.items() if isinstance(values, dict) else ():
             if not is_number(value):
-                raise SceneError(
-                    file=path,
-                    key=f"values.{name}.{identifier}",
-                    expected="a number",
-                    found=repr(value),
-                )
+                refuse(f"values.{name}.{identifier}", "a number", repr(value), path)
 
 
 def check_answers(answers: Answers, cases: Sequence[Case], path: Path) -> None:
     """Refuse answers to cases or quantities that do not exist: they would seem to be missing.
 
-    Parameters
-    ----------
-    answers : Answers
-    cases : sequence of Case
-        All of the set.
-    path : Path
-        File of the answers, for the error.
-
-    Raises
-    ------
-    SceneError
+    The cases are all of the set; the path is that of the answers, for the error.
     """
     known = {case.name: list(case.quantities) for case in cases}
     for name, values in answers.values.items():
@@ -123,35 +89,17 @@ def check_answers(answers: Answers, cases: Sequence[Case], path: Path) -> None:
 def _require_known(path: Path, key: str, name: str, known: list[str]) -> None:
     if name not in known:
         near = get_close_matches(name, known, n=1) or known[:1]
-        raise SceneError(
-            file=path, key=key, expected=f"names of the set, such as {near[0]}", found=name
-        )
+        refuse(key, f"names of the set, such as {near[0]}", name, path)
 
 
 def answers_of(case: Case, folder: Path) -> tuple[dict[str, float], float]:
-    """Solve a case.
+    """Solve a case from the folder of all cases: values by identifier, and elapsed seconds.
 
-    Parameters
-    ----------
-    case : Case
-    folder : Path
-        Of all cases.
-
-    Returns
-    -------
-    values : dict of str to float
-        By identifier.
-    seconds : float
-        Elapsed time.
-
-    Raises
-    ------
-    SceneError
-        If a quantity is unknown; FlankloadError if there is no solution.
+    Raises SceneError if a quantity is unknown, FlankloadError if there is no solution.
     """
     began = perf_counter()
     if "form" in case.inputs:
-        known = _of_state(_solve_contact_problem(case.inputs), case.inputs)
+        known = _of_contact_problem(case.inputs)
     elif any(place_of(identifier)[0] == "compliance" for identifier in case.quantities):
         known = {"compliance": _compliance(case, folder)}
     else:
@@ -161,12 +109,7 @@ def answers_of(case: Case, folder: Path) -> tuple[dict[str, float], float]:
     for identifier in case.quantities:
         name, place = place_of(identifier)
         if name not in known:
-            raise SceneError(
-                file=folder / case.name / "case.json",
-                key="quantities",
-                expected=", ".join(known),
-                found=name,
-            )
+            refuse("quantities", ", ".join(known), name, folder / case.name / "case.json")
         values[identifier] = known[name](*place)
     return values, perf_counter() - began
 
@@ -174,12 +117,12 @@ def answers_of(case: Case, folder: Path) -> tuple[dict[str, float], float]:
 def _of_result(result: Result) -> dict[str, Value]:
     """Quantities of a scene: at a position, of a pair, at a place of the face width."""
 
+    sites = result.sites.tolist()
+
     def of_pair(array: NDArray[Any]) -> Value:
-        sites = result.sites.tolist()
         return lambda p, pair: float(array[int(p), sites.index(int(pair))])
 
     def of_slice(array: NDArray[Any]) -> Value:
-        sites = result.sites.tolist()
         return lambda p, pair, z: float(
             np.interp(z, result.slice_z_mm, array[int(p), sites.index(int(pair))])
         )
@@ -204,16 +147,15 @@ def _of_result(result: Result) -> dict[str, Value]:
     return known
 
 
-def _solve_contact_problem(inputs: Mapping[str, Any]) -> ContactState:
+def _of_contact_problem(inputs: Mapping[str, Any]) -> dict[str, Value]:
+    """Quantities of a contact problem; the index 0 of a force and of a gap is the only position."""
     if inputs["form"] == "angles":
         names = ("influence_coefficients", "lever_arms", "gap_angles", "torque")
-        return solve_contact(*(inputs[name] for name in names))
-    names = ("compliance", "gaps", "motions", "loads")
-    return solve_contact_general(*(inputs[name] for name in names), load_rows=inputs["load_rows"])
-
-
-def _of_state(state: ContactState, inputs: Mapping[str, Any]) -> dict[str, Value]:
-    """Quantities of a contact problem; the index 0 of a force and of a gap is the only position."""
+        state = solve_contact(*(inputs[name] for name in names))
+    else:
+        names = ("compliance", "gaps", "motions", "loads")
+        given, rows = (inputs[name] for name in names), inputs["load_rows"]
+        state = solve_contact_general(*given, load_rows=rows)
     return {
         "rotation": lambda _: float(state.motions[0]),
         "pair_force": lambda _, i: float(state.normal_forces[int(i)]),
@@ -251,8 +193,5 @@ def _compliance(case: Case, folder: Path) -> Value:
     near = 0.5 * found.near.kernel * projected_potential(surface, MODES_S, MODES_Z - 1)
     response[0] += near / np.outer(norms, norms)
 
-    def value(tooth: float, a: float, c: float) -> float:
-        mode = int(a) * MODES_Z + int(c)
-        return float(1e6 * response[int(tooth), mode, mode])
-
-    return value
+    modes = 1e6 * np.einsum("tmm->tm", response)
+    return lambda tooth, a, c: float(modes[int(tooth), int(a) * MODES_Z + int(c)])

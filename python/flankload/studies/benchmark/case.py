@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
 
 from flankload.errors import SceneError
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,14 +20,9 @@ IDENTIFIER = re.compile(r"(?P<name>[a-z_]+)\[(?P<place>-?[0-9.]+(, -?[0-9.]+)*)\
 
 
 class Quantity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A reference value.
+    """A reference value, with its uncertainty in the same unit.
 
-    Attributes
-    ----------
-    value : float
-    uncertainty : float
-        In the same unit; the difference of two converged programs of the same model is less.
-    unit : str
+    The difference of two converged programs of the same model is less than the uncertainty.
     """
 
     value: float
@@ -37,17 +33,10 @@ class Quantity(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Case(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A case of the benchmark set: the content of its `case.json`.
 
-    Attributes
-    ----------
-    name : str
-        Name of its folder.
-    title : str
-    inputs : dict
-        All data of the problem, with units in the names.
-    conventions, source, uncertainty : str
-        Meaning of the quantities; where the values come from; basis of their uncertainties.
-    quantities : dict of str to Quantity
-        By identifier, "name[index, …]".
+    `name` is that of its folder; `inputs` are all data of the problem, with units in the names;
+    `conventions` are the meaning of the quantities, `source` says where the values come from,
+    `uncertainty` is the basis of their uncertainties; `quantities` are by identifier,
+    "name[index, …]".
     """
 
     name: str
@@ -60,18 +49,7 @@ class Case(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def place_of(identifier: str) -> tuple[str, tuple[float, ...]]:
-    """Name and indices of a quantity.
-
-    Parameters
-    ----------
-    identifier : str
-        "name[index, …]".
-
-    Returns
-    -------
-    str
-    tuple of float
-    """
+    """Name and indices of a quantity by its identifier, "name[index, …]"."""
     found = IDENTIFIER.fullmatch(identifier)
     if found is None:
         raise ValueError(identifier)
@@ -79,35 +57,16 @@ def place_of(identifier: str) -> tuple[str, tuple[float, ...]]:
 
 
 def read_cases(folder: Path, names: Sequence[str] = ()) -> tuple[Case, ...]:
-    """Read cases of a benchmark set.
+    """Read the cases with these names, in this order, by default all; each has a folder.
 
-    Parameters
-    ----------
-    folder : Path
-        With a folder for each case, which has the file `case.json`.
-    names : sequence of str
-        Cases in this order; by default all.
-
-    Returns
-    -------
-    tuple of Case
-
-    Raises
-    ------
-    SceneError
-        If a case does not exist or its file does not follow the format.
+    Raises SceneError if a case does not exist or its file `case.json` does not follow the format.
     """
     known = sorted(path.parent.name for path in folder.glob("*/case.json"))
     if not known:
-        raise SceneError(
-            file=folder,
-            key="folder",
-            expected="a folder for each case, with case.json",
-            found="none",
-        )
+        refuse("folder", "a folder for each case, with case.json", "none", folder)
     for name in names:
         if name not in known:
-            raise SceneError(file=folder, key="case", expected=", ".join(known), found=name)
+            refuse("case", ", ".join(known), name, folder)
     return tuple(_read_case(folder / name / "case.json") for name in names or known)
 
 
@@ -117,22 +76,11 @@ def _read_case(path: Path) -> Case:
     except msgspec.DecodeError as error:
         raise SceneError(file=path, key="case", expected="a case", found=error) from None
     if case.name != path.parent.name:
-        raise SceneError(
-            file=path, key="name", expected=f"{path.parent.name}, as its folder", found=case.name
-        )
+        refuse("name", f"{path.parent.name}, as its folder", case.name, path)
     for identifier, quantity in case.quantities.items():
         if IDENTIFIER.fullmatch(identifier) is None:
-            raise SceneError(
-                file=path,
-                key="quantities",
-                expected='a name such as "force[0, 1]"',
-                found=identifier,
-            )
-        if not (isfinite(quantity.value) and 0.0 < quantity.uncertainty < float("inf")):
-            raise SceneError(
-                file=path,
-                key=f"quantities.{identifier}",
-                expected="a finite value and an uncertainty > 0",
-                found=f"{quantity.value} and {quantity.uncertainty}",
-            )
+            refuse("quantities", 'a name such as "force[0, 1]"', identifier, path)
+        if not (isfinite(quantity.value) and 0.0 < quantity.uncertainty < inf):
+            found = f"{quantity.value} and {quantity.uncertainty}"
+            refuse(f"quantities.{identifier}", "a finite value and an uncertainty > 0", found, path)
     return case

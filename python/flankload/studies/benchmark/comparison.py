@@ -19,15 +19,7 @@ MISSING = "-"
 
 @dataclass(frozen=True)
 class Row:
-    """A quantity with the answer of the program.
-
-    Attributes
-    ----------
-    identifier : str
-    reference : Quantity
-    found : float or None
-        None if the program gives no value.
-    """
+    """A quantity with the answer of the program; None if it gives no value."""
 
     identifier: str
     reference: Quantity
@@ -43,16 +35,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Answers of a program beside the reference values.
-
-    Attributes
-    ----------
-    program : str
-    rows : dict of str to tuple of Row
-        By case.
-    seconds : dict of str to float
-        By case, if known.
-    """
+    """Answers of a program beside the reference values, and its seconds if known, by case."""
 
     program: str
     rows: dict[str, tuple[Row, ...]]
@@ -77,40 +60,19 @@ class Comparison:
                     MISSING if seconds is None else f"{seconds:.2f}",
                 )
             )
-        title = (
-            f"{self.program}: quantities within the uncertainty of the reference, and the largest "
-            "difference as a multiple of it"
-        )
+        title = f"{self.program}: quantities within the uncertainty of the reference, "
+        title += "and the largest difference as a multiple of it"
         return "\n".join([title, "", *text_table(table, left=1)])
 
     def case_text(self, name: str) -> str:
-        """A row per quantity of a case.
-
-        Parameters
-        ----------
-        name : str
-
-        Returns
-        -------
-        str
-        """
-        table: list[Sequence[str]] = [
-            (name, "unit", "reference", "uncertainty", self.program, "ratio")
-        ]
+        """A row per quantity of a case."""
+        table = [(name, "unit", "reference", "uncertainty", self.program, "ratio")]
         for row in self.rows[name]:
             found = MISSING if row.found is None else f"{row.found:.6g}"
             ratio = MISSING if row.ratio is None else f"{row.ratio:.2f}"
-            reference = row.reference
-            table.append(
-                (
-                    row.identifier,
-                    reference.unit,
-                    f"{reference.value:.6g}",
-                    f"{reference.uncertainty:.2g}",
-                    found,
-                    ratio,
-                )
-            )
+            value, uncertainty = row.reference.value, row.reference.uncertainty
+            numbers = (f"{value:.6g}", f"{uncertainty:.2g}", found, ratio)
+            table.append((row.identifier, row.reference.unit, *numbers))
         return "\n".join(text_table(table, left=2))
 
     def as_dict(self) -> dict[str, Any]:
@@ -147,17 +109,7 @@ def _worst_cells(row: Row) -> tuple[str, str, str, str]:
 
 
 def compare(cases: Sequence[Case], answers: Answers) -> Comparison:
-    """Compare answers with the reference values.
-
-    Parameters
-    ----------
-    cases : sequence of Case
-    answers : Answers
-
-    Returns
-    -------
-    Comparison
-    """
+    """Compare answers with the reference values."""
     rows = {
         case.name: tuple(
             Row(identifier, quantity, answers.values.get(case.name, {}).get(identifier))

@@ -2,7 +2,6 @@
 
 from flankload.studies.design.design_study import DesignStudy
 from flankload.studies.design.designs import Designs
-from flankload.studies.design.solve_study import run_study, study
-from flankload.studies.design.study_file import StudyFile, read_study
+from flankload.studies.design.solve_study import StudyFile, read_study, run_study, study
 
 __all__ = ["DesignStudy", "Designs", "StudyFile", "read_study", "run_study", "study"]

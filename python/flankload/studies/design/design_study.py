@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +14,7 @@ from flankload.base.card import Card
 from flankload.base.files import write_atomically
 from flankload.base.optional import optional
 from flankload.base.text_table import text_table
+from flankload.result.export import CsvForm
 from flankload.result.quantities import ALONG_POSITIONS
 from flankload.studies.design.run import SOLVED
 
@@ -84,17 +83,15 @@ class DesignStudy(Card):
             A row per design and torque: `design`, variables, `torque_Nm`, quantities (curves as
             lists), `estimate_…` (estimated relative errors), `seconds`, `status`, `error`.
         """
-        found: dict[str, list[Any]] = {}
         nothing: dict[str, Any] = {"torque_Nm": None, "quantities": {}, "estimate": {}}
         lines = [(row, res) for row in self.rows for res in row.outcome.results or (nothing,)]
-        found["design"] = [row.number for row, _ in lines]
+        found: dict[str, list[Any]] = {"design": [row.number for row, _ in lines]}
         for variable in self.designs.variables:
             found[variable.name] = _labels([self._value(row, variable.name) for row, _ in lines])
         found["torque_Nm"] = [result["torque_Nm"] for _, result in lines]
-        for name in self._names("quantities"):
-            found[name] = [result["quantities"].get(name) for _, result in lines]
-        for name in self._names("estimate"):
-            found[f"estimate_{name}"] = [result["estimate"].get(name) for _, result in lines]
+        for part, before in (("quantities", ""), ("estimate", "estimate_")):
+            for name in self._names(part):
+                found[f"{before}{name}"] = [result[part].get(name) for _, result in lines]
         for name in ("seconds", "status", "error"):
             found[name] = [getattr(row.outcome, name) for row, _ in lines]
         return found
@@ -113,13 +110,10 @@ class DesignStudy(Card):
             for k in range(count or 0):
                 points = ((cell or [])[k : k + 1] for cell in cells)
                 columns[f"{name}[{k}]"] = [point[0] if point else None for point in points]
-        stream = io.StringIO()
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(zip(*columns.values(), strict=True))
+        text = CsvForm().lines([list(columns), *zip(*columns.values(), strict=True)])
         if path is not None:
-            write_atomically(path, stream.getvalue())
-        return stream.getvalue()
+            write_atomically(path, text)
+        return text
 
     def to_parquet(self, path: str | Path) -> None:
         """Write the table as Parquet, curves as lists.

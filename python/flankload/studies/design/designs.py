@@ -31,20 +31,11 @@ BLOCK = 1024
 class Designs:
     """Designs of a study in their order.
 
-    Attributes
-    ----------
-    variables : tuple of Variable
-    kind : str
-        "factorial": all combinations, the last variable changes first. "list": design i has the
-        i-th value of each variable. "one-at-a-time": the scene itself, then each value of each
-        variable alone. "sobol": n points of a scrambled Sobol sequence; "random": n independent
-        points.
-    n : int or None
-        Number of points.
-    seed : int
-        More points of the same seed begin with the same ones.
-    fixed : dict
-        Changes of the scene that all designs have.
+    The kind is "factorial": all combinations, the last variable changes first; "list": design i has
+    the i-th value of each variable; "one-at-a-time": the scene itself, then each value of each
+    variable alone; "sobol": n points of a scrambled Sobol sequence; or "random": n independent
+    points. More points of the same seed begin with the same ones. `fixed` are changes that all
+    designs have.
     """
 
     variables: tuple[Variable, ...]
@@ -56,10 +47,7 @@ class Designs:
     def check(self) -> None:
         """Refuse designs that their variables do not define.
 
-        Raises
-        ------
-        SceneError
-            Names the argument or key: `design`, `n`, `seed` or `variables.PATH`.
+        The SceneError names the argument or key: `design`, `n`, `seed` or `variables.PATH`.
         """
         kinds = (*OF_VALUES, *OF_DRAWS)
         if self.kind not in kinds:
@@ -127,10 +115,7 @@ class Designs:
     def in_scene(self, scene: Scene) -> Designs:
         """Return the designs with the distributions that follow from a scene.
 
-        Raises
-        ------
-        SceneError
-            If a tolerance class does not describe its variable.
+        Raises SceneError if a tolerance class does not describe its variable.
         """
         if not any(variable.follows_from_scene for variable in self.variables):
             return self  # the fixed changes alone may contradict each other

@@ -10,9 +10,8 @@ from threading import Event, Lock
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from flankload.base.blas_threads import one_blas_thread
+from flankload.base.plain import plain
 from flankload.errors import FlankloadError
 from flankload.mechanisms import Parts
 from flankload.result.quantities import curves_of
@@ -40,16 +39,9 @@ class StoppedError(Exception):
 class Task:
     """A run to be done; small, since it is sent to the worker.
 
-    Attributes
-    ----------
-    study : bytes
-        Digest of the scene that all designs change: parts are shared within it.
-    scene : Scene
-        With an absolute path of its file.
-    names : tuple of str
-        Quantities that are wanted.
-    whole : bool
-        Whether the whole summary is kept beside them, since others may be wanted later.
+    `study` is the digest of the scene that all designs change: parts are shared within it. The
+    scene has an absolute path of its file, `names` are the wanted quantities, and `whole` says
+    whether the whole summary is kept beside them, since others may be wanted later.
     """
 
     study: bytes
@@ -60,20 +52,11 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What is kept of a run.
+    """What is kept of a run: "solved", "failed" or "aborted", its seconds, why it has no solution.
 
-    Attributes
-    ----------
-    status : str
-        "solved", "failed" or "aborted".
-    seconds : float
-    error : str or None
-        Why there is no solution.
-    results : tuple of dict
-        For each torque: `torque_Nm`, `quantities` (the summary, and curves that were wanted) and
-        `estimate` (estimated relative errors).
-    unknown : tuple of str
-        Wanted quantities that the result does not have.
+    `results` has for each torque `torque_Nm`, `quantities` (the summary, and curves that were
+    wanted) and `estimate` (estimated relative errors); `unknown` are wanted quantities that the
+    result lacks.
     """
 
     status: str
@@ -129,13 +112,8 @@ def _parts_of(study: bytes) -> Parts:
 def row_of(result: Result, names: tuple[str, ...], *, whole: bool = True) -> dict[str, Any]:
     """Plain numbers of a result: an entry of `Outcome.results`.
 
-    Parameters
-    ----------
-    result : Result
-    names : tuple of str
-        Curves that are wanted in addition to the summary.
-    whole : bool
-        False: only the key figures of the summary, if they and the curves are all that is wanted.
+    The names are those of curves that are wanted in addition to the summary; `whole` is False if
+    its key figures suffice, unless a name is none of them.
     """
     curves = curves_of(result)
     known = result.key_figures.keys() | curves.keys()
@@ -144,7 +122,7 @@ def row_of(result: Result, names: tuple[str, ...], *, whole: bool = True) -> dic
     found = {name: values for name, values in found.items() if values is not None}
     if found:
         found["position_rad"] = result.position_rad
-    quantities |= {name: _plain(values) for name, values in found.items()}
+    quantities |= {name: plain(values) for name, values in found.items()}
     errors = {
         name: value
         for name, value in (result.estimate or {}).items()
@@ -160,14 +138,5 @@ def _flat(tree: Mapping[str, Any], before: str = "") -> dict[str, Any]:
         if isinstance(value, Mapping):
             found |= _flat(value, f"{before}{name}.")
         else:
-            found[f"{before}{name}"] = _plain(value)
+            found[f"{before}{name}"] = plain(value)
     return found
-
-
-def _plain(value: Any) -> Any:
-    """Python numbers and lists; None in place of NaN and infinity."""
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return None if isinstance(value, float) and not isfinite(value) else value

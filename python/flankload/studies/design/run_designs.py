@@ -32,16 +32,10 @@ MOST_IN_FLIGHT = 1000
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """A design with its outcome.
+    """A design with its outcome, in which are the chosen quantities only.
 
-    Attributes
-    ----------
-    number : int
-        From 0, in the order of the designs.
-    values : dict
-        Values by name of the variable; variables that keep the value of the scene are missing.
-    outcome : Outcome
-        With the chosen quantities only.
+    `number` counts from 0 in the order of the designs; `values` has the values by name of the
+    variable, without those that keep the value of the scene.
     """
 
     number: int
@@ -57,38 +51,15 @@ def run_designs(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> tuple[Row, ...]:
-    """Solve all designs that the store lacks.
+    """Solve all designs that the store lacks, by default with a thread for each processor.
 
     The first run is finished before others begin: it checks the names of the quantities, and
-    threads find the parts that it has solved.
+    threads find the parts that it has solved. `progress` is called as progress("designs", done,
+    total), and as progress("store", done, total) for a run that is in the store.
 
-    Parameters
-    ----------
-    scene : Scene
-    designs : Designs
-    names : tuple of str
-        Quantities.
-    store : Store
-    executor : Executor, optional
-        By default a pool with a thread for each processor.
-    progress : callable, optional
-        Called as progress("designs", done, total), and as progress("store", done, total) for a run
-        that is in the store.
-
-    Returns
-    -------
-    tuple of Row
-        In the order of the designs.
-
-    Raises
-    ------
-    SceneError
-        If the first result does not have a quantity.
-    FlankloadError
-        If a worker is lost.
-    KeyboardInterrupt
-        After an interrupt, with the number of finished designs as text; runs in flight are
-        stopped (threads) or finished (processes) and everything that is finished is stored.
+    Raises SceneError if the first result does not have a quantity, FlankloadError if a worker is
+    lost, and KeyboardInterrupt after an interrupt, with the number of finished designs as text:
+    runs in flight are stopped (threads) or finished (processes), all that is finished is stored.
     """
     runs = _Runs(scene, designs, names, store, progress)
     with nullcontext(executor) if executor else ThreadPoolExecutor(processors()) as pool:
@@ -117,13 +88,7 @@ def processors() -> int:
 
 @dataclass(eq=False)
 class _Runs:
-    """State of a study: runs in flight and finished rows.
-
-    Attributes
-    ----------
-    warm : bool
-        Whether a run has ended.
-    """
+    """State of a study: runs in flight and finished rows; `warm`: whether a run has ended."""
 
     scene: Scene
     designs: Designs
@@ -225,12 +190,7 @@ class _Runs:
 
 
 def refuse_unknown(outcome: Outcome) -> None:
-    """Refuse quantities that a result does not have.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Refuse quantities that a result does not have."""
     if outcome.unknown:
         name = outcome.unknown[0]
         known = sorted(names_in(outcome) - set(outcome.unknown))

@@ -1,29 +1,34 @@
-"""A design study: from its definition to its rows."""
+"""A design study: from its definition, also in a file (TOML), to its rows."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+from msgspec import Meta
 
 from flankload.base.arguments import require, require_path
 from flankload.errors import SceneError
-from flankload.scene import scene_of
-from flankload.scene.refusal import refuse, shown
+from flankload.scene import Scene, SceneLike, scene_of
+from flankload.scene.form import read_table
+from flankload.scene.reader import read_scene, read_tables
+from flankload.scene.refusal import in_file, refuse, shown
+from flankload.scene.table import Table, Text
 from flankload.scene.tree import number_at
 from flankload.studies.design.design_study import DesignStudy
 from flankload.studies.design.designs import Designs
 from flankload.studies.design.run_designs import run_designs
 from flankload.studies.design.store import Store
-from flankload.studies.variables import variables_of
+from flankload.studies.variables import paths_of, variables_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
     from concurrent.futures import Executor
 
-    from flankload.scene import Scene, SceneLike
     from flankload.studies.design.run_designs import Progress
+
 
 #: Quantities of a study that names none.
 QUANTITIES = (
@@ -68,8 +73,7 @@ def study(
     seed : int
         Seed of these two; more designs of the same seed begin with the same ones.
     quantities : sequence of str
-        Names in `Result.summary` (entries of tables by dotted names) or arrays over the positions,
-        as "transmission_error_um".
+        Names in `Result.summary` (of tables: dotted) or arrays over the positions.
     store : path, optional
         SQLite file. Runs that it has are not solved again; each further run is written at once.
     executor : concurrent.futures.Executor, optional
@@ -86,15 +90,13 @@ def study(
         Before anything is solved, if the study contradicts itself, the first design or one at the
         end of a bounded distribution is no scene, or the store is another file; after the first
         run, if it does not have a quantity.
-    FlankloadError
-        If a worker is lost; finished runs are in the store.
-    KeyboardInterrupt
-        After Ctrl-C; finished runs are in the store.
+    FlankloadError, KeyboardInterrupt
+        If a worker is lost, after Ctrl-C; finished runs are in the store.
     """
     scene = scene_of(scene)
     require_path("store", store)
-    able = executor is None or hasattr(executor, "submit")
-    require("executor", executor, "an Executor", fits=able)
+    fits = executor is None or hasattr(executor, "submit")
+    require("executor", executor, "an Executor", fits=fits)
     designs = Designs(variables_of(variables), design, n, seed)
     return run_study(scene, designs, quantities, store, executor)
 
@@ -107,25 +109,7 @@ def run_study(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> DesignStudy:
-    """Solve given designs, with progress.
-
-    Parameters
-    ----------
-    scene, quantities, store, executor
-        As in `study`.
-    designs : Designs
-    progress : callable, optional
-        As in `run_designs`.
-
-    Returns
-    -------
-    DesignStudy
-
-    Raises
-    ------
-    SceneError, FlankloadError, KeyboardInterrupt
-        As `study`.
-    """
+    """Solve given designs as `study` does, with progress as of `run_designs`."""
     designs, names = checked(scene, designs, quantities)
     with closing(Store(None if store is None else Path(store))) as opened:
         rows = run_designs(scene, designs, names, opened, executor, progress)
@@ -138,10 +122,7 @@ def checked(
 ) -> tuple[Designs, tuple[str, ...]]:
     """Designs with the distributions of a scene, and names of quantities, once each.
 
-    Raises
-    ------
-    SceneError
-        If the study contradicts itself or its first design is no scene.
+    Raises SceneError if the study contradicts itself or its first design is no scene.
     """
     designs.check()
     designs = designs.in_scene(scene)
@@ -154,10 +135,7 @@ def checked(
 def check_first(scene: Scene, designs: Designs) -> None:
     """Refuse variables whose first values, or bounds, do not give a scene.
 
-    Raises
-    ------
-    SceneError
-        Its key is `variables.PATH` if it is that of a variable.
+    The key of the SceneError is `variables.PATH` if it is that of a variable.
     """
     for values in designs.first():
         try:
@@ -166,9 +144,7 @@ def check_first(scene: Scene, designs: Designs) -> None:
             paths = [path for variable in designs.variables for path in variable.paths]
             for table, names in (("variables", paths), ("changes", designs.fixed)):
                 if any(error.key.startswith(path) for path in names):
-                    key = f"{table}.{error.key}"
-                    expected, found = error.expected, error.found
-                    raise SceneError(key=key, expected=expected, found=found) from None
+                    refuse(f"{table}.{error.key}", error.expected, error.found)
             raise
 
 
@@ -182,3 +158,56 @@ def _values_in(scene: Scene, designs: Designs) -> dict[str, Any]:
         with suppress(SceneError):
             found[variable.name] = number_at(scene, variable.paths[0])
     return found
+
+
+# --- study files ----------------------------------------------------------------------------------
+Names = Annotated[tuple[Text, ...], Meta(min_length=1)]
+
+
+class StudyKeys(Table, frozen=True, kw_only=True):
+    """Keys of a study file beside its tables [variables] and [changes], as of `study`.
+
+    The paths of the scene and the store are relative to the folder of the study; the store is by
+    default the name of the study file with the suffix .sqlite.
+    """
+
+    scene: Text
+    design: Text = "factorial"
+    n: int | None = None
+    seed: int = 0
+    quantities: Names = QUANTITIES
+    store: Text | None = None
+
+
+@dataclass(frozen=True)
+class StudyFile:
+    """A study as its file defines it."""
+
+    file: Path
+    scene: Scene
+    designs: Designs
+    quantities: tuple[str, ...]
+    store: Path
+
+
+def read_study(path: str | Path) -> StudyFile:
+    """Read a study file and its scene.
+
+    Raises SceneError if a file cannot be read, or the study or its first design is invalid.
+    """
+    path = Path(path)
+    tree = read_tables(path, "a study file")
+    with in_file(path):
+        variables, changes = (tree.pop(name, {}) for name in ("variables", "changes"))
+        found = variables_of(variables)
+        keys = read_table(StudyKeys, tree, "")
+        if not isinstance(changes, dict):
+            refuse("changes", "a table of paths with values", shown(changes))
+        designs = Designs(found, keys.design, keys.n, keys.seed, paths_of(changes))
+        designs.check()
+    scene = read_scene(path.parent / keys.scene)
+    with in_file(path):
+        designs = designs.in_scene(scene)
+        check_first(scene, designs)
+    store = path.with_suffix(".sqlite") if keys.store is None else path.parent / keys.store
+    return StudyFile(path, scene, designs, keys.quantities, store)

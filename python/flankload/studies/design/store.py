@@ -41,7 +41,7 @@ CREATE TABLE IF NOT EXISTS runs (
 def key_of(scene: Scene) -> str:
     """Key of a run: digest of the complete scene without its name, its files, and the version."""
     tables = (scene.body_1, scene.body_2, scene.pair, scene.load, scene.positions)
-    named = (sorted(scene.named_effects), sorted(scene.named_knobs))
+    named = (sorted(scene.named_effects), sorted(scene.named_discretization_keys))
     files = {
         key: _content(str(path), path.stat().st_mtime_ns, path.stat().st_size)
         for key, path in sorted(scene.files.items())
@@ -71,22 +71,12 @@ def _content(path: str, _mtime_ns: int, _size: int) -> str:
 
 
 class Store:
-    """Finished runs in a file, or in memory for the duration of a study.
+    """Finished runs in a file, or in memory for the duration of a study (no path).
 
     Several processes may use one file: it is in WAL mode, and each run is written at once. A
     process that is killed loses nothing that was written.
 
-    Parameters
-    ----------
-    path : Path or None
-        None: in memory.
-
-    Raises
-    ------
-    SceneError
-        If the path is not a store of this format.
-    OSError
-        If the file cannot be written.
+    Raises SceneError if the path is not a store of this format, OSError if it cannot be written.
     """
 
     def __init__(self, path: Path | None) -> None:

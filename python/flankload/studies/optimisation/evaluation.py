@@ -11,34 +11,31 @@ from flankload.errors import FlankloadError
 from flankload.mechanisms import Parts
 from flankload.studies.optimisation.figures import Figure, figure_of
 from flankload.studies.optimisation.model import Goals, Maximum, Point
-from flankload.studies.optimisation.problem import changes_of
+from flankload.studies.optimisation.problem import (
+    Constraint,
+    Objective,
+    Options,
+    Variable,
+    changes_of,
+)
 from flankload.studies.prepared import solve_scene
-from flankload.studies.sensitivity import sensitivity
+from flankload.studies.sensitivity import Sensitivity, sensitivity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
+    from flankload.base.arrays import Floats
+    from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.studies.optimisation.model import Floats
-    from flankload.studies.optimisation.problem import Constraint, Objective, Variable
-    from flankload.studies.sensitivity import Sensitivity
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One point of the search.
+    """One point of the search: values of the variables from a starting point, by its number.
 
-    Attributes
-    ----------
-    start : int
-        Number of the starting point.
-    values : tuple of float
-        Of the variables.
-    objective : float or None
-        None if the scene could not be solved.
-    excess : float
-        Largest relative amount by which a limit is exceeded; 0 if all are kept.
+    `objective` is None if the scene could not be solved; `excess` is the largest relative amount by
+    which a limit is exceeded, 0 if all are kept.
     """
 
     start: int
@@ -51,34 +48,19 @@ class Evaluation:
 class Evaluator:
     """Solves a scene at values of the variables.
 
-    Attributes
-    ----------
-    scene : Scene
-    variables, objective, constraints
-        The problem.
-    margin : float
-        Relative distance that is kept from the limits.
-    on_evaluation : callable or None
-        Called with the number of evaluations.
-    parts : Parts
-        Bodies and compliances of all points.
-    figures : tuple of Figure
-        Of the objective, then of the constraints; known after the first point, like `goals`.
-    goals : Goals
-    history : list of Evaluation
-    states, continued_states : int
-        Solved states (positions times torques), and those that derivatives continue from known
-        contacts.
-    start : int
-        Number of the starting point.
+    The tolerance of the options is the relative distance that is kept from the limits. `parts` are
+    bodies and compliances of all points; `figures` are those of the objective, then of the
+    constraints, known after the first point, like `goals`; `start` is the number of the starting
+    point. `states` counts solved states (positions times torques), `continued_states` those that
+    derivatives continue from known contacts.
     """
 
     scene: Scene
     variables: Sequence[Variable]
     objective: Objective
     constraints: Sequence[Constraint]
-    margin: float
-    on_evaluation: Callable[[int], None] | None = None
+    options: Options
+    progress: Progress | None = None
     parts: Parts = field(default_factory=Parts)
     figures: tuple[Figure, ...] = ()
     goals: Goals = field(init=False)
@@ -109,13 +91,7 @@ class Evaluator:
             return None
 
     def solve_surely(self, x: Floats) -> Point:
-        """Solve a point.
-
-        Raises
-        ------
-        FlankloadError
-            If it is impossible.
-        """
+        """Solve a point; raises FlankloadError if it is impossible."""
         values = self.values_of(x)
         changes = changes_of(self.variables, values)
         found = sensitivity(
@@ -123,7 +99,10 @@ class Evaluator:
         )
         n = len(found.results)
         if not self.figures:
-            self.figures = tuple(self._figures_of(found.results[0]))
+            names = [(name, "objective.quantity") for name in self.objective.names]
+            limited = enumerate(self.constraints)
+            names += [(one.quantity, f"constraints[{k}].quantity") for k, one in limited]
+            self.figures = tuple(figure_of(name, found.results[0], key) for name, key in names)
             self.goals = self._goals_of(n)
         point = Point(x, tuple(self._maxima_of(found)), n * len(self.figures))
         if not self.history:
@@ -147,14 +126,9 @@ class Evaluator:
 
     def _add(self, evaluation: Evaluation) -> None:
         self.history.append(evaluation)
-        if self.on_evaluation is not None:
-            self.on_evaluation(len(self.history))
-
-    def _figures_of(self, result: Result) -> Iterator[Figure]:
-        for name in self.objective.names:
-            yield figure_of(name, result, "objective.quantity")
-        for k, constraint in enumerate(self.constraints):
-            yield figure_of(constraint.quantity, result, f"constraints[{k}].quantity")
+        if self.progress is not None:
+            most = self.options.starts * self.options.most_evaluations
+            self.progress("optimise", min(len(self.history), most), most)
 
     def _maxima_of(self, found: Sensitivity) -> Iterator[Maximum]:
         """All maxima; figure f at torque t is added to row f n_torques + t."""
@@ -188,5 +162,5 @@ class Evaluator:
         factors[: len(lines), : lines.shape[1]] = lines
         factors[len(lines) :, lines.shape[1] :] = np.eye(c)
         limits = np.repeat([float(constraint.at_most) for constraint in self.constraints], n)
-        limits -= self.margin * np.abs(limits)
-        return Goals(factors, len(lines), limits, self.margin)
+        margin = self.options.tolerance
+        return Goals(factors, len(lines), limits - margin * np.abs(limits), margin)

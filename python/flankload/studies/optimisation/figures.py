@@ -34,13 +34,9 @@ HARMONIC = re.compile(r"transmission_error_(mesh_)?harmonics_um\[(\d+)\]")
 class Figure:
     """A key figure: the sum of the largest entries of one or two arrays.
 
-    Attributes
-    ----------
-    name : str
-        As in `Result.summary`; parts of tables behind dots, entries of lists in brackets.
-    maxima : tuple of callables
-        Each returns an array of any shape for a result; values of positions and sites in its first
-        axes, in this order.
+    Its name is that in `Result.summary`; parts of tables behind dots, entries of lists in brackets.
+    Each of the maxima returns an array of any shape for a result; values of positions and sites in
+    its first axes, in this order.
     """
 
     name: str
@@ -52,12 +48,9 @@ class Figure:
 
 
 def figure_of(name: str, result: Result, key: str) -> Figure:
-    """Find a key figure of a result by its name, which `key` gives.
+    """Find a key figure of a result by its name, which the key of a table gives.
 
-    Raises
-    ------
-    SceneError
-        If the summary of the result has no such number.
+    Raises SceneError if the summary of the result has no such number.
     """
     numbers = numbers_of(result.summary)
     if name not in numbers:

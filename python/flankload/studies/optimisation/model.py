@@ -15,15 +15,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Maximum:
-    """Numbers of which the largest counts, at one torque.
+    """Numbers (k,) of which the largest counts, at one torque, with their gradients (k, n).
 
-    Attributes
-    ----------
-    row : int
-        Number of the goal to which it is added.
-    values : (k,) array
-    gradients : (k, n) array
-        With respect to the variables as parts of their ranges.
+    `row` is the number of the goal to which it is added; gradients are those with respect to the
+    variables as parts of their ranges.
     """
 
     row: int
@@ -47,22 +42,10 @@ class Maximum:
 class Goals:
     """The merit of a point: the worst objective plus a penalty on violated limits.
 
-    The sums of maxima (rows) of a point are multiplied by `factors`: one line for each objective
-    that could be the worst, one for each limit.
-
-    Attributes
-    ----------
-    factors : (o + c, r) array
-        o objectives, c limits, r rows.
-    n_objectives : int
-    limits : (c,) array
-        The margin is subtracted already.
-    margin : float
-        Relative distance of these from the limits that must be kept.
-    penalty : float
-        Merit of the violation of a limit by itself, in the scale of the objective.
-    scale : float
-        Magnitude of the objective.
+    The sums of maxima (r rows) of a point are multiplied by `factors` (o + c, r): one line for each
+    of o objectives that could be the worst, one for each of c limits. The margin is subtracted from
+    `limits` already, and is their relative distance from the limits that must be kept. `penalty` is
+    the merit of the violation of a limit by itself, in the `scale` of the objective.
     """
 
     factors: Floats
@@ -98,15 +81,7 @@ class Goals:
 
 @dataclass(frozen=True)
 class Point:
-    """A solved point.
-
-    Attributes
-    ----------
-    x : (n,) array
-        Variables as parts of their ranges, 0 to 1.
-    maxima : tuple of Maximum
-    n_rows : int
-    """
+    """A solved point: the variables (n,) as parts of their ranges, 0 to 1, and its maxima."""
 
     x: Floats
     maxima: tuple[Maximum, ...]
@@ -132,10 +107,7 @@ def best_step(point: Point, goals: Goals, low: Floats, high: Floats) -> Floats:
     least each objective, and e_c is the excess of limit c (R. Fletcher, Practical Methods of
     Optimization, 2nd ed., chapter 14).
 
-    Raises
-    ------
-    FlankloadError
-        If numbers are too large or too small for the linear program.
+    Raises FlankloadError if numbers are too large or too small for the linear program.
     """
     from scipy.optimize import linprog
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from flankload.base.text_table import NONE, text_table
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.studies.optimisation.evaluation import Evaluation
@@ -18,16 +16,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OptimisedVariable:
-    """A variable before and after.
+    """A variable before and after; `name` is the path of its key, or several.
 
-    Attributes
-    ----------
-    name : str
-        Path of its key, or several.
-    before : float or None
-        In the scene; None if the key is absent.
-    after, lower, upper : float
-    step : float or None
+    `before` is None if the key is absent in the scene.
     """
 
     name: str
@@ -40,16 +31,9 @@ class OptimisedVariable:
 
 @dataclass(frozen=True)
 class Limit:
-    """A constraint before and after.
+    """A constraint before and after, each the largest of all torques.
 
-    Attributes
-    ----------
-    name : str
-    at_most : float
-    before, after : float
-        The largest of all torques.
-    active : bool
-        Whether the limit is reached at the optimum, in the discretization of the search.
+    `active`: whether the limit is reached at the optimum, in the discretization of the search.
     """
 
     name: str
@@ -168,10 +152,7 @@ class Optimum:
         percent = 100.0 / (abs(self.objective_before) or 1.0)
         end = f"gradient norm {percent * self.gradient_norm:.1f} % of the objective before"
         states = f"{self.states} solved states, {self.continued_states} continued for derivatives"
-        lines = [
-            f"{count}; {states}",
-            f"end of the search: {self.reason}; {end}",
-        ]
+        lines = [f"{count}; {states}", f"end of the search: {self.reason}; {end}"]
         if len(self.ends) > 1:
             ends = sorted(end for end in self.ends if end is not None)
             numbers = ", ".join(f"{end:.4g}" for end in ends)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
-import numpy as np
 from msgspec import Meta
 
+from flankload.base.rounding import TIE, round_down, round_up
 from flankload.errors import SceneError
 from flankload.scene.form import read_table
 from flankload.scene.refusal import refuse, shown
@@ -23,25 +23,14 @@ Weights = Annotated[tuple[Positive, ...], Meta(min_length=1)]
 T = TypeVar("T", bound=Table)
 #: Largest number of variables with a step: their neighbours are listed in all combinations.
 MOST_STEPPED = 8
-#: Numbers closer than this part of a step are equal.
-SAME = 1e-9
 
 
 class Variable(Table, frozen=True, kw_only=True):
     """One or several keys of a scene that follow one number.
 
-    Attributes
-    ----------
-    paths : str or tuple of str
-        As in `Scene.replace`.
-    factors : tuple of float or None
-        Value of each key divided by the number; 1 by default.
-    lower, upper : float
-        Bounds of the number.
-    start : float or None
-        Default: that of the first key of the scene.
-    step : float or None
-        The number ends as a multiple of it.
+    Its `paths` are as in `Scene.replace`; `factors` are the value of each key divided by the
+    number, 1 by default; `start` is by default that of the first key of the scene; the number ends
+    as a multiple of `step`.
     """
 
     paths: Texts
@@ -75,10 +64,10 @@ class Variable(Table, frozen=True, kw_only=True):
     def neighbours(self, value: float) -> tuple[float, ...]:
         """Next multiples of the step within the bounds: below and above, or the value itself."""
         assert self.step is not None
-        whole = {np.floor(value / self.step + SAME), np.ceil(value / self.step - SAME)}
+        whole = {round_down(value / self.step), round_up(value / self.step)}
         # Twelve digits: 0.3 rather than 3 * 0.1
         found = (float(f"{self.step * k:.12g}") for k in sorted(whole))
-        slack = SAME * self.step
+        slack = TIE * self.step
         return tuple(x for x in found if self.lower - slack <= x <= self.upper + slack)
 
     def start_in(self, scene: Scene, key: str) -> float:
@@ -94,17 +83,9 @@ class Variable(Table, frozen=True, kw_only=True):
 
 
 class Objective(Table, frozen=True, kw_only=True):
-    """The number that is minimised.
+    """The number that is minimised: a key figure, or several that are added with weights.
 
-    Attributes
-    ----------
-    quantity : str or tuple of str
-        Key figure, or several that are added.
-    weights : tuple of float or None
-        Of the key figures.
-    over : str
-        "worst": the largest of all torques; "sum": their sum.
-    torque_weights : tuple of float or None
+    `over` says whether the largest of all torques counts, or their sum with `torque_weights`.
     """
 
     quantity: Texts
@@ -137,17 +118,10 @@ class Constraint(Table, frozen=True, kw_only=True):
 class Options(Table, frozen=True, kw_only=True):
     """How the optimum is searched for.
 
-    Attributes
-    ----------
-    starts : int
-        Number of starting points: the given one, then a Latin hypercube within the bounds.
-    seed : int
-        Of the hypercube.
-    tolerance : float
-        A search ends if the predicted decrease of the objective is a smaller part of it, or the
-        steps are a smaller part of the ranges.
-    most_evaluations : int
-        For each start.
+    The first of the `starts` is the given point, the others are a Latin hypercube within the
+    bounds, by the seed. A search ends if the predicted decrease of the objective is a smaller part
+    of it than the tolerance, if the steps are a smaller part of the ranges, or after
+    `most_evaluations`.
     """
 
     starts: Annotated[int, Meta(ge=1, le=1000)] = 1

@@ -2,41 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.errors import SceneError
-from flankload.scene import scene_of
+from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.form import read_table
+from flankload.scene.refusal import refuse, shown
 from flankload.studies.optimisation.evaluation import Evaluator
 from flankload.studies.optimisation.optimum import Limit, OptimisedVariable, Optimum
 from flankload.studies.optimisation.problem import (
     Constraint,
     Objective,
     Options,
+    Variable,
     changes_of,
     read_list,
     value_at,
     variables_of,
 )
-from flankload.studies.optimisation.search import (
-    Descent,
-    best_of,
-    descend,
-    gradient_norm,
-    rounded,
-)
+from flankload.studies.optimisation.search import Descent, best_of, descend, gradient_norm, rounded
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
+    from flankload.base.arrays import Floats
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
-    from flankload.scene import Scene, SceneLike
-    from flankload.studies.optimisation.model import Floats, Point
-    from flankload.studies.optimisation.problem import Variable
+    from flankload.studies.optimisation.model import Point
 
 
 def optimise(
@@ -95,12 +87,8 @@ def optimise(
     limits = read_list(Constraint, constraints, "constraints")
     inside, settings = search_scene(scene)
     starts = [v.start_in(scene, f"variables[{k}]") for k, v in enumerate(of_scene)]
-    evaluator = Evaluator(inside, of_scene, goal, limits, margin=asked.tolerance)
-    if progress is not None:
-        most = asked.starts * asked.most_evaluations
-        evaluator.on_evaluation = lambda n: progress("optimise", min(n, most), most)
-    ends = _searched(evaluator, evaluator.parts_of(starts), asked)
-    return _optimum(scene, evaluator, ends, settings)
+    evaluator = Evaluator(inside, of_scene, goal, limits, asked, progress)
+    return _optimum(scene, evaluator, _searched(evaluator, starts), settings)
 
 
 def search_scene(scene: Scene) -> tuple[Scene, dict[str, Any]]:
@@ -109,21 +97,17 @@ def search_scene(scene: Scene) -> tuple[Scene, dict[str, Any]]:
     Error estimates and tangents are left out, elements do not follow the modifications, and the
     discretization and the positions are fixed.
 
-    Raises
-    ------
-    SceneError
-        If the scene leaves the choice of its effects to the plan.
+    Raises SceneError if the scene leaves the choice of its effects to the plan.
     """
     if scene.effects.choose is not None:
         expected = "no such key in an optimisation (name the effects)"
-        found = f"'{scene.effects.choose}'"
-        raise SceneError(file=scene.file, key="effects.choose", expected=expected, found=found)
+        refuse("effects.choose", expected, shown(scene.effects.choose), scene.file)
     wanted = {"estimate": False, "tangents": False, "unmodified_elements": True}
     accuracy = scene.accuracy
     settings: dict[str, Any] = {
         f"accuracy.{key}": x for key, x in wanted.items() if getattr(accuracy, key) is not x
     }
-    if scene.steers:
+    if scene.names_tolerance:
         settings["accuracy.tolerance"] = None
     if scene.positions.adaptive:
         settings |= {"positions.adaptive": None, "positions.max_count": None}
@@ -137,25 +121,21 @@ def hypercube(n_points: int, n_variables: int, seed: int) -> Floats:
     return np.asarray((layers + generator.random(layers.shape)) / n_points)
 
 
-def _searched(evaluator: Evaluator, start: Floats, options: Options) -> list[Descent | None]:
+def _searched(evaluator: Evaluator, values: Sequence[float]) -> list[Descent | None]:
     """Ends of the searches from all starts; None where the first point has no solution."""
+    start, options = evaluator.parts_of(values), evaluator.options
     first = evaluator.solve_surely(start)
     ends: list[Descent | None] = [descend(evaluator.solve, first, evaluator.goals, options)]
     for x in hypercube(options.starts - 1, start.size, options.seed):
         evaluator.start += 1
         point = evaluator.solve(x)
-        if point is None:
-            ends.append(None)
-        else:
-            ends.append(descend(evaluator.solve, point, evaluator.goals, options))
+        found = None if point is None else descend(evaluator.solve, point, evaluator.goals, options)
+        ends.append(found)
     return ends
 
 
 def _optimum(
-    scene: Scene,
-    evaluator: Evaluator,
-    ends: Sequence[Descent | None],
-    settings: Mapping[str, Any],
+    scene: Scene, evaluator: Evaluator, ends: Sequence[Descent | None], settings: Mapping[str, Any]
 ) -> Optimum:
     """Choose the best end, round it, and compare it with the given scene."""
     searched = [end for end in ends if end is not None]
@@ -194,8 +174,8 @@ def _compared(
 ) -> Iterator[OptimisedVariable]:
     """Variables before and after."""
     for v, value in zip(variables, values, strict=True):
-        before = value_at(scene, v.keys[0])
-        before = None if before is None else before / v.scales[0]
+        known = value_at(scene, v.keys[0])
+        before = None if known is None else known / v.scales[0]
         yield OptimisedVariable(", ".join(v.keys), before, value, v.lower, v.upper, v.step)
 
 
@@ -224,5 +204,5 @@ def _limits(
             max(figure.value(result) for result in before),
             max(figure.value(result) for result in after),
             # within two margins of the limit
-            active=bool(beyond.max() > -evaluator.margin),
+            active=bool(beyond.max() > -evaluator.options.tolerance),
         )

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.studies.optimisation.model import best_step
+from flankload.studies.optimisation.model import Goals, Point, best_step
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from flankload.base.arrays import Floats
     from flankload.studies.optimisation.evaluation import Evaluator
-    from flankload.studies.optimisation.model import Floats, Goals, Point
     from flankload.studies.optimisation.problem import Options
 
 #: First trust radius, as a part of the ranges.
@@ -39,16 +39,7 @@ USED_UP = "the evaluations are used up"
 
 @dataclass(frozen=True)
 class Descent:
-    """End of a search.
-
-    Attributes
-    ----------
-    point : Point
-        The best one.
-    goals : Goals
-        With the last penalty.
-    reason : str
-    """
+    """End of a search: the best point, the goals with the last penalty, the reason."""
 
     point: Point
     goals: Goals

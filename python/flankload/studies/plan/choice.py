@@ -21,7 +21,7 @@ from flankload.mechanisms.toggles import (
     with_rigid,
     without_keys,
 )
-from flankload.scene.effects import EFFECTS, Effect, switches_of
+from flankload.scene.effects import EFFECTS, Effect, excluded_by, switches_of
 from flankload.studies.plan.planned import Chosen
 from flankload.studies.plan.planning import sizes
 from flankload.studies.plan.text import against_threshold, is_significant, threshold_text
@@ -102,7 +102,7 @@ def _is_open(scene: Scene, effect: Effect, switches: Mapping[str, Switch]) -> bo
     saves = any(number < 0 for number in astuple(effect.work))
     if keys & scene.named_effects or (effect.coarser and not saves):
         return False
-    return switch.on or not any(switches[other].on for other in effect.excludes)
+    return switch.on or not any(switches[other].on for other in excluded_by(effect))
 
 
 def said_of(choice: tuple[Chosen, ...], tolerance: float) -> str:

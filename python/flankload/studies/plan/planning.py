@@ -47,7 +47,7 @@ def plan(scene: SceneLike, *, levels: bool = False, dimension: bool = False) -> 
         As of `solve`.
     levels : bool
         Whether to include size and cost of contact models that are off. Without them the plan takes
-        less than half the time of the run that it predicts.
+        at most about half the time of most runs.
     dimension : bool
         Whether to include size and cost of three dimensions for a plane scene, whose run may take
         less time than that.
@@ -66,7 +66,7 @@ def plan(scene: SceneLike, *, levels: bool = False, dimension: bool = False) -> 
     from flankload.studies.plan.choice import asks_for_choice, chosen_scene, without_choice
 
     start, scene = process_time(), scene_of(scene)
-    picked = {"keys": first_discretization(scene).tables()} if scene.steers else None
+    picked = {"keys": first_discretization(scene).tables()} if scene.names_tolerance else None
     plain = without_choice(first_scene(scene))
     screening = mechanism_of(plain).screening(
         plain, levels=levels or asks_for_choice(scene), dimension=dimension

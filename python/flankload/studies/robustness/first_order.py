@@ -39,9 +39,8 @@ class FirstOrder:
 
     Attributes
     ----------
-    mean : array
-        Value with all variables at their means.
-    standard_deviation : array
+    mean, standard_deviation : array
+        The mean is the value with all variables at their means.
     shares : dict of array
         By variable, the largest first: part of the variance.
     kinks : dict of array
@@ -55,16 +54,7 @@ class FirstOrder:
     kinks: dict[str, Floats]
 
     def percentile(self, percent: float) -> Floats:
-        """Value that is not exceeded with a probability in percent, if it is normally distributed.
-
-        Parameters
-        ----------
-        percent : float
-
-        Returns
-        -------
-        array
-        """
+        """Values that are not exceeded with a probability in percent, if normally distributed."""
         from scipy.special import ndtri
 
         return np.asarray(self.mean + ndtri(percent / 100.0) * self.standard_deviation)
@@ -73,29 +63,11 @@ class FirstOrder:
 def first_order(
     scene: Scene, variables: Sequence[Variable], names: Sequence[str], parts: Parts
 ) -> tuple[dict[str, FirstOrder], int]:
-    """Scatter of quantities to first order.
+    """Scatter of quantities to first order, by name, and the number of derivatives.
 
-    Parameters
-    ----------
-    scene : Scene
-    variables : sequence of Variable
-        With distributions.
-    names : sequence of str
-        Quantities as of a study.
-    parts : Parts
-        Bodies and compliances of similar scenes.
+    The variables have distributions; `parts` are those of similar scenes.
 
-    Returns
-    -------
-    dict of FirstOrder
-        By name.
-    int
-        Number of derivatives.
-
-    Raises
-    ------
-    SceneError, FlankloadError
-        As `sensitivity`; if a quantity is unknown or no number.
+    Raises SceneError and FlankloadError as `sensitivity`; if a quantity is unknown or no number.
     """
     base = scene.replace({k: v for one in variables for k, v in one.changes(_mean(one)).items()})
     results = solve_scene(base, None, parts).by_torque
@@ -175,13 +147,7 @@ def _variance(factor: Floats, slopes: Floats) -> Floats:
 
 
 def _values(result: Result, names: Sequence[str]) -> list[Floats]:
-    """Numbers and curves of a result.
-
-    Raises
-    ------
-    SceneError
-        If it has none of a name.
-    """
+    """Numbers and curves of a result; a name that it does not have is refused."""
     row = row_of(result, tuple(names))
     unknown = tuple(name for name in names if name not in row["quantities"])
     refuse_unknown(Outcome(SOLVED, results=(row,), unknown=unknown))

@@ -19,10 +19,7 @@ CONFIDENCE = 0.95
 class Samples:
     """Independent samples of a quantity.
 
-    Attributes
-    ----------
-    ascending : (n, ...) array
-        Each entry of the quantity by itself in ascending order; n >= 2.
+    `ascending` (n, ...) has each entry of the quantity by itself in ascending order; n >= 2.
     """
 
     ascending: Floats
@@ -55,34 +52,15 @@ class Samples:
         return np.nan_to_num(error)
 
     def percentile(self, percent: float) -> Floats:
-        """Value below which a part of the samples in percent lies.
-
-        Parameters
-        ----------
-        percent : float
-
-        Returns
-        -------
-        array
-            Interpolated between two samples.
-        """
+        """Value below which a part of the samples in percent lies, interpolated between two."""
         return np.asarray(np.quantile(self.ascending, percent / 100.0, axis=0))
 
     def interval(self, percent: float) -> tuple[Floats, Floats]:
         """Two samples between which the percentile of the distribution lies.
 
-        The number of samples below the percentile has a binomial distribution, for any
+        They include it with a probability of at least 95 %; NaN where the samples are too few for a
+        limit. The number of samples below the percentile has a binomial distribution, for any
         distribution of the quantity (David and Nagaraja, Order Statistics, 2003, section 7.1).
-
-        Parameters
-        ----------
-        percent : float
-
-        Returns
-        -------
-        two arrays
-            They include it with a probability of at least 95 %. NaN where the samples are too few
-            for a limit.
         """
         from scipy.stats import binom
 

@@ -12,9 +12,9 @@ from flankload.base.card import Card
 from flankload.base.text_table import text_table
 from flankload.errors import FlankloadError
 from flankload.mechanisms import Parts
-from flankload.scene import scene_of
+from flankload.scene import SceneLike, scene_of
 from flankload.scene.refusal import refuse, shown
-from flankload.studies.design import run_study
+from flankload.studies.design import DesignStudy, run_study
 from flankload.studies.design.designs import OF_DRAWS, Designs
 from flankload.studies.design.run import SOLVED
 from flankload.studies.design.solve_study import checked
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
     from pathlib import Path
 
-    from flankload.scene import SceneLike
-    from flankload.studies.design import DesignStudy
 
 #: Quantities if none are named.
 QUANTITIES = (
@@ -74,22 +72,10 @@ class Robust(Card):
     seconds: dict[str, float]
 
     def samples(self, quantity: str) -> Samples:
-        """Monte Carlo samples of a quantity.
+        """Monte Carlo samples of a quantity, one of the names in `first_order`.
 
-        Parameters
-        ----------
-        quantity : str
-            One of the names in `first_order`.
-
-        Returns
-        -------
-        Samples
-            Without those of failed designs.
-
-        Raises
-        ------
-        SceneError
-            If there is no such quantity, or no simulation.
+        Failed designs are left out. Raises SceneError if there is no such quantity, or no
+        simulation.
         """
         if quantity not in self.first_order or self.study is None:
             known = ", ".join(self.first_order) if self.study else "a name, after a run with n > 0"

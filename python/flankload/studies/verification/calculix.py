@@ -73,16 +73,18 @@ def files_of_deck(folder: Path) -> tuple[Path, ...]:
     return tuple(folder / f"{JOB}{suffix}" for suffix in SUFFIXES)
 
 
-def find_program(program: str) -> str:
+def find_program(program: str, folder: Path) -> str:
     """Full path of a program by its name or path.
 
-    Raises OtherProgramError if it is not found; the message names the package that contains it.
+    Raises OtherProgramError if it is not found; the message names the package that contains it, and
+    the folder of the deck.
     """
     found = shutil.which(program)
     if found is None:
         raise OtherProgramError(
             f"the program {program!r} of CalculiX is not there: apt install {PACKAGE} "
-            "(Debian, Ubuntu), or see www.calculix.de"
+            "(Debian, Ubuntu), or see www.calculix.de",
+            folder=folder,
         )
     return os.path.abspath(found)  # the program runs in another folder
 
@@ -107,20 +109,17 @@ def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | No
     for old in files_of_deck(folder):
         if old.suffix != ".inp":
             old.unlink(missing_ok=True)
-    environment = {"OMP_NUM_THREADS": "1", **os.environ}
     wall, cpu = perf_counter(), _children_cpu_s()
     log = folder / f"{JOB}.log"
     try:
-        code = _run([program, "-i", JOB], folder, log, environment, time_limit_s)
+        code = _run(program, folder, log, time_limit_s)
     except subprocess.TimeoutExpired:
         raise OtherProgramError(
             f"CalculiX did not end within {time_limit_s:g} s and was stopped", folder=folder
         ) from None
     except OSError as error:
-        raise OtherProgramError(
-            f"CalculiX could not be started: {(error.strerror or str(error)).lower()}",
-            folder=folder,
-        ) from None
+        why = f"CalculiX could not be started: {(error.strerror or str(error)).lower()}"
+        raise OtherProgramError(why, folder=folder) from None
     wall, cpu = perf_counter() - wall, _children_cpu_s() - cpu
     said = log.read_text(encoding="utf-8", errors="replace")
     if code != 0 or "Job finished" not in said:
@@ -149,36 +148,18 @@ def read_answer(
         loads = _loads(text, deck)
         iterations = _iterations(folder / f"{JOB}.sta")
     except (OSError, LookupError, ValueError) as error:
-        raise OtherProgramError(
-            f"the output of CalculiX cannot be read: {error}", folder=folder
-        ) from None
-    return Answer(
-        version=version,
-        rotation_rad=rotation,
-        **loads,
-        iterations=iterations,
-        cpu_s=cpu_s,
-        wall_s=wall_s,
-    )
+        why = f"the output of CalculiX cannot be read: {error}"
+        raise OtherProgramError(why, folder=folder) from None
+    counted: dict[str, Any] = {"iterations": iterations, "cpu_s": cpu_s, "wall_s": wall_s}
+    return Answer(version=version, rotation_rad=rotation, **loads, **counted)
 
 
-def _run(
-    command: list[str],
-    folder: Path,
-    log: Path,
-    environment: dict[str, str],
-    time_limit_s: float | None,
-) -> int:
-    """Exit code of a program; the program is stopped if this call ends by an exception."""
+def _run(program: str, folder: Path, log: Path, time_limit_s: float | None) -> int:
+    """Exit code of CalculiX, which is stopped if this call ends by an exception."""
+    environment = {"OMP_NUM_THREADS": "1", **os.environ}
     with log.open("w", encoding="utf-8") as out:
-        process = subprocess.Popen(
-            command,
-            cwd=folder,
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            stdout=out,
-            stderr=subprocess.STDOUT,
-        )
+        streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": out, "stderr": out}
+        process = subprocess.Popen([program, "-i", JOB], cwd=folder, env=environment, **streams)
         try:
             return process.wait(time_limit_s)
         finally:
@@ -248,12 +229,12 @@ def _pressures(stress: str, deck: Deck) -> Floats:
     """Largest pressure of each pair."""
     rows = np.array([[float(x) for x in line.split()[:3]] for line in stress.splitlines()])
     of_side = np.max if deck.friction is None else np.median
-    found = np.zeros(len(deck.sites))
-    for k, faces in enumerate(deck.parts[0].flanks):
-        for element in np.intersect1d(rows[:, 0], faces[:, 0] + 1):
-            pressure = float(of_side(rows[rows[:, 0] == element, 2]))
-            found[k] = max(found[k], pressure)
-    return found
+    found = []
+    for faces in deck.parts[0].flanks:
+        elements = np.intersect1d(rows[:, 0], faces[:, 0] + 1)
+        pressures = (of_side(rows[rows[:, 0] == element, 2]) for element in elements)
+        found.append(max(pressures, default=0.0))
+    return np.array(found)
 
 
 def _iterations(path: Path) -> int:

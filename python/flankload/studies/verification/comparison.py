@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,14 +14,15 @@ import numpy as np
 from flankload.base.arguments import require, require_path
 from flankload.base.card import Card
 from flankload.base.files import write_atomically
-from flankload.errors import OtherProgramError, SceneError
+from flankload.errors import OtherProgramError
 from flankload.mechanisms import run_once
-from flankload.scene import scene_of
+from flankload.scene import Scene, SceneLike, scene_of
+from flankload.scene.refusal import refuse
 from flankload.studies.plan import choose_effects
 from flankload.studies.tolerance import first_scene
 from flankload.studies.verification.calculix import JOB, Answer, find_program, run_deck
-from flankload.studies.verification.deck import deck_text
-from flankload.studies.verification.model import check_bodies, model_of
+from flankload.studies.verification.deck import Deck, deck_text
+from flankload.studies.verification.model import Model, check_bodies, model_of
 from flankload.studies.verification.report import json_of, text_of
 from flankload.studies.verification.solid_model import solid_model_of
 
@@ -30,9 +32,6 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.result import Result
     from flankload.result.slices import SliceLoads
-    from flankload.scene import Scene, SceneLike
-    from flankload.studies.verification.deck import Deck
-    from flankload.studies.verification.model import Model
 
 #: Elements on the half-width of a contact by default, in the plane and of solids.
 ELEMENTS, SOLID_ELEMENTS = 6.0, 1.0
@@ -42,16 +41,9 @@ ELEMENTS, SOLID_ELEMENTS = 6.0, 1.0
 class Layers:
     """Layers of solid bodies over the common width, and the load in each; S pairs, L layers.
 
-    Attributes
-    ----------
-    edges_mm : (L + 1,) array
-        Their ends along the axes.
-    line_load_N_per_mm : (S, L) array
-        Of flankload: mean over the parts of its slices that lie in a layer.
-    unknowns : int
-        Independent displacements of the deck.
-    half_width_mm : float
-        Half-width of the widest contact, by flankload.
+    `edges_mm` (L + 1,) are their ends along the axes; `line_load_N_per_mm` (S, L), of flankload, is
+    the mean over the parts of its slices that lie in a layer; `unknowns` counts the independent
+    displacements of the deck; `half_width_mm` is that of the widest contact, by flankload.
     """
 
     edges_mm: Floats
@@ -66,8 +58,28 @@ class Layers:
         return float(summed.max() / mean) if mean > 0 else float("nan")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Verification(Card):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class SolvedPosition(Card):
+    """Values of flankload at a position, as `Verification` describes them."""
+
+    name: str
+    position: int
+    position_rad: float
+    torque_Nm: float
+    face_width_mm: float
+    reference_radius_mm: float
+    sites: Numbers
+    rotation_rad: float
+    site_force_N: Floats
+    peak_pressure_MPa: Floats
+    corner_contact: Flags
+    job_cpu_s: float
+    position_cpu_s: float
+    positions: int
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Verification(SolvedPosition):
     """One position by both programs; S pairs that may touch.
 
     Attributes
@@ -102,20 +114,6 @@ class Verification(Card):
         Layers of solid bodies; None in a plane scene.
     """
 
-    name: str
-    position: int
-    position_rad: float
-    torque_Nm: float
-    face_width_mm: float
-    reference_radius_mm: float
-    sites: Numbers
-    rotation_rad: float
-    site_force_N: Floats
-    peak_pressure_MPa: Floats
-    corner_contact: Flags
-    job_cpu_s: float
-    position_cpu_s: float
-    positions: int
     nodes: int
     elements: int
     finest_mm: float
@@ -200,13 +198,9 @@ def verify(
     require_path("folder", folder)
     scene, result = _solved(scene_of(scene), position)
     plane = result.slices is None
-    model = (model_of if plane else solid_model_of)(
-        scene,
-        result,
-        position,
-        elements_per_half_width=elements_per_half_width or (ELEMENTS if plane else SOLID_ELEMENTS),
-        large_displacement=large_displacement,
-    )
+    deck_of = partial(model_of if plane else solid_model_of, large_displacement=large_displacement)
+    elements = elements_per_half_width or (ELEMENTS if plane else SOLID_ELEMENTS)
+    model = deck_of(scene, result, position, elements_per_half_width=elements)
     path = _write(model.deck, folder)
     keep = folder is not None
     answer = _run(path.parent, model.deck, program, time_limit_s, keep=keep) if run else None
@@ -227,18 +221,13 @@ def _run(
 ) -> Answer:
     """Solution of CalculiX; the folder is deleted unless it is kept or there is no solution."""
     try:
-        found = find_program(program)
-    except OtherProgramError as error:
-        raise OtherProgramError(str(error), folder=folder) from None
-    try:
-        answer = run_deck(found, folder, deck, time_limit_s=time_limit_s)
-    except KeyboardInterrupt:
+        return run_deck(find_program(program, folder), folder, deck, time_limit_s=time_limit_s)
+    except OtherProgramError:
+        keep = True
+        raise
+    finally:
         if not keep:
             shutil.rmtree(folder)
-        raise
-    if not keep:
-        shutil.rmtree(folder)
-    return answer
 
 
 def _comparison(
@@ -307,14 +296,10 @@ def _solved(scene: Scene, position: int) -> tuple[Scene, Result]:
     scene, _ = choose_effects(first_scene(scene))
     check_bodies(scene)
     if not any(scene.torques_Nm):
-        raise SceneError(file=scene.file, key="load.torque_Nm", expected="a torque > 0", found="0")
+        refuse("load.torque_Nm", "a torque > 0", "0", scene.file)
     result = max(run_once(scene), key=lambda result: result.torque_Nm)
     count = result.position_rad.size
     if not 0 <= position < count:
-        raise SceneError(
-            file=scene.file,
-            key="position",
-            expected=f"an index from 0 to {count - 1}, since there are {count} positions",
-            found=f"{position}",
-        )
+        expected = f"an index from 0 to {count - 1}, since there are {count} positions"
+        refuse("position", expected, f"{position}", scene.file)
     return scene, result

@@ -15,6 +15,8 @@ from flankload.elasticity.near_field import logarithm_strength
 from flankload.errors import FlankloadError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flankload.base.arrays import Floats
     from flankload.flank import FlankCurve
     from flankload.pairing.body_pair import BodyPair
@@ -24,7 +26,7 @@ SAMPLES = 600
 #: Size of the zone of fine elements, in half-widths of a contact that carries the load.
 ZONE_HALF_WIDTHS = 1.6
 #: Least force for the mesh of a flank that is unloaded in flankload, as part of the whole load.
-LEAST_PART = 0.25
+LEAST_FORCE_PART = 0.25
 #: Largest length of fine elements as part of a flank's length.
 LARGEST_PART = 1.0 / 24.0
 
@@ -33,22 +35,17 @@ LARGEST_PART = 1.0 / 24.0
 class Place:
     """Place where a pair of flanks may touch.
 
-    Attributes
-    ----------
-    site : int
-        Pair number.
-    gap_rad : float
-        Least gap: rotation of body 1 until the flanks touch.
-    element_mm : float
-        Wanted length of the elements there.
-    points : (k, 2) array
-        Centres of fine elements, at distances of at most one element length, mm.
+    `gap_rad` is the least gap, the rotation of body 1 until the flanks touch; `element_mm` the
+    wanted length of the elements there; `points` (k, 2) are the centres of fine elements, at
+    distances of at most one element length, mm; `turns_rad` the rotations of both bodies.
     """
 
     site: int
     gap_rad: float
     element_mm: float
     points: Floats
+    half_width_mm: float = float("nan")
+    turns_rad: tuple[float, float] = (0.0, 0.0)
 
 
 def contact_places(
@@ -72,67 +69,63 @@ def contact_places(
     compliance = sum(
         logarithm_strength(body.material, plane) for body in (pair.body_1, pair.body_2)
     )
-    found = meetings(pair, turns)
-    if not found:
+    least = LEAST_FORCE_PART * sum(force_N_per_mm.values()) / len(force_N_per_mm)
+    places = []
+    for meeting in meetings(pair, turns):
+        force = max(force_N_per_mm.get(meeting.site, 0.0), least)
+        places.append(meeting.place(compliance * force, elements_per_half_width))
+    return reachable(places, rotation_rad, reach)
+
+
+def reachable(places: Sequence[Place], rotation_rad: float, reach: float) -> tuple[Place, ...]:
+    """Places whose gap is at most `reach` times the rotation after the first contact."""
+    if not places:
         raise FlankloadError("no flanks meet at this position")
-    touch = min(meeting.gap_rad for meeting in found)
-    least = LEAST_PART * sum(force_N_per_mm.values()) / len(force_N_per_mm)
-    return tuple(
-        meeting.place(
-            compliance * max(force_N_per_mm.get(meeting.site, 0.0), least), elements_per_half_width
-        )
-        for meeting in found
-        if meeting.gap_rad <= touch + reach * (rotation_rad - touch)
-    )
+    touch = min(place.gap_rad for place in places)
+    return tuple(p for p in places if p.gap_rad <= touch + reach * (rotation_rad - touch))
+
+
+def fine_sizes(places: Sequence[Place]) -> Floats:
+    """Element lengths at the points of all places."""
+    return np.concatenate([np.full(len(place.points), place.element_mm) for place in places])
 
 
 @dataclass(frozen=True, eq=False)
 class Meeting:
     """Two flanks of a pair with opposite points: samples of the gap on flank 1.
 
-    Attributes
-    ----------
-    site : int
-        Pair number.
-    curve_1, curve_2 : FlankCurve
-        Rotated to the position; curve 2 about its own axis.
-    gaps_rad, arc_mm : (n,) arrays
-        Gap angles and arc lengths on flank 1 of the samples.
-    points : (n, 2) array
-        The samples, mm.
+    The curves are rotated to the position, curve 2 about its own axis. `gaps_rad` (n,), `arc_mm`
+    (n,) and `points` (n, 2) are gap angles, arc lengths on flank 1 and places of the samples.
     """
 
     site: int
     curve_1: FlankCurve
     curve_2: FlankCurve
     center_distance_mm: float
+    turns_rad: tuple[float, float]
     gaps_rad: Floats
     arc_mm: Floats
     points: Floats
 
-    @property
-    def gap_rad(self) -> float:
-        """The least gap."""
-        return float(self.gaps_rad.min())
+    def place(self, force_compliance: float, elements: float, late_rad: float = 0.0) -> Place:
+        """Place of the least gap, with the zone and so many elements on the half-width.
 
-    def half_width_mm(self, force_compliance: float) -> float:
-        """Half-width of the contact; infinite on flat flanks, which touch over their length."""
+        From the force times the compliance of both half-planes, mm. The half-width is infinite on
+        flat flanks, which touch over their length. `late_rad` is added to the gap.
+        """
         best = int(self.gaps_rad.argmin())
-        s_2 = self.curve_2.arc_length_of(self.points[best] - [self.center_distance_mm, 0.0])[0]
-        bend = self.curve_1.curvature([self.arc_mm[best]])[0] + self.curve_2.curvature(s_2)[0]
+        least, s_1, middle = float(self.gaps_rad[best]), self.arc_mm[best], self.points[best]
+        s_2 = self.curve_2.arc_length_of(middle - [self.center_distance_mm, 0.0])[0]
+        bend = self.curve_1.curvature([s_1])[0] + self.curve_2.curvature(s_2)[0]
         # line contact: b^2 = 2 F c / bend
-        return float(np.sqrt(2 * force_compliance / bend)) if bend > 0 else float(np.inf)
-
-    def place(self, force_compliance: float, elements_per_half_width: float) -> Place:
-        """Element size and zone from the force times the compliance of both half-planes, mm."""
-        best = int(self.gaps_rad.argmin())
-        s_1, middle = self.arc_mm[best], self.points[best]
+        half_width = float(np.sqrt(2 * force_compliance / bend)) if bend > 0 else float("inf")
         n_x, n_y = self.curve_1.normal([s_1])[0]
         lever = abs(float(middle[0] * n_y - middle[1] * n_x))
         longest = LARGEST_PART * min(self.curve_1.length_mm, self.curve_2.length_mm)
-        size = min(self.half_width_mm(force_compliance) / elements_per_half_width, longest)
-        near = (self.gaps_rad - self.gap_rad) * lever <= ZONE_HALF_WIDTHS**2 * force_compliance
-        return Place(self.site, self.gap_rad, size, _spread(self.points[near], middle, size))
+        size = min(half_width / elements, longest)
+        near = (self.gaps_rad - least) * lever <= ZONE_HALF_WIDTHS**2 * force_compliance
+        points = _spread(self.points[near], middle, size)
+        return Place(self.site, least + late_rad, size, points, half_width, self.turns_rad)
 
 
 def meetings(pair: BodyPair, turns: tuple[float, float]) -> list[Meeting]:
@@ -148,7 +141,8 @@ def meetings(pair: BodyPair, turns: tuple[float, float]) -> list[Meeting]:
         )
         gaps = _gaps(curve_1, curve_2, pairing.center_distance_mm, pairing.period_rad)
         if gaps is not None:
-            found.append(Meeting(site, curve_1, curve_2, pairing.center_distance_mm, *gaps))
+            distance = pairing.center_distance_mm
+            found.append(Meeting(site, curve_1, curve_2, distance, turns, *gaps))
     return found
 
 

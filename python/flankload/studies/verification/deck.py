@@ -39,14 +39,9 @@ FLANKS, SOLID_SUPPORTS = "FLANKS", ("HELD_1, 3, 3", "HELD_2, 1, 3")
 
 @dataclass(frozen=True)
 class Ties:
-    """Nodes of thin layers that move as a face of a thick layer does; k of them.
+    """Nodes (k,) of thin layers that move as a face of a thick layer does.
 
-    Attributes
-    ----------
-    nodes : (k,) array
-    masters : (k, 8) array
-    weights : (k, 8) array
-        0 for entries that are not used.
+    They have masters (k, 8) with weights (k, 8); 0 for entries that are not used.
     """
 
     nodes: Numbers
@@ -64,19 +59,10 @@ class Ties:
 
 @dataclass(frozen=True)
 class Part:
-    """One body of a deck.
+    """One body of a deck, at its place: nodes (N, 2) or (N, 3) in mm, cells (m, 6) or (m, 15).
 
-    Attributes
-    ----------
-    nodes : (N, 2) or (N, 3) array
-        mm, at the place of the body.
-    cells : (m, 6) or (m, 15) array
-    held : array
-        Fixed nodes.
-    flanks : tuple of (k, 2) arrays
-        Element and side (1 to 3), or face (3 to 5), of the surfaces of each pair, layer by layer.
-    ties : Ties or None
-        Of solid bodies.
+    `flanks` are arrays (k, 2) of element and side (1 to 3), or face (3 to 5), of the surfaces of
+    each pair, layer by layer. Solid bodies have ties.
     """
 
     nodes: Floats
@@ -91,14 +77,9 @@ class Part:
 class DeckFriction:
     """Friction of a deck: flanks slide to the position so that friction acts as in motion.
 
-    Attributes
-    ----------
-    coefficients : tuple of float
-        Coefficient of each pair of the deck.
-    center_distance_mm : float
-        Distance to the axis of body 2.
-    back_rad : float
-        Rotation of body 2 from the requested position to the previous one, at which sliding begins.
+    Each pair of the deck has a coefficient; `center_distance_mm` is the distance to the axis of
+    body 2, `back_rad` its rotation from the requested position to the previous one, at which
+    sliding begins.
     """
 
     coefficients: tuple[float, ...]
@@ -110,26 +91,12 @@ class DeckFriction:
 class Deck:
     """Content of the input file.
 
-    Attributes
-    ----------
-    parts : two Part
-        Body 1 rotates about the origin; body 2 is fixed.
-    sites : tuple of int
-        Pair number of each flank of the parts.
-    torque_Nmm : float
-        On the width of the deck.
-    start_rad : float
-        Initial rotation of body 1; its total rotation is this plus that of its axis.
-    large_displacement : bool
-        Whether the geometry follows the deformation.
-    plane : {"strain", "stress"} or None
-        None for solid bodies.
-    friction : DeckFriction or None
-        Of plane bodies.
-    edges_mm : (L + 1,) array or None
-        Ends of the layers of solid bodies over the common width.
-    width_mm : float
-        Width by which the answer divides forces and torque.
+    Body 1, the first of the parts, rotates about the origin; body 2 is fixed. `sites` are the pair
+    numbers of the flanks of the parts; `torque_Nmm` acts on the width of the deck; `start_rad` is
+    the initial rotation of body 1, whose total rotation is this plus that of its axis. Plane bodies
+    have `plane` ("strain" or "stress") and perhaps friction; solid ones have `edges_mm` (L + 1,),
+    the ends of the layers over the common width. The answer divides forces and torque by
+    `width_mm`.
     """
 
     title: str

@@ -12,8 +12,8 @@ from flankload.base.rotation import turned
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.effects import is_spatial
-from flankload.scene.refusal import shown
-from flankload.studies.verification.contact_places import contact_places
+from flankload.scene.refusal import refuse, shown
+from flankload.studies.verification.contact_places import Place, contact_places, fine_sizes
 from flankload.studies.verification.deck import Deck, DeckFriction, Part
 from flankload.studies.verification.triangles import (
     border_owners,
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.studies.verification.contact_places import Place
 
 #: Element length of the coarse mesh along the flanks in modules, and on splines; kept on far teeth.
 COARSE_PART, COARSE_SPLINE_PART = 0.35, 0.25
@@ -56,12 +55,8 @@ NOT_SOLID = {"shaft": SHAFT, "web_width_mm": WIDE, "hub_width_mm": WIDE, "region
 class Model:
     """A deck and data for its reader.
 
-    Attributes
-    ----------
-    finest_mm : float
-        Length of the elements at the contacts, across the flank.
-    half_width_mm : float
-        Half-width of the most loaded contact of solid bodies; NaN of plane ones.
+    `finest_mm` is the length of the elements at the contacts, across the flank, `half_width_mm` the
+    half-width of the most loaded contact of solid bodies; NaN of plane ones.
     """
 
     deck: Deck
@@ -72,7 +67,7 @@ class Model:
 def check_bodies(scene: Scene) -> None:
     """Raise a SceneError for bodies without finite elements and for what decks do not contain."""
     for key, expected, found in _refusals(scene):
-        raise SceneError(file=scene.file, key=key, expected=expected, found=found)
+        refuse(key, expected, found, scene.file)
 
 
 def _refusals(scene: Scene) -> Iterator[tuple[str, str, str]]:
@@ -140,10 +135,15 @@ def model_of(
     )
     touch = min(place.gap_rad for place in places)
     start = touch + START_PART * (rotation - touch)
+    sites, size = tuple(place.site for place in places), _sizes(places)
+    distance = pair.pairing.center_distance_mm
     deck = Deck(
         title=f"{result.name}, position {position}",
-        parts=_parts(pair, places, turns, start),
-        sites=tuple(place.site for place in places),
+        parts=(
+            _part(pair.body_1, flanks_of(pair, 0, sites), (turns[0], start, 0.0), size),
+            _part(pair.body_2, flanks_of(pair, 1, sites), (turns[1], 0.0, distance), size),
+        ),
+        sites=sites,
         torque_Nmm=1000.0 * result.torque_Nm / result.face_width_mm,
         start_rad=start,
         plane=plane,
@@ -164,12 +164,9 @@ def friction_of_deck(
     if friction is None or pairing.center_distance_mm == 0.0:
         return None
     if np.ptp(friction.coefficients, axis=0).any():
-        raise SceneError(
-            file=scene.file,
-            key="effects.friction_coefficient",
-            expected="a number, or one per tooth: the deck has one coefficient for each pair",
-            found="a table over the roll position",
-        )
+        expected = "a number, or one per tooth: the deck has one coefficient for each pair"
+        found = "a table over the roll position"
+        refuse("effects.friction_coefficient", expected, found, scene.file)
     rows = np.searchsorted(pairing.sites, [place.site for place in places])
     return DeckFriction(
         coefficients=tuple(friction.coefficients[0, rows].tolist()),
@@ -218,26 +215,13 @@ def _sizes(places: tuple[Place, ...]) -> Callable[[Floats], Floats]:
     from scipy.spatial import cKDTree
 
     tree = cKDTree(np.vstack([place.points for place in places]))
-    finest = np.concatenate([np.full(len(place.points), place.element_mm) for place in places])
+    finest = fine_sizes(places)
 
     def size_at(points: Floats) -> Floats:
         distance, nearest = tree.query(points)
         return np.asarray(finest[nearest] + GROWTH * np.maximum(distance - finest[nearest], 0.0))
 
     return size_at
-
-
-def _parts(
-    pair: BodyPair, places: tuple[Place, ...], turns: tuple[float, float], start_rad: float
-) -> tuple[Part, Part]:
-    """Both bodies at the position; body 1 is rotated by the initial angle."""
-    size = _sizes(places)
-    distance = pair.pairing.center_distance_mm
-    sites = tuple(place.site for place in places)
-    return (
-        _part(pair.body_1, flanks_of(pair, 0, sites), (turns[0], start_rad, 0.0), size),
-        _part(pair.body_2, flanks_of(pair, 1, sites), (turns[1], 0.0, distance), size),
-    )
 
 
 def _part(

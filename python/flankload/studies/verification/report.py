@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from itertools import pairwise
-from math import degrees, isfinite
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from flankload.base.plain import plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -16,9 +18,17 @@ if TYPE_CHECKING:
     from flankload.studies.verification.comparison import Layers, Verification
 
 
+#: Names of values in a tree: of the position, and of flankload's solution.
+OF_POSITION = ("name", "position", "position_rad", "torque_Nm", "sites", "corner_contact")
+OF_FLANKLOAD = (
+    *("rotation_rad", "site_force_N", "peak_pressure_MPa"),
+    *("job_cpu_s", "positions", "position_cpu_s"),
+)
+
+
 def json_of(v: Verification) -> str:
     """Return everything as strict JSON (null for what is not a number)."""
-    return json.dumps(_plain(tree_of(v)), indent=2, allow_nan=False) + "\n"
+    return json.dumps(plain(tree_of(v)), indent=2, allow_nan=False) + "\n"
 
 
 def text_of(v: Verification) -> str:
@@ -28,29 +38,11 @@ def text_of(v: Verification) -> str:
 
 def tree_of(v: Verification) -> dict[str, Any]:
     """Return all results by name, with units; loads of the whole width."""
-    tree: dict[str, Any] = {
-        "name": v.name,
-        "position": v.position,
-        "position_rad": v.position_rad,
-        "torque_Nm": v.torque_Nm,
-        "sites": v.sites,
-        "corner_contact": v.corner_contact,
-        "flankload": {
-            "rotation_rad": v.rotation_rad,
-            "site_force_N": v.site_force_N,
-            "peak_pressure_MPa": v.peak_pressure_MPa,
-            "job_cpu_s": v.job_cpu_s,
-            "positions": v.positions,
-            "position_cpu_s": v.position_cpu_s,
-        },
-        "deck": {
-            "file": None if v.deck is None else str(v.deck),
-            "nodes": v.nodes,
-            "elements": v.elements,
-            "finest_mm": v.finest_mm,
-        },
-        "calculix": None,
-    }
+    tree: dict[str, Any] = {name: getattr(v, name) for name in OF_POSITION}
+    tree["flankload"] = {name: getattr(v, name) for name in OF_FLANKLOAD}
+    tree["deck"] = {"file": None if v.deck is None else str(v.deck)}
+    tree["deck"] |= {name: getattr(v, name) for name in ("nodes", "elements", "finest_mm")}
+    tree["calculix"] = None
     if v.layers is not None:
         tree["deck"] |= {"unknowns": v.layers.unknowns, "layer_ends_mm": v.layers.edges_mm}
         tree["flankload"] |= _line_load(v.layers, v.layers.line_load_N_per_mm)
@@ -62,9 +54,7 @@ def tree_of(v: Verification) -> dict[str, Any]:
             "site_force_N": answer.force_N_per_mm * v.face_width_mm,
             "peak_pressure_MPa": answer.pressure_MPa,
             "torque_found_Nm": answer.moment_N * v.face_width_mm / 1000.0,
-            "iterations": answer.iterations,
-            "cpu_s": answer.cpu_s,
-            "wall_s": answer.wall_s,
+            **{name: getattr(answer, name) for name in ("iterations", "cpu_s", "wall_s")},
         }
         if v.layers is not None and answer.line_load_N_per_mm is not None:
             tree["calculix"] |= _line_load(v.layers, answer.line_load_N_per_mm)
@@ -79,14 +69,6 @@ def _line_load(layers: Layers, line_load_N_per_mm: Floats) -> dict[str, Any]:
         "line_load_N_per_mm": line_load_N_per_mm,
         "face_load_factor": layers.face_load_factor(line_load_N_per_mm),
     }
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(one) for key, one in value.items()}
-    if isinstance(value, np.ndarray | list | tuple):
-        return [_plain(one) for one in np.asarray(value).tolist()]
-    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 def _lines(v: Verification) -> Iterator[str]:

@@ -9,12 +9,17 @@ import numpy as np
 
 from flankload.bodies.flank_surface import section_curves
 from flankload.studies.verification.deck import Part, Ties
-from flankload.studies.verification.triangles import border_owners, held_nodes, quadratic, sides
+from flankload.studies.verification.triangles import (
+    Triangles,
+    border_owners,
+    held_nodes,
+    quadratic,
+    sides,
+)
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Complexes, Flags, Floats, Numbers
     from flankload.bodies import Body
-    from flankload.studies.verification.triangles import Triangles
 
 #: Each layer from an end of the width is so many times as thick as the one before, and the layers
 #: in the middle so many times as thick as those at the ends.
@@ -25,16 +30,9 @@ FOLLOWING = 0.25
 
 @dataclass(frozen=True)
 class Stand:
-    """Place of a solid body.
+    """Place of a solid body: angle of its section at z = 0, x of its axis there.
 
-    Attributes
-    ----------
-    turn_rad : float
-        Angle of its section at z = 0.
-    axis_mm : float
-        x of its axis at z = 0.
-    shear : (float, float)
-        Displacement of the axis along x and y per length along z.
+    `shear` is the displacement of the axis along x and y per length along z.
     """
 
     turn_rad: float
@@ -46,16 +44,9 @@ class Stand:
 class Layers:
     """Layers of wedges of a body: thin ones near the contacts, thick ones elsewhere.
 
-    Attributes
-    ----------
-    edges_mm : (L + 1,) array
-        Ends of the thin layers.
-    coarse : array
-        Which of them are ends of the thick layers, ascending, from 0 to L.
-    common : (int, int)
-        First of the thin layers of the common width, and the one after the last.
-    near : (m,) bool array
-        Triangles with thin layers, among them all on flanks.
+    `edges_mm` (L + 1,) are the ends of the thin layers; `coarse` those of them that are ends of the
+    thick layers, ascending, from 0 to L; `common` the first of the thin layers of the common width,
+    and the one after the last; `near` (m,) the triangles with thin layers, all on flanks included.
     """
 
     edges_mm: Floats
@@ -118,8 +109,9 @@ def solid_part(
     """A body of the deck, from its section in its own frame and the tooth of each of its flanks."""
     plane, triangles, border = quadratic(mesh)
     fine, coarse = layers.edges_mm, layers.edges_mm[layers.coarse]
-    corners = np.arange(len(plane)) < len(mesh.vertices)
-    near, far = (_used(triangles[rows], len(plane)) for rows in (layers.near, ~layers.near))
+    numbers = np.arange(len(plane))
+    near, far = (np.isin(numbers, triangles[rows]) for rows in (layers.near, ~layers.near))
+    corners = numbers < len(mesh.vertices)
     at_edge = np.tile(near, (fine.size, 1))
     at_edge[layers.coarse] |= far
     masks = (
@@ -149,12 +141,6 @@ def solid_part(
         material=body.material,
         ties=ties,
     )
-
-
-def _used(triangles: Numbers, count: int) -> Flags:
-    used = np.zeros(count, dtype=bool)
-    used[triangles] = True
-    return used
 
 
 def _middles(edges: Floats) -> Floats:

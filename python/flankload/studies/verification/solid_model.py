@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.base.rotation import turned
 from flankload.elasticity.near_field import logarithm_strength
-from flankload.errors import FlankloadError
-from flankload.studies.verification.contact_places import Place, meetings
+from flankload.studies.verification.contact_places import Place, fine_sizes, meetings, reachable
 from flankload.studies.verification.deck import Deck, Part
-from flankload.studies.verification.model import Model, coarse_bodies, flanks_of, turns_of
+from flankload.studies.verification.model import (
+    START_PART,
+    Model,
+    coarse_bodies,
+    flanks_of,
+    turns_of,
+)
 from flankload.studies.verification.solid import Layers, Stand, beyond, layers_of, solid_part
-from flankload.studies.verification.triangles import refined, whole_body, without
+from flankload.studies.verification.triangles import Triangles, refined, whole_body, without
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -25,7 +29,6 @@ if TYPE_CHECKING:
     from flankload.pairing.slices import Slices
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.studies.verification.triangles import Triangles
 
 #: Element length of the coarse mesh along the flanks in modules: the coarsest that can be meshed.
 COARSE_PART = 5.0
@@ -38,39 +41,12 @@ MIDDLE_PART, MIDDLE_GROWTH, MIDDLE_REACH = 0.06, 0.12, 1.6
 NEAR_PART = 0.6
 #: Teeth are cut off at the root circle beyond this distance, in lengths of the flank.
 TEETH_REACH, SAME_RADIUS = 3.0, 1e-6
-#: Initial rotation of body 1 into its mate, relative to its deflection.
-START_PART = 0.05
 #: Flanks get a contact pair if their gap is below this multiple of the deflection.
 REACH = 1.5
 #: Layers over the common width per element on the half-width, and thick layers elsewhere.
 LAYERS, THICK_LAYERS = 17.0, 2
 #: A contact line moves by at most so many elements across the flank within a layer.
 ELEMENTS_PER_LAYER = 2.0
-
-
-@dataclass(frozen=True)
-class _Found:
-    """Places of all slices.
-
-    Attributes
-    ----------
-    sites : tuple of int
-        Pairs whose flanks may touch.
-    touch_rad : float
-        Rotation of body 1 at which the first flanks touch.
-    points : two (k, 2) arrays
-        Centres of fine elements in the frame of each body.
-    sizes : (k,) array
-        Length of these elements, mm.
-    half_width_mm : float
-        The largest one.
-    """
-
-    sites: tuple[int, ...]
-    touch_rad: float
-    points: tuple[Floats, Floats]
-    sizes: Floats
-    half_width_mm: float
 
 
 def solid_model_of(
@@ -90,35 +66,34 @@ def solid_model_of(
     """
     pair = coarse_bodies(scene, COARSE_PART)
     assert pair.slices is not None
-    found = _places(pair, pair.slices, result, position, elements_per_half_width)
-    rotation = float(result.rotation_rad[position])
-    start = found.touch_rad + START_PART * (rotation - found.touch_rad)
-    ends = pair.slices.edges_mm[[0, -1]]
-    edges = layers_of(
-        float(ends[0]),
-        float(ends[1]),
-        _layer_count(result, float(np.ptp(ends)), found.half_width_mm, elements_per_half_width),
-    )
+    elements = elements_per_half_width
+    places = _places(pair, pair.slices, result, position, elements)
+    half_width = max(place.half_width_mm for place in places)
+    touch = min(place.gap_rad for place in places)
+    start = touch + START_PART * (float(result.rotation_rad[position]) - touch)
+    low, high = pair.slices.edges_mm[[0, -1]].tolist()
+    edges = layers_of(low, high, _layer_count(result, high - low, half_width, elements))
     turns = turns_of(pair, float(result.position_rad[position]))
     shear = 1e-3 * scene.pair.inclination_um_per_mm, 1e-3 * scene.pair.deviation_um_per_mm
     stands = (
         Stand(turns[0] + start, 0.0, (0.0, 0.0)),
         Stand(turns[1], pair.pairing.center_distance_mm, shear),
     )
+    sites = tuple(sorted({place.site for place in places}))
     deck = Deck(
         title=f"{result.name}, position {position}",
         parts=(
-            _part(pair, 0, found, edges, stands[0], elements_per_half_width),
-            _part(pair, 1, found, edges, stands[1], elements_per_half_width),
+            _part(pair, 0, places, edges, stands[0], elements),
+            _part(pair, 1, places, edges, stands[1], elements),
         ),
-        sites=found.sites,
+        sites=sites,
         torque_Nmm=1000.0 * result.torque_Nm,
         start_rad=start,
         large_displacement=large_displacement,
         edges_mm=edges,
         width_mm=result.face_width_mm,
     )
-    return Model(deck, float(found.sizes.min()), found.half_width_mm)
+    return Model(deck, min(place.element_mm for place in places), half_width)
 
 
 def _layer_count(result: Result, width_mm: float, half_width_mm: float, elements: float) -> int:
@@ -131,7 +106,7 @@ def _layer_count(result: Result, width_mm: float, half_width_mm: float, elements
 
 def _places(
     pair: BodyPair, slices: Slices, result: Result, position: int, elements: float
-) -> _Found:
+) -> tuple[Place, ...]:
     """Places where flanks may touch in all slices, with the length of elements there."""
     assert result.slices is not None
     turns = turns_of(pair, float(result.position_rad[position]))
@@ -139,33 +114,13 @@ def _places(
     compliance = sum(
         logarithm_strength(body.material, "strain") for body in (pair.body_1, pair.body_2)
     )
-    rotation, distance = float(result.rotation_rad[position]), pair.pairing.center_distance_mm
-    rows: list[tuple[Place, tuple[float, float], float]] = []
+    places = []
     for j in range(slices.count):
         stand = turns[0] + float(slices.turns_rad[0][j]), turns[1] + float(slices.turns_rad[1][j])
         for meeting in meetings(pair, stand):
-            place = meeting.place(compliance * largest, elements)
             late = _removed(pair, slices, meeting.site, j) / pair.body_1.reference_radius_mm
-            half_width = meeting.half_width_mm(compliance * largest)
-            rows.append((replace(place, gap_rad=place.gap_rad + late), stand, half_width))
-    if not rows:
-        raise FlankloadError("no flanks meet at this position")
-    touch = min(place.gap_rad for place, _, _ in rows)
-    near = [row for row in rows if row[0].gap_rad <= touch + REACH * (rotation - touch)]
-    return _Found(
-        sites=tuple(sorted({place.site for place, _, _ in near})),
-        touch_rad=touch,
-        points=(
-            np.vstack([turned(place.points, -stand[0]) for place, stand, _ in near]),
-            np.vstack(
-                [turned(place.points - [distance, 0.0], -stand[1]) for place, stand, _ in near]
-            ),
-        ),
-        sizes=np.concatenate(
-            [np.full(len(place.points), place.element_mm) for place, _, _ in near]
-        ),
-        half_width_mm=max(half_width for _, _, half_width in near),
-    )
+            places.append(meeting.place(compliance * largest, elements, late))
+    return reachable(places, float(result.rotation_rad[position]), REACH)
 
 
 def _removed(pair: BodyPair, slices: Slices, site: int, j: int) -> float:
@@ -182,14 +137,16 @@ def _removed(pair: BodyPair, slices: Slices, site: int, j: int) -> float:
 
 
 def _part(
-    pair: BodyPair, z: int, found: _Found, edges: Floats, stand: Stand, elements: float
+    pair: BodyPair, z: int, places: tuple[Place, ...], edges: Floats, stand: Stand, elements: float
 ) -> Part:
     """One body: its section refined, then in layers at its place."""
     from scipy.spatial import cKDTree
 
     body: Body = (pair.body_1, pair.body_2)[z]
-    flanks = flanks_of(pair, z, found.sites)
-    tree, sizes = cKDTree(found.points[z]), found.sizes
+    sites = tuple(sorted({place.site for place in places}))
+    axis = [z * pair.pairing.center_distance_mm, 0.0]
+    points = [turned(place.points - axis, -place.turns_rad[z]) for place in places]
+    tree, sizes = cKDTree(np.vstack(points)), fine_sizes(places)
     length = body.curve.length_mm
 
     def size_at(points: Floats) -> Floats:
@@ -199,7 +156,7 @@ def _part(
         far = np.maximum(distance - MIDDLE_REACH * length, 0.0)
         return np.minimum(beside, (around + GROWTH * far) / elements)
 
-    whole = whole_body(body, flanks)
+    whole = whole_body(body, flanks_of(pair, z, sites))
     mesh = refined(without(whole, _far_teeth(body, whole, tree)), size_at)
     assert body.axial is not None
     every = beyond(edges, body.axial.range_mm)
@@ -212,7 +169,7 @@ def _part(
         near=near | _on_flanks(mesh),
     )
     # in the order of pitch errors the tooth after that of pair 0 meets as pair -1
-    teeth = tuple(-site % body.teeth for site in found.sites)
+    teeth = tuple(-site % body.teeth for site in sites)
     return solid_part(body, mesh, teeth, layers, stand)
 
 

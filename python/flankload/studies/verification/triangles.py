@@ -10,13 +10,13 @@ curve.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.base.rotation import turned
-from flankload.bodies import SectorMesh, WholeMesh
+from flankload.bodies import Body, SectorMesh, WholeMesh
 from flankload.elasticity.loaded_body import ring_of
 from flankload.meshes.plane_mesh import boundary_edges, jacobians
 
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flankload.base.arrays import Cells, Flags, Floats, Numbers
-    from flankload.bodies import Body
     from flankload.flank import FlankCurve
 
 #: Border nodes closer to a flank curve than this part of its length lie on it.
@@ -39,17 +38,9 @@ LEAST_JACOBIAN = 0.4
 class Border:
     """Sides that belong to one triangle; k of them.
 
-    Attributes
-    ----------
-    ends : (k, 2) array
-        Vertices; the material is on the left.
-    middles : (k, 2) array
-        Places, mm.
-    flank : (k,) array
-        Number of the flank curve of the side, -1 if none.
-    s : (k, 2) array
-        Arc lengths of both ends on that curve, mm; NaN if none.
-    held : (k,) bool array
+    `ends` (k, 2) are vertices, with the material on the left; `middles` (k, 2) places in mm;
+    `flank` (k,) is the number of the flank curve of a side, -1 if none; `s` (k, 2) are the arc
+    lengths of both ends on that curve in mm, NaN if none; `held` (k,) are the fixed sides.
     """
 
     ends: Numbers
@@ -58,19 +49,16 @@ class Border:
     s: Floats
     held: Flags
 
+    def at(self, rows: Flags) -> Border:
+        """Some of the sides."""
+        return Border(*(getattr(self, field.name)[rows] for field in fields(self)))
+
 
 @dataclass(frozen=True)
 class Triangles:
-    """A plane body in triangles.
+    """A plane body in triangles: vertices (n, 2) in mm, corners (m, 3) counter-clockwise.
 
-    Attributes
-    ----------
-    vertices : (n, 2) array
-        mm.
-    corners : (m, 3) array
-        Counter-clockwise.
-    curves : tuple of FlankCurve
-        The curves numbered by `border.flank`, at their places.
+    `curves` are the curves numbered by `border.flank`, at their places.
     """
 
     vertices: Floats
@@ -197,12 +185,9 @@ def find_sides(ends: Numbers, wanted: Numbers, count: int) -> Numbers:
 def border_owners(mesh: Triangles) -> Numbers:
     """(k, 2) Triangle and side (0 to 2) that each side of the border belongs to."""
     numbers, ends = sides(mesh.corners)
-    owner = np.zeros((len(ends), 2), dtype=np.int64)
-    for side in range(3):
-        owner[numbers[:, side]] = np.stack(
-            [np.arange(len(numbers)), np.full(len(numbers), side)], axis=1
-        )
-    return owner[find_sides(ends, mesh.border.ends, len(mesh.vertices))]
+    first = np.unique(numbers, return_index=True)[1]
+    own = find_sides(ends, mesh.border.ends, len(mesh.vertices))
+    return np.stack(np.divmod(first[own], 3), axis=1)
 
 
 def held_nodes(mesh: Triangles, middles: Numbers) -> Numbers:
@@ -324,29 +309,24 @@ def _parts(corners: Numbers, new: Numbers) -> Numbers:
 
 def _halved_border(mesh: Triangles, new: Numbers) -> Border:
     """The border with bisected sides; `new` (k,) are the vertices on them, or -1."""
-    old = mesh.border
-    keep, part = new < 0, new >= 0
-    ends, s = old.ends[part], old.s[part]
-    at = new[part]
-    a, b, m = mesh.vertices[ends[:, 0]], mesh.vertices[ends[:, 1]], old.middles[part]
-    s_middle = s.mean(axis=1)
+    whole, old, at = mesh.border.at(new < 0), mesh.border.at(new >= 0), new[new >= 0]
+    (i, j), m = old.ends.T, old.middles
+    a, b = mesh.vertices[i], mesh.vertices[j]
+    s_middle = old.s.mean(axis=1)
     # at one and three quarters of the parabola through both ends and the middle
     first = 0.375 * a + 0.75 * m - 0.125 * b
     second = -0.125 * a + 0.75 * m + 0.375 * b
-    flank = old.flank[part]
     for k, curve in enumerate(mesh.curves):
-        on = flank == k
+        on = old.flank == k
         if on.any():
-            first[on] = curve.point(0.5 * (s[on, 0] + s_middle[on]))
-            second[on] = curve.point(0.5 * (s_middle[on] + s[on, 1]))
+            first[on] = curve.point(0.5 * (old.s[on, 0] + s_middle[on]))
+            second[on] = curve.point(0.5 * (s_middle[on] + old.s[on, 1]))
+    ends = [np.stack([i, at], 1), np.stack([at, j], 1)]
+    s = [np.stack([old.s[:, 0], s_middle], 1), np.stack([s_middle, old.s[:, 1]], 1)]
     return Border(
-        ends=np.concatenate(
-            [old.ends[keep], np.stack([ends[:, 0], at], 1), np.stack([at, ends[:, 1]], 1)]
-        ),
-        middles=np.concatenate([old.middles[keep], first, second]),
-        flank=np.concatenate([old.flank[keep], flank, flank]),
-        s=np.concatenate(
-            [old.s[keep], np.stack([s[:, 0], s_middle], 1), np.stack([s_middle, s[:, 1]], 1)]
-        ),
-        held=np.concatenate([old.held[keep], old.held[part], old.held[part]]),
+        ends=np.concatenate([whole.ends, *ends]),
+        middles=np.concatenate([whole.middles, first, second]),
+        flank=np.concatenate([whole.flank, old.flank, old.flank]),
+        s=np.concatenate([whole.s, *s]),
+        held=np.concatenate([whole.held, old.held, old.held]),
     )

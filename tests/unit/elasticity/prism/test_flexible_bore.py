@@ -8,11 +8,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from flankload.bodies.shaft import CarryingShaft
+from flankload.bodies.shaft import FlexibleShaft
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis
-from flankload.elasticity.prism.carried_bore import CarriedBore, beam_stiffness
 from flankload.elasticity.prism.condensation import condense_prism
+from flankload.elasticity.prism.flexible_bore import FlexibleBore, beam_stiffness
 from flankload.elasticity.prism.section_stiffness import SectionStiffness, section_stiffness
 from flankload.elasticity.sector_closure import CondensedSector, close_ring
 from tests.support.plain_prism import product_loads, whole_stiffness
@@ -24,10 +24,10 @@ E, G = 206000.0, 206000.0 / 2.6
 SPRINGS = ((3e4, 2e5, -4e6, 2e8), (0.0, 3e5, 5e6, 1e8))
 
 
-def shaft(range_mm: tuple[float, float], radius: float, **changes) -> CarryingShaft:
+def shaft(range_mm: tuple[float, float], radius: float, **changes) -> FlexibleShaft:
     """A solid steel shaft on springs, as thick as the bore."""
     area, moment = np.pi * radius**2, 0.25 * np.pi * radius**4
-    return CarryingShaft(
+    return FlexibleShaft(
         **{
             "range_mm": range_mm,
             "radius_mm": radius,
@@ -59,8 +59,8 @@ def _section(twist: float) -> SectionStiffness:
     return section_stiffness(MESH.nodes, MESH.cells, STEEL, twist)
 
 
-def _bore(twist: float, carrying: CarryingShaft) -> tuple[CarriedBore, np.ndarray]:
-    return CarriedBore.of(carrying, _section(twist), AXIAL, MESH, twist), _loads(twist)
+def _bore(twist: float, carrying: FlexibleShaft) -> tuple[FlexibleBore, np.ndarray]:
+    return FlexibleBore.of(carrying, _section(twist), AXIAL, MESH, twist), _loads(twist)
 
 
 def _sector(twist: float, loads: np.ndarray) -> CondensedSector:
@@ -69,7 +69,7 @@ def _sector(twist: float, loads: np.ndarray) -> CondensedSector:
 
 
 @cache
-def _response(twist: float, carrying: CarryingShaft | None) -> np.ndarray:
+def _response(twist: float, carrying: FlexibleShaft | None) -> np.ndarray:
     """(z, p, p) of modes on the ring, its bore held or on a shaft."""
     loads = _loads(twist)
     if carrying is None:
@@ -85,7 +85,7 @@ def _response(twist: float, carrying: CarryingShaft | None) -> np.ndarray:
 # the ring closure
 
 
-def _meshed_ring(mesh, axial: AxialBasis, twist: float, bore: CarriedBore, loads: np.ndarray):
+def _meshed_ring(mesh, axial: AxialBasis, twist: float, bore: FlexibleBore, loads: np.ndarray):
     """Readings (z, p, p) of the loads on tooth 0 by the stiffness of the whole ring, dense."""
     teeth, count = mesh.teeth, len(mesh.nodes)
     turns = []
@@ -155,7 +155,7 @@ def _meshed_ring(mesh, axial: AxialBasis, twist: float, bore: CarriedBore, loads
     return np.array([column.T @ moved[:-1] for column in columns])
 
 
-def _shares(shaft: CarryingShaft, end: int) -> np.ndarray:
+def _shares(shaft: FlexibleShaft, end: int) -> np.ndarray:
     """Part of a solid shaft's forces and moments within the bore."""
     ratio = min(1.0, shaft.radius_mm / shaft.end_radii_mm[end])
     return np.repeat([ratio**2, ratio**4], 3)
@@ -169,6 +169,19 @@ def test_sectors_close_to_the_meshed_ring_on_its_shaft(twist: float, torque_end:
     found = _response(twist, carrying)
     wanted = _meshed_ring(MESH, AXIAL, twist, bore, loads)
     np.testing.assert_allclose(found, wanted, rtol=0, atol=CLOSURE * np.abs(wanted).max())
+
+
+def test_the_response_of_a_held_bore_comes_with_that_on_the_shaft() -> None:
+    """One condensation for both: the same as without the columns of the bore."""
+    carrying = shaft((-9.0, 6.0), 10.0)
+    bore, loads = _bore(0.02, carrying)
+    sector = _sector(0.02, np.concatenate([loads, bore.columns], axis=2))
+    held = bore.held_response(sector)
+    wanted = _response(0.02, None)
+    np.testing.assert_allclose(held, wanted, rtol=0, atol=CLOSURE * np.abs(wanted).max())
+    on_shaft = bore.close_ring(sector, held)
+    np.testing.assert_array_equal(on_shaft, bore.close_ring(sector))
+    assert np.abs(on_shaft - held).max() > 0.01 * np.abs(held).max()
 
 
 def test_other_readings_see_the_shaft() -> None:
@@ -190,7 +203,7 @@ def test_a_rigid_motion_of_the_face_is_that_of_the_shaft() -> None:
     axial = AxialBasis((0.0, 8.0), 2)
     carrying = shaft((0.0, 8.0), 10.0, end_radii_mm=(19.0, 24.0))
     section = section_stiffness(mesh.nodes, mesh.cells, STEEL, 0.0)
-    bore = CarriedBore.of(carrying, section, axial, mesh, 0.0)
+    bore = FlexibleBore.of(carrying, section, axial, mesh, 0.0)
     size = len(bore.stiffness)
     motions = np.zeros((len(mesh.nodes), 3, 6))
     motions[:, [0, 1, 2], [0, 1, 2]] = 1.0

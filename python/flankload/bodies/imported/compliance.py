@@ -1,4 +1,4 @@
-"""Imported compliances of bodies, used instead of one computed from finite elements."""
+"""Imported compliances of bodies."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from flankload.meshes.io.named_arrays import NamedArrays
 
 
-#: Names of the interior angles at the low and the high end of a flank in a file.
+#: Names in a file of the interior angles at the low and the high end of a flank.
 CORNER_ANGLES = ("root_corner_deg", "tip_corner_deg")
-#: Metal at a corner is no thinner than this wedge, degrees: a thinner one is bent by its load.
+#: Least interior angle at a corner, degrees; thinner wedges bend under the load.
 LEAST_CORNER_ANGLE = 30.0
 
 
@@ -36,20 +36,19 @@ class ModalCompliance:
     kernel : float
         Coefficient of the logarithmic kernel, mm²/N.
     asymmetry : float
-        Relative asymmetry before both directions were averaged.
+        Relative asymmetry before averaging with the transpose.
     flanks : tuple of int
-        Empty if `smooth` depends only on the distance of teeth.
+        Empty if `smooth` depends only on the difference of tooth numbers.
     tangential : array or None
         Like `smooth`, for modes of tangential load; None if the file does not contain it.
     jump : float
         Coefficient of the tangential jump, mm²/N.
     corner_angles_deg : (float, float)
-        Interior angles of the metal at the low and the high end of the modes' range; 180 without a
-        corner.
+        Interior angles at the low and the high end of the modes' range; 180 without a corner.
     tip : Tip or None
-        Where modes of a tip rounding or chamfer end; the last modes are theirs.
+        Tip rounding or chamfer, to which the last modes belong.
     turned : (z, p) array, or (f * f, p) array; or None
-        Response to a unit force along the flank at its sharp tip, mm²/N.
+        Response to a tangential unit force at a sharp tip, mm²/N.
     """
 
     file: Path
@@ -81,15 +80,14 @@ class NodalCompliance:
     arc_length_mm : (n,) array
         Arc lengths of the nodes on the flank curve.
     quadratic : bool
-        Every second node is the middle node of an element; else each inner node is between two
-        elements.
+        Every second node is a middle node; otherwise elements are linear.
     of_pressures : bool
-        The columns of the matrix belong to nodal pressures, else to nodal forces.
+        The columns of the matrix belong to nodal pressures instead of nodal forces.
     offsets : (k,) array
         Displaced teeth, counted from the loaded tooth.
     matrix : (k, n, n) array
-        Twice the work of loads on tooth 0 on the displacements of tooth offsets[k], with the
-        columns in terms of consistent normal nodal forces, mm²/N, or nodal pressures, mm⁴/N.
+        Twice the work of loads on tooth 0 on the displacements of tooth offsets[k], per consistent
+        normal nodal force, mm²/N, or nodal pressure, mm⁴/N.
     """
 
     file: Path
@@ -102,7 +100,7 @@ class NodalCompliance:
     asymmetry: float
     corner_angles_deg: tuple[float, float] = (180.0, 180.0)
 
-    #: A matrix between nodes is projected on the flank's modes.
+    #: None: the modes of such a body do not extend over a tip.
     tip = None
 
     @property
@@ -124,14 +122,11 @@ class NodalCompliance:
         )
 
 
-GivenCompliance = ModalCompliance | NodalCompliance
+ImportedCompliance = ModalCompliance | NodalCompliance
 
 
 def read_corner_angles(found: NamedArrays) -> tuple[float, float]:
-    """Interior angles of the metal at both ends of the flank, degrees; 180 where they are not told.
-
-    An angle out of range is refused.
-    """
+    """Interior angles at both ends of the flank, checked, degrees; 180 if absent from the file."""
     low, high = (
         found.number(name, least=LEAST_CORNER_ANGLE, most=360.0) if name in found else 180.0
         for name in CORNER_ANGLES
@@ -140,7 +135,7 @@ def read_corner_angles(found: NamedArrays) -> tuple[float, float]:
 
 
 def read_material(found: NamedArrays) -> Material:
-    """Material of a compliance file; a number that is missing or out of range is refused."""
+    """Material of a compliance file, checked."""
     modulus = found.number("young_modulus_MPa", above=0.0, most=LARGEST_MODULUS)
     ratio = found.number("poisson_ratio", least=0.0)
     if ratio >= 0.5:

@@ -1,4 +1,4 @@
-"""The flat door: its prototypes, its words, and that it keeps to itself."""
+"""The flat interface: its prototypes, its words, and that it keeps to itself."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def joined(text: str) -> str:
 
 
 def procedures() -> dict[str, list[tuple[str, str, str]]]:
-    """Name, intent and type of every argument of every procedure of the door."""
+    """Name, intent and type of every argument of every procedure of the interface."""
     found = {}
     for path in FLAT:
         for name, arguments, body in PROCEDURE.findall(joined(path.read_text(encoding="utf-8"))):
@@ -50,14 +50,14 @@ def procedures() -> dict[str, list[tuple[str, str, str]]]:
     return found
 
 
-DOOR = procedures()
-FOR_FORTRAN = sorted(name for name in DOOR if not name.endswith("_c"))
-FOR_C = sorted({*DOOR} - {"flankload_status_text"})
+INTERFACE = procedures()
+FOR_FORTRAN = sorted(name for name in INTERFACE if not name.endswith("_c"))
+FOR_C = sorted({*INTERFACE} - {"flankload_status_text"})
 
 
 def test_every_procedure_was_found() -> None:
     text = "".join(path.read_text(encoding="utf-8") for path in FLAT)
-    assert len(DOOR) == len(re.findall(r"^subroutine", text, re.MULTILINE)) >= 9
+    assert len(INTERFACE) == len(re.findall(r"^subroutine", text, re.MULTILINE)) >= 9
 
 
 @pytest.mark.parametrize("name", FOR_FORTRAN)
@@ -66,14 +66,14 @@ def test_manners(name: str) -> None:
     assert len(name) <= 31
     assert name.startswith("flankload_")
     if name != "flankload_status_text":
-        assert DOOR[name][-1] == ("info", "integer", "out")
+        assert INTERFACE[name][-1] == ("info", "integer", "out")
 
 
 def prototype(name: str) -> str:
     """What stands in flankload.h for a procedure."""
     arguments = [
         f"{'const ' if intent == 'in' else ''}{C_TYPES[kind]} *{argument}"
-        for argument, kind, intent in DOOR[name]
+        for argument, kind, intent in INTERFACE[name]
     ]
     head = f"void\0{name}_("
     # an argument stays in one line
@@ -127,10 +127,10 @@ def test_the_interfaces_are_those_of_the_sources() -> None:
             rf"subroutine {name}\((.*?)\)$(.*?)end subroutine", statements, re.M | re.S
         )
         assert block is not None
-        assert block[1].split(", ") == [argument for argument, *_ in DOOR[name]]
+        assert block[1].split(", ") == [argument for argument, *_ in INTERFACE[name]]
         assert {
             found[3] for found in DECLARED.findall(block[2].replace("\n        ", "\n    "))
-        } == {argument for argument, *_ in DOOR[name]}
+        } == {argument for argument, *_ in INTERFACE[name]}
 
 
 def test_both_source_forms_read_the_interfaces() -> None:
@@ -142,14 +142,14 @@ def test_both_source_forms_read_the_interfaces() -> None:
         assert line.endswith("&") == following.startswith("     &")
 
 
-def test_the_module_shows_the_whole_door() -> None:
+def test_the_module_shows_the_whole_interface() -> None:
     text = (FORTRAN / "flankload.f90").read_text(encoding="utf-8")
     shown = [name for line in re.findall(r"public :: (.*)", text) for name in line.split(", ")]
     include = (FORTRAN / "flat" / "flankload.inc").read_text(encoding="ascii")
     numbers = re.findall(r"(fl_\w+)=", include)
     assert len(numbers) == 12 + len(PARTS)
-    door = [name for name in shown if name.startswith(("flankload_", "fl_"))]
-    assert sorted(door) == sorted([*FOR_FORTRAN, *numbers])
+    interface = [name for name in shown if name.startswith(("flankload_", "fl_"))]
+    assert sorted(interface) == sorted([*FOR_FORTRAN, *numbers])
 
 
 def named_numbers() -> tuple[dict[str, int], dict[str, int]]:
@@ -161,10 +161,10 @@ def named_numbers() -> tuple[dict[str, int], dict[str, int]]:
 
 
 def test_numbers_of_methods_structures_and_parts_agree() -> None:
-    from flankload.contact.problem import DEFINITE, DEFINITE_PART, GENERAL, RUNGS, SYMMETRIC
+    from flankload.contact.problem import DEFINITE, DEFINITE_PART, GENERAL, METHOD_NAMES, SYMMETRIC
 
     of_fortran, of_c = named_numbers()
-    names = {name.replace("single_pivoted", "pivoted"): n for n, name in RUNGS.items()}
+    names = {name.replace("single_pivoted", "pivoted"): n for n, name in METHOD_NAMES.items()}
     names |= {
         "general": GENERAL,
         "symmetric": SYMMETRIC,
@@ -271,7 +271,7 @@ def test_global_names_are_used_once() -> None:
     """Modules and external procedures share one space of names (Fortran 2008, 16.2)."""
     text = "\n".join(path.read_text(encoding="utf-8").lower() for path in SOURCES)
     modules = re.findall(r"^module (\w+)$", text, re.MULTILINE)
-    names = [*modules, *DOOR]
+    names = [*modules, *INTERFACE]
     assert len(modules) >= 70
     assert {name for name in names if names.count(name) > 1} == set()
     assert "volatile" not in text

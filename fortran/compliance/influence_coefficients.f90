@@ -3,9 +3,9 @@
 !> With the row lever b_i of the pair, K_ij = b_i a_ij is the displacement of both bodies at pair i
 !> along the normal under a unit normal force at pair j: the limit F -> 0 of the paper's
 !> construction (Fig. 5).
-module flankload_influence_number
+module flankload_influence_coefficients
     use flankload_kinds, only: wp
-    use flankload_compliance_field, only: compliance_type, mode_values
+    use flankload_compliance_field, only: compliance_type, last_of_site, mode_values
     use flankload_near_field, only: add_near_field
     use flankload_contact_pairs, only: pairs_type
     use flankload_lapack, only: set_product
@@ -15,7 +15,7 @@ module flankload_influence_number
     implicit none
     private
 
-    public :: influence_matrix, last_of_site, normal_influences, smooth_compliance
+    public :: influence_matrix, normal_influences, smooth_compliance
 
 contains
 
@@ -74,10 +74,12 @@ contains
         do while (load_first <= n)
             load_last = last_of_site(pairs%site(:n), load_first)
             call set_smooth(body_1, body_2, pairs, load_first, load_last, n, matrix)
-            call add_near_field(body_1, pairs%s_1(load_first:load_last), &
-                & pairs%cell_1(load_first:load_last), load_first, matrix)   ! Eqs. (5), (13)
-            call add_near_field(body_2, pairs%s_2(load_first:load_last), &
-                & pairs%cell_2(load_first:load_last), load_first, matrix)   ! Eqs. (6), (10)
+            associate (first => load_first, last => load_last)
+                call add_near_field(body_1, pairs%s_1(first:last), pairs%cell_1(first:last), &
+                    & matrix(first:last, first:last))   ! Eqs. (5), (13)
+                call add_near_field(body_2, pairs%s_2(first:last), pairs%cell_2(first:last), &
+                    & matrix(first:last, first:last))   ! Eqs. (6), (10)
+            end associate
             load_first = load_last + 1
         end do
     end subroutine set_by_modes
@@ -95,23 +97,17 @@ contains
         real(wp), contiguous, intent(out) :: matrix(:, :)
 
         integer :: i, j, first, last
-        real(wp) :: values(size(s), size(body%smooth, 1))
 
-        matrix = 0.0_wp
         if (allocated(body%nodes)) then
+            matrix = 0.0_wp
             call add_table(body, site, s, matrix)
         else
-            values = mode_values(body, s)
-            do j = 1, size(s)
-                do i = j, size(s)
-                    matrix(i, j) = dot_product(values(i, :), &
-                        & matmul(body%smooth(:, :, body%block(site(i), site(j))), values(j, :)))
-                end do
-            end do
+            matrix = smooth_compliance(body, site, s)
             first = 1
             do while (first <= size(s))
                 last = last_of_site(site, first)
-                call add_near_field(body, s(first:last), cell(first:last), first, matrix)
+                call add_near_field(body, s(first:last), cell(first:last), &
+                    & matrix(first:last, first:last))
                 first = last + 1
             end do
         end if
@@ -188,21 +184,6 @@ contains
         end do
     end subroutine displace_modes
 
-    !> Return the last of the adjacent pairs that share a site.
-    pure function last_of_site(site, k) result(at)
-        !> Site of each pair, shape (n)
-        integer, intent(in) :: site(:)
-        !> First pair of the site
-        integer, intent(in) :: k
-        integer :: at
-
-        at = k
-        do while (at < size(site))
-            if (site(at + 1) /= site(k)) exit
-            at = at + 1
-        end do
-    end function last_of_site
-
     !> Return the smooth part between single points, one per zone: S of lumped contact.
     pure function smooth_compliance(body, site, s) result(matrix)
         !> Compliance of the body
@@ -231,4 +212,4 @@ contains
         end do
     end function smooth_compliance
 
-end module flankload_influence_number
+end module flankload_influence_coefficients

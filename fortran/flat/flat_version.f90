@@ -1,4 +1,4 @@
-! The flat interface: external subroutines in double precision with explicit shapes, `info` last.
+! The flat interface: version, and self tests of the numbers of the caller.
 
 !> Return the version of the library.
 subroutine flankload_version(major, minor, patch, info)

@@ -1,23 +1,72 @@
-"""The commands mesh and compliance: write both bodies of a scene, with and without elements."""
+"""The commands scene, mesh and compliance: write a scene of a gearbox model, and its bodies."""
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING
+import sys
+import tomllib
+from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import check_apart, check_folder
+from flankload.cli.outputs import STDOUT, check_apart, check_outputs, refuse, write_text
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from argparse import Namespace
+    from collections.abc import Iterable
+    from pathlib import Path
 
     from flankload.scene import Scene
+
+
+def scene(arguments: Namespace) -> None:
+    """Read the model; write the scene of a stage and print what it lacks, or print the stages."""
+    from flankload.base.text_table import text_table
+    from flankload.exchange.rexs import Choices, read_model, scene_of_stage, stage_rows
+    from flankload.mechanisms.registry import mechanism_of
+
+    settings = _settings(arguments.settings)
+    if arguments.torque_Nm is not None:
+        settings["load.torque_Nm"] = arguments.torque_Nm
+    path: Path | None = arguments.output
+    printed = str(path) == STDOUT
+    check_apart(check_outputs([("-o", path)]), None, {"the model": arguments.file})
+    if path is None and arguments.stage is not None:
+        refuse("-o", "a file for the scene of the stage", "nothing")
+    model = read_model(arguments.file)
+    if path is None:
+        print("\n".join(text_table(stage_rows(model), left=5)))
+        return
+    choices = Choices(arguments.stage, arguments.load_case, arguments.flank, settings)
+    made = scene_of_stage(model, choices, file=None if printed else path)
+    try:
+        notes = mechanism_of(made.scene).describe(made.scene).notes
+    except SceneError as error:
+        raise error.with_file(arguments.file) from None
+    write_text(path, made.scene.to_toml())
+    stream = sys.stderr if printed else sys.stdout
+    if not printed:
+        print(f"{path}: {made.stage} of {arguments.file}")
+    for line in (*made.lines, *(f"warning: {note}" for note in notes)):
+        print(line, file=stream)
+
+
+def _settings(given: Iterable[str]) -> dict[str, Any]:
+    """Keys of a scene with their values, which are those of TOML or plain words."""
+    found: dict[str, Any] = {}
+    for text in given:
+        key, equals, value = text.partition("=")
+        if not (key and equals):
+            refuse("--set", "KEY=VALUE", text)
+        try:
+            found[key.strip()] = tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            found[key.strip()] = value.strip()
+    return found
 
 
 def mesh(arguments: Namespace) -> None:
     """Write the meshes of both bodies at position zero."""
     folder: Path = arguments.folder
-    check_folder("-o", folder, content="both meshes")
+    check_outputs([], [("-o", folder, "both meshes")])
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
@@ -43,25 +92,17 @@ def mesh(arguments: Namespace) -> None:
 def compliance(arguments: Namespace) -> None:
     """Write body_1.npz and body_2.npz; everything is computed before the first is written."""
     folder: Path = arguments.folder
-    check_folder("-o", folder, content="both files")
+    check_outputs([], [("-o", folder, "both files")])
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
     check_apart((("-o", folder / f"body_{z}.npz") for z in (1, 2)), scene)
     if not (scene.is_drive or scene.body_2.has_teeth):
-        raise SceneError(
-            file=scene.file,
-            key="body_2.kind",
-            expected="bodies with teeth: no scene could read the file of a cam",
-            found="'cam'",
-        )
+        expected = "bodies with teeth: no scene could read the file of a cam"
+        refuse("body_2.kind", expected, "'cam'", scene.file)
     if scene.effects.near_field == "nodes":
-        raise SceneError(
-            file=scene.file,
-            key="effects.near_field",
-            expected="'analytic': the files hold pressure modes",
-            found="'nodes'",
-        )
+        expected = "'analytic': the files hold pressure modes"
+        refuse("effects.near_field", expected, "'nodes'", scene.file)
     from flankload.scene.effects import require_plane
 
     require_plane(scene, "the files hold the compliance of plane bodies")

@@ -1,22 +1,22 @@
-"""A body whose bore follows a shaft that bends and twists: rigid sections along the axis.
+"""A body whose bore follows a shaft that bends and twists.
 
-The bore at z moves as a rigid section: displacements u and rotations t about x, y, z in the frame
-that turns with the helix, each a polynomial of degree q_b in z. In the modes
+Each section of the bore is rigid: its displacements u and rotations t about x, y, z, in the frame
+that rotates with the helix, are polynomials of degree q_b in z. In the modes
 
     v = sum over d of phi_d(z) (u_d + t_d x (x, y, 0)/R),  R the radius of the bore         (B1)
 
 the nodes of the bore have 6 (q_b + 1) unknowns a in the sector. Their columns K T are loads of the
-condensation like those of the flanks. K_shaft is a Timoshenko beam in the same functions (Galerkin)
-with the strains of the turning frame, D u = u' + kappa J u, J u = (-u_y, u_x, 0):
+condensation, like those of the flanks. K_shaft is a Timoshenko beam in the same functions
+(Galerkin) with the strains in the rotating frame, D u = u' + kappa J u, J u = (-u_y, u_x, 0):
 
     E A u_z'^2 + k G A ((D u)_x - t_y)^2 + k G A ((D u)_y + t_x)^2 + E I |D t|^2 + G I_p t_z'^2
 
                                                                                             (B2)
 
-Beyond each end the shaft may be thicker than the bore. It is then joined to the beam in the bore
-and to the end face of the body around it: its motion is the mean over both, weighted with the
-tractions of a round shaft (uniform under forces, linear under moments). Springs between it and the
-ground are what is left of the shaft and its bearings there.
+Beyond an end the shaft may be thicker than the bore. It is then connected to the beam in the bore
+and to the end face of the body: its motion is the mean over both, weighted with the tractions of a
+round shaft (uniform under forces, linear under moments). The rest of the shaft and its bearings are
+springs to the ground.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 from scipy.linalg import null_space
 
+from flankload.base.gauss import leggauss
 from flankload.elasticity.finite_elements import block_basis
 from flankload.elasticity.sector_closure import close_ring, turned_cuts
 
@@ -36,38 +36,39 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Complexes, Floats
     from flankload.bodies.body import SectorMesh
-    from flankload.bodies.shaft import CarryingShaft
+    from flankload.bodies.shaft import FlexibleShaft
     from flankload.elasticity.prism.axial_basis import AxialBasis, AxialFunctions
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
     from flankload.elasticity.sector_closure import CondensedSector
 
 #: Motions of a section: displacements and rotations about x, y, z.
 MOTIONS = 6
-#: Degree of the motions of the sections along z.
+#: Polynomial degree q_b of the motions of the sections along z.
 SECTION_DEGREE = 5
-#: Degree of the integration over end faces: elements that the shaft's circle cuts count by their
-#: points inside.
+#: Degree of the integration over end faces; elements across the circle of the shaft contribute by
+#: their points inside.
 FACE_DEGREE = 8
 
 
 @dataclass(frozen=True, eq=False)
-class CarriedBore:
-    """The bore of a sector whose sections follow a shaft.
+class FlexibleBore:
+    """The bore of a sector that follows a shaft.
 
     Attributes
     ----------
     columns : (N, 3 (p + 1), 6 (q_b + 1) + 12) array
-        K T: forces on the nodes of a sector when the sections of its bore move; by d, motion. Then
-        the loads on the end faces that unit forces and moments of the shaft beyond make there.
+        K T: forces on the nodes of a sector by motions of its bore (by d, motion). Then the loads
+        on the end faces by unit forces and moments of the shaft beyond.
     stiffness : (6 (q_b + 1), 6 (q_b + 1)) array
-        K_aa = T'K T: all nodes beside the bore at rest.
+        K_aa = T'K T, with all nodes except the bore fixed.
     beam : (6 (q_b + 1), 6 (q_b + 1)) array
-        K_shaft, the bearings in the bore included.
+        K_shaft, including the bearings in the bore.
     ends : (12, 6 (q_b + 1)) array
-        Part of a sector in the motions of the shaft beyond both ends, by the motions of its bore.
+        Contribution of a sector to the motions of the shaft beyond both ends, by motions of its
+        bore.
     """
 
-    shaft: CarryingShaft
+    shaft: FlexibleShaft
     teeth: int
     columns: Floats
     stiffness: Floats
@@ -77,13 +78,13 @@ class CarriedBore:
     @classmethod
     def of(
         cls,
-        shaft: CarryingShaft,
+        shaft: FlexibleShaft,
         section: SectionStiffness,
         functions: AxialFunctions,
         mesh: SectorMesh,
         twist: float,
         regions: Sequence[int] = (),
-    ) -> CarriedBore:
+    ) -> FlexibleBore:
         """The bore of a sector; `twist` is kappa, rad/mm, `regions` as in `section_stiffness`."""
         bases, of_node = functions.of_nodes(np.arange(len(mesh.nodes)))
         basis = bases[of_node[mesh.fixed_nodes[0]]]  # the bore belongs to one region
@@ -106,38 +107,55 @@ class CarriedBore:
         beam = beam_stiffness(shaft, basis, degree, twist)
         return cls(shaft, mesh.teeth, columns, stiffness, beam, np.concatenate(parts))
 
-    def close_ring(self, sector: CondensedSector) -> Floats:
-        """Response of all teeth of a closed ring to the loads on tooth 0.
+    def held_response(self, sector: CondensedSector) -> Floats:
+        """Response of all teeth of a closed ring to the loads on tooth 0 while the bore is held.
 
-        In harmonic k, with H the response to all loads while the bore is held, forces s of the
-        shaft beyond the ends and c their compliance,
-
-            [ W^H (K_aa - H_aa + K_shaft/z) W   B^H         ] [a]     [H_af]
-            [ B                                 -c/z - H_ss ] [s] = - [H_sf] f                  (B3)
-
-        and -H_fa a - H_fs s adds to H_ff f. u_z and t_z belong to harmonic 0; u_x, u_y, t_x and t_y
-        to 1 and -1, where sectors see (1, i) exp(i k pitch).
-
-        Parameters
-        ----------
-        sector : CondensedSector
-            Its loads are those of the flanks, then `columns`. Further kinds of readings read the
-            displacements under all of them.
-
-        Returns
-        -------
-        (z, r, p) array
-            As of `sector_closure.close_ring`.
+        Sector and result as in `close_ring`.
         """
-        size, loads = len(self.stiffness), sector.local[0].shape[1]
-        count = loads - size - len(self.ends)
+        count = self._flank_loads(sector)
         first, *others = sector.local
         flanks = replace(
             sector,
             local=(first[:count, :count], *(part[:, :count] for part in others)),
             carried=(sector.carried[0][:, :count], *sector.carried[1:]),
         )
-        response = close_ring(flanks, self.teeth)
+        return close_ring(flanks, self.teeth)
+
+    def _flank_loads(self, sector: CondensedSector) -> int:
+        """Number of loads on the flanks: those before `columns`."""
+        return sector.local[0].shape[1] - len(self.stiffness) - len(self.ends)
+
+    def close_ring(self, sector: CondensedSector, held: Floats | None = None) -> Floats:
+        """Response of all teeth of a closed ring to the loads on tooth 0.
+
+        In harmonic k, with the response H to all loads with a fixed bore, forces s of the shaft
+        beyond the ends and their compliance c,
+
+            [ W^H (K_aa - H_aa + K_shaft/z) W   B^H         ] [a]     [H_af]
+            [ B                                 -c/z - H_ss ] [s] = - [H_sf] f                  (B3)
+
+        and -H_fa a - H_fs s is added to H_ff f. u_z and t_z belong to harmonic 0; u_x, u_y, t_x and
+        t_y to 1 and -1, with (1, i) exp(i k pitch) in the frames of the sectors.
+
+        Parameters
+        ----------
+        sector : CondensedSector
+            Its loads are those of the flanks, then `columns`. Further kinds of readings read the
+            displacements under all of them.
+        held : (z, r, p) array, optional
+            Of `held_response`.
+
+        Returns
+        -------
+        (z, r, p) array
+            As of `sector_closure.close_ring`.
+        """
+        size, loads, count = (
+            len(self.stiffness),
+            sector.local[0].shape[1],
+            self._flank_loads(sector),
+        )
+        response = self.held_response(sector) if held is None else held.copy()
         read = np.append(np.arange(count), np.arange(loads, loads - count + response.shape[1]))
         angles = 2.0 * np.pi * np.arange(self.teeth) / self.teeth
         for k, weight in ((0, 1.0), (1, 2.0)):
@@ -161,26 +179,26 @@ class CarriedBore:
     def _motions(self, k: int) -> Complexes:
         """Motions of the sections in harmonic 0 or 1, as columns over those of a sector.
 
-        A shaft without axial bearings, which has no axial force, does not move axially in the mean;
-        it does not turn in the mean if the torque enters evenly.
+        The mean axial motion is 0 without axial bearings; the mean rotation is 0 if the torque
+        enters evenly.
         """
         identity = np.eye(len(self.stiffness) // MOTIONS)
         if k == 1:
-            return np.kron(identity, TURNING)
+            return np.kron(identity, LATERAL_MOTIONS)
         without_mean = null_space(identity[:1])
         along = identity if self.shaft.axially_held else without_mean
         turned = without_mean if self.shaft.torque_end == "even" else identity
         return np.hstack(
-            [np.kron(part, STRAIGHT[:, [j]]) for j, part in enumerate((along, turned))]
+            [np.kron(part, AXIAL_MOTIONS[:, [j]]) for j, part in enumerate((along, turned))]
         )
 
     def _springs(self, k: int) -> tuple[Complexes, Floats]:
         """Forces (12, n) of the shaft beyond the ends in a harmonic, and their compliances (n,).
 
-        A compliance of 0: the section where the torque enters does not turn.
+        The compliance is 0 for the rotation of the section at which the torque enters.
         """
         forces, compliances = [], []
-        own = TURNING if k == 1 else STRAIGHT
+        own = LATERAL_MOTIONS if k == 1 else AXIAL_MOTIONS
         scale = _scale(self.shaft.radius_mm)
         for end, (name, springs) in enumerate(zip(("I", "II"), self.shaft.beyond, strict=True)):
             stiffness = scale[:, None] * _round_spring(*springs) * scale
@@ -195,13 +213,13 @@ class CarriedBore:
         return np.hstack(forces), np.array(compliances)
 
 
-#: Motions of harmonic 0 (u_z, t_z) and of harmonic 1 (u and t that turn with the sectors).
-STRAIGHT = np.eye(MOTIONS, dtype=complex)[:, [2, 5]]
-TURNING = np.sqrt(0.5) * np.kron(np.eye(2), np.array([[1.0], [1.0j], [0.0]]))
+#: Motions of harmonic 0 (u_z, t_z) and of harmonic 1 (lateral u and t).
+AXIAL_MOTIONS = np.eye(MOTIONS, dtype=complex)[:, [2, 5]]
+LATERAL_MOTIONS = np.sqrt(0.5) * np.kron(np.eye(2), np.array([[1.0], [1.0j], [0.0]]))
 
 
 def _motions(places: Floats, radius_mm: float) -> Floats:
-    """Displacements (n, 3, 6) of places of a section under its motions; rotations times R."""
+    """Displacements (n, 3, 6) of points of a section under its motions; rotations times R."""
     found = np.zeros((len(places), 3, MOTIONS))
     found[:, [0, 1, 2], [0, 1, 2]] = 1.0
     x, y = (places / radius_mm).T
@@ -233,17 +251,17 @@ def _bore_columns(
 
 
 def _face_loads(
-    shaft: CarryingShaft,
+    shaft: FlexibleShaft,
     mesh: SectorMesh,
     motions: Floats,
     regions: Sequence[int],
     functions: AxialFunctions,
     end: int,
 ) -> tuple[Floats, Floats]:
-    """How the shaft beyond an end is joined to the end face around the bore, and to the beam.
+    """Connection of the shaft beyond an end to the end face around the bore, and to the beam.
 
     Loads (N, 3, 6) on the face of a sector by unit forces and moments (over R) of the shaft, and
-    the part (6,) of these on the beam in the bore.
+    the part (6,) of these that acts on the beam in the bore.
     """
     inner, bore, outer = shaft.inner_radius_mm, shaft.radius_mm, shaft.end_radii_mm[end]
     loads = np.zeros_like(motions)
@@ -267,16 +285,16 @@ def _face_loads(
     shares = np.repeat([by_force, by_moment], 3)
     whole = mesh.teeth * np.einsum("ncm,ncm->m", loads, motions)
     whole[[0, 1]], whole[[3, 4]] = whole[[0, 1]].mean(), whole[[3, 4]].mean()
-    if not whole.all():  # no face there
+    if not whole.all():  # no end face
         return np.zeros_like(motions), np.ones(MOTIONS)
     return loads * (1.0 - shares) / whole, shares
 
 
-def beam_stiffness(shaft: CarryingShaft, basis: AxialBasis, degree: int, twist: float) -> Floats:
-    """Beam in the bore, and the bearings there, Eq. (B2): (6 (q_b + 1), 6 (q_b + 1)).
+def beam_stiffness(shaft: FlexibleShaft, basis: AxialBasis, degree: int, twist: float) -> Floats:
+    """Stiffness of beam and bearings in the bore, Eq. (B2): (6 (q_b + 1), 6 (q_b + 1)), N/mm.
 
-    By d, motion; N/mm, rotations times R. `basis` are the functions of the bore over its width,
-    `degree` is q_b and `twist` kappa, rad/mm.
+    By d, motion; rotations times R. `basis`: functions over the width of the bore; `degree`: q_b;
+    `twist`: kappa, rad/mm.
     """
     push, bend, shear, turn = shaft.stiffness
     low, high = basis.range_mm
@@ -301,7 +319,7 @@ def beam_stiffness(shaft: CarryingShaft, basis: AxialBasis, degree: int, twist: 
 
 
 def _scale(radius_mm: float) -> Floats:
-    """Motions of a section per displacement and per rotation times R."""
+    """Factors from displacements and rotations times R to motions of a section."""
     return np.repeat([1.0, 1.0 / radius_mm], 3)
 
 
@@ -314,7 +332,7 @@ def _round_spring(axial: float, force: float, mixed: float, moment: float) -> Fl
 
 
 def _harmonic(sector: CondensedSector, teeth: int, k: int) -> Complexes:
-    """Response of harmonic k to all loads, with the bore held: all kinds of readings."""
+    """All readings of harmonic k under all loads, with a fixed bore."""
     pitch = 2.0 * np.pi / teeth
     (ll, lr, rl, rr), carried = turned_cuts(sector, pitch)
     shift = np.exp(1j * pitch * k)
