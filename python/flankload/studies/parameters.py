@@ -13,7 +13,7 @@ from flankload.bodies import SPLINE_ELEMENT_FACTOR
 from flankload.bodies.imported.compliance import ModalCompliance
 from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import bodies_of
-from flankload.mechanisms.flank_pair.notes import FEWER_DO
+from flankload.mechanisms.flank_pair.notes import ELEMENT_RESERVE
 from flankload.pairing.slices import SLICES as DEFAULT_SLICES
 from flankload.scene.axial import DEGREES_ABOVE_LOAD, degrees_of
 from flankload.scene.discretization import DEFAULT, default_grid, elements_for_modes
@@ -57,7 +57,7 @@ LOAD_DEGREES, SLICES_STEPS = (5, 6, 8, 10, 12), (40, 56, 80, 112, 160)
 FLANK_ELEMENTS = 9.0
 #: Elements with which a run begins, relative to the default, where modes set no requirement (cams):
 #: first order, so that the error is twice as large. Otherwise it begins with elements that
-#: just resolve the modes (`FEWER_DO`).
+#: just resolve the modes (`ELEMENT_RESERVE`).
 LONGEST_PART = 2.0
 #: From this number of modes on, more modes are not better on any elements.
 ANYWHERE = 4
@@ -267,7 +267,7 @@ def _coarse(values: Values, fixed: Mapping[str, str], flank_mm: float) -> Values
     if ELEMENTS in values and ELEMENTS not in fixed:
         length = values[ELEMENTS]
         if elements_for_modes(int(values[MODES])) * length <= flank_mm:
-            part = LONGEST_PART if flank_mm == inf else FEWER_DO
+            part = LONGEST_PART if flank_mm == inf else ELEMENT_RESERVE
             found[ELEMENTS] = _rounded(part * length)
     return found
 

@@ -134,13 +134,13 @@ def test_first_elements_are_coarse_and_resolve_the_modes(name: str) -> None:
     scene = fl.Scene.from_dict({**tree, "accuracy": {"tolerance": 0.01}})
     parameters = parameters_of(scene)
     values = first_choice(scene, parameters).values
-    part = LONGEST_PART if name == "cam" else FEWER_DO
+    part = LONGEST_PART if name == "cam" else ELEMENT_RESERVE
     assert values[ELEMENTS] == pytest.approx(part * parameters.values[ELEMENTS], rel=0.005, abs=0.0)
     assert values[STRIPS] == STRIPS_STEPS[0] < parameters.values[STRIPS]
     pair = build_bodies(first_scene(scene))
     for body in (pair.body_1, pair.body_2):
         assert body.mesh is not None
-        assert elements_for_modes(int(values[MODES])) <= FEWER_DO * body.mesh.flank_elements
+        assert elements_for_modes(int(values[MODES])) <= ELEMENT_RESERVE * body.mesh.flank_elements
 
 
 @pytest.mark.parametrize("keys", [{"modes": 8, "strips_per_half_width": 12.0}, {"estimate": False}])
