@@ -23,9 +23,13 @@ def pytest_configure() -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Leave thousands of collected tests out of every later search for garbage: 5 % of the time."""
+    """Leave thousands of collected tests out of every later search for garbage: 5 % of the time.
+
+    Fewer searches take half as long.
+    """
     gc.enable()
     gc.freeze()
+    gc.set_threshold(10_000, 20, 10)
     # Pictures are drawn as for users, with fewer pixels.
     style = sys.modules.get("flankload.plot.style")
     if style is not None:

@@ -154,22 +154,23 @@ def _pair_table(
         cell = x[1] - x[0]
         p = pressure[s] * np.sqrt(np.maximum(0.0, 1 - (x / half[s]) ** 2))
         place = centre + x[:, None] * tangent
-        for k in range(x.size):
-            gap = 0.0 if p[k] > 0 else 5.0 * (abs(x[k]) - half[s])
-            radius = float(np.hypot(*place[k]))
-            rows.append(
-                (
-                    SITES[s],
-                    radius,
-                    x[k],
-                    -x[k],
-                    *place[k],
-                    *normal,
-                    p[k] * cell * WIDTH,
-                    p[k],
+        gap = np.where(p > 0, 0.0, 5.0 * (np.abs(x) - half[s]))
+        ones = np.ones_like(x)
+        rows.append(
+            np.column_stack(
+                [
+                    SITES[s] * ones,
+                    np.hypot(*place.T),
+                    x,
+                    -x,
+                    place,
+                    ones[:, None] * normal,
+                    p * cell * WIDTH,
+                    p,
                     gap,
-                    cell,
-                )
+                    cell * ones,
+                ]
             )
-    columns = np.array(rows).reshape(-1, 12).T
+        )
+    columns = np.concatenate(rows or [np.empty((0, 12))]).T
     return PairTable(columns[0].astype(int), *columns[1:])

@@ -114,9 +114,9 @@ def layer_stiffness(nodes: np.ndarray, kind: str, cells: np.ndarray, height: flo
     moduli = np.diag([2 * mu] * 3 + [mu] * 3)
     moduli[:3, :3] += lam
     basis = block_basis(nodes, kind, cells, 5 if kind == "quad9" else 4)
-    value = np.stack([np.broadcast_to(np.asarray(s[0]), basis.dx.shape) for s in basis.basis])
-    slope = np.stack([s[0].grad for s in basis.basis])
-    k, elements, points = value.shape
+    slope = basis.slopes
+    k, _, elements, points = slope.shape
+    value = np.broadcast_to(basis.values[:, None], (k, elements, points))
     total = np.zeros((elements, 9 * k, 9 * k))
     x, weights = leggauss(3)
     along, change = lagrange(x)
@@ -159,8 +159,7 @@ class Solid:
         for kind, cells, shaft in self.section.groups:
             if shaft:
                 basis = block_basis(self.section.nodes, kind, cells, 4)
-                for local, shape in enumerate(basis.basis):
-                    value = np.broadcast_to(np.asarray(shape[0]), basis.dx.shape)
+                for local, value in enumerate(basis.values):
                     np.add.at(area, cells[:, local], (value * basis.dx).sum(axis=1))
         on = np.flatnonzero(area)
         at, found, weights = 3 * self.number[level, on], np.zeros(self.size), area[on]

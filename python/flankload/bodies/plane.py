@@ -22,7 +22,9 @@ def mirrored(places: Floats, axis_rad: float) -> Floats:
 
 def across(vectors: Floats) -> Floats:
     """Vectors (m, 2) rotated by a quarter turn counter-clockwise."""
-    return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)
+    found = np.empty_like(vectors)
+    found[:, 0], found[:, 1] = -vectors[:, 1], vectors[:, 0]
+    return found
 
 
 def line(start: Floats, direction: Floats) -> Place:

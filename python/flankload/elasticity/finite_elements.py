@@ -5,6 +5,8 @@ Shape functions and quadrature are those of scikit-fem; degrees of freedom are 2
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,8 +17,6 @@ from flankload.cost import Account
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from skfem import Basis
 
     from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
@@ -58,10 +58,11 @@ def stiffness(nodes: Floats, cells: Cells, material: Material, plane: str) -> cs
         blocks of both kinds may share nodes.
     plane : {"strain", "stress"}
     """
-    size = 2 * len(nodes)
-    total = csc_array((size, size))
-    for kind, connectivity in cells:
-        total = total + _block_stiffness(nodes, kind, connectivity, material, plane)
+    first, *others = (
+        _block_stiffness(nodes, kind, connectivity, material, plane) for kind, connectivity in cells
+    )
+    total = sum(others, start=first)
+    total.eliminate_zeros()
     return total
 
 
@@ -69,9 +70,8 @@ def _block_stiffness(
     nodes: Floats, kind: str, connectivity: Numbers, material: Material, plane: str
 ) -> csc_array:
     basis = block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE[kind])
-    gradients = np.stack([shape[0].grad for shape in basis.basis])  # (k, 2, E, points)
-    shapes, _, elements, points = gradients.shape
-    each = gradients.transpose(2, 0, 1, 3).reshape(elements, 2 * shapes, points)
+    shapes, _, elements, points = basis.slopes.shape
+    each = basis.slopes.transpose(2, 0, 1, 3).reshape(elements, 2 * shapes, points)
     # [e, a, i, b, j]: integral of dN_a/dx_i dN_b/dx_j over element e
     products = ((each * basis.dx[:, None]) @ each.transpose(0, 2, 1)).reshape(
         elements, shapes, 2, shapes, 2
@@ -143,26 +143,69 @@ def centrifugal_load(nodes: Floats, cells: Cells, *, lumped: bool = False) -> Fl
             np.add.at(loads, corners, each[:, None])
             continue
         basis = block_basis(nodes, kind, connectivity, LOAD_DEGREE)
-        force = basis.dx * np.asarray(basis.global_coordinates())  # (2, E, points)
-        for shape, node in zip(basis.basis, connectivity.T, strict=True):
-            np.add.at(loads, node, (force * shape[0]).sum(axis=2).T)
+        force = basis.dx * basis.places  # (2, E, points)
+        for value, node in zip(basis.values, connectivity.T, strict=True):
+            np.add.at(loads, node, (force * value).sum(axis=2).T)
     return loads.ravel()
 
 
-def block_basis(nodes: Floats, kind: str, connectivity: Numbers, degree: int) -> Basis:
-    """Basis of a block in scikit-fem; shape function k of an element belongs to its node k."""
-    import skfem
+@dataclass(frozen=True, eq=False)
+class BlockBasis:
+    """Shape functions of a block of elements at its quadrature points.
 
-    mesh_type, element = {
-        "quad9": (skfem.MeshQuad2, skfem.ElementQuad2()),
-        "triangle6": (skfem.MeshTri2, skfem.ElementTriP2()),
-        "quad4": (skfem.MeshQuad, skfem.ElementQuad1()),
-        "triangle3": (skfem.MeshTri, skfem.ElementTriP1()),
-    }[kind]
-    used, local = np.unique(connectivity, return_inverse=True)
-    places = local.reshape(connectivity.shape).T.copy()
-    mesh = mesh_type(nodes[used].T.copy(), places, sort_t=False)
-    return skfem.Basis(mesh, element, intorder=degree)
+    Attributes
+    ----------
+    values : (k, g) array
+        Shape k, which belongs to node k of each element, at point g.
+    slopes : (k, 2, E, g) array
+        Its gradient in element e, 1/mm.
+    places : (2, E, g) array
+        The points, mm.
+    dx : (E, g) array
+        Weights of the points, mm².
+    """
+
+    values: Floats
+    slopes: Floats
+    places: Floats
+    dx: Floats
+
+
+def block_basis(nodes: Floats, kind: str, connectivity: Numbers, degree: int) -> BlockBasis:
+    """Isoparametric elements with a quadrature that is exact to a degree; kinds of `stiffness`."""
+    values, slopes, weights = _reference(kind, degree)
+    shape = (2, len(connectivity), len(weights))
+    places, jacobian = np.zeros(shape), np.zeros((2, *shape))  # dx_i/dX_j: [j, i]
+    for value, slope, node in zip(values, slopes, connectivity.T, strict=True):
+        place = nodes[node].T[:, :, None]
+        places += place * value
+        jacobian += place * slope[:, None, None]
+    (xx, yx), (xy, yy) = jacobian
+    area = xx * yy - xy * yx
+    inverse = np.array([[yy, -xy], [-yx, xx]]) / area
+    gradients = slopes[:, 0, None, None] * inverse[0] + slopes[:, 1, None, None] * inverse[1]
+    return BlockBasis(values, gradients, places, np.abs(area) * weights)
+
+
+@cache
+def _reference(kind: str, degree: int) -> tuple[Floats, Floats, Floats]:
+    """scikit-fem's shape functions (k, g) at its quadrature points, slopes (k, 2, g), weights (g,).
+
+    On its element of reference.
+    """
+    import skfem
+    from skfem.quadrature import get_quadrature
+
+    element = {
+        "quad9": skfem.ElementQuad2,
+        "triangle6": skfem.ElementTriP2,
+        "quad4": skfem.ElementQuad1,
+        "triangle3": skfem.ElementTriP1,
+    }[kind]()
+    points, weights = get_quadrature(element.refdom, degree)
+    each = [element.lbasis(points, k) for k in range(len(element.doflocs))]
+    values, slopes = (np.stack(part) for part in zip(*each, strict=True))
+    return values, slopes, weights
 
 
 def degrees_of(nodes: Numbers) -> Numbers:

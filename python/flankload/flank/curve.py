@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flankload.base.arrays import Floats
+from flankload.base.rotation import lengths_of
 
 #: Largest gap (relative to the length) and angle (rad) between the ends of a closed curve.
 CLOSURE_GAP, CLOSURE_ANGLE = 1e-9, 1e-6
@@ -69,9 +70,7 @@ class FlankCurve:
     def _by_arc_length(self, s: ArrayLike, order: int) -> list[Floats]:
         """Point and its derivatives up to an order, each (m, 2), by Horner's rule."""
         places = np.atleast_1d(np.asarray(s, dtype=float))
-        interval = np.clip(
-            np.searchsorted(self.breaks, places, side="right") - 1, 0, len(self.labels) - 1
-        )
+        interval = np.searchsorted(self.breaks[1:-1], places, side="right")
         x = (places - self.breaks[interval])[:, None]
         c = self.coefficients[interval]
         values = [c[:, :, -1].copy(), *(np.zeros((x.size, 2)) for _ in range(order))]
@@ -88,7 +87,7 @@ class FlankCurve:
     def tangent(self, s: ArrayLike) -> Floats:
         """Unit tangents towards the tip at arc lengths s (m,): (m, 2)."""
         first = self._by_arc_length(s, 1)[1]
-        return first / np.linalg.norm(first, axis=1, keepdims=True)
+        return first / lengths_of(first)[:, None]
 
     def normal(self, s: ArrayLike) -> Floats:
         """Outward unit normals at arc lengths s (m,): (m, 2)."""
@@ -98,7 +97,7 @@ class FlankCurve:
     def curvature(self, s: ArrayLike) -> Floats:
         """Curvature at arc lengths s (m,), 1/mm; positive where the flank is convex."""
         _, first, second = self.derivatives(s)
-        speed = np.linalg.norm(first, axis=1)
+        speed = lengths_of(first)
         return (first[:, 1] * second[:, 0] - first[:, 0] * second[:, 1]) / speed**3
 
     def rotated(self, angle: float) -> FlankCurve:
@@ -182,4 +181,4 @@ class FlankCurve:
             s = new
             if done:
                 break
-        return s, np.linalg.norm(self.point(s) - wanted, axis=1)
+        return s, lengths_of(self.point(s) - wanted)

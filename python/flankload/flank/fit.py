@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from flankload.base.arrays import Floats
+from flankload.base.rotation import lengths_of
 from flankload.flank.curve import FlankCurve
 
 #: u (m,) -> point, first and second derivative with respect to u, each (m, 2).
@@ -126,7 +127,7 @@ def fit_tolerance_mm(pieces: Sequence[CurvePiece]) -> float:
         lengths, (end, _, _) = _lengths_and_ends(piece, _intervals(piece))
         start, _, _ = piece.place(np.array([piece.u_start]))
         length += float(lengths.sum())
-        far = max(far, float(np.linalg.norm(np.concatenate([start, end]), axis=1).max()))
+        far = max(far, float(lengths_of(np.concatenate([start, end])).max()))
     return max(FIT_TOLERANCE * length, ROUNDING_LIMIT * far)
 
 
@@ -203,7 +204,7 @@ def _lengths_and_ends(
     half = 0.5 * (ends[:, 1] - ends[:, 0])
     u = ends.mean(axis=1)[:, None] + half[:, None] * _GAUSS_POINTS
     places = piece.place(np.concatenate([u.ravel(), ends[:, 1]]))
-    speed = np.linalg.norm(places[1][: u.size], axis=1).reshape(u.shape)
+    speed = lengths_of(places[1][: u.size]).reshape(u.shape)
     point, first, second = (part[u.size :] for part in places)
     return np.abs(half) * (speed @ _GAUSS_WEIGHTS), (point, first, second)
 
@@ -212,7 +213,7 @@ def _hermite(piece: CurvePiece, ends: Floats, lengths: Floats) -> Floats:
     """Quintics (m, 2, 6) in arc length that match points, tangents and curvatures of the ends."""
     sign = 1.0 if piece.u_end > piece.u_start else -1.0
     point, first, second = piece.place(ends.T.ravel())
-    speed = np.linalg.norm(first, axis=1, keepdims=True)
+    speed = lengths_of(first)[:, None]
     tangent = first / speed
     along = (second * tangent).sum(axis=1, keepdims=True)
     bent = (second - along * tangent) / speed**2
@@ -265,7 +266,7 @@ def _deviations(piece: CurvePiece, ends: Floats, lengths: Floats, coefficients: 
     u = starts + span * np.tile(_CHECKED_PARTS, len(ends))
     for _ in range(30):
         found, (point, first, second) = _lengths_and_ends(piece, np.stack([starts, u], axis=1))
-        speed = np.linalg.norm(first, axis=1)
+        speed = lengths_of(first)
         step = np.sign(span) * (wanted - found) / speed
         if (np.abs(step) <= _LAST_STEP * np.abs(span)).all():
             break
@@ -276,5 +277,5 @@ def _deviations(piece: CurvePiece, ends: Floats, lengths: Floats, coefficients: 
     exact = point + step[:, None] * first + 0.5 * step[:, None] ** 2 * bend
     powers = wanted.reshape(len(ends), -1, 1) ** np.arange(DEGREE + 1)
     fitted = np.einsum("mck,mpk->mpc", coefficients, powers)
-    worst: Floats = np.linalg.norm(fitted - exact.reshape(fitted.shape), axis=2).max(axis=1)
+    worst: Floats = lengths_of(fitted - exact.reshape(fitted.shape)).max(axis=1)
     return worst

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.rotation import lengths_of
+
 if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Floats, Numbers
 
@@ -106,7 +108,7 @@ def scaled_jacobians(nodes: Floats, kind: str, data: Numbers) -> Floats:
     """
     along_x, along_y = _tangents(nodes, kind, data)
     area = along_x[..., 0] * along_y[..., 1] - along_x[..., 1] * along_y[..., 0]
-    lengths = [np.linalg.norm(along, axis=-1) for along in (along_x, along_y)]
+    lengths = [lengths_of(along) for along in (along_x, along_y)]
     if kind == "triangle6":
         # sines at all three corners, scaled to the equilateral triangle
         lengths.append(np.linalg.norm(along_x - along_y, axis=-1))

@@ -102,12 +102,13 @@ def report_html(
     """
     scene = scene_of(scene)
     name = "SCENE" if scene.file is None else scene.file.name
+    template = _template()
     content = {
         "line": line or f"flankload report {name} -o report.html",
         "day": (day or date.today()).isoformat(),
         **_content(_by_torque(results), scene),
     }
-    return str(_template().render(content))
+    return str(template.render(content))
 
 
 def _by_torque(results: Result | Sequence[Result]) -> tuple[Result, ...]:

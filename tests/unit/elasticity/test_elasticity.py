@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import skfem
 from scipy.sparse.linalg import spsolve
 
 from flankload.cost import Account
 from flankload.elasticity import finite_elements as elasticity
-from flankload.elasticity.finite_elements import condensed, degrees_of, stiffness
+from flankload.elasticity.finite_elements import (
+    block_basis,
+    condensed,
+    degrees_of,
+    stiffness,
+)
 from flankload.meshes.plane_mesh import boundary_edges
 from tests.support.plane_sectors import STEEL, ring_sector
 from tests.support.tolerances import ROUND_OFF, SOLVER
@@ -31,6 +37,34 @@ def _triangles() -> tuple[np.ndarray, np.ndarray]:
             numbers.append(middles[key])
         cells.append([a, b, c, *numbers])
     return np.array(nodes), np.array(cells)
+
+
+@pytest.mark.parametrize("kind", ["quad9", "triangle6", "quad4", "triangle3"])
+def test_shape_functions_at_their_points_are_those_of_scikit_fem(kind: str) -> None:
+    nodes, cells = _triangles() if kind.startswith("tri") else (SECTOR.nodes, SECTOR.cells[0][1])
+    mesh_type, element = {
+        "quad9": (skfem.MeshQuad2, skfem.ElementQuad2()),
+        "triangle6": (skfem.MeshTri2, skfem.ElementTriP2()),
+        "quad4": (skfem.MeshQuad, skfem.ElementQuad1()),
+        "triangle3": (skfem.MeshTri, skfem.ElementTriP1()),
+    }[kind]
+    rng = np.random.default_rng(31)
+    cells = cells[:, : int(kind[-1])]
+    used, local = np.unique(cells, return_inverse=True)
+    nodes = nodes + 0.02 * np.ptp(nodes[cells], axis=1).min() * rng.normal(size=nodes.shape)
+    mesh = mesh_type(nodes[used].T.copy(), local.reshape(cells.shape).T.copy(), sort_t=False)
+    theirs = skfem.Basis(mesh, element, intorder=4)
+    ours = block_basis(nodes, kind, cells, 4)
+    for k, (shape,) in enumerate(theirs.basis):
+        np.testing.assert_allclose(
+            np.broadcast_to(ours.values[k], ours.dx.shape), shape, rtol=0, atol=ROUND_OFF
+        )
+        scale = np.abs(shape.grad).max()
+        np.testing.assert_allclose(ours.slopes[k], shape.grad, rtol=0, atol=ROUND_OFF * scale)
+    np.testing.assert_allclose(ours.dx, theirs.dx, rtol=ROUND_OFF, atol=0)
+    np.testing.assert_allclose(
+        ours.places, theirs.global_coordinates(), rtol=0, atol=ROUND_OFF * np.abs(nodes).max()
+    )
 
 
 @pytest.mark.parametrize("plane", ["strain", "stress"])

@@ -6,12 +6,9 @@ The elements are bisected recursively; the nodes that both halves share are elim
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from flankload.base.rotation import directions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,9 +17,8 @@ if TYPE_CHECKING:
 
 #: Largest number of nodes of a part that is not bisected.
 LEAF = 12
-#: Directions of the lines that are tried to bisect a part: normals (2, n) of the lines.
+#: Number of directions that are tried for the bisection of a part.
 DIRECTIONS = 8
-TURNS = directions(np.linspace(0.0, np.pi, DIRECTIONS, endpoint=False)).T
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,10 +64,10 @@ def dissect(
     parts: list[tuple[int, ...]] = []
 
     def split(element: Numbers, node: Numbers) -> int:
-        """Number of the last front of these pairs of element and node."""
-        own, below = np.unique(node), []
+        """Number of the front that eliminates the last nodes of these pairs."""
+        own, below = np.flatnonzero(_among(node, inner.size)), []
         if own.size > LEAF:
-            own, halves = _bisected(element, node, middles)
+            own, halves = _bisected(element, node, middles, inner.size)
             below = [split(element[half], node[half]) for half in halves if half.any()]
         owns.append(own)
         parts.append(tuple(below))
@@ -82,11 +78,11 @@ def dissect(
     order = np.concatenate(owns)
     position[order] = np.arange(order.size)
     position[kept] = order.size + np.arange(kept.size)
-    beside = _neighbours(element, node, inner.size)
     fronts: list[Front] = []
     for own, below in zip(owns, parts, strict=True):
-        touched = [*(beside[each] for each in own.tolist()), *(fronts[part].rest for part in below)]
-        rest = np.unique(np.concatenate(touched)) if touched else own
+        touched = _among(element[_among(own, inner.size)[node]], sizes.size)
+        beside = [node[touched[element]], *(fronts[part].rest for part in below)]
+        rest = np.flatnonzero(_among(np.concatenate(beside), inner.size))
         rest = rest[position[rest] > position[own].max(initial=-1)]
         rest = rest[np.argsort(position[rest])]
         carries = loaded[own].any() or any(fronts[part].loaded for part in below)
@@ -94,35 +90,29 @@ def dissect(
     return fronts, position
 
 
-def _neighbours(element: Numbers, node: Numbers, count: int) -> list[Numbers]:
-    """Nodes of the elements of each node, from pairs of both, element by element."""
-    order = np.argsort(node, kind="stable")
-    first = np.searchsorted(node[order], np.arange(count + 1)).tolist()
-    of_node = element[order]
-    ends = np.searchsorted(element, np.arange(element.max(initial=-1) + 2)).tolist()
-    nodes_of = [node[one:two] for one, two in pairwise(ends)]
-    return [
-        np.concatenate([nodes_of[each] for each in of_node[one:two].tolist()])
-        if two > one
-        else node[:0]
-        for one, two in pairwise(first)
-    ]
+def _among(numbers: Numbers, count: int) -> Flags:
+    """Flags (count,) of the numbers that occur, from 0."""
+    found = np.zeros(count, dtype=bool)
+    found[numbers] = True
+    return found
 
 
-def _bisected(element: Numbers, node: Numbers, middles: Floats) -> tuple[Numbers, list[Flags]]:
+def _bisected(
+    element: Numbers, node: Numbers, middles: Floats, nodes: int
+) -> tuple[Numbers, list[Flags]]:
     """Nodes that both halves share, and the pairs of each half without them.
 
-    The best of some directions: the fewest nodes.
+    Of some directions, the one with the fewest nodes; `nodes` is their number in the mesh.
     """
-    nodes, at = np.unique(node, return_inverse=True)
-    elements, of_element = np.unique(element, return_inverse=True)
-    along = middles[elements] @ TURNS
-    ahead = (along > np.median(along, axis=0))[of_element]
-    shared = np.zeros((2, nodes.size, DIRECTIONS), dtype=bool)
-    for half, part in enumerate((ahead, ~ahead)):
-        pair, direction = np.nonzero(part)
-        shared[half, at[pair], direction] = True
-    both = shared[0] & shared[1]
-    best = int(np.argmin(both.sum(axis=0)))
-    free = ~both[at, best]
-    return nodes[both[:, best]], [ahead[:, best] & free, ~ahead[:, best] & free]
+    elements = np.flatnonzero(_among(element, len(middles)))
+    best: tuple[Numbers, list[Flags]] | None = None
+    for turn in np.arange(DIRECTIONS) * (np.pi / DIRECTIONS):
+        along = middles @ [np.cos(turn), np.sin(turn)]
+        ahead = along[element] > np.median(along[elements])
+        shared = _among(node[ahead], nodes) & _among(node[~ahead], nodes)
+        own = np.flatnonzero(shared)
+        if best is None or own.size < best[0].size:
+            free = ~shared[node]
+            best = own, [ahead & free, ~ahead & free]
+    assert best is not None
+    return best

@@ -272,12 +272,11 @@ def _face_loads(
         if bases[number].range_mm[end] != shaft.range_mm[end]:
             continue
         basis = block_basis(mesh.nodes, kind, cells, FACE_DEGREE)
-        x, y = np.asarray(basis.global_coordinates())
+        x, y = basis.places
         points = np.column_stack([x.ravel(), y.ravel()])
         traction = _motions(points, bore).reshape(*x.shape, 3, MOTIONS)
         area = np.where(np.hypot(x, y) <= outer, basis.dx, 0.0)
-        for local, shape in enumerate(basis.basis):
-            value = np.broadcast_to(np.asarray(shape[0]), area.shape)
+        for local, value in enumerate(basis.values):
             part = np.einsum("eg,egcm->ecm", value * area, traction)
             np.add.at(loads, cells[:, local], part)
     by_force = (bore**2 - inner**2) / (outer**2 - inner**2)

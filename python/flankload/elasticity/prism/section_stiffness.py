@@ -81,12 +81,11 @@ def _element_blocks(
 ) -> Floats:
     """Blocks (E k k, 4, 3, 3) of all pairs of nodes of each element."""
     basis = block_basis(nodes, kind, connectivity, SECTION_DEGREE)
-    value = np.stack([np.broadcast_to(np.asarray(s[0]), basis.dx.shape) for s in basis.basis])
-    slope = np.stack([s[0].grad for s in basis.basis])  # (k, 2, E, g)
-    dx, dy = slope[:, 0], slope[:, 1]
-    x, y = np.asarray(basis.global_coordinates())
+    dx, dy = basis.slopes[:, 0], basis.slopes[:, 1]
+    x, y = basis.places
     turned = twist * (y * dx - x * dy)
-    k, elements, points = value.shape
+    k, elements, points = dx.shape
+    value = np.broadcast_to(basis.values[:, None], dx.shape)
     own = np.zeros((2, 6, k, 3, elements, points))  # P and Q: strain, shape, component
     p, q = own
     p[0, :, 0] = p[3, :, 1] = p[4, :, 2] = dx
