@@ -13,6 +13,7 @@ from flankload.bodies import SPLINE_ELEMENT_FACTOR
 from flankload.bodies.imported.compliance import ModalCompliance
 from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import bodies_of
+from flankload.mechanisms.flank_pair.notes import ELEMENT_RESERVE
 from flankload.pairing.slices import SLICES as DEFAULT_SLICES
 from flankload.scene.axial import DEGREES_ABOVE_LOAD, degrees_of
 from flankload.scene.discretization import DEFAULT, default_grid, elements_for_modes
@@ -48,22 +49,30 @@ LEAST_MODES, MOST_MODES = 3, 12
 #: half the length takes four times the work, so the last halving is reserved for tolerances below
 #: FINE.
 STEPS, LEAST_PART, FINEST_PART, FINE = 4, 0.2, 0.125, 1e-3
-STRIPS_STEPS = (14.0, 20.0, 28.0, 40.0, 56.0, 80.0)
+#: Even numbers: odd ones hide their error from a comparison with half as many, since cells then
+#: change places beside the middle of a contact.
+STRIPS_STEPS = (8.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0)
 LOAD_DEGREES, SLICES_STEPS = (5, 6, 8, 10, 12), (40, 56, 80, 112, 160)
 #: Elements of the default length on a flank of usual height, which is two modules of a gear.
 FLANK_ELEMENTS = 9.0
+#: Elements with which a run begins, relative to the default, where modes set no requirement (cams):
+#: first order, so that the error is twice as large. Otherwise it begins with elements that
+#: just resolve the modes (`ELEMENT_RESERVE`).
+LONGEST_PART = 2.0
 #: From this number of modes on, more modes are not better on any elements.
 ANYWHERE = 4
 #: Orders of the errors in the parameters. Elements: second order in displacements; polynomials of
 #: degree n change within 1/n² of the ends of a flank. Modes: energy of loads beside a tip, where
 #: the compliance increases logarithmically. Cells: pressure is linear on each.
-FLANK_POWERS: Mapping[str, Powers] = {
+FLANK_POWERS: dict[str, Powers] = {
     "elements": {ELEMENTS: 2.0, MODES: 4.0},
     "modes": {MODES: -3.0},
     "strips": {STRIPS: -2.0},
     "axial": {LOAD_DEGREE: -2.0},
     "slices": {SLICES: -1.5},
 }
+#: Elements of cams: half the length left 0.3 to 0.9 of the estimated error (4 cams).
+CAM_POWERS: Mapping[str, Powers] = FLANK_POWERS | {"elements": {ELEMENTS: 1.0}}
 #: Near the re-entrant corners of a belt's teeth errors decrease to 0.6 when lengths are halved.
 BELT_POWERS: Mapping[str, Powers] = {"elements": {ELEMENTS: 0.75}}
 #: Orders of the work in the parameters: elements, and states.
@@ -106,6 +115,8 @@ class Parameters:
     always_slow : bool
         Whether it is added in every case.
     has_pressures : bool
+    first : dict of str to float
+        Coarser values of open parameters, with which the first run begins.
     """
 
     values: Values
@@ -118,14 +129,7 @@ class Parameters:
     slow: str = CORNERS
     always_slow: bool = False
     has_pressures: bool = True
-
-    @property
-    def open_sources(self) -> set[str]:
-        """Error sources that can be reduced."""
-        return {of for name, of in SOURCES.items() if name in self.steps or self._adapts(name)}
-
-    def _adapts(self, name: str) -> bool:
-        return name == "positions" and name not in self.fixed
+    first: Values = field(default_factory=dict)
 
     def finer(self, values: Values, source: str) -> Values | None:
         """The next step of the parameter that controls an error source.
@@ -247,11 +251,25 @@ def _of_flanks(scene: Scene) -> Parameters:
         values,
         fixed,
         {name: finer for name, finer in steps.items() if name not in fixed},
-        FLANK_POWERS,
+        CAM_POWERS if cam else FLANK_POWERS,
         explicit=() if MODES in fixed else (MODES,),
         flank_mm=flank_mm,
         ends={} if most >= MOST_MODES else {MODES: FEW_MODES},
+        first=_coarse(values, fixed, flank_mm),
     )
+
+
+def _coarse(values: Values, fixed: Mapping[str, str], flank_mm: float) -> Values:
+    """Coarser values of open parameters: fewest strips, longest elements that resolve the modes."""
+    found: Values = {}
+    if STRIPS in values and STRIPS not in fixed:
+        found[STRIPS] = min(values[STRIPS], STRIPS_STEPS[0])
+    if ELEMENTS in values and ELEMENTS not in fixed:
+        length = values[ELEMENTS]
+        if elements_for_modes(int(values[MODES])) * length <= flank_mm:
+            part = LONGEST_PART if flank_mm == inf else ELEMENT_RESERVE
+            found[ELEMENTS] = _rounded(part * length)
+    return found
 
 
 def _add_axial(scene: Scene, values: Values, steps: dict[str, tuple[float, ...]]) -> None:
@@ -284,9 +302,9 @@ def _named(scene: Scene) -> dict[str, str]:
 
 
 def _lengths(scene: Scene, default_mm: float) -> tuple[float, ...]:
-    """Element lengths, each half of the fourth one before it."""
+    """Element lengths from `LONGEST_PART` on, each half of the fourth one before it."""
     least = FINEST_PART if scene.accuracy.tolerance < FINE else LEAST_PART
-    parts = [2.0 ** (-step / STEPS) for step in range(1, 4 * STEPS)]
+    parts = [2.0 ** (-step / STEPS) for step in range(-STEPS, 4 * STEPS)]
     return tuple(_rounded(part * default_mm) for part in parts if part >= least)
 
 

@@ -41,7 +41,7 @@ class Prepared:
         are kept for later calls, up to 64. The result has the same bits as
         `solve(scene.replace(changes))`, but for its cost: a compliance that is reused costs
         nothing, and its stage is missing. Belts and chains are solved anew, and so are scenes with
-        `accuracy.tolerance`, whose discretization depends on what elements cost.
+        `accuracy.tolerance`, whose runs reuse elements of each other only.
 
         Parameters
         ----------

@@ -1,9 +1,8 @@
 """Tolerance control: choice of the discretization of a scene with `accuracy.tolerance`.
 
-The first run uses the default discretization. Its error estimate contains the error of each
-quantity from each source; if it exceeds the tolerance the parameters are refined according to the
-known orders of convergence (`parameters`) and the scene is run again. The verdict is based on the
-last run's own estimate.
+The first run is coarse. Its error estimate contains the error of each quantity from each source; if
+it exceeds the tolerance the parameters are refined according to the known orders of convergence
+(`parameters`) and the scene is run again. The verdict is based on the last run's own estimate.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ from flankload.studies.tolerance_report import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, MutableMapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, MutableMapping, Sequence
 
     from flankload.elasticity.compliance.body_compliance import BodyCompliance
     from flankload.result import Result
@@ -44,23 +43,18 @@ if TYPE_CHECKING:
     Errors = dict[str, float]
     Table = dict[str, Errors]
 
-#: Largest number of runs.
+#: Largest number of runs: coarse, refined, and again with the elements of the refined one.
 MOST_RUNS = 3
 #: Target of a refinement, as part of the tolerance: orders of convergence are asymptotic.
 AIM = 0.9
-#: Sources whose error is below this part of the target are not refined.
-SMALL_PART = 0.4
 #: A quantity that cannot meet the tolerance is refined up to this multiple of the work for all
-#: others; a run for that alone must reduce the error from parameters to this part.
-PATIENCE, MUCH_NEARER = 4.0, 0.7
-#: Number of adaptive positions per pitch in the first round. Their uncertainty of harmonics and
-#: peak to peak, as parts of these, may be DOUBT tolerances, since the tolerance applies to parts of
-#: the whole; within limits. Refined ones have a target of POSITIONS_AIM tolerances: a smaller one
-#: costs more.
-POSITIONS, DOUBT, LEAST_DOUBT, MOST_DOUBT = 16, 3.0, 3e-4, 0.03
-POSITIONS_AIM, FINEST_DOUBT = 0.4, 1e-5
-#: Largest number of adaptive positions per pitch in the first round.
-MOST_POSITIONS = 128
+#: others, or of the default: half the length of the elements.
+PATIENCE = 4.0
+#: Number of adaptive positions per pitch in the first round, and the largest one.
+POSITIONS, MOST_POSITIONS = 16, 128
+#: Their uncertainty of harmonics and peak to peak, as parts of these: in tolerances, since a
+#: tolerance applies to parts of the whole; within a range in which curves have no coarser error.
+DOUBT, LEAST_DOUBT, MOST_DOUBT = 3.0, 1e-5, 0.03
 
 
 class Run(Protocol):
@@ -71,12 +65,16 @@ class Run(Protocol):
 
 
 def first_choice(scene: Scene, parameters: Parameters) -> Choice:
-    """Initial choice for a scene: the default, and adaptive positions if none are named."""
+    """Initial choice for a scene: coarse, with adaptive positions if none are named.
+
+    Without an error estimate no run can follow, so the choice is the default.
+    """
     positions = NamedDiscretization()
     if "positions" not in parameters.fixed:
         doubt = float(np.clip(DOUBT * scene.accuracy.tolerance, LEAST_DOUBT, MOST_DOUBT))
         positions = NamedDiscretization(count=POSITIONS, adaptive=doubt)
-    return Choice(parameters.values, positions)
+    coarse = parameters.first if scene.accuracy.estimate else {}
+    return Choice({**parameters.values, **coarse}, positions)
 
 
 def first_discretization(scene: Scene) -> NamedDiscretization:
@@ -84,10 +82,9 @@ def first_discretization(scene: Scene) -> NamedDiscretization:
     if not scene.names_tolerance:
         return NamedDiscretization()
     parameters = parameters_of(scene)
-    default: dict[str, Any] = {
-        name: x for name, x in parameters.values.items() if name in parameters.steps
-    }
-    return replace(first_choice(scene, parameters).positions, **default)
+    choice = first_choice(scene, parameters)
+    named: dict[str, Any] = {n: x for n, x in choice.values.items() if n in parameters.steps}
+    return replace(choice.positions, **named)
 
 
 def first_scene(scene: Scene) -> Scene:
@@ -159,24 +156,28 @@ def choose_discretization(
     None if the tolerance is met, or if no further run is worth its cost.
     """
     last = attempts[-1]
-    missed = [quantity for quantity, error in last.errors.items() if error > tolerance]
+    missed = last.missed(tolerance)
     if not missed or len(attempts) == MOST_RUNS:
         return None
+    limits = last.limits(tolerance)
     by_source, positions = dict(last.by_source), last.choice.positions
     if positions.adaptive is not None and "positions" in by_source:
         positions, by_source["positions"] = finer_positions(
-            positions, by_source["positions"], POSITIONS_AIM * tolerance
+            positions, by_source["positions"], AIM * tolerance * equal_part(by_source)
         )
     if len(attempts) > 1:  # elements are not solved a third time
         steps = {n: ahead for n, ahead in parameters.steps.items() if n not in OF_ELEMENTS}
         parameters = replace(parameters, steps=steps)
-    refining = _Refining(parameters, last, by_source, AIM * tolerance)
-    values = refining.values()
+    refining = _Refining(parameters, last.choice.values, by_source, limits)
+    values = refining.values(set(missed))
     choice = Choice(values, positions, refining.foreseen(values))
-    meets = any(choice.foreseen[quantity] <= tolerance for quantity in missed)
-    before = max(_norm(last.by_source, quantity, parameters) for quantity in missed)
-    after = max(_norm(refining.left(values), quantity, parameters) for quantity in missed)
-    return choice if meets or (before > tolerance and after <= MUCH_NEARER * before) else None
+    meets = any(choice.foreseen[quantity] <= limits[quantity] for quantity in missed)
+    return choice if meets or (len(attempts) == 1 and values != last.choice.values) else None
+
+
+def equal_part(sources: Collection[str]) -> float:
+    """Part of an error that each of several independent sources may have."""
+    return 1.0 / sqrt(len(sources))
 
 
 def finer_positions(
@@ -194,7 +195,7 @@ def finer_positions(
     if left.get(OF_LARGEST, 0.0) > wanted:
         part = wanted / left[OF_LARGEST]
         left[OF_LARGEST] *= part
-        doubt = float(f"{max(FINEST_DOUBT, part * adaptive):.2g}")
+        doubt = float(f"{max(LEAST_DOUBT, part * adaptive):.2g}")
         positions = replace(positions, adaptive=doubt)
     others = max((error for name, error in left.items() if name != OF_LARGEST), default=0.0)
     if others > wanted:
@@ -205,68 +206,61 @@ def finer_positions(
     return positions, left
 
 
-def _norm(table: Table, quantity: str, only_open: Parameters | None = None) -> float:
-    """Combined errors of a quantity from all sources, or from those with open parameters."""
-    among = table if only_open is None else only_open.open_sources
-    return float(np.linalg.norm([table[source][quantity] for source in table if source in among]))
-
-
 class _Refining:
     """Refinement of the parameters from a run, each source with its order of convergence."""
 
     def __init__(
-        self, parameters: Parameters, done: Attempt, by_source: Table, wanted: float
+        self, parameters: Parameters, start: Values, by_source: Table, limits: Errors
     ) -> None:
-        self._parameters, self._start, self._wanted = parameters, done.choice.values, wanted
-        self._by_source = by_source
-        stages = {name: one["cpu_s"] for name, one in done.results[0].cost["stages"].items()}
-        self._elements_s = sum(s for name, s in stages.items() if name.startswith("compliance"))
-        self._states_s = sum(stages.get(name, 0.0) for name in ("sweep", "tangent", "estimate"))
+        self._parameters, self._start, self._by_source = parameters, start, by_source
+        self._wanted = {quantity: AIM * limit for quantity, limit in limits.items()}
 
-    def left(self, values: Values) -> Table:
-        """Predicted error of each quantity from each source."""
+    def _left(self, values: Values, quantity: str) -> Errors:
+        """Predicted error of a quantity from each source."""
         powers = self._parameters.powers
-        found: Table = {}
-        for source, errors in self._by_source.items():
-            factor = relative(powers.get(source, {}), values, self._start)
-            found[source] = {quantity: factor * error for quantity, error in errors.items()}
-        return found
+        return {
+            source: relative(powers.get(source, {}), values, self._start) * errors[quantity]
+            for source, errors in self._by_source.items()
+        }
 
     def foreseen(self, values: Values) -> Errors:
         """Predicted error of each quantity from all sources: they are independent."""
-        left = self.left(values)
-        return {quantity: _norm(left, quantity) for quantity in BOUND}
+        return {
+            quantity: float(np.linalg.norm(list(self._left(values, quantity).values())))
+            for quantity in BOUND
+        }
 
-    def _work(self, values: Values) -> float:
-        """CPU seconds of a run, as far as they depend on the parameters."""
-        elements = self._elements_s * relative(ELEMENTS_WORK, values, self._start)
-        return elements + self._states_s * relative(STATES_WORK, values, self._start)
+    def _is_long(self, values: Values, cheap: Collection[Values]) -> bool:
+        """Whether elements or states take more than `PATIENCE` times those of all cheap values."""
+        works = [
+            max(relative(powers, values, others) for powers in (ELEMENTS_WORK, STATES_WORK))
+            for others in cheap
+        ]
+        return min(works, default=0.0) > PATIENCE
 
-    def values(self) -> Values:
-        """Parameters that meet the attainable limits and approach the others if cheap."""
-        finest = self._refined(self._start, set(BOUND), np.inf)
-        can = {q for q, error in self.foreseen(finest).items() if error <= self._wanted}
-        values = self._refined(self._start, can, np.inf)
-        most = PATIENCE * max(self._work(self._start), self._work(values))
-        return self._refined(values, set(BOUND) - can, most)
+    def values(self, missed: set[str]) -> Values:
+        """Parameters with which missed quantities meet the tolerance, or approach it if cheap."""
+        finest = self._refined(self._start, missed)
+        errors = self.foreseen(finest)
+        can = {name for name in missed if errors[name] <= self._wanted[name]}
+        values = self._refined(self._start, can)
+        return self._refined(values, missed - can, (values, self._parameters.values))
 
-    def _refined(self, values: Values, quantities: set[str], most_work: float) -> Values:
-        """Refine step by step the largest contribution to the largest error."""
-        left = set(quantities)
+    def _refined(self, values: Values, missed: set[str], cheap: Collection[Values] = ()) -> Values:
+        """Refine step by step the largest contribution to the largest error.
+
+        With `cheap`, the work is at most `PATIENCE` times that at one of these values.
+        """
+        left = set(missed)
         while left:
             errors = self.foreseen(values)
-            worst = max(left, key=lambda quantity: errors[quantity])
-            if errors[worst] <= self._wanted:
-                break
-            sources = {source: one[worst] for source, one in self.left(values).items()}
-            finer = None
-            for source in sorted(sources, key=lambda name: -sources[name]):
-                if sources[source] < SMALL_PART * self._wanted:
-                    break
-                finer = self._parameters.finer(values, source)
-                if finer is not None:
-                    break
-            if finer is None or self._work(finer) > most_work:
+            worst = max(sorted(left), key=lambda name: errors[name] / self._wanted[name])
+            wanted, sources = self._wanted[worst], self._left(values, worst)
+            least = wanted * equal_part(sources)
+            large = sorted((s for s in sources if sources[s] >= least), key=lambda s: -sources[s])
+            steps = (self._parameters.finer(values, source) for source in large)
+            finer = next((step for step in steps if step and not self._is_long(step, cheap)), None)
+            if finer is None or errors[worst] <= wanted:
                 left.remove(worst)
             else:
                 values = finer

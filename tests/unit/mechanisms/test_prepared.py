@@ -98,7 +98,7 @@ OF_BOTH = (
     *("effects.segment_teeth", "effects.support_expansion_per_K", "effects.speed_rpm"),
     *("effects.density_kg_m3", "effects.coast_flank", "pair.face_width_mm"),
 )
-#: Their outcome depends on measured seconds.
+#: The first one is always solved anew; the outcome of the second depends on measured seconds.
 TIMED = ("accuracy.tolerance", "effects.choose")
 #: Keys that are walked for the first base alone: profiles of all kinds have them in common.
 OF_FIRST = (

@@ -21,13 +21,17 @@ from flankload.studies.parameters import (
     ANYWHERE,
     DEGREE,
     ELEMENTS,
+    ELEMENTS_WORK,
     LEAST_PART,
     LOAD_DEGREE,
+    LONGEST_PART,
     MODES,
     OF_ELEMENTS,
     SLICES,
     STRIPS,
+    STRIPS_STEPS,
     parameters_of,
+    relative,
 )
 from flankload.studies.tolerance import (
     AIM,
@@ -114,13 +118,37 @@ def test_without_the_key_nothing_is_decided() -> None:
 
 
 # --- what is run ----------------------------------------------------------------------------------
-def test_a_tolerance_that_the_default_meets_takes_one_run_at_the_default(met: fl.Result) -> None:
+def test_a_tolerance_that_the_first_run_meets_takes_one_coarse_run(met: fl.Result) -> None:
     found = said(met)
     assert found["met"]
-    assert found["keys"] == {"accuracy": {"modes": 5}}
+    strips = {"strips_per_half_width": 8.0, "corner_strips_per_half_width": 24.0}
+    assert found["keys"] == {"accuracy": {"flank_element_mm": 1.2, "modes": 5, **strips}}
     assert found["tightened"] == {}
     assert "first run" not in met.cost["stages"]
-    assert_same(met, solved(small()))
+    assert_same(met, solved(written_out(small(tolerance=0.1), found)))
+
+
+@pytest.mark.parametrize("name", ["external_gear", "internal_gear", "spline", "cam"])
+def test_first_elements_are_coarse_and_resolve_the_modes(name: str) -> None:
+    tree = tomllib.loads((SCENES / f"{name}.toml").read_text(encoding="utf-8"))
+    scene = fl.Scene.from_dict({**tree, "accuracy": {"tolerance": 0.01}})
+    parameters = parameters_of(scene)
+    values = first_choice(scene, parameters).values
+    part = LONGEST_PART if name == "cam" else ELEMENT_RESERVE
+    assert values[ELEMENTS] == pytest.approx(part * parameters.values[ELEMENTS], rel=0.005, abs=0.0)
+    assert values[STRIPS] == STRIPS_STEPS[0] < parameters.values[STRIPS]
+    pair = build_bodies(first_scene(scene))
+    for body in (pair.body_1, pair.body_2):
+        assert body.mesh is not None
+        assert elements_for_modes(int(values[MODES])) <= ELEMENT_RESERVE * body.mesh.flank_elements
+
+
+@pytest.mark.parametrize("keys", [{"modes": 8, "strips_per_half_width": 12.0}, {"estimate": False}])
+def test_first_run_is_not_coarse_where_nothing_allows_or_judges_it(keys: dict[str, Any]) -> None:
+    """Longer elements do not resolve eight modes; without an estimate no run follows."""
+    scene = fl.Scene.from_dict(small(tolerance=0.01, **keys))
+    parameters = parameters_of(scene)
+    assert first_choice(scene, parameters).values == parameters.values
 
 
 def test_refined_result_is_that_of_the_keys_written_out(tight: fl.Result) -> None:
@@ -174,7 +202,7 @@ def test_elements_are_kept_where_strips_alone_are_refined() -> None:
 def test_named_elements_carry_no_more_modes_than_they_bear() -> None:
     """Five of them had 3 modes by default, which left 28 % in doubt; 4 are better on any."""
     found = said(solved(small(tolerance=0.1, flank_element_mm=2.0)))
-    assert found["keys"] == {"accuracy": {"modes": 4}}
+    assert found["keys"]["accuracy"]["modes"] == 4
     assert found["met"]
 
 
@@ -252,6 +280,23 @@ def test_pressure_on_sharp_corners_is_not_certain(met: fl.Result) -> None:
         assert lines[0].startswith(f"10 %: {state}, ")
     report = tolerance_report(fl.Scene.from_dict(small(tolerance=1e-4)), parameters, [run])
     assert report["met"] is False
+
+
+def test_what_no_estimate_certifies_is_missed_by_twice_the_tolerance(met: fl.Result) -> None:
+    """Of 17 pairs of gears that touched on tips, pressures had a third of their estimate."""
+    uncertain = replace(met, estimate={**(met.estimate or {}), "uncertain": {"peak_pressure": ""}})
+    for error, result, missed in (
+        (0.019, met, True),
+        (0.019, uncertain, False),
+        (0.021, uncertain, True),
+    ):
+        parameters, run = attempt({"modes": error}, result, quantity="peak_pressure")
+        errors = dict.fromkeys(BOUND, 0.0) | run.errors
+        run = replace(run, errors=errors)
+        assert run.missed(0.01) == ["peak_pressure"] * missed
+        assert (choose_discretization(parameters, [run], 0.01) is not None) is missed
+        report = tolerance_report(fl.Scene.from_dict(small(tolerance=0.01)), parameters, [run])
+        assert report["met"] is (False if missed else None)
 
 
 def test_chain_has_no_parameters() -> None:
@@ -405,10 +450,38 @@ def test_what_cannot_be_met_costs_no_more_than_a_few_runs(met: fl.Result) -> Non
     assert choice is not None
     part = choice.values[ELEMENTS] / run.choice.values[ELEMENTS]
     assert part > LEAST_PART
-    stages = {name: stage["cpu_s"] for name, stage in met.cost["stages"].items()}
-    elements = sum(seconds for name, seconds in stages.items() if name.startswith("compliance"))
-    states = sum(stages[name] for name in ("sweep", "tangent", "estimate"))
-    assert elements * part**-2 + states <= PATIENCE * (elements + states)
+    assert relative(ELEMENTS_WORK, choice.values, parameters.values) <= PATIENCE
+
+
+def test_the_choice_does_not_depend_on_measured_seconds(met: fl.Result) -> None:
+    """A busy machine had other elements, and so other results."""
+    stages = {name: {**one, "cpu_s": 1e3} for name, one in met.cost["stages"].items()}
+    stages["sweep"]["cpu_s"] = 1e9
+    busy = replace(met, cost={**met.cost, "stages": stages})
+    chosen = [
+        choose_discretization(*_one(attempt({"elements": 1.0}, result)), 0.001)
+        for result in (met, busy)
+    ]
+    assert chosen[0] == chosen[1]
+
+
+def test_elements_of_a_cam_converge_by_the_first_order(met: fl.Result) -> None:
+    """By the second order a refined run at 0.1 % was still at 0.108 %."""
+    tree = tomllib.loads((SCENES / "cam.toml").read_text(encoding="utf-8"))
+    parameters = parameters_of(fl.Scene.from_dict({**tree, "accuracy": {"tolerance": 0.001}}))
+    _, run = attempt({"elements": 0.00145}, met, **parameters.values)
+    choice = choose_discretization(parameters, [run], 0.001)
+    assert choice is not None
+    part = choice.values[ELEMENTS] / run.choice.values[ELEMENTS]
+    assert choice.foreseen["load_share"] == pytest.approx(part * 0.00145, rel=ROUND_OFF, abs=0.0)
+
+
+def test_cheap_strips_are_refined_where_elements_take_too_long(met: fl.Result) -> None:
+    """They stayed at ten, and a pressure was wrong by 0.16 instead of 0.09 %."""
+    parameters, run = attempt({"elements": 1.0, "strips": 0.02}, met)
+    choice = choose_discretization(parameters, [run], 0.001)
+    assert choice is not None
+    assert choice.values[STRIPS] > 2 * run.choice.values[STRIPS]
 
 
 def test_a_third_run_solves_no_elements_and_is_the_last(met: fl.Result) -> None:
