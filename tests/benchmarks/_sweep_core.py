@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 import flankload as fl
 from flankload.contact.body_record import body_records
-from flankload.contact.core_call import Level
-from flankload.contact.flank_contact import FlankContact
+from flankload.contact.flank_contact import FlankContact, Level
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
