@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-import flankload.pairing.spline_fit as common
+import flankload.pairing.common_height as common
 from flankload.base.rotation import turned
 from flankload.contact import solve_contact_general
 from flankload.contact.conforming import conforming_slices, conforming_sweep
