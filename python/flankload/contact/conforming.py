@@ -79,7 +79,9 @@ def conforming_slices(contact: FlankContact) -> ConformingSlices:
         )
     ]
     even = fields[0].of_even_load() + fields[1].of_even_load()
-    together = np.linalg.solve(even, np.ones(len(even)))
+    # without elements, as for a run without torque, the strips are equal
+    equal = np.ones(len(even))
+    together = np.linalg.solve(even, equal) if even.any() else equal
     spread: Floats = np.asarray(together / together.sum(), dtype=float)
     one, two = (
         field.between_sites(spread, teeth)

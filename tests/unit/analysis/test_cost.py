@@ -271,6 +271,14 @@ def test_each_example_is_solved_as_it_stands_and_takes_what_was_predicted(path: 
     assert result.cost["stages"]["sweep"]["predicted"]["counters"]["states"] > 0
 
 
+@pytest.mark.parametrize("path", PATHS, ids=lambda path: path.stem)
+def test_each_example_has_a_state_and_a_text_without_torque(path: Path) -> None:
+    result = fl.solve(fl.read_scene(path).replace({"load.torque_Nm": 0.0}))
+    assert np.isfinite(result.rotation_rad).all()
+    assert "transmission error" in result.table()
+    assert differences(result.cost) == {}
+
+
 def test_many_cuts_are_predicted_with_the_factorisation_that_condenses_them(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

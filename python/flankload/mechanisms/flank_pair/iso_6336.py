@@ -42,10 +42,11 @@ LOW_LOAD = 100.0
 def with_iso_factor(result: Result, scene: Scene, pair: BodyPair) -> Result:
     """A result with the factor of the standard, or with a note on why it is absent.
 
-    Unchanged without a shaft that bends and twists under the teeth.
+    Unchanged without torque, or without a shaft that bends and twists under the teeth.
     """
     axials = (pair.body_1.axial, pair.body_2.axial)
-    if result.shafts is None or not any(axial and axial.flexible for axial in axials):
+    flexible = any(axial and axial.flexible for axial in axials)
+    if result.shafts is None or not flexible or not result.torque_Nm:
         return result
     factor = k_h_beta_iso(scene, pair, result.torque_Nm)
     if isinstance(factor, str):
