@@ -79,7 +79,7 @@ contains
         real(wp), parameter :: friction(places) = [0.1_wp, -0.2_wp, 0.0_wp, 0.3_wp]
         integer, parameter :: site(places) = [1, 1, 2, 2]
         type(compliance_type) :: body
-        real(wp) :: hats(places, nodes), expected(places, places), found(places, places)
+        real(wp) :: shapes(places, nodes), expected(places, places), found(places, places)
         integer :: i, j, block
 
         body%nodes = [0.0_wp, 1.0_wp, 2.0_wp, 3.0_wp, 4.0_wp, 5.0_wp]
@@ -90,15 +90,15 @@ contains
             & shape(body%smooth))
         body%block = reshape([1, 2, 2, 1], [2, 2])
         do j = 1, nodes
-            hats(:, j) = max(0.0_wp, 1.0_wp - abs(min(s, 5.0_wp) - body%nodes(j)))
+            shapes(:, j) = max(0.0_wp, 1.0_wp - abs(min(s, 5.0_wp) - body%nodes(j)))
         end do
         found = 0.0_wp
         call add_table(body, site, s, found)
         do j = 1, places
             do i = j, places
                 block = body%block(site(i), site(j))
-                expected(i, j) = dot_product(hats(i, :), &
-                    & matmul(body%smooth(:, :, block), hats(j, :)))
+                expected(i, j) = dot_product(shapes(i, :), &
+                    & matmul(body%smooth(:, :, block), shapes(j, :)))
                 call expect(abs(found(i, j) - expected(i, j)) <= round_off*10.0_wp, 'a table')
             end do
         end do
@@ -107,8 +107,8 @@ contains
         do j = 1, places
             do i = 1, places
                 block = body%block(site(i), site(j))
-                expected(i, j) = -friction(j)*dot_product(hats(i, :), &
-                    & matmul(body%tangential(:, :, block), hats(j, :)))
+                expected(i, j) = -friction(j)*dot_product(shapes(i, :), &
+                    & matmul(body%tangential(:, :, block), shapes(j, :)))
                 call expect(abs(found(i, j) - expected(i, j)) <= round_off, 'loads along a flank')
             end do
         end do

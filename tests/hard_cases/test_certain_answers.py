@@ -119,7 +119,7 @@ def test_a_lever_of_rounding_holds_a_load(method: str) -> None:
 @pytest.mark.parametrize(
     ("make", "seed"),
     [
-        # The loads nearly along each other's rows: singular for all rungs.
+        # The loads nearly along each other's rows: singular for all levels.
         (nearly_dependent, [1, 225]),
         # Loads that are 1e-13 of what gaps call for: the forces had no digits.
         (nearly_dependent, [2, 1165]),

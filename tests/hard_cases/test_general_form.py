@@ -21,7 +21,7 @@ METHODS = ("auto", "single", "block", "load_path")
 ROW_TOLERANCE = 10 * EPS
 #: Of a truss of links [N/mm], along the chain and across it: between rollers, to the ground.
 STIFFNESS = ((2e3, 0.0), (1.0, 3.0))
-#: Rollers in pockets with a second motion on which one rung or another misses its equations.
+#: Rollers in pockets with a second motion on which one level or another misses its equations.
 SECOND_MOTION = (19, 29, 39, 44, 54)
 #: Levers over many decades that a search of all cases took for loads that no forces hold.
 SCATTERED = (10, 22, 53, 136, 171, 242, 306, 431, 555, 579, 669, 706)
@@ -225,7 +225,7 @@ def rollers_in_pockets(rng: np.random.Generator, *, second_motion: bool) -> Prob
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("second_motion", [False, True])
 def test_a_little_force_that_alone_holds_a_load(method: str, *, second_motion: bool) -> None:
-    """Set to zero as rounding of the largest it left its load unmet, and the rung that had found
+    """Set to zero as rounding of the largest it left its load unmet, and the level that had found
     this state ended the ladder."""
     for seed in SECOND_MOTION if second_motion else range(30):
         problem = rollers_in_pockets(np.random.default_rng(seed), second_motion=second_motion)

@@ -102,7 +102,7 @@ def test_ring_without_grooves_is_a_thick_ring(plane: str) -> None:
     bulk = modulus / (2 * (1 + nu) * (1 - 2 * nu)) if plane == "strain" else modulus / (1 - nu) / 2
     ends = np.linspace(-ring.half_land_rad, ring.half_land_rad, 9)
     own, along = land_forces(found.mesh, ends, rows_of(found))
-    # hats that carry a pressure, or a shear, of 1
+    # shape functions that carry a pressure, or a shear, of 1
     step = outer * (ends[1] - ends[0])
     weights = step * np.concatenate([[0.5], np.ones(7), [0.5]])
     together = found.response.sum(axis=0)
@@ -134,7 +134,7 @@ def whole_pulley(pulley: ElasticPulley, elements: int) -> tuple[np.ndarray, csc_
 
 
 def whole_forces(found: PulleyResponse, strip: Strip, elements: int, number: np.ndarray, phase=0.0):
-    """(2N, count) Nodal forces of all hats on the whole pulley, in x and y."""
+    """(2N, count) Nodal forces of all shape functions on the whole pulley, in x and y."""
     touches, count = touches_of(strip, held(strip, elements, phase), found.mesh, rows_of(found))
     nodal = unit_forces(found.mesh, sliding=True)
     forces = np.zeros((2 * (number.max() + 1), count))
@@ -178,8 +178,8 @@ def test_compliance_of_the_pulley_is_symmetric_before_it_is_made_so() -> None:
             np.testing.assert_allclose(there, back.T, rtol=0.0, atol=SYMMETRIC * scale)
 
 
-def test_hats_see_what_is_linear_as_it_is() -> None:
-    """At any angles: the ways of hats that follow a land which leans."""
+def test_shape_functions_see_what_is_linear_as_it_is() -> None:
+    """At any angles: the ways of shape functions that follow a land which leans."""
     found = known(T10)
     nodes = found.mesh.sector.nodes[found.mesh.land]
     angles = np.arctan2(nodes[:, 1], nodes[:, 0])
@@ -203,7 +203,7 @@ def monolith(
 ) -> tuple[np.ndarray, float, tuple[float, float]]:
     """Belt and whole pulley as one system of equations, these pairs in contact.
 
-    Flanks meet at their pairs, lands follow each other by their hats.
+    Flanks meet at their pairs, lands follow each other by their shape functions.
 
     Returns
     -------
@@ -295,7 +295,7 @@ def test_energy_of_the_elements_is_the_work_of_the_loads() -> None:
     np.testing.assert_allclose(stored, work, rtol=1e-8, atol=0.0)
 
 
-def test_hats_are_where_they_were_when_the_pulley_turns_on() -> None:
+def test_shape_functions_are_where_they_were_when_the_pulley_turns_on() -> None:
     found = known(T10, elements=3)
     before, _ = touches_of(T10, held(T10, 3, 0.0), found.mesh, rows_of(found))
     after, _ = touches_of(T10, held(T10, 3, 1.2), found.mesh, rows_of(found))

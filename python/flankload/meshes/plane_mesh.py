@@ -74,7 +74,7 @@ def boundary_edges(cells: Cells) -> Numbers:
 
 def pair_numbers(pairs: Numbers) -> Numbers:
     """Numbers (m,) of pairs (m, 2) of nodes: equal for equal pairs, and in the same order."""
-    one, two = pairs.T
+    one, two = pairs.astype(np.int64).T
     return np.asarray(one * (two.max(initial=0) + 1) + two)
 
 
@@ -153,7 +153,7 @@ def _tangents(nodes: Floats, kind: str, data: Numbers) -> tuple[Floats, Floats]:
         by_y = np.stack([1 - 4 * z, zero, 4 * y - 1, -4 * x, 4 * x, 4 * (z - y)], 1)
     elements, k = data.shape
     place = nodes[data.T].reshape(k, -1)
-    one, two = ((by @ place).reshape(-1, elements, 2) for by in (by_x, by_y))
+    one, two = ((by @ place).reshape(len(by), elements, 2) for by in (by_x, by_y))
     return one.transpose(1, 0, 2), two.transpose(1, 0, 2)
 
 

@@ -263,13 +263,11 @@ def _short(value: float) -> float | int:
 def _legend(result: Result) -> str:
     """Meaning of the red areas of the picture."""
     scale = "to scale with the largest of all positions"
+    section = "" if result.slices is None else "Transverse section at z = 0. "
     if not result.engagement.draws_pressures:
-        return f"Arrows: force on each {result.words_for_sites[0]}, {scale}."
-    if result.slices is not None:
-        return (
-            "Transverse section at z = 0. Arrows: force of each pair, at the centre of its load, "
-            f"{scale}."
-        )
+        return f"{section}Arrows: force on each {result.words_for_sites[0]}, {scale}."
+    if section:
+        return f"{section}Arrows: force of each pair, at the centre of its load, {scale}."
     return (
         f"Red: pressure on the flanks, {scale}; an arrow where a pair carries on a sharp corner, "
         "to scale with the largest force. Numbers: pairs."

@@ -40,7 +40,7 @@ class Engagement(ABC):
     sliding_body: ClassVar[str] = "body 1"
     #: Whether a pair is at the place of the next one a pitch later; a cam has one pair.
     pairs_advance: ClassVar[bool] = True
-    #: The places of the pairs on this way, in pitches.
+    #: Label of the axis of a load map along which the pairs advance.
     way: ClassVar[str] = "place of the pair in mesh pitches from the pitch point"
     #: Whether the sites are all flanks there are, so that the first follows the last.
     cyclic_sites: ClassVar[bool] = False

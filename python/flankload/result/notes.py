@@ -57,7 +57,7 @@ def accuracy_lines(found: Mapping[str, Any]) -> list[str]:
             f"{key} {_number(one)} -> {_number(two)}"
             for key, (one, two) in found["tightened"].items()
         )
-        lines.append(f"refined once: {steps}")
+        lines.append(f"refined: {steps}")
     itself, bound = found["peak_to_peak_of_itself"], found["errors"].get(PEAK_TO_PEAK)
     if bound is not None and itself is not None and bound < itself > found["tolerance"]:
         lines.append(

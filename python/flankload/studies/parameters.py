@@ -55,9 +55,9 @@ STRIPS_STEPS = (8.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0)
 LOAD_DEGREES, SLICES_STEPS = (5, 6, 8, 10, 12), (40, 56, 80, 112, 160)
 #: Elements of the default length on a flank of usual height, which is two modules of a gear.
 FLANK_ELEMENTS = 9.0
-#: Elements with which a run begins, relative to the default, where modes set no requirement (cams):
-#: first order, so that the error is twice as large. Otherwise it begins with elements that
-#: just resolve the modes (`ELEMENT_RESERVE`).
+#: Length of the elements of the first run over the default where modes set no requirement (cams);
+#: the error there is of first order, hence twice as large. Other first runs have the longest
+#: elements that resolve the modes (`ELEMENT_RESERVE`).
 LONGEST_PART = 2.0
 #: From this number of modes on, more modes are not better on any elements.
 ANYWHERE = 4

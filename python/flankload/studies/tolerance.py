@@ -160,7 +160,7 @@ def choose_discretization(
     if not missed or len(attempts) == MOST_RUNS:
         return None
     limits = last.limits(tolerance)
-    by_source, positions = dict(last.by_source), last.choice.positions
+    by_source, positions = last.scaled_by_source(), last.choice.positions
     if positions.adaptive is not None and "positions" in by_source:
         positions, by_source["positions"] = finer_positions(
             positions, by_source["positions"], AIM * tolerance * equal_part(by_source)
@@ -171,7 +171,10 @@ def choose_discretization(
     refining = _Refining(parameters, last.choice.values, by_source, limits)
     values = refining.values(set(missed))
     choice = Choice(values, positions, refining.foreseen(values))
-    meets = any(choice.foreseen[quantity] <= limits[quantity] for quantity in missed)
+    if (values, positions) == (last.choice.values, last.choice.positions):
+        return None
+    target = 1.0 if len(attempts) == 1 else AIM
+    meets = any(choice.foreseen[quantity] <= target * limits[quantity] for quantity in missed)
     return choice if meets or (len(attempts) == 1 and values != last.choice.values) else None
 
 

@@ -102,6 +102,20 @@ class Attempt:
         unsure.update(*((result.estimate or {}).get("uncertain", {}) for result in self.results))
         return {name: (OF_UNCERTAIN if name in unsure else 1.0) * tolerance for name in BOUND}
 
+    def scaled_by_source(self) -> Table:
+        """Errors by source, larger for a quantity whose error exceeds the root of their squares.
+
+        Systematic errors of several sources add up with their signs.
+        """
+        more = {}
+        for quantity in BOUND:
+            root = float(np.linalg.norm([errors[quantity] for errors in self.by_source.values()]))
+            more[quantity] = max(1.0, self.errors.get(quantity, 0.0) / root) if root else 1.0
+        return {
+            source: {quantity: more[quantity] * errors[quantity] for quantity in BOUND}
+            for source, errors in self.by_source.items()
+        }
+
     def missed(self, tolerance: float) -> list[str]:
         """Quantities whose error exceeds its limit."""
         limits = self.limits(tolerance)
@@ -156,7 +170,7 @@ def tolerance_report(
     values["positions"] = int(last.results[0].position_rad.size)
     itself = [(result.estimate or {}).get(OF_LARGEST) for result in last.results]
     uncertain = _uncertain(parameters, last) if errors else []
-    missed = last.missed(tolerance)
+    missed, limits = last.missed(tolerance), last.limits(tolerance)
     report: dict[str, Any] = {
         "tolerance": tolerance,
         "met": False if missed else None if uncertain or not errors else True,
@@ -177,7 +191,9 @@ def tolerance_report(
         "keys": last.choice.discretization(parameters).tables(),
         "tightened": _tightened(first.choice, last.choice),
         "errors_before": dict(first.errors) if len(attempts) > 1 else None,
-        "missed": [_missed(quantity, tolerance, parameters, attempts) for quantity in missed],
+        "missed": [
+            _missed(quantity, limits[quantity], parameters, attempts) for quantity in missed
+        ],
     }
     if not errors:
         loaded = any(result.torque_Nm > 0 for result in last.results)
@@ -208,7 +224,7 @@ def _tightened(first: Choice, last: Choice) -> dict[str, list[float | None]]:
 
 
 def _missed(
-    quantity: str, tolerance: float, parameters: Parameters, attempts: Sequence[Attempt]
+    quantity: str, limit: float, parameters: Parameters, attempts: Sequence[Attempt]
 ) -> dict[str, Any]:
     by_source = attempts[-1].by_source
     source = max(by_source, key=lambda name: by_source[name].get(quantity, 0.0))
@@ -219,16 +235,16 @@ def _missed(
         "beside": sorted(
             name
             for name, errors in by_source.items()
-            if name != source and errors.get(quantity, 0.0) > tolerance
+            if name != source and errors.get(quantity, 0.0) > limit
         ),
-        "why": _why(source, quantity, tolerance, parameters, attempts),
+        "why": _why(source, quantity, limit, parameters, attempts),
     }
 
 
 def _why(
     source: str,
     quantity: str,
-    tolerance: float,
+    limit: float,
     parameters: Parameters,
     attempts: Sequence[Attempt],
 ) -> str:
@@ -243,7 +259,7 @@ def _why(
         return "a rounding, a chamfer or a kink that this number of strips does not resolve"
     if source != "positions" and parameters.finer(last.choice.values, source) is None:
         why = parameters.ends.get(name, "the parameter is at its finest value")
-    elif last.choice.foreseen.get(quantity, np.inf) > tolerance:
+    elif last.choice.foreseen.get(quantity, np.inf) > limit:
         why = "no value of the parameter is likely to meet the tolerance"
     else:
         why = "larger than predicted"

@@ -99,6 +99,13 @@ def test_cut_off_and_strange_gmsh_files_are_refused(tmp_path: Path) -> None:
         read_mesh(path)
 
 
+@pytest.mark.parametrize("number", ["1.5", "nan", "1e16"])
+def test_node_numbers_of_gmsh_are_integers(tmp_path: Path, number: str) -> None:
+    text = f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n{number} 0 0 0\n$EndNodes\n"
+    error = refusal(tmp_path, text, ".msh")
+    assert (error.expected, error.found) == ("node numbers", "a number that is not an integer")
+
+
 # --- what Abaqus and CalculiX write ---------------------------------------------------------------
 def test_abaqus_sets_of_every_kind(tmp_path: Path) -> None:
     found = inp(

@@ -397,7 +397,7 @@ def test_a_short_plane_run_is_not_made_long_by_its_plan(
     assert (row.size, row.extra_s) == (None, None)
     line = "size of three-dimensional bodies unknown: not screened, which takes about 0.3 s "
     assert line + "(--dimension does it)" in str(plain_plan)
-    monkeypatch.setattr(screening, "RUNGS", 0.0)
+    monkeypatch.setattr(screening, "LEAST_MULTIPLE", 0.0)
     assert fl.plan(scene_of()).effect("three_dimensions").size is not None
 
 

@@ -410,6 +410,15 @@ def test_a_source_is_refined_by_its_order_and_no_further(
     assert choice.foreseen["load_share"] == pytest.approx(error[0], rel=ROUND_OFF, abs=0.0)
 
 
+def test_errors_that_add_up_with_their_signs_are_refined(met: fl.Result) -> None:
+    """The root of their squares is below the target; the same run was solved again."""
+    parameters, run = attempt({"modes": 0.006, "strips": 0.006}, met)
+    choice = choose_discretization(parameters, [replace(run, errors={"load_share": 0.0105})], 0.01)
+    assert choice is not None
+    assert choice.values != run.choice.values
+    assert choice.foreseen["load_share"] <= AIM * 0.01
+
+
 def test_what_is_met_is_not_refined(met: fl.Result) -> None:
     assert choose_discretization(*_one(attempt({"strips": 0.0099}, met)), 0.01) is None
 
@@ -605,7 +614,7 @@ def test_lines_of_a_miss_name_source_and_reason(tight: fl.Result) -> None:
     assert first.startswith("0.4 %: not met, transmission error mean ")
     assert knobs.startswith(f"flank_element_mm {found['knobs']['flank_element_mm']['value']:g} (")
     assert " (modes 0." in knobs
-    assert tightened.startswith("refined once: flank_element_mm ")
+    assert tightened.startswith("refined: flank_element_mm ")
     assert missed
     for line, one in zip(missed, found["missed"], strict=True):
         assert line.startswith(f"exceeded: {one['quantity'].replace('_', ' ')} ")
@@ -617,7 +626,7 @@ def test_steps_are_printed_as_short_as_they_are(tight: fl.Result) -> None:
     found = said(tight)
     found["tightened"] = {"strips_per_half_width": [56.0, 80.0], "modes": [None, 7]}
     line = next(line for line in accuracy_lines(found) if line.startswith("refined"))
-    assert line == "refined once: strips_per_half_width 56 -> 80, modes default -> 7"
+    assert line == "refined: strips_per_half_width 56 -> 80, modes default -> 7"
 
 
 def test_run_plan_and_check_show_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -328,7 +328,7 @@ def coarse_compliances(
 ) -> tuple[Body, tuple[BodyCompliance, ...]]:
     """Body z (0, 1) of a three-dimensional scene on coarse elements, and its compliance.
 
-    On a flexible shaft that with a held bore follows.
+    With a flexible shaft, the compliance with a held bore is the second one.
 
     Elements that the scene names coarser, or a file gives, stay. `friction`: loads along the flank
     are solved, too.

@@ -53,8 +53,8 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 
-#: Positions of the screening; of these so many with the run's own cells where sizes are compared on
-#: them, or seconds are measured alone; and with finite forces.
+#: Number of positions of the screening; with the run's own cells if sizes are compared on them, and
+#: if only seconds are measured; with finite forces.
 MOST_POSITIONS, FINE_POSITIONS, TIMED_POSITIONS, FINITE_POSITIONS = 8, 4, 3, 4
 #: Final number of adaptive positions relative to the first round, approximately.
 ADAPTIVE_PART = 3.0
@@ -72,9 +72,9 @@ OFF = (
 SPATIAL = "three_dimensions"
 #: Effects that do not exist for flanks.
 OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
-#: The elements of a coarse three-dimensional pair take about these CPU seconds; they are solved for
-#: a plane run that probably takes so many times as long.
-RUNG_S, RUNGS = 0.3, 6.0
+#: CPU seconds of the elements of a coarse three-dimensional pair, and least duration of a plane run
+#: for which they are solved, in multiples of these.
+DIMENSION_S, LEAST_MULTIPLE = 0.3, 6.0
 #: Evaluation points in the root fillets of a tooth.
 PLACES = 40
 #: Part of the wind-up per half-width of node spacing: largest at a position, and mean.
@@ -155,10 +155,10 @@ class FlankPairScreening(Screening):
         """The toggle; without a scene if it adds a dimension to a short run."""
         if name != SPATIAL or toggle.scene is None or self._pair.slices is not None or dimension:
             return toggle
-        if duration_of(self._scene, self._pair).seconds > RUNGS * RUNG_S:
+        if duration_of(self._scene, self._pair).seconds > LEAST_MULTIPLE * DIMENSION_S:
             return toggle
         return Toggle(
-            None, skipped=f"not screened, which takes about {RUNG_S:g} s (--dimension does it)"
+            None, skipped=f"not screened, which takes about {DIMENSION_S:g} s (--dimension does it)"
         )
 
     # --- sizes ------------------------------------------------------------------------------------
@@ -200,7 +200,9 @@ class FlankPairScreening(Screening):
         """
         few = slice(None, None, fewer * _every(self._at, FINE_POSITIONS).step)
         found, seconds = self._timed(screened(scene), few, self._torques[-1:], fine=True)
-        self._state_s[scene] = max(TINY_S, (seconds - self._rate.call_s) / found[0].status.size)
+        more = MORE_SECONDS if self._timed_grid != self._grid else 1.0
+        state_s = max(TINY_S, (seconds - self._rate.call_s) / found[0].status.size)
+        self._state_s[scene] = more * state_s
         other = self._states(screened(scene), found)
         mine = mine or self._states(self._scene, self._fine, slice(None, None, fewer))
         return self.between(other, on=on, mine=mine, which=few)

@@ -148,7 +148,8 @@ class _Reader:
         if stream.text:
             count = stream.one(INT)
             table = stream.read(REAL, 4 * count).reshape(count, 4)
-            if not (np.abs(table[:, 0]) < 2**53).all():
+            numbers = table[:, 0]
+            if not ((np.abs(numbers) < 2**53) & (numbers == np.round(numbers))).all():
                 raise BadFile("node numbers", "a number that is not an integer")
             self._keep_nodes(table[:, 0].astype(np.int64), table[:, 1:])
             return

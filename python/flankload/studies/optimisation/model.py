@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Maximum:
-    """Numbers (k,) of which the largest counts, at one torque, with their gradients (k, n).
+    """Numbers (k,) at one torque whose largest is the goal or limit, with their gradients (k, n).
 
     `row` is the number of the goal to which it is added; gradients are those with respect to the
     variables as parts of their ranges.

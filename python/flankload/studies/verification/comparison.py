@@ -14,7 +14,6 @@ import numpy as np
 from flankload.base.arguments import require, require_path
 from flankload.base.card import Card
 from flankload.base.files import write_atomically
-from flankload.errors import OtherProgramError
 from flankload.mechanisms import run_once
 from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.refusal import refuse
@@ -222,10 +221,10 @@ def _run(
     """Solution of CalculiX; the folder is deleted unless it is kept or there is no solution."""
     try:
         return run_deck(find_program(program, folder), folder, deck, time_limit_s=time_limit_s)
-    except OtherProgramError:
+    except Exception:
         keep = True
         raise
-    finally:
+    finally:  # also after an interrupt
         if not keep:
             shutil.rmtree(folder)
 
