@@ -10,8 +10,9 @@ program test_slices
     use flankload_near_field, only: image_displacement, image_type
     use flankload_position_zones, only: body_type, position_type
     use flankload_slice_coupling, only: couple_slices
-    use flankload_slice_field, only: add_segment_field, axial_means, flank_of, middle_of, &
-        & segment_type, slice_of, sliced_compliance, sliced_tangential, tangential_field, width_of
+    use flankload_slice_field, only: add_segment_field, along_line, axial_means, flank_of, &
+        & middle_of, mirror_type, segment_type, slice_of, sliced_compliance, sliced_tangential, &
+        & tangential_field, width_of
     use flankload_tangential_potential, only: rectangle_field, segment_field
     implicit none
 
@@ -35,6 +36,7 @@ program test_slices
     call test_sites_are_slices
     call test_smooth_part
     call test_field_is_symmetric_and_definite
+    call test_distance_along_a_leaning_line
     call test_end_faces_mirror
     call test_image_of_a_long_slice
     call test_shafts_by_hand
@@ -381,6 +383,20 @@ contains
             end do
         end do
     end subroutine test_field_is_symmetric_and_definite
+
+    !> Along a line with a helix angle, segments are dz/cos(beta_b) apart; an image is as far behind
+    !> its end face as the load is in front.
+    subroutine test_distance_along_a_leaning_line
+        real(wp), parameter :: cosine = 0.8_wp, face = 9.0_wp
+        type(segment_type) :: one, other
+        type(mirror_type) :: ends(2)
+
+        one = segment_type(z=5.0_wp, cosine=cosine)
+        other = segment_type(z=2.0_wp, cosine=cosine)
+        ends(2)%place = face
+        call expect(abs(along_line(1, one, other, ends) - 3.0_wp/cosine) < round_off, 'load')
+        call expect(abs(along_line(2, one, other, ends) + 11.0_wp/cosine) < round_off, 'image')
+    end subroutine test_distance_along_a_leaning_line
 
     !> Beside an end face of strength 1, a flank moves as if the mirrored half were loaded too.
     subroutine test_end_faces_mirror
