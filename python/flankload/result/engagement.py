@@ -1,7 +1,7 @@
 """How the bodies of a result touch: words, tables and pictures that depend on the kind of pair.
 
-`Result.engagement` is the only place where a result asks for its kind; others use the properties
-of what they find there.
+`engagement_of` is the only decision by kind; tables, plots and the report use the properties of the
+engagement.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ MOST_COLUMNS = 8
 
 
 class Engagement(ABC):
-    """Properties of a pair that its results are described, tabulated and drawn by."""
+    """How two bodies touch, as far as the description, tables and plots of results depend on it."""
 
     #: Word for a site, and for several.
     words_for_sites: ClassVar[tuple[str, str]] = ("pair", "pairs")
@@ -124,7 +124,7 @@ class Engagement(ABC):
 
 
 class TeethInMesh(Engagement):
-    """Teeth that carry on their way through the mesh, one after the other."""
+    """Teeth that pass through the mesh and carry load one after the other."""
 
     has_load_factors = True
     has_mesh_orders = True
@@ -160,7 +160,7 @@ class TeethInMesh(Engagement):
 
 
 class TeethAllAround(Engagement):
-    """Teeth that carry all at once and keep their mates: splines and couplings."""
+    """Teeth that are all in contact with a fixed mate: splines and couplings."""
 
     words_for_sites = ("tooth", "teeth")
     way = "place of the tooth in pitches around the axis"
@@ -196,7 +196,7 @@ class TeethAllAround(Engagement):
 
 
 class FollowerOnCam(Engagement):
-    """A follower that touches its cam at one place, which goes around the cam."""
+    """A follower with a single contact, which moves around the cam."""
 
     position_angle = "cam angle"
     sliding_body = "the cam, for a roller that does not rotate"
