@@ -16,8 +16,9 @@ from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.screening import FlankPairScreening
+from tests.support.gear_scenes import resized
 from tests.support.solving import solve
-from tests.support.tolerances import SOLVER
+from tests.support.tolerances import CLOSURE, SOLVER
 
 WIDTH = 40.0
 #: A shaft of 28 mm on bearings 120 mm apart, with a pinion whose root circle is 29 mm.
@@ -134,6 +135,40 @@ def test_teeth_carry_more_where_the_torque_enters() -> None:
     assert rigid.face_load_factor < 1.05 < even.face_load_factor < one.face_load_factor
     # the mean of the bore is held, not an end; and the pinion stiffens the shaft
     assert even.rotation_rad[0] < one.rotation_rad[0] < rigid.rotation_rad[0]
+
+
+#: Positions that no rounding to decimals keeps.
+UNEVEN: dict[str, Any] = SHAFT | {
+    "diameters_mm": [28.0, 30.0, 25.0],
+    "lengths_mm": [40.0333, 43.001234, 36.9],
+    "gear_position_mm": 61.2345,
+    "bearing_positions_mm": [3.3345, 117.77721],
+    "radial_stiffness_N_per_um": [300.0, 200.0],
+}
+MIRRORED = {key: value[::-1] if isinstance(value, list) else value for key, value in UNEVEN.items()}
+MIRRORED |= {
+    "gear_position_mm": sum(UNEVEN["lengths_mm"]) - UNEVEN["gear_position_mm"],
+    "bearing_positions_mm": [
+        sum(UNEVEN["lengths_mm"]) - place for place in UNEVEN["bearing_positions_mm"][::-1]
+    ],
+    "torque_end": "II",
+}
+
+
+def test_a_shaft_of_a_tenth_of_the_size_and_a_mirrored_one_are_the_same_problem() -> None:
+    """Positions were rounded to 1 um: 1e-4 and 7e-6 of the line load."""
+    one, small, other = (
+        solve(fl.Scene.from_dict(resized(tables(shaft), size)))
+        for shaft, size in ((UNEVEN, 1.0), (UNEVEN, 0.1), (MIRRORED, 1.0))
+    )
+    load = one.slices.line_load_N_per_mm[0]
+    for result, found in (
+        (small, 10.0 * small.slices.line_load_N_per_mm[0]),
+        (other, other.slices.line_load_N_per_mm[0][:, ::-1]),
+    ):
+        np.testing.assert_allclose(result.rotation_rad, one.rotation_rad, rtol=CLOSURE)
+        np.testing.assert_allclose(found, load, rtol=0, atol=CLOSURE * load.max())
+    np.testing.assert_allclose(other.tilt_um_per_mm, -one.tilt_um_per_mm, rtol=CLOSURE)
 
 
 def test_bearings_of_a_flexible_shaft_carry_the_force_of_the_teeth() -> None:

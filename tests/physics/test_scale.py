@@ -7,7 +7,6 @@ lengths are the same to the last bit.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -16,7 +15,7 @@ import pytest
 
 import flankload as fl
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from tests.support.gear_scenes import changed
+from tests.support.gear_scenes import changed, resized
 from tests.support.pair_scenes import RING_PAIR, SPLINE
 from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF, SOLVER
@@ -64,23 +63,6 @@ SCENES: dict[str, dict[str, Any]] = {
     "spline": {**SPLINE, "load": {"torque_Nm": 80}, "accuracy": FEW},
     "press fit": {**PRESS_FIT, "load": {"torque_Nm": 80}, "accuracy": FEW},
 }
-
-
-def resized(table: Mapping[str, Any], size: float) -> dict[str, Any]:
-    """A scene whose lengths are so many times as long."""
-    found: dict[str, Any] = {}
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            found[key] = resized(value, size)
-        elif key.endswith(("_mm", "_um")):
-            found[key] = size * value
-        elif key == "torque_Nm":
-            found[key] = size**3 * value
-        elif key == "friction_coefficient":
-            found[key] = [[size * place, coefficient] for place, coefficient in value]
-        else:
-            found[key] = value
-    return found
 
 
 @cache

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from copy import deepcopy
 from typing import Any
 
@@ -51,6 +52,26 @@ def changed(**changes: Any) -> dict[str, Any]:
         else:
             table[key] = value
     return scene
+
+
+#: Power of the size with which the values of a key grow, by the end of its name.
+GROWTH = {"_mm": 1, "_um": 1, "torque_Nm": 3, "_N_per_um": 1, "_Nm_per_mrad": 3, "_um_per_mm": 0}
+
+
+def resized(table: Mapping[str, Any], size: float) -> dict[str, Any]:
+    """A scene, or a table of one, whose lengths are so many times as long."""
+    found: dict[str, Any] = {}
+    for key, value in table.items():
+        power = next((GROWTH[end] for end in reversed(GROWTH) if key.endswith(end)), 0)
+        if isinstance(value, Mapping):
+            found[key] = resized(value, size)
+        elif key == "friction_coefficient":
+            found[key] = [[size * place, coefficient] for place, coefficient in value]
+        elif isinstance(value, list | tuple):
+            found[key] = [size**power * entry for entry in value] if power else value
+        else:
+            found[key] = size**power * value if power else value
+    return found
 
 
 def refusal(scene: Any) -> SceneError:

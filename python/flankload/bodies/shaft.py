@@ -1,24 +1,24 @@
 """A shaft on bearings: the compliance of its section at the gear, or a flexible beam in the bore.
 
-The shaft is a round Timoshenko beam with exact elements between steps, bearings and the gear, which
-adds no stiffness. A flexible shaft fills the bore over its width; the parts outside of the bore,
-with their bearings, act on both ends as condensed stiffnesses.
+The shaft is a round Timoshenko beam, to which the gear adds no stiffness. The unknowns are the
+forces of the bearings and the motion of the section at which the beam is clamped. Its flexibility
+is an integral over the steps, exact for any positions of bearings and gear, however close. A
+flexible shaft fills the bore over its width; the parts outside of the bore, with their bearings,
+act on both ends as condensed stiffnesses.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from flankload.base.gauss import leggauss
 from flankload.base.read_only import KeepsReadOnly
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from flankload.base.arrays import Floats, Numbers
+    from flankload.base.arrays import Flags, Floats
     from flankload.scene import shaft as keys
 
     Extent = tuple[float, float]
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     #: moment/rotation.
     Springs = tuple[float, float, float, float]
 
-#: Decimals of positions on the shaft, mm: 1 um is the shortest length of a scene.
-DECIMALS = 3
 #: N/mm per N/um, and N mm/rad per N m/mrad.
 PER_MM, PER_RAD = 1e3, 1e6
 
@@ -101,28 +99,24 @@ def build_shaft(table: keys.Shaft, z_mm: float) -> Shaft:
     if table.compliance is not None:
         rows = np.array(table.compliance)
         return Shaft(0.5 * (rows + rows.T), z_mm, np.zeros((0, 3, 6)))
-    beam = _Beam.of(table, [table.dimensions.gear_position_mm])
-    gear, bearings = beam.node_at(table.dimensions.gear_position_mm), beam.bearings
-    loads = np.zeros((2 * beam.nodes.size, 2))
-    loads[[2 * gear, 2 * gear + 1], [0, 1]] = 1.0
-    bent = _solved(beam.bending(), loads)
-    pushed = np.zeros(beam.nodes.size)
-    if beam.axial.any():  # else there is no axial force
-        loads = np.zeros((beam.nodes.size, 1))
-        loads[gear] = 1.0
-        pushed = _solved(beam.pushing(), loads)[:, 0]
+    gear = table.dimensions.gear_position_mm
+    low = np.array(table.dimensions.bearing_positions_mm) < gear
+    parts = [_part(table, gear, -1, low), _part(table, gear, 1, ~low)]
+    bent = _inverse(parts[0].bending + parts[1].bending)
     # both planes: u_x' = theta_y, u_y' = -theta_x
     to_x, to_y = np.zeros((2, 6)), np.zeros((2, 6))
     to_x[[0, 1], [0, 4]] = 1.0
     to_y[[0, 1], [1, 3]] = 1.0, -1.0
-    compliance = np.zeros((6, 6))
-    own = bent[[2 * gear, 2 * gear + 1]]
-    compliance += to_x.T @ own @ to_x + to_y.T @ own @ to_y
-    compliance[2, 2] = pushed[gear]
-    forces = np.zeros((bearings.size, 3, 6))
-    forces[:, 0] = beam.radial[:, np.newaxis] * (bent[2 * bearings] @ to_x)
-    forces[:, 1] = beam.radial[:, np.newaxis] * (bent[2 * bearings] @ to_y)
-    forces[:, 2, 2] = beam.axial * pushed[bearings]
+    compliance = to_x.T @ bent @ to_x + to_y.T @ bent @ to_y
+    forces = np.zeros((low.size, 3, 6))
+    for part in parts:
+        forces[part.bearings, 0] = part.radial_forces @ bent @ to_x
+        forces[part.bearings, 1] = part.radial_forces @ bent @ to_y
+    axial = parts[0].axial + parts[1].axial
+    if axial:  # else there is no axial force
+        compliance[2, 2] = 1.0 / axial
+        for part in parts:
+            forces[part.bearings, 2, 2] = part.axial_forces / axial
     return Shaft(0.5 * (compliance + compliance.T), z_mm, forces)
 
 
@@ -132,16 +126,20 @@ def flexible_shaft(
     """The shaft in a bore, with `under_teeth = "flexible"`.
 
     The middle is that of the face width. Metal of the shaft outside the diameter of the bore
-    belongs to the body.
+    belongs to the body. A bearing or a step at an end of the bore, up to the tolerance of
+    positions, is that of the bore.
     """
     assert table.torque_end is not None
     shift = middle_mm - table.dimensions.gear_position_mm
-    low, high = (round(end - shift, DECIMALS) for end in range_mm)
-    places, (radial, axial, tilt) = _bearings(table)
+    low, high = (end - shift for end in range_mm)
+    places, stiffness = _bearings(table)
+    below, above = (
+        side * (places - end) > table.tolerance_mm for side, end in ((-1, low), (1, high))
+    )
+    inside = ~(below | above)
     modulus, shear_modulus = _moduli(table)
     inner = table.bore_diameter_mm or 0.0
     area, moment, sheared = _round_section(np.array(bore_diameter_mm), inner, table.poisson_ratio)
-    end = round(sum(table.dimensions.lengths_mm), DECIMALS)
     return FlexibleShaft(
         range_mm=range_mm,
         radius_mm=0.5 * bore_diameter_mm,
@@ -152,107 +150,116 @@ def flexible_shaft(
             shear_modulus * float(sheared),
             2.0 * shear_modulus * float(moment),
         ),
-        beyond=(_beyond(table, 0.0, low), _beyond(table, end, high)),
-        end_radii_mm=(_radius_at(table, low, -1), _radius_at(table, high, 1)),
+        beyond=(_part(table, low, -1, below).springs, _part(table, high, 1, above).springs),
+        end_radii_mm=(_radius_beyond(table, low, -1), _radius_beyond(table, high, 1)),
         bearings=tuple(
-            (float(place + shift), float(one), float(two), float(three))
-            for place, one, two, three in zip(places, radial, axial, tilt, strict=True)
-            if low <= place <= high
+            zip((places + shift)[inside].tolist(), *stiffness[:, inside].tolist(), strict=True)
         ),
-        axially_held=bool(axial.any()),
+        axially_held=bool(stiffness[1].any()),
         torque_end=table.torque_end,
     )
 
 
-@dataclass(frozen=True)
-class _Beam:
-    """Beam elements between nodes (N,), with bearings (numbers of nodes) and their stiffness."""
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """The part of a shaft on one side of a section, with its bearings.
 
-    table: keys.Shaft
-    nodes: Floats
-    bearings: Numbers
-    radial: Floats
-    axial: Floats
-    tilt: Floats
+    Attributes
+    ----------
+    bearings : (B,) array
+        Which bearings of the shaft belong to the part; n of them.
+    bending : (2, 2) array
+        Force and moment on the section by its displacement and rotation in a plane of bending.
+    axial : float
+    radial_forces : (n, 2) array
+        Forces of the bearings by displacement and rotation of the section.
+    axial_forces : (n,) array
+    """
 
-    @classmethod
-    def of(cls, table: keys.Shaft, marks: Sequence[float]) -> _Beam:
-        """The whole shaft, with nodes also at `marks`."""
-        places, stiffness = _bearings(table)
-        steps = np.concatenate([[0.0], np.cumsum(table.dimensions.lengths_mm)])
-        # nodes that differ by rounding errors are one
-        nodes = np.unique(np.round(np.concatenate([marks, places, steps]), DECIMALS))
-        return cls(table, nodes, np.searchsorted(nodes, places), *stiffness)
+    bearings: Flags
+    bending: Floats
+    axial: float
+    radial_forces: Floats
+    axial_forces: Floats
 
-    def between(self, low: float, high: float, *, without: float) -> _Beam:
-        """The part between two nodes, without the bearings at the position `without`."""
-        places = self.nodes[self.bearings]
-        own = (places >= low) & (places <= high) & (places != without)
-        nodes = self.nodes[(self.nodes >= low) & (self.nodes <= high)]
-        return replace(
-            self,
-            nodes=nodes,
-            bearings=np.searchsorted(nodes, places[own]),
-            radial=self.radial[own],
-            axial=self.axial[own],
-            tilt=self.tilt[own],
-        )
-
-    def node_at(self, place: float) -> int:
-        """Number of the node at a place."""
-        return int(np.searchsorted(self.nodes, round(place, DECIMALS)))
-
-    def _sections(self) -> tuple[Floats, Floats, Floats]:
-        """Area, second moment of area and shear area of each element."""
-        sizes = self.table.dimensions
-        middles = 0.5 * (self.nodes[1:] + self.nodes[:-1])
-        step = np.searchsorted(np.cumsum(sizes.lengths_mm)[:-1], middles)
-        inner = self.table.bore_diameter_mm or 0.0
-        return _round_section(np.array(sizes.diameters_mm)[step], inner, self.table.poisson_ratio)
-
-    def bending(self) -> Floats:
-        """(2 N, 2 N) Bending stiffness: displacement and rotation of each node in one plane."""
-        modulus, shear_modulus = _moduli(self.table)
-        stiffness = np.zeros((2 * self.nodes.size, 2 * self.nodes.size))
-        _, moments, shears = self._sections()
-        for e, (one, two) in enumerate(pairwise(self.nodes)):
-            length, bending = two - one, modulus * moments[e]
-            phi = 12.0 * bending / (shear_modulus * shears[e] * length**2)
-            side, near, far = 6.0 * length, (4.0 + phi) * length**2, (2.0 - phi) * length**2
-            rows = [
-                [12.0, side, -12.0, side],
-                [side, near, -side, far],
-                [-12.0, -side, 12.0, -side],
-                [side, far, -side, near],
-            ]
-            own = slice(2 * e, 2 * e + 4)
-            stiffness[own, own] += bending / ((1.0 + phi) * length**3) * np.array(rows)
-        bearings = self.bearings
-        np.add.at(stiffness, (2 * bearings, 2 * bearings), self.radial)
-        np.add.at(stiffness, (2 * bearings + 1, 2 * bearings + 1), self.tilt)
-        return stiffness
-
-    def pushing(self) -> Floats:
-        """(N, N) Axial stiffness."""
-        stiffness = np.zeros((self.nodes.size, self.nodes.size))
-        areas, _, _ = self._sections()
-        for e, length in enumerate(np.diff(self.nodes)):
-            own = slice(e, e + 2)
-            spring = self.table.young_modulus_MPa * areas[e] / length
-            stiffness[own, own] += spring * np.array([[1.0, -1.0], [-1.0, 1.0]])
-        np.add.at(stiffness, (self.bearings, self.bearings), self.axial)
-        return stiffness
+    @property
+    def springs(self) -> Springs:
+        """The stiffness as `FlexibleShaft.beyond` has it."""
+        return self.axial, *self.bending[[0, 0, 1], [0, 1, 1]].tolist()
 
 
-def _bearings(table: keys.Shaft) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-    """Positions of the bearings, mm; radial, axial (N/mm) and tilting stiffness (N mm/rad)."""
-    places = np.round(table.dimensions.bearing_positions_mm, DECIMALS)
-    none = (0.0,) * places.size
-    return places, (
-        np.array(table.dimensions.radial_stiffness_N_per_um) * PER_MM,
-        np.array(table.axial_stiffness_N_per_um or none) * PER_MM,
-        np.array(table.tilt_stiffness_Nm_per_mrad or none) * PER_RAD,
+def _part(table: keys.Shaft, section_mm: float, side: int, bearings: Flags) -> _Part:
+    """The part of a shaft on the side of smaller (-1) or larger z (1) of a section.
+
+    The forces r of the springs k deflect the part, clamped at the section, by its flexibility F:
+    (F + 1/k) r = H q under motions q of the section, which requires the forces H' r.
+    """
+    places, stiffness = _bearings(table)
+    x, (radial, axial, tilt) = side * (places[bearings] - section_mm), stiffness[:, bearings]
+    bent, pushed = _flexibility(table, section_mm, side, x)
+    motions = np.zeros((2 * x.size, 2))  # displacement and rotation of each bearing, along x
+    motions[::2, 0], motions[::2, 1], motions[1::2, 1] = 1.0, side * x, side
+    forces = _spring_forces(bent, np.stack([radial, tilt], axis=1).ravel(), motions)
+    along = _spring_forces(pushed, axial, np.ones((x.size, 1)))
+    return _Part(bearings, motions.T @ forces, float(along.sum()), forces[::2], along[:, 0])
+
+
+def _spring_forces(flexibility: Floats, stiffness: Floats, motions: Floats) -> Floats:
+    """Forces (n, q) of springs, some of which may be 0: (F + 1/k) r = H."""
+    forces, held = np.zeros_like(motions), stiffness > 0.0
+    if held.any():
+        own = flexibility[np.ix_(held, held)] + np.diag(1.0 / stiffness[held])
+        forces[held] = _inverse(own) @ motions[held]
+    return forces
+
+
+def _flexibility(
+    table: keys.Shaft, section_mm: float, side: int, x: Floats
+) -> tuple[Floats, Floats]:
+    """Flexibility of a shaft clamped at a section, at distances x (n,) from it on one side.
+
+    Deflection and rotation under a force and a moment, (2n, 2n), and extension (n, n): over the
+    distance s up to the nearer of both places,
+
+        integral of m m'/(E I) + v v'/(k G A) ds, m = (x - s, 1), v = (1, 0)
+        integral of 1/(E A) ds
+    """
+    sizes = table.dimensions
+    ends = np.cumsum(sizes.lengths_mm)
+    steps = side * (np.stack([ends - sizes.lengths_mm, ends])[::side] - section_mm)
+    near, far = np.clip(
+        steps[:, np.newaxis, np.newaxis], 0.0, np.minimum.outer(x, x)[..., np.newaxis]
     )
+    points, weights = leggauss(2)  # exact for the square of an arm
+    s = 0.5 * (near + far)[..., np.newaxis] + 0.5 * (far - near)[..., np.newaxis] * points
+    ds = 0.5 * (far - near)[..., np.newaxis] * weights
+    modulus, shear_modulus = _moduli(table)
+    area, moment, sheared = _round_section(
+        np.array(sizes.diameters_mm), table.bore_diameter_mm or 0.0, table.poisson_ratio
+    )
+    moments = np.stack(np.broadcast_arrays(x[:, np.newaxis, np.newaxis, np.newaxis] - s, 1.0))
+    found = np.einsum("aijeg,bjieg,ijeg,e->iajb", moments, moments, ds, 1.0 / (modulus * moment))
+    found[:, 0, :, 0] += np.einsum("ijeg,e->ij", ds, 1.0 / (shear_modulus * sheared))
+    stretched = np.einsum("ijeg,e->ij", ds, 1.0 / (modulus * area))
+    return found.reshape(2 * x.size, 2 * x.size), stretched
+
+
+def _bearings(table: keys.Shaft) -> tuple[Floats, Floats]:
+    """Positions (B,) of the bearings, mm; radial, axial and tilting stiffness (3, B).
+
+    In N/mm and N mm/rad.
+    """
+    sizes = table.dimensions
+    none = (0.0,) * len(sizes.bearing_positions_mm)
+    stiffness = np.array(
+        [
+            sizes.radial_stiffness_N_per_um,
+            table.axial_stiffness_N_per_um or none,
+            table.tilt_stiffness_Nm_per_mrad or none,
+        ]
+    )
+    per_mm = np.array([[PER_MM], [PER_MM], [PER_RAD]])
+    return np.array(sizes.bearing_positions_mm), stiffness * per_mm
 
 
 def _moduli(table: keys.Shaft) -> tuple[float, float]:
@@ -272,45 +279,18 @@ def _round_section(
     return area, moment, shear * area
 
 
-def _radius_at(table: keys.Shaft, place: float, side: int) -> float:
-    """Outer radius just beyond a position, towards smaller (-1) or larger z (1)."""
-    ends = np.round(np.cumsum(table.dimensions.lengths_mm), DECIMALS)
-    beyond = place + side * 10.0**-DECIMALS
+def _radius_beyond(table: keys.Shaft, section_mm: float, side: int) -> float:
+    """Outer radius just beyond a section, towards smaller (-1) or larger z (1); 0 at a free end."""
+    ends = np.cumsum(table.dimensions.lengths_mm)
+    beyond = section_mm + side * table.tolerance_mm
     if not 0.0 < beyond < ends[-1]:
         return 0.0
     return 0.5 * table.dimensions.diameters_mm[int(np.searchsorted(ends, beyond))]
 
 
-def _beyond(table: keys.Shaft, free: float, end: float) -> Springs:
-    """Stiffness at `end` of the part of a shaft up to its free end."""
-    low, high = min(free, end), max(free, end)
-    beam = _Beam.of(table, [low, high]).between(low, high, without=end)
-    if not beam.bearings.size:
-        return 0.0, 0.0, 0.0, 0.0
-    at = beam.node_at(end)
-    bent = _condensed(beam.bending(), np.array([2 * at, 2 * at + 1]))
-    pushed = _condensed(beam.pushing(), np.array([at]))
-    return float(pushed[0, 0]), float(bent[0, 0]), float(bent[0, 1]), float(bent[1, 1])
-
-
-def _condensed(stiffness: Floats, kept: Numbers) -> Floats:
-    """Stiffness condensed to the unknowns `kept`; symmetric."""
-    rest = np.setdiff1d(np.arange(len(stiffness)), kept)
-    scaled, scale = _scaled(stiffness)
-    between = scaled[np.ix_(rest, kept)]
-    own = scaled[np.ix_(kept, kept)]
-    found = own - between.T @ np.linalg.solve(scaled[np.ix_(rest, rest)], between)
-    size = 1.0 / scale[kept]
-    return np.asarray(0.5 * (found + found.T) * np.outer(size, size))
-
-
-def _solved(stiffness: Floats, loads: Floats) -> Floats:
-    """Displacements under loads, solved with scaled unknowns."""
-    scaled, scale = _scaled(stiffness)
-    return np.asarray(scale[:, np.newaxis] * np.linalg.solve(scaled, scale[:, np.newaxis] * loads))
-
-
-def _scaled(stiffness: Floats) -> tuple[Floats, Floats]:
-    """A stiffness scaled to a unit diagonal, and the factors."""
-    scale = 1.0 / np.sqrt(np.diag(stiffness))
-    return stiffness * np.outer(scale, scale), scale
+def _inverse(matrix: Floats) -> Floats:
+    """Inverse of a symmetric positive definite matrix, scaled to a unit diagonal; symmetric."""
+    scale = 1.0 / np.sqrt(np.diag(matrix))
+    both = np.outer(scale, scale)
+    found = both * np.linalg.inv(matrix * both)
+    return np.asarray(0.5 * (found + found.T))

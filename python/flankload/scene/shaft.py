@@ -12,10 +12,8 @@ from flankload.scene.table import USUAL_SIZE, Length, PoissonRatio, Table, Young
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
 
-#: Relative rounding error of numbers in a file.
+#: Relative rounding error of numbers in a file; of positions on a shaft, over its length.
 RELATIVE_ROUNDING = 1e-6
-#: Tolerance of positions on a shaft, mm.
-POSITION_TOLERANCE = 1e-3
 Entry = Annotated[float, Meta(ge=-1, le=1)]
 Row = Annotated[tuple[Entry, ...], Meta(min_length=6, max_length=6)]
 Rows = Annotated[tuple[Row, ...], Meta(min_length=6, max_length=6)]
@@ -120,6 +118,11 @@ class Shaft(Table, frozen=True, kw_only=True):
         """Whether the shaft bends and twists under the teeth."""
         return self.under_teeth == "flexible"
 
+    @property
+    def tolerance_mm(self) -> float:
+        """Rounding error of positions on the shaft: closer ones are equal where that matters."""
+        return RELATIVE_ROUNDING * sum(self.dimensions.lengths_mm)
+
     def check(self, given: Mapping[str, Any], key: str, *, helical: bool) -> None:
         """Check that the shaft is complete and that its bearings hold it.
 
@@ -156,14 +159,14 @@ class Shaft(Table, frozen=True, kw_only=True):
         key, bore = f"{body}.shaft", f"{body}.bore_diameter_mm ({diameter_mm:g})"
         low, high = (end - middle_mm + sizes.gear_position_mm for end in ends_mm)
         steps = np.concatenate([[0.0], np.cumsum(sizes.lengths_mm)])
-        if low < -POSITION_TOLERANCE or high > steps[-1] + POSITION_TOLERANCE:
+        if low < -self.tolerance_mm or high > steps[-1] + self.tolerance_mm:
             refuse(
                 f"{key}.gear_position_mm",
                 f"a position at which the shaft ({steps[-1]:g} mm long) fills all of the bore",
                 f"{sizes.gear_position_mm:g}: the bore is from {low:g} to {high:g} mm",
             )
         for k, diameter in enumerate(sizes.diameters_mm):
-            start, end = low + POSITION_TOLERANCE, high - POSITION_TOLERANCE
+            start, end = low + self.tolerance_mm, high - self.tolerance_mm
             inside = steps[k] < end and start < steps[k + 1]
             if inside and diameter < (1.0 - RELATIVE_ROUNDING) * diameter_mm:
                 expected = f"at least {bore}, which a flexible shaft fills"
@@ -201,9 +204,9 @@ class Shaft(Table, frozen=True, kw_only=True):
         """Check that the bearings hold the shaft against forces and moments."""
         sizes = self.dimensions
         stiff = zip(sizes.bearing_positions_mm, sizes.radial_stiffness_N_per_um, strict=True)
-        holding = {place for place, radial in stiff if radial > 0.0}
-        least = 1 if any(self.tilt_stiffness_Nm_per_mrad or ()) else 2
-        if len(holding) < least:
+        holding = [place for place, radial in stiff if radial > 0.0]
+        tilts = any(self.tilt_stiffness_Nm_per_mrad or ())
+        if not holding or (not tilts and max(holding) - min(holding) <= self.tolerance_mm):
             expected = "numbers > 0 for bearings at 2 positions at least, or for one with a "
             refuse(
                 f"{key}.radial_stiffness_N_per_um",

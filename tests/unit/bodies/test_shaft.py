@@ -14,7 +14,8 @@ from flankload.elasticity.prism.flexible_bore import beam_stiffness
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.effects import effects_of, switches_of
 from flankload.scene.shaft import Shaft as ShaftTable
-from tests.support.gear_scenes import ABSENT, changed, example, one_line, refusal
+from tests.support.gear_scenes import ABSENT, changed, example, one_line, refusal, resized
+from tests.support.tolerances import ROUND_OFF
 
 #: Beams in closed form.
 CLOSED = 1e-10
@@ -109,11 +110,28 @@ def test_a_stepped_shaft() -> None:
 
 
 def test_a_bearing_at_the_rounded_end_of_a_step() -> None:
-    """0.1 + 0.2 is not 0.3: there is no element of that length between them."""
+    """0.1 + 0.2 is not 0.3."""
     steps = {"lengths_mm": [0.1, 0.2, 149.7], "diameters_mm": [30.0] * 3}
     bearings = {"bearing_positions_mm": [0.3, 140.0]}
     one, other = made(**steps, **bearings), made(**bearings)
     np.testing.assert_allclose(one.compliance, other.compliance, rtol=CLOSED, atol=1e-20)
+
+
+def test_a_gear_position_on_half_a_micrometre() -> None:
+    """Positions were rounded to 1 um in two ways: the gear was at another node, at a bearing."""
+    shaft = {"diameters_mm": [25.0], "lengths_mm": [100.0], "bearing_positions_mm": [10.0, 90.0]}
+    between = made(**shaft, gear_position_mm=20.0045)
+    below, above = (made(**shaft, gear_position_mm=20.0045 + d).compliance for d in (-1e-6, 1e-6))
+    close = 0.5 * (below + above)
+    np.testing.assert_allclose(between.compliance, close, rtol=1e-12, atol=1e-20)
+    np.testing.assert_allclose(between.bearing_loads[:, 0, 0], [69.9955 / 80.0, 10.0045 / 80.0])
+
+
+def test_a_step_beside_the_gear_has_no_effect_however_short() -> None:
+    """Elements of a nanometre between nodes would cost half of the digits."""
+    whole = made(diameters_mm=[30.0], lengths_mm=[150.0]).compliance
+    split = made(lengths_mm=[60.3 + 1e-6, 150.0 - 60.3 - 1e-6]).compliance
+    np.testing.assert_allclose(split, whole, rtol=ROUND_OFF, atol=1e-25)
 
 
 def test_a_symmetric_shaft_does_not_tilt() -> None:
@@ -208,7 +226,7 @@ UNHELD = (
             "[200.0, 0.0]",
         ),
         (
-            {"bearing_positions_mm": [10, 10]},
+            {"bearing_positions_mm": [10, 10 + 1e-13]},
             "radial_stiffness_N_per_um",
             UNHELD,
             "[200.0, 300.0]",
@@ -327,6 +345,22 @@ def test_the_bore_of_a_web_or_hub_is_what_the_shaft_fills() -> None:
     assert axial.flexible is not None
     assert axial.flexible.range_mm == (-15.0, 15.0)
     assert axial.flexible.end_radii_mm == (15.0, 15.0)
+
+
+@pytest.mark.parametrize("lengths", [[50.3, 25.0, 74.7], [52.0, 20.0, 78.0]])
+def test_the_shaft_beyond_an_end_of_the_bore_is_its_own_step(lengths: list[float]) -> None:
+    """Also where the step begins at the end of the bore, up to rounding."""
+    steps = {"diameters_mm": [36.0, 30.0, 40.0], "lengths_mm": lengths}
+    assert carried((-10.0, 15.0), 30.0, **steps).end_radii_mm == (18.0, 20.0)
+    tenth = resized({**BEAM, **steps}, 0.1)
+    assert carried((-1.0, 1.5), 3.0, **tenth).end_radii_mm == pytest.approx((1.8, 2.0))
+    assert carried((-60.3, 89.7), 30.0, **steps).end_radii_mm == (0.0, 0.0)
+
+
+def test_a_bearing_at_an_end_of_the_bore_is_in_the_bore() -> None:
+    shaft = carried((-10.0, 15.0), 30.0, bearing_positions_mm=[50.3, 75.3 + 1e-9])
+    assert [place for place, *_ in shaft.bearings] == pytest.approx([-10.0, 15.0])
+    assert shaft.beyond == ((0.0,) * 4, (0.0,) * 4)
 
 
 @pytest.mark.parametrize(
