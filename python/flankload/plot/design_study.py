@@ -18,6 +18,7 @@ from flankload.plot.figures import set_title
 from flankload.plot.picture import with_parameters
 from flankload.plot.study_table import StudyTable, label, on_one_grid, pareto_front, unit_of
 from flankload.plot.style import COLOURS, SIZE, STYLE, new_figure, png_of, short, write_pictures
+from flankload.studies.robustness.samples import Samples
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -230,6 +231,7 @@ def draw_bands(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) 
     """Draw percentiles of a curve over the positions: 5, 25, 50, 75 and 95 % of the designs.
 
     Curves of other positions than those of the first solved design are interpolated linearly.
+    Failed designs count as in `Samples`; a band that ends among them is left out.
     """
     table = StudyTable(study)
     curves = table.values(quantity)[:, torque]
@@ -240,17 +242,26 @@ def draw_bands(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) 
     if not solved.any():
         return _key(axes, [table.torque(torque), NOTHING])
     place, found = on_one_grid(angles[solved], curves[solved])
-    for text, low, high, colour in BANDS:
-        ends = np.nanpercentile(found, [low, high], axis=0)
-        axes.fill_between(place, *ends, color=colour, linewidth=0, label=text)
-    axes.plot(place, np.nanpercentile(found, 50, axis=0), color=COLOURS[0], label="median")
+    failed = [np.nan] * int((~solved).sum())
+    # a curve that ends before others is no failure beyond its end
+    samples = [Samples(np.append(values[np.isfinite(values)], failed)) for values in found.T]
+    for text, *percents, colour in BANDS:
+        ends = np.array([[at.percentile(percent) for at in samples] for percent in percents])
+        if np.isfinite(ends).all(axis=0).any():
+            axes.fill_between(place, *ends, color=colour, linewidth=0, label=text)
+    middle = np.array([at.percentile(50) for at in samples])
+    if np.isfinite(middle).any():
+        axes.plot(place, middle, color=COLOURS[0], label="median")
     axes.margins(x=0)
     return _key(axes, [table.torque(torque), _solved(solved)], columns=3)
 
 
 @described
 def draw_histogram(axes: Axes, study: DesignStudy, quantity: str, torque: int = -1) -> None:
-    """Draw how many designs have which value, with percentiles."""
+    """Draw how many designs have which value, with percentiles.
+
+    Failed designs count as in `Samples`; a percentile among them has no line.
+    """
     table = StudyTable(study)
     values = table.values(quantity)[:, torque]
     known = values[np.isfinite(values)]
@@ -262,12 +273,15 @@ def draw_histogram(axes: Axes, study: DesignStudy, quantity: str, torque: int = 
     ends = None if _spread(known) else (middle - 0.01 * scale, middle + 0.01 * scale)
     counts, edges = np.histogram(known, min(40, max(5, ceil(sqrt(known.size)))), ends)
     axes.stairs(counts, edges, fill=True, facecolor=BANDS[1][3], edgecolor="white", linewidth=0.5)
+    samples = Samples(values)
     for percents, line in (((50,), "-"), ((25, 75), (0, (5, 2))), ((5, 95), (0, (1, 1.5)))):
-        places = np.percentile(known, percents)
+        places = [float(samples.percentile(p)) for p in percents]
         text = " and ".join(f"{p} %" for p in percents) if len(percents) > 1 else "median"
-        text += ": " + ", ".join(_short(float(place)) for place in places)
-        for place, named in zip(places, (text, None), strict=False):
-            axes.axvline(place, color=COLOURS[0], linestyle=line, linewidth=1.6, label=named)
+        text += ": " + ", ".join(_short(x) if np.isfinite(x) else "failed" for x in places)
+        look: dict[str, Any] = {"color": COLOURS[0], "linestyle": line, "linewidth": 1.6}
+        axes.plot([], [], label=text, **look)
+        for place in filter(np.isfinite, places):
+            axes.axvline(place, **look)
     axes.xaxis.set_major_locator(MaxNLocator(6))
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     return _key(axes, [table.torque(torque), _solved(np.isfinite(values))])

@@ -68,12 +68,34 @@ ONLY_LOADED = (
     "specific_sliding_1",
     "specific_sliding_2",
 )
+#: Least possible values of numbers of the summary and of curves that have one; a path of several
+#: names is that of its last one.
+LEAST = {
+    **dict.fromkeys(
+        (
+            *("transmission_error_peak_to_peak_um", "transmission_error_harmonics_um"),
+            *("transmission_error_mesh_harmonics_um", "contact_ratio_under_load"),
+            *("loaded_pairs", "loaded_pairs_min", "loaded_pairs_max", "potential_pairs"),
+            *("peak_pressure_MPa", "peak_pressure_off_corners_MPa", "peak_line_load_N_per_mm"),
+            *("coast_flanks_loaded_min", "coast_flanks_loaded_max", "coast_force_N"),
+            *("coast_peak_pressure_off_corners_MPa", "largest_sliding_mm_per_rad", "range_MPa"),
+            *("axial_force_N", "tilting_moment_Nm", "friction_loss_J_per_rad"),
+        ),
+        0.0,
+    ),
+    "face_load_factor": 1.0,
+}
 #: Values of a pair at a torque that never loads it; NaN in all other arrays.
 UNLOADED = {
     **dict.fromkeys((*OVER_SITES, *OVER_SLICES, *OVER_COAST_SITES), 0),
     **dict.fromkeys(ONLY_LOADED, np.nan),
     "flank_face_load_factor": 1,
 }
+
+
+def least_of(name: str) -> float:
+    """Least possible value of a quantity by its name; minus infinity if there is none."""
+    return LEAST.get(name.rpartition(".")[2], -np.inf)
 
 
 def torques_of(results: ResultForms | Sequence[Result]) -> tuple[Result, ...]:

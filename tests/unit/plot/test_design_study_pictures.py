@@ -257,9 +257,12 @@ def test_bands_are_percentiles_of_the_curves() -> None:
     axes = new_axes()
     pictures.draw_bands(axes, study, CURVE)
     curves = study.values(CURVE)
-    curves = curves[np.isfinite(curves[:, 0])]
+    # the failed design is below all others, then above
+    below, above = np.nan_to_num(curves, nan=-1e9), np.nan_to_num(curves, nan=1e9)
     for band, percents in zip(axes.collections, ((5, 95), (25, 75)), strict=True):
-        low, high = np.percentile(curves, percents, axis=0)
+        low, high = (
+            np.percentile(c, p, axis=0) for c, p in zip((below, above), percents, strict=True)
+        )
         corners = band.get_paths()[0].vertices
         np.testing.assert_allclose([corners[:, 1].min(), corners[:, 1].max()], [0, high[-1]])
         for angle, ends in zip(
@@ -267,10 +270,20 @@ def test_bands_are_percentiles_of_the_curves() -> None:
         ):
             there = corners[np.isclose(corners[:, 0], angle), 1]
             np.testing.assert_allclose([there.min(), there.max()], ends)
-    median = np.column_stack([np.degrees(POSITIONS_RAD), np.median(curves, axis=0)])
+    median = np.column_stack([np.degrees(POSITIONS_RAD), np.median(above, axis=0)])
     np.testing.assert_allclose(axes.lines[0].get_xydata(), median)
     assert words(axes)[0] == "300 N m, 49 designs, 1 without a value"
     assert axes.get_xlabel() == "angle of body 1 in degrees"
+
+
+def test_percentiles_among_failed_designs_are_not_drawn() -> None:
+    study = made_up_study({RELIEF: RANGE}, "random", n=100, failed=range(11))
+    bands, histogram = new_axes(), new_axes()
+    pictures.draw_bands(bands, study, CURVE)
+    pictures.draw_histogram(histogram, study, PRESSURE)
+    assert words(bands)[1:] == ["25 to 75 %", "median"]
+    assert words(histogram)[-1] == "5 % and 95 %: failed, failed"
+    assert np.isfinite(histogram.get_xlim()).all()
 
 
 def test_curves_of_other_positions_are_interpolated() -> None:
@@ -289,13 +302,16 @@ def test_a_histogram_counts_all_designs_and_has_percentiles() -> None:
     axes = new_axes()
     pictures.draw_histogram(axes, study, PRESSURE, torque=0)
     values = study.values(PRESSURE)[:, 0]
+    # the failed design is below all others, then above
+    below, above = np.nan_to_num(values, nan=-1e9), np.nan_to_num(values, nan=1e9)
     values = values[np.isfinite(values)]
     (stairs,) = axes.patches
     counts, edges, _ = stairs.get_data()
     assert counts.sum() == 63
     np.testing.assert_allclose(edges[[0, -1]], [values.min(), values.max()])
-    places = [line.get_xdata()[0] for line in axes.lines]
-    np.testing.assert_allclose(places, np.percentile(values, [50, 25, 75, 5, 95]))
+    places = [line.get_xdata()[0] for line in axes.lines if len(line.get_xdata())]
+    expected = [np.percentile(above if p >= 50 else below, p) for p in (50, 25, 75, 5, 95)]
+    np.testing.assert_allclose(places, expected)
     assert words(axes)[:2] == ["100 N m, 63 designs, 1 without a value", f"median: {places[0]:.4g}"]
 
 

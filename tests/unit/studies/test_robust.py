@@ -11,7 +11,7 @@ import pytest
 from scipy import stats
 
 import flankload as fl
-from flankload.studies.robustness import Robust, Samples
+from flankload.studies.robustness import Failures, FirstOrder, Robust, Samples
 from tests.support.design_scene import design_scene
 from tests.support.paths import SCENES
 
@@ -125,33 +125,87 @@ def test_a_kink_at_the_mean_and_a_difference_to_monte_carlo_are_noted() -> None:
     assert distance.startswith(f"{words}its 95 % percentile differs by ")
 
 
-def test_failed_designs_are_left_out_and_counted() -> None:
+def test_failed_designs_are_counted_with_their_share() -> None:
     path = "body_1.profile_crowning_um"
     variables = {path: {"distribution": "normal", "mean": 1, "standard_deviation": 1}}
     found = fl.robust(lumped(), variables, [SWING], n=12, seed=1)
-    assert found.study is not None
-    failed = len(found.study.failed)
+    assert found.failures is not None
+    failed = found.failures.count
     assert 0 < failed < 11
-    assert len(found.samples(SWING)) == 12 - failed
-    assert found.notes[-1].startswith(f"{failed} designs failed and are left out, the first with:")
+    assert len(found.samples(SWING)) == 12
+    assert found.samples(SWING).known == 12 - failed
+    text = str(found)
+    assert f"failed designs: {failed} of 12, {100 * failed / 12:.3g} % (95 % confidence: " in text
+    monte_carlo = next(line for line in text.splitlines() if "Monte Carlo  " in line)
+    assert monte_carlo.split()[-3::2] == ["failed", "failed"]
+    assert "the first failed with: body_1.profile_crowning_um: expected" in found.notes[-1]
+
+
+@pytest.mark.parametrize("failed", [0, 3, 11])
+def test_failed_designs_are_beyond_percentiles_at_both_ends(failed: int) -> None:
+    """They were left out, so that 3 and 11 failures of 100 moved no percentile."""
+    values = np.random.default_rng(3).permutation(np.arange(100.0))
+    values[values < failed] = np.nan
+    samples = Samples(values)
+    if failed > 5:
+        assert np.isnan([samples.percentile(5), samples.percentile(95)]).all()
+        assert np.isnan(samples.interval(95)[1])
+        assert np.isfinite(samples.interval(50)).all()
+    else:
+        # of 100 designs, as many as fail are below the least value, then above the largest
+        assert samples.percentile(5) == pytest.approx(4.95)
+        assert samples.percentile(95) == pytest.approx(94.05 + failed)
+    assert samples.percentile(50) == pytest.approx(49.5 + failed)
+    assert samples.mean == pytest.approx(np.arange(failed, 100).mean())
+    assert samples.standard_deviation == pytest.approx(np.arange(failed, 100).std(ddof=1))
+
+
+@pytest.mark.parametrize(
+    ("count", "low", "high"), [(0, 0.0, 0.036217), (3, 0.006230, 0.085176), (100, 0.963783, 1.0)]
+)
+def test_the_share_of_failures_has_exact_limits(count: int, low: float, high: float) -> None:
+    """Limits of Clopper and Pearson: their tails of the binomial distribution have 2.5 %."""
+    found = Failures(count, 100).interval
+    np.testing.assert_allclose(found, (low, high), atol=5e-7)
+    if count:
+        assert stats.binom.sf(count - 1, 100, found[0]) == pytest.approx(0.025)
+    if count < 100:
+        assert stats.binom.cdf(count, 100, found[1]) == pytest.approx(0.025)
+
+
+def test_first_order_has_no_percentile_below_the_least_possible_value(found: Robust) -> None:
+    """A peak to peak of 1 with a standard deviation of 1 had a 5 % percentile of -0.645."""
+    least = {name: linear.least for name, linear in found.first_order.items()}
+    assert least == {SWING: 0.0, CURVE: -np.inf}
+    linear = FirstOrder(np.array([1.0, 3.0]), np.ones(2), {"a": np.ones(2)}, {}, least[SWING])
+    np.testing.assert_allclose(linear.percentile(5), [np.nan, 3 - 1.6448536])
+    robust = Robust("pair", (1.0, 2.0), {SWING: linear}, None, 1, {"first_order": 1.0})
+    (note,) = robust.notes
+    assert note == (
+        f"{SWING}: first order does not hold: its 5 % percentile would be -0.64485, and no value "
+        "is below 0; sample with n > 0"
+    )
+    rows = [line.split() for line in str(robust).splitlines()]
+    assert rows[2][-4:] == ["1", "1", "1", "2.6449"]  # no cell for 5 %
+    assert rows[3][-3:] == ["1.3551", "3", "4.6449"]
 
 
 @pytest.mark.parametrize("percent", [5, 50])
 def test_intervals_contain_the_percentile_with_their_probability(percent: float) -> None:
     drawn = stats.norm.ppf(np.random.default_rng(4).random((200, 2000)))
-    low, high = Samples(np.sort(drawn, axis=0)).interval(percent)
+    low, high = Samples(drawn).interval(percent)
     exact = stats.norm.ppf(percent / 100)
     held = ((low < exact) & (exact < high)).mean()
     assert 0.945 < held < 0.975
 
 
 def test_too_few_samples_leave_a_limit_unknown() -> None:
-    samples = Samples(np.sort(np.random.default_rng(4).random(20)))
+    samples = Samples(np.random.default_rng(4).random(20))
     low, high = samples.interval(5)
     assert np.isnan(low)
     assert high > samples.percentile(5)
     exact = np.sqrt(1 / 12)
-    many = Samples(np.sort(np.random.default_rng(4).random(20000)))
+    many = Samples(np.random.default_rng(4).random(20000))
     assert abs(many.standard_deviation - exact) < 4 * many.deviation_error
     assert many.deviation_error == pytest.approx(exact * np.sqrt(0.8 / 20000) / 2, rel=0.05)
 

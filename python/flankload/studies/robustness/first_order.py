@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.result.quantities import least_of
 from flankload.scene.refusal import refuse
 from flankload.studies.design.run import SOLVED, Outcome, row_of
 from flankload.studies.design.run_designs import refuse_unknown
@@ -46,15 +47,31 @@ class FirstOrder:
     kinks : dict of array
         By variable: standard deviation times half the difference of both one-sided derivatives;
         not 0 where the quantity has a kink at the mean.
+    least : float
+        Least possible value, such as 0 of a peak to peak; minus infinity if there is none.
     """
 
     mean: Floats
     standard_deviation: Floats
     shares: dict[str, Floats]
     kinks: dict[str, Floats]
+    least: float = -np.inf
 
     def percentile(self, percent: float) -> Floats:
-        """Values that are not exceeded with a probability in percent, if normally distributed."""
+        """Values that are not exceeded with a probability in percent, if normally distributed.
+
+        NaN below the least possible value, where the distribution is not normal.
+        """
+        found = self._normal(percent)
+        return np.where(found < self.least, np.nan, found)
+
+    def impossible(self, percent: float) -> float | None:
+        """Percentile of the normal distribution if it is below the least possible value."""
+        found = self._normal(percent)
+        lowest = float(np.nanmin(found, initial=np.inf))
+        return lowest if lowest < self.least else None
+
+    def _normal(self, percent: float) -> Floats:
         from scipy.special import ndtri
 
         return np.asarray(self.mean + ndtri(percent / 100.0) * self.standard_deviation)
@@ -100,18 +117,22 @@ def first_order(
             mean[name],
             {variable: of_one[name] for variable, of_one in scatter.items()},
             {variable: of_one[name] for variable, of_one in kinks.items()},
+            least_of(name),
         )
         for name in names
     }, len(found.paths)
 
 
-def _first_order(mean: Floats, scatter: dict[str, Floats], kinks: dict[str, Floats]) -> FirstOrder:
+def _first_order(
+    mean: Floats, scatter: dict[str, Floats], kinks: dict[str, Floats], least: float
+) -> FirstOrder:
     """The record of a quantity; the variable with the largest variance is the first."""
     variance = np.sum(list(scatter.values()), axis=0)
     with np.errstate(invalid="ignore"):
         shares = {name: np.nan_to_num(of_one / variance) for name, of_one in scatter.items()}
     order = sorted(shares, key=lambda name: -float(np.nansum(scatter[name])))
-    return FirstOrder(mean, np.sqrt(variance), {name: shares[name] for name in order}, kinks)
+    ordered = {name: shares[name] for name in order}
+    return FirstOrder(mean, np.sqrt(variance), ordered, kinks, least)
 
 
 def _mean(variable: Variable) -> Any:

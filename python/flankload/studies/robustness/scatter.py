@@ -16,11 +16,10 @@ from flankload.scene import SceneLike, scene_of
 from flankload.scene.refusal import refuse, shown
 from flankload.studies.design import DesignStudy, run_study
 from flankload.studies.design.designs import OF_DRAWS, Designs
-from flankload.studies.design.run import SOLVED
 from flankload.studies.design.solve_study import checked
 from flankload.studies.prepared import Prepared
 from flankload.studies.robustness.first_order import FirstOrder, first_order
-from flankload.studies.robustness.samples import Samples
+from flankload.studies.robustness.samples import Failures, Samples
 from flankload.studies.variables import variables_of
 
 if TYPE_CHECKING:
@@ -39,6 +38,13 @@ QUANTITIES = (
 PERCENT = (5.0, 50.0, 95.0)
 #: Samples that have a standard deviation.
 LEAST_SAMPLES = 2
+FAILED_WORDS = (
+    "failed designs are worse than all others: percentiles below 50 % count them below all values, "
+    "others above; mean and standard deviation are those of the solved designs, and first order "
+    "includes no failure"
+)
+#: Cell of a percentile among the failed designs.
+FAILED = "failed"
 #: First order holds if its percentiles are this part of a standard deviation beside those of the
 #: distribution: the value that should be exceeded in 5 % of all cases is then exceeded in 4 to 6 %.
 HOLDS = 0.1
@@ -71,23 +77,29 @@ class Robust(Card):
     solutions: int
     seconds: dict[str, float]
 
+    @property
+    def failures(self) -> Failures | None:
+        """Failed designs of the simulation, if there is one."""
+        study = self.study
+        return None if study is None else Failures(len(study.failed), len(study.rows))
+
     def samples(self, quantity: str) -> Samples:
         """Monte Carlo samples of a quantity, one of the names in `first_order`.
 
-        Failed designs are left out. Raises SceneError if there is no such quantity, or no
+        Failed designs have no value. Raises SceneError if there is no such quantity, or no
         simulation.
         """
         if quantity not in self.first_order or self.study is None:
             known = ", ".join(self.first_order) if self.study else "a name, after a run with n > 0"
             refuse("quantity", known, shown(quantity))
-        solved = [row.outcome.status == SOLVED for row in self.study.rows]
-        return Samples(np.sort(self.study.values(quantity)[solved], axis=0))
+        return Samples(self.study.values(quantity))
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Quantities for which first order does not hold, and failed designs."""
         found = []
         for name, linear in self.first_order.items():
+            found += _impossible(name, linear, sampled=self.study is not None)
             bent = [
                 variable
                 for variable, size in linear.kinks.items()
@@ -101,8 +113,8 @@ class Robust(Card):
                 words = f"its {percent:g} % percentile differs by {size:.3g} from Monte Carlo"
                 found.append(f"{name}: first order does not hold: {words}")
         if self.study is not None and self.study.failed:
-            count, first = len(self.study.failed), self.study.failed[0].outcome.error
-            found.append(f"{count} designs failed and are left out, the first with: {first}")
+            first = self.study.failed[0].outcome.error
+            found.append(f"{FAILED_WORDS}; the first failed with: {first}")
         return tuple(found)
 
     def __str__(self) -> str:
@@ -120,9 +132,12 @@ class Robust(Card):
                 ends = [samples.interval(percent) for percent in PERCENT]
                 errors = [2.0 * samples.mean_error, 2.0 * samples.deviation_error]
                 errors += [0.5 * (high - low) for low, high in ends]
-                rows.append(["", "Monte Carlo", *_numbers(_of(samples), at)])
+                rows.append(["", "Monte Carlo", *_numbers(_of(samples), at, unknown=FAILED)])
                 rows.append(["", "  +-", *_numbers(errors, at)])
-        lines = [self._head, *text_table(rows, left=2), *shares]
+        lines = [self._head, *text_table(rows, left=2)]
+        if self.failures is not None:
+            lines.append(f"failed designs: {self.failures}")
+        lines += shares
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     @property
@@ -207,10 +222,22 @@ def _of(found: FirstOrder | Samples) -> list[Any]:
     return [found.mean, found.standard_deviation, *(found.percentile(p) for p in PERCENT)]
 
 
-def _numbers(values: list[Any], at: tuple[int, ...]) -> list[str]:
-    """Entries of arrays as cells; empty if unknown."""
+def _numbers(values: list[Any], at: tuple[int, ...], *, unknown: str = "") -> list[str]:
+    """Entries of arrays as cells; a word for those that are unknown."""
     found = [float(np.asarray(value)[at]) for value in values]
-    return ["" if np.isnan(number) else f"{number:.5g}" for number in found]
+    return [unknown if np.isnan(number) else f"{number:.5g}" for number in found]
+
+
+def _impossible(name: str, linear: FirstOrder, *, sampled: bool) -> list[str]:
+    """Note on the lowest percentile that is below the least possible value, if there is one."""
+    beyond = {percent: linear.impossible(percent) for percent in PERCENT}
+    known = {percent: value for percent, value in beyond.items() if value is not None}
+    if not known:
+        return []
+    percent, value = min(known.items())
+    words = f"its {percent:g} % percentile would be {value:.5g}, and no value is below "
+    advice = "use that of Monte Carlo" if sampled else "sample with n > 0"
+    return [f"{name}: first order does not hold: {words}{linear.least:g}; {advice}"]
 
 
 def _missed(linear: FirstOrder, samples: Samples) -> tuple[float, float] | None:
@@ -221,9 +248,10 @@ def _missed(linear: FirstOrder, samples: Samples) -> tuple[float, float] | None:
         value, (low, high) = linear.percentile(percent), samples.interval(percent)
         low, high = np.nan_to_num(low, nan=-np.inf), np.nan_to_num(high, nan=np.inf)
         beyond = np.maximum(low - value, value - high)
-        if np.any(beyond > allowed):
-            distance = np.abs(value - samples.percentile(percent))
-            worst = max(worst, (float(np.nanmax(distance)), percent))
+        distance = np.abs(value - samples.percentile(percent))
+        missed = (beyond > allowed) & np.isfinite(distance)  # not finite: among failed designs
+        if missed.any():
+            worst = max(worst, (float(distance[missed].max()), percent))
     size, percent = worst
     return (percent, size) if size else None
 
