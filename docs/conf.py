@@ -1,7 +1,7 @@
 """Sphinx configuration of the documentation site; `./dev docs` builds it into build-docs/html.
 
 The sources are the Markdown files of the repository as they are: `site_pages.py` adds the tables of
-contents and the generated tables when a file is read. Formulas are plain text, so the pages need no
+contents when a file is read. Formulas are plain text, so the pages need no
 script for mathematics. The theme furo is plain, has the sections of one tree at the side, suits
 narrow screens, and brings neither fonts nor icons from elsewhere: the site works without a network.
 """
@@ -23,7 +23,7 @@ author = "flankload developers"
 copyright = author  # noqa: A001 - a name of Sphinx
 version = release = installed_version("flankload")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
+extensions = ["myst_parser"]
 root_doc = "docs/index"
 include_patterns = list(site_pages.SOURCES)
 exclude_patterns = ["docs/**/*.in.md"]
@@ -34,16 +34,6 @@ myst_heading_anchors = 4
 suppress_warnings = ["misc.highlighting_failure"]
 
 smartquotes = False
-# Single backticks in docstrings are names in code.
-default_role = "literal"
-autodoc_typehints = "none"
-autodoc_member_order = "bysource"
-autodoc_inherit_docstrings = False
-numpydoc_show_class_members = False
-numpydoc_class_members_toctree = False
-
-# The headings are names already.
-toc_object_entries = False
 
 html_theme = "furo"
 html_title = f"flankload {version}"

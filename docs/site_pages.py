@@ -2,8 +2,7 @@
 
 An index page lists its pages as Markdown links, `* [Title](page.md): text`; the site makes the
 table of contents from these lines. A page that no index lists appears in the index of its folder
-under "Further pages". A line `<!-- generated: NAME -->` is replaced by the text of the function
-NAME of `make_reference.py`.
+under "Further pages".
 """
 
 from __future__ import annotations
@@ -11,8 +10,6 @@ from __future__ import annotations
 import re
 from functools import cache
 from pathlib import Path, PurePosixPath
-
-import make_reference
 
 ROOT = Path(__file__).parent.parent
 #: Sources of the site, relative to the root of the repository.
@@ -36,11 +33,10 @@ INDEXES = (
 LISTED = re.compile(r"^\* \[[^\]]+\]\(([\w./-]+\.md)\)", re.MULTILINE)
 #: Beginning of a program in fixed form, which has a lexer of its own.
 FIXED_FORM = re.compile(r"^```fortran\nC", re.MULTILINE)
-GENERATED = re.compile(r"^<!-- generated: (\w+) -->$", re.MULTILINE)
 
 
 def completed(page: str, text: str) -> str:
-    """Text of a page with its generated parts and, on an index, its table of contents.
+    """Text of a page and, on an index, its table of contents.
 
     Parameters
     ----------
@@ -51,13 +47,7 @@ def completed(page: str, text: str) -> str:
     Returns
     -------
     str
-
-    Raises
-    ------
-    ValueError
-        If the page asks for a text that `make_reference.py` cannot make.
     """
-    text = GENERATED.sub(lambda found: generated(found[1]), text)
     text = FIXED_FORM.sub("```fortranfixed\nC", text)
     if page not in INDEXES:
         return text
@@ -68,14 +58,6 @@ def completed(page: str, text: str) -> str:
         listed += rest
     entries = "\n".join(f"/{other}" for other in listed)
     return f"{text.rstrip()}\n\n```{{toctree}}\n:hidden:\n\n{entries}\n```\n"
-
-
-def generated(name: str) -> str:
-    """Text that `make_reference.py` makes under this name."""
-    if name not in make_reference.TEXTS:
-        known = ", ".join(sorted(make_reference.TEXTS))
-        raise ValueError(f"generated: expected one of {known}, found {name}")
-    return make_reference.TEXTS[name]()
 
 
 @cache

@@ -12,6 +12,7 @@ import msgspec
 from msgspec import inspect, structs
 from msgspec.structs import FieldInfo
 
+from flankload.scene.groups import in_groups
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import BY_NAME, Table
 
@@ -69,8 +70,9 @@ def read_table(form: type[T], table: object, key: str) -> T:
 
 @cache
 def fields_of(form: type[Table]) -> dict[str, FieldInfo]:
-    """Fields of a table with their annotations, by key."""
-    return {field.encode_name: field for field in structs.fields(form)}
+    """Fields of a table with their annotations, by key; those of a body group by group."""
+    fields = {field.encode_name: field for field in structs.fields(form)}
+    return in_groups(fields) if form.grouped else fields
 
 
 def is_required(field: FieldInfo) -> bool:
@@ -94,7 +96,8 @@ def types_of(form: type[Table]) -> dict[str, inspect.Type]:
     """Types of the fields with all tables below them, by key; slow, for texts only."""
     info = inspect.type_info(form)
     assert isinstance(info, inspect.StructType)
-    return {field.encode_name: field.type for field in info.fields}
+    types = {field.encode_name: field.type for field in info.fields}
+    return {name: types[name] for name in fields_of(form)}
 
 
 def _refuse_unknown(name: str, value: object, known: list[str], key: str) -> NoReturn:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from math import atan, cos, pi, radians, tan
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
@@ -27,6 +27,8 @@ LARGEST_PITCH_ERROR = 0.1
 
 class ThicknessKeys(Table, frozen=True, kw_only=True):
     """Keys of the tooth thickness, in the normal section; at most one measurement."""
+
+    grouped: ClassVar[bool] = True
 
     tooth_thickness_allowance_um: Annotated[
         Deviation | None,

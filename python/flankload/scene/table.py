@@ -79,7 +79,15 @@ PitchErrors = Annotated[
 
 
 class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Base class of all tables."""
+    """Base class of all tables.
+
+    Attributes
+    ----------
+    grouped : bool
+        The keys have the order of module `groups`; others have that of their class.
+    """
+
+    grouped: ClassVar[bool] = False
 
 
 class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
@@ -101,6 +109,7 @@ class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
         The flanks of a pair of such bodies conform: they touch over a length.
     """
 
+    grouped: ClassVar[bool] = True
     partner: ClassVar[str | None] = None
     from_file: ClassVar[bool] = False
     brings_compliance: ClassVar[bool] = False

@@ -109,9 +109,7 @@ class GearPair(FlankPair, frozen=True):
     --------
     >>> pinion = fl.Gear(teeth=16, module_mm=4.5, tip_diameter_mm=82.46, bore_diameter_mm=30)
     >>> wheel = fl.Gear(teeth=24, module_mm=4.5, tip_diameter_mm=118.36, bore_diameter_mm=40)
-    >>> pair = fl.GearPair(
-    ...     pinion, wheel, center_distance_mm=91.5, face_width_mm=14, torque_Nm=302
-    ... )
+    >>> pair = fl.GearPair(pinion, wheel, center_distance_mm=91.5, face_width_mm=14, torque_Nm=302)
     >>> result = fl.solve(pair)
     """
 

@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.form import fields_of, required_of
+from flankload.scene.gear import Gear, Ring
+from flankload.scene.groups import GROUPS, group_of
+from flankload.scene.mesh import Profile
 from flankload.scene.pair import Pair
+from flankload.scene.spline import SplineHub, SplineShaft
 from tests.support.gear_scenes import ABSENT, changed, one_line, refusal
 
 #: Kinds of body 1, as a message names them.
@@ -375,3 +380,15 @@ def test_scene_must_be_a_table() -> None:
 def test_long_values_are_cut_in_the_message() -> None:
     error = refusal(changed(body_1__teeth="x" * 500))
     assert len(error.found) <= 80
+
+
+def test_keys_of_a_body_have_the_order_of_a_design() -> None:
+    """The table of keys began with the tooth thickness; required keys came later."""
+    keys = list(fields_of(Gear))
+    assert keys[:4] == ["teeth", "module_mm", "tip_diameter_mm", "bore_diameter_mm"]
+    assert set(keys[:4]) == set(required_of(Gear))
+    groups = [group_of(key) for key in keys[4:]]
+    assert list(dict.fromkeys(groups)) == list(GROUPS)
+    for form in (Gear, Ring, SplineShaft, SplineHub, Profile):
+        alone = [key for key in fields_of(form) if group_of(key) is None and key != "kind"]
+        assert alone == [], "keys of teeth belong to a group of flankload.scene.groups"
