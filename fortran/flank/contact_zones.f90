@@ -112,6 +112,8 @@ contains
                 lost = lost .or. .not. found
                 zone%site = site
                 zone%left_out = lies_at_cut(facing%flank_1%curve, facing%flank_2%curve, zone)
+                if (even%last > 0) call drop_within(zone, &
+                    & same_place*curve_length(facing%flank_1%curve), zones, n_zones)
                 if (n_zones > 0 .and. n_zones <= size(zones)) then
                     if (zones(n_zones)%site == site &
                         & .and. abs(zones(n_zones)%nearest%s_1 - zone%nearest%s_1) &
@@ -123,6 +125,24 @@ contains
             scan%first = scan%last + 1
         end do
     end subroutine find_zones
+
+    !> Drop the last zones if they lie in the range of constant gap of another zone: minima at which
+    !> the flanks conform less closely than at its own.
+    pure subroutine drop_within(zone, same, zones, n_zones)
+        !> Zone with a range of constant gap
+        type(zone_type), intent(in) :: zone
+        !> Distance below which two places are the same [mm]
+        real(wp), intent(in) :: same
+        !> Zones found so far, ascending on each site, and their number
+        type(zone_type), intent(in) :: zones(:)
+        integer, intent(inout) :: n_zones
+
+        do while (n_zones > 0 .and. n_zones <= size(zones))
+            if (zones(n_zones)%site /= zone%site) exit
+            if (zones(n_zones)%nearest%s_1 < zone%level_low - same) exit
+            n_zones = n_zones - 1
+        end do
+    end subroutine drop_within
 
     !> Return whether a sample is a local minimum of the gap.
     pure function is_least(scan, i) result(least)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from functools import cache
 from math import cos, radians
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from scipy.optimize import brentq
 
 import flankload as fl
 from tests.support.solving import solve
-from tests.support.tolerances import SOLVER
+from tests.support.tolerances import ROUND_OFF, SOLVER
 
 TEETH, MODULE, WIDTH = 24, 2.0, 30.0
 BASE_RADIUS = 0.5 * TEETH * MODULE * cos(radians(30))
@@ -145,6 +146,56 @@ def test_loads_on_an_offset_travel_from_tooth_to_tooth(offset: float, edge: dict
     np.testing.assert_allclose(found.rotation_rad[2], found.rotation_rad[0], rtol=TRAVELLING)
     moment = force.sum(axis=1) * BASE_RADIUS
     np.testing.assert_allclose(moment, 1000 * TORQUE, rtol=3e-3)
+
+
+def test_minimum_where_flanks_conform_less_is_no_contact_beside_the_one_where_they_do() -> None:
+    """Under a large load the whole flank carries, with its sharp ends: every place once.
+
+    The offset then changes the wind-up by the square of its ratio to the approach.
+    """
+    teeth = 15
+    small = {"teeth": teeth, "module_mm": 1.0, "pressure_angle_deg": 30}
+    shaft = {"tip_diameter_mm": teeth + 0.8, "root_diameter_mm": teeth - 1.4}
+    hub = {"tip_diameter_mm": teeth - 0.9, "root_diameter_mm": teeth + 1.4}
+    tree: dict[str, Any] = {
+        "body_1": {"kind": "spline_shaft", **small, **shaft, "bore_diameter_mm": 6.0},
+        "body_2": {
+            "kind": "spline_hub", **small, **hub,
+            "profile_shift": 0.0403, "outer_diameter_mm": teeth + 11.42,
+        },
+        "pair": {"face_width_mm": 6.1},
+        "load": {"torque_Nm": 1000.0},
+        "effects": {"beyond_limits": True},
+        "accuracy": {"estimate": False, "tangents": False},
+    }  # fmt: skip
+    none = solve(fl.Scene.from_dict(tree))
+    assert isinstance(none, fl.Result)
+    offset_mm = 0.0045
+    tree["pair"]["center_offset_mm"] = offset_mm
+    tree["load"]["torque_Nm"] = [38.0, 39.0, 100.0, 1000.0]
+    tree["positions"] = {"angles_deg": [0.0, 180 / teeth]}
+    found = solve(fl.Scene.from_dict(tree))
+    assert isinstance(found, tuple)
+    for result in found:
+        assert result.status.tolist() == [0, 0]
+        for table in result.pair_tables:
+            moment = table.x_mm * table.normal_y - table.y_mm * table.normal_x
+            np.testing.assert_allclose(
+                table.force_N @ moment, 1000 * result.torque_Nm, rtol=ROUND_OFF
+            )
+            for site in result.sites:
+                rows = table.site == site
+                along, cell = table.arc_length_1_mm[rows], table.cell_mm[rows]
+                assert np.all(cell > 0)
+                # the mean of both flanks' cells, of which that of the hub follows the circles
+                np.testing.assert_allclose(np.diff(along), 0.5 * (cell[1:] + cell[:-1]), rtol=1e-3)
+    most = found[-1]
+    assert most.loaded_pairs.tolist() == [teeth, teeth]
+    np.testing.assert_allclose(
+        most.rotation_rad,
+        none.rotation_rad[0],
+        rtol=(1000 * offset_mm / none.transmission_error_um[0]) ** 2,
+    )
 
 
 def test_small_offset_is_none_in_the_limit() -> None:
