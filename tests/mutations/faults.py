@@ -684,6 +684,23 @@ _PYTHON = (
         ("forces = [-table.force_N]", "forces = [-0.99 * table.force_N]"),
     ),
     *_in(
+        "result/root_stress.py",
+        "physics/test_roots_over_width.py",
+        ("at = (sign * found.stress_MPa).argmax", "at = found.stress_MPa.argmax"),
+        ("_over_slices(least, -1.0, z_mm)", "_over_slices(least, 1.0, z_mm)"),
+    ),
+    *_in(
+        "exchange/rexs/pair.py",
+        "unit/exchange/test_rexs_scene.py",
+        ("offset - 0.5 * widths[1])", "-0.5 * widths[1])"),
+        ("offset + 0.5 * widths[1])", "0.5 * widths[1])"),
+    ),
+    *_in(
+        "studies/robustness/first_order.py",
+        "unit/studies/test_robust.py",
+        ("jumps = np.nan_to_num(0.5 * (", "jumps = np.nan_to_num(("),
+    ),
+    *_in(
         "result/flank_contact.py",
         "unit/result/test_result_contacts.py",
         ("squared[k] / (squared[inner] - squared[k])", "squared[k] / squared[inner]"),

@@ -121,10 +121,14 @@ def test_shapes_names_and_the_place_of_the_largest_stress() -> None:
     points = stress.points.arc_length_mm.size
     assert stress.stress_MPa.shape == (4, sites, 8, points)
     assert stress.slice_tension_MPa.shape == (4, sites, 8)
-    np.testing.assert_array_equal(stress.tension.stress_MPa, stress.slice_tension_MPa.max(axis=2))
-    assert stress.tension.z_mm is not None
-    at = np.abs(result.slice_z_mm - stress.tension.z_mm[..., None]).argmin(axis=2)
-    np.testing.assert_array_equal(at, stress.slice_tension_MPa.argmax(axis=2))
+    for extremes, size in (
+        (stress.tension, stress.slice_tension_MPa),
+        (stress.compression, -stress.slice_compression_MPa),
+    ):
+        np.testing.assert_array_equal(np.abs(extremes.stress_MPa), size.max(axis=2))
+        assert extremes.z_mm is not None
+        at = np.abs(result.slice_z_mm - extremes.z_mm[..., None]).argmin(axis=2)
+        np.testing.assert_array_equal(at, size.argmax(axis=2))
     found = result.summary["root_stress_1"]["tension"]
     assert found["stress_MPa"] == stress.tension.stress_MPa.max()
     assert found["z_mm"] in result.slice_z_mm

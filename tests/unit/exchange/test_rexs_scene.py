@@ -410,9 +410,11 @@ def shifted(wheel: str, axis: str = "<c>1</c><c>0</c><c>0</c>") -> str:
     )  # fmt: skip
 
 
-def test_positions_along_the_axis(tmp_path: Path) -> None:
-    text = shifted("<c>42</c><c>0</c><c>-132</c>")
-    assert keys(made(tmp_path, text))["body_2"]["axial_offset_mm"] == 2
+@pytest.mark.parametrize("offset", [2, -2])
+def test_positions_along_the_axis(tmp_path: Path, offset: int) -> None:
+    """Each gear may end before the other, at either side."""
+    text = shifted(f"<c>{40 + offset}</c><c>0</c><c>-132</c>")
+    assert keys(made(tmp_path, text))["body_2"]["axial_offset_mm"] == offset
     found = keys(made(tmp_path, without("common_face_width", 21, text)))
     assert found["pair"]["face_width_mm"] == 23
     assert [found[body]["face_width_mm"] for body in ("body_1", "body_2")] == [25, 25]

@@ -118,11 +118,20 @@ def test_a_kink_at_the_mean_and_a_difference_to_monte_carlo_are_noted() -> None:
         }
     )
     path, mean = "body_1.helix_slope_um", "transmission_error_mean_um"
-    found = fl.robust(scene, {path: CLASS_5}, [mean], n=12, seed=1)
+    slope = stats.norm(0.0, 5.0)
+    found = fl.robust(scene, {path: slope}, [mean], n=12, seed=1)
     kink, distance = found.notes
     words = f"{mean}: first order does not hold: "
     assert kink == f"{words}its derivatives to both sides differ for {path}"
     assert distance.startswith(f"{words}its 95 % percentile differs by ")
+    step = 0.1
+    low, middle, high = (
+        fl.solve(scene.replace({path: value})).summary[mean] for value in (-step, 0.0, step)
+    )
+    half_difference = 0.5 * (high - 2.0 * middle + low) / step
+    assert float(found.first_order[mean].kinks[path]) == pytest.approx(
+        5.0 * abs(half_difference), rel=0.02
+    )
 
 
 def test_failed_designs_are_counted_with_their_share() -> None:
