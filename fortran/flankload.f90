@@ -11,7 +11,6 @@ module flankload
         & general_matrix, symmetric_matrix, definite_matrix, definite_part
     use flankload_contact_loads, only: solve_contact_loads
     use flankload_contact_sequence, only: solve_contact_sequence
-    use flankload_column_demand, only: column_source, solve_on_demand, solve_known_columns
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve
     use flankload_circle_pair, only: flank_type, new_flank
     use flankload_friction, only: friction_type, new_friction
@@ -33,7 +32,6 @@ module flankload
     public :: error_type, status_text
     public :: contact_result, solve_contact_problem
     public :: solve_contact_loads, solve_contact_sequence
-    public :: column_source, solve_on_demand, solve_known_columns
     public :: method_auto, method_single, method_paper, method_block
     public :: method_load_path, method_pivoted, method_cascade, method_primal
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
@@ -48,7 +46,7 @@ module flankload
     public :: flankload_version, flankload_double_vector, flankload_integer_vector
     public :: flankload_status_text
     public :: flankload_position, flankload_normal_compliance, flankload_matrix_form
-    public :: flankload_solve_contact, flankload_contact_columns, flankload_solve_sequence
+    public :: flankload_solve_contact, flankload_solve_sequence
     public :: flankload_pack_body, flankload_pack_part, flankload_sweep, flankload_sweep_points
     public :: flankload_sweep_continued
     public :: fl_general, fl_symmetric, fl_definite, fl_definite_part

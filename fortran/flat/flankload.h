@@ -90,16 +90,6 @@ void flankload_solve_contact_(const int *n, const int *n_motions, const int *n_w
                               double *forces, double *gaps, double *motion, double *tangent,
                               int *active, int *counters, double *certificate, int *info);
 
-/* The same from some columns of K; returns the pairs whose columns are needed next. */
-void flankload_contact_columns_(const int *n, const int *n_known, const int *n_motions,
-                                const int *n_warm, const int *known, const double *columns,
-                                const double *diagonal, const double *normal_gaps,
-                                const double *motions, const double *load_rows,
-                                const double *loads, const int *structure, const int *method,
-                                const int *warm_pairs, int *n_wanted, int *wanted, double *forces,
-                                double *gaps, double *motion, double *tangent, int *active,
-                                int *counters, double *certificate, int *info);
-
 /* Many problems, each for several loads. */
 void flankload_solve_sequence_(const int *n_problems, const int *n_pairs, const int *n_entries,
                                const int *n_motions, const int *n_loads, const int *n_threads,

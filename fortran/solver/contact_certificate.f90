@@ -12,7 +12,6 @@ module flankload_contact_certificate
     private
 
     public :: certify, is_unique
-    public :: energy_slack
 
     !> Condition number from which on the distribution of force between neighbours has lost half of
     !> its digits

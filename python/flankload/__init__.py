@@ -14,7 +14,6 @@ if TYPE_CHECKING:
         ContactState,
         solve_contact,
         solve_contact_general,
-        solve_contact_on_demand,
         solve_contact_sequence,
         solve_contact_torques,
     )
@@ -125,7 +124,6 @@ __all__ = [
     "solve",
     "solve_contact",
     "solve_contact_general",
-    "solve_contact_on_demand",
     "solve_contact_sequence",
     "solve_contact_torques",
     "study",
@@ -173,7 +171,6 @@ _MODULE_OF_NAME = {
     "ContactState": "contact",
     "solve_contact": "contact",
     "solve_contact_general": "contact",
-    "solve_contact_on_demand": "contact",
     "solve_contact_sequence": "contact",
     "solve_contact_torques": "contact",
     "Plan": "studies.plan",

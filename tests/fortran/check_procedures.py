@@ -26,8 +26,6 @@ PUBLIC = {
     "solver/contact_loop.f90: solve_and_keep",
     "solver/contact_loads.f90: solve_contact_loads",
     "solver/contact_sequence.f90: solve_contact_sequence",
-    "solver/column_demand.f90: solve_on_demand",
-    "solver/column_demand.f90: solve_known_columns",
     "position/position_load.f90: solve_position",
     "position/position_sweep.f90: sweep_positions",
     "position/recorded_sweep.f90: sweep_records",

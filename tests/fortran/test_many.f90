@@ -1,33 +1,4 @@
-!> Source that returns columns of a given matrix on demand.
-module matrix_columns
-    use flankload_kinds, only: wp
-    use flankload_column_demand, only: column_source
-    implicit none
-    private
-
-    public :: matrix_source
-
-    type, extends(column_source) :: matrix_source
-        real(wp), allocatable :: matrix(:, :)
-    contains
-        procedure :: fill
-    end type matrix_source
-
-contains
-
-    !> Return columns of the matrix.
-    pure subroutine fill(self, pairs, columns)
-        class(matrix_source), intent(in) :: self
-        integer, intent(in) :: pairs(:)
-        real(wp), intent(out) :: columns(:, :)
-
-        columns = self%matrix(:, pairs)
-    end subroutine fill
-
-end module matrix_columns
-
-!> Tests of several contact problems in one call and of columns on demand, without Python; linked
-!> with base/ and solver/ only.
+!> Tests of several contact problems in one call, without Python; linked with base/ and solver/ only.
 program test_many
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
@@ -35,8 +6,6 @@ program test_many
         & definite_matrix
     use flankload_contact_loads, only: solve_contact_loads
     use flankload_contact_sequence, only: solve_contact_sequence
-    use flankload_column_demand, only: solve_on_demand
-    use matrix_columns, only: matrix_source
     implicit none
 
     integer, parameter :: n = 200
@@ -52,7 +21,6 @@ program test_many
             compliance(i, j) = exp(-0.05_wp*abs(i - j)) + merge(0.1_wp, 0.0_wp, i == j)
         end do
     end do
-    call test_on_demand
     call test_loads
     call test_sequence
     print '(a)', 'all passed'
@@ -98,22 +66,6 @@ contains
         call expect(state%status == 0 .and. state%backward_error <= 10*epsilon(1.0_wp), &
             & 'the certificate is clean')
     end subroutine expect_same
-
-    !> Columns are computed only for pairs near contact.
-    subroutine test_on_demand
-        type(matrix_source) :: source
-        type(contact_result) :: state
-        type(error_type), allocatable :: error
-        integer, allocatable :: known(:)
-
-        source%matrix = compliance
-        call solve_on_demand(source, [(compliance(i, i), i=1, n)], gaps, levers, levers, &
-            & [2.0_wp], definite_matrix, method_auto, known, state, error)
-        call expect(.not. allocated(error), 'the torque is held on demand')
-        call expect_same(state, alone(2.0_wp))
-        call expect(size(state%active_pairs) > 10, 'many pairs carry')
-        call expect(size(known) < n/2, 'most columns were never made')
-    end subroutine test_on_demand
 
     !> Several torques in one call give the states of single calls, in any order of the torques.
     subroutine test_loads

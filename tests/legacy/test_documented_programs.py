@@ -56,20 +56,6 @@ def torques(text: str) -> None:
     assert version == f"flankload {fl.__version__}"
 
 
-def columns_on_demand(text: str) -> None:
-    i = np.arange(1, 201)
-    matrix = np.exp(-0.05 * np.abs(i[:, None] - i))
-    gap = 1e-3 * (i - 90.3) ** 2
-    whole = fl.solve_contact_general(matrix, gap, np.ones(200), 3.0)
-    some = fl.solve_contact_on_demand(
-        lambda pairs: matrix[:, pairs], np.ones(200), gap, np.ones(200), 3.0
-    )
-    expected = [0, whole.active_pairs.size, some.info.influence_columns]
-    expect_numbers(
-        numbers_in(text), np.array([*expected, whole.rotation, whole.normal_forces.max()])
-    )
-
-
 def pitch(text: str) -> None:
     alpha, base, steps = np.pi / 9, np.array([30.0, 45.0]), 0.3 * np.arange(51)
     distance = base.sum() / np.cos(alpha)
@@ -169,7 +155,6 @@ PROGRAMS: dict[str, Callable[[str], None]] = {
     "torques.c": torques,
     "coupl.f": coupling,
     "pitch.f": pitch,
-    "columns.f90": columns_on_demand,
     "rollers.f": rollers,
 }
 

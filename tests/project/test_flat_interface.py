@@ -228,20 +228,6 @@ def test_refused_arguments_of_a_contact_problem(argument: int, change: dict[str,
     assert _core.flankload_solve_contact(*contact_arguments())[-1] == 0
 
 
-def test_refused_arguments_of_known_columns() -> None:
-    def info_of(known: list[int], **changes: object) -> int:
-        pairs = np.array(known, dtype=np.int32)
-        columns = np.asfortranarray(np.eye(2)[:, : len(known)]).ravel(order="F")
-        rest = contact_arguments(**changes)[1:]
-        return int(_core.flankload_contact_columns(pairs, columns, np.ones(2), *rest)[-1])
-
-    assert info_of([1, 2]) == 0
-    assert info_of([1, 3]) == -105
-    assert info_of([1, 2], structure=7) == -112
-    assert info_of([1, 2], method=2) == -113
-    assert info_of([1, 2], warm_pairs=np.array([9], dtype=np.int32)) == -114
-
-
 def test_refused_arguments_of_a_sequence() -> None:
     def info_of(**changes: object) -> np.ndarray:
         arguments: dict[str, object] = {

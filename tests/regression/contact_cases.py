@@ -62,8 +62,6 @@ def _numbers(state: fl.ContactState) -> dict[str, Any]:
         found.pop("active_pairs")
     if state.status in (0, 1, -6) or undetermined:
         found["forces"] = state.normal_forces[some]
-    if state.info.influence_columns < n:
-        found["columns"] = state.info.influence_columns
     return found
 
 
@@ -121,19 +119,10 @@ def _gear_like(seed: int, method: str, *, friction: bool = False) -> Case:
     )
 
 
-def _cylinder(n: int, method: str, *, friction: float = 0.0, demand: bool = False) -> Case:
+def _cylinder(n: int, method: str, *, friction: float = 0.0) -> Case:
     p = cylinder(n, friction)
 
     def solve() -> fl.ContactState:
-        if demand:
-            return fl.solve_contact_on_demand(
-                lambda pairs: p.compliance[:, pairs],
-                p.compliance.diagonal(),
-                p.gaps,
-                p.levers,
-                p.torque,
-                load_rows=p.row,
-            )
         return fl.solve_contact_general(
             p.compliance, p.gaps, p.levers, p.torque, load_rows=p.row, method=method
         )
@@ -144,7 +133,7 @@ def _cylinder(n: int, method: str, *, friction: float = 0.0, demand: bool = Fals
             "pairs": n,
             "friction": friction,
             "torque_Nmm": p.torque,
-            "method": "on demand" if demand else method,
+            "method": method,
         },
         provenance="closed form of the matrix; for the pressure Hertz",
         solve=partial(quantities_of, solve),
@@ -316,7 +305,6 @@ def contact_cases() -> dict[str, Case]:
         "cylinder_400_block": _cylinder(400, "block"),
         "cylinder_400_cascade": _cylinder(400, "cascade"),
         "cylinder_400_friction": _cylinder(400, "auto", friction=0.3),
-        "cylinder_400_on_demand": _cylinder(400, "auto", demand=True),
     }
     cases |= {
         f"gear_{method}": _gear_like(20, method)

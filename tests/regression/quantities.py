@@ -48,7 +48,6 @@ CONTACT = {
     "sums_of_groups": Quantity("N", 1e-9, 0.0, "sums of what is not determined pair by pair"),
     "condition": Quantity("1", 1e-2, 0.0, "an estimate of a norm"),
     "held": Quantity("N mm", 1e-6, 1e-12, "where a path ends, found by the last of its steps"),
-    "columns": Quantity("1", 0.0, 0.0, _EXACT),
 }
 
 #: Of a position or a sweep of points.

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 import flankload._core as _core
 from flankload.contact.many import solve_contact_sequence, solve_contact_torques
-from flankload.contact.on_demand import solve_contact_on_demand
 from flankload.contact.problem import (
     ContactProblem,
     from_angles,
@@ -29,7 +28,6 @@ __all__ = [
     "ContactState",
     "solve_contact",
     "solve_contact_general",
-    "solve_contact_on_demand",
     "solve_contact_sequence",
     "solve_contact_torques",
 ]

@@ -115,26 +115,14 @@ def general(
 ) -> ContactProblem:
     """The problem in its general form."""
     matrix = _square("compliance_matrix", compliance_matrix)
-    problem = unchecked(matrix, "compliance_matrix", normal_gaps, motions, load_rows, n_motions)
-    return _checked(problem, None, positive_definite)
-
-
-def unchecked(
-    compliance: Vector,
-    name: str,
-    normal_gaps: ArrayLike,
-    motions: ArrayLike,
-    load_rows: ArrayLike | None,
-    n_motions: int,
-) -> ContactProblem:
-    """The problem in its general form, without a check of the compliance."""
-    n = len(compliance)
+    n, name = len(matrix), "compliance_matrix"
     gaps = vector("normal_gaps", normal_gaps, n)
     levers = columns("motions", motions, (n, n_motions))
     rows = levers if load_rows is None else columns("load_rows", load_rows, (n, n_motions))
-    return ContactProblem(
-        compliance, gaps, np.asfortranarray(levers), np.asfortranarray(rows), names=(name, name)
+    problem = ContactProblem(
+        matrix, gaps, np.asfortranarray(levers), np.asfortranarray(rows), names=(name, name)
     )
+    return _checked(problem, None, positive_definite)
 
 
 def torque_loads(name: str, torque: ArrayLike, n_axes: int | None) -> Vector:
@@ -218,15 +206,9 @@ def _checked(
     definite = positive_definite
     if definite is None:
         definite = symmetric == 1 and elastic == 1 and problem.n > _FEW_PAIRS
-    structure = structure_of(symmetric=symmetric == 1, definite=definite)
+    kinds = (SYMMETRIC, DEFINITE) if symmetric == 1 else (GENERAL, DEFINITE_PART)
+    structure = kinds[1] if definite else kinds[0]
     return replace(problem, compliance=compliance, structure=structure)
-
-
-def structure_of(*, symmetric: bool, definite: bool) -> int:
-    """Properties of K for the core."""
-    if symmetric:
-        return DEFINITE if definite else SYMMETRIC
-    return DEFINITE_PART if definite else GENERAL
 
 
 def array(name: str, values: Any, n_axes: int | None, *, finite: bool = True) -> Vector:

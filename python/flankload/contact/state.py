@@ -51,10 +51,7 @@ class ContactInfo:
         Whether no other state exists, on the basis of `uniqueness`.
     uniqueness : {"proven", "elastic", "not certain"}
         Basis of `unique`: the whole matrix was factored; or the matrix is known to be positive
-        definite, as for elastic bodies, and all columns read confirm it.
-    influence_columns : int
-        Number of computed columns of the influence matrix: all, except for
-        `solve_contact_on_demand`.
+        definite, as for elastic bodies, and all entries confirm it.
     undetermined : tuple of tuple of int
         Groups of pairs for which only the sum of the forces is determined.
     """
@@ -68,7 +65,6 @@ class ContactInfo:
     margin: float
     unique: bool
     uniqueness: str
-    influence_columns: int
     undetermined: tuple[tuple[int, ...], ...] = ()
 
 
@@ -168,14 +164,8 @@ def state_of(
     problem: ContactProblem,
     loads: Vector,
     answer: CoreAnswer,
-    *,
-    known: NDArray[np.int32] | None = None,
-    columns: Vector | None = None,
 ) -> ContactState:
-    """The state of contact, or the exception for the core's status code.
-
-    `known`: pairs with computed columns of K, if these are not all.
-    """
+    """The state of contact, or the exception for the core's status code."""
     code = int(answer.code)
     if code < 0 and code != Status.NEGATIVE_FORCE:
         raise failure(problem, loads, answer)
@@ -190,8 +180,7 @@ def state_of(
         margin=float(answer.certificate[3]),
         unique=unique,
         uniqueness=_uniqueness(unique, problem.structure),
-        influence_columns=problem.n if known is None else known.size,
-        undetermined=_undetermined(problem, answer, known, columns),
+        undetermined=_undetermined(problem, answer),
     )
     state = ContactState(
         normal_forces=answer.forces,
@@ -212,21 +201,14 @@ def state_of(
     return state
 
 
-def _undetermined(
-    problem: ContactProblem,
-    answer: CoreAnswer,
-    known: NDArray[np.int32] | None,
-    columns: Vector | None,
-) -> tuple[tuple[int, ...], ...]:
+def _undetermined(problem: ContactProblem, answer: CoreAnswer) -> tuple[tuple[int, ...], ...]:
     """Groups of pairs for which only the sum of the forces is determined, by pair number."""
     if answer.code <= 0:
         return ()
-    own: NDArray[np.integer] = np.arange(problem.n) if known is None else known
-    compliance = problem.compliance if columns is None else columns[own]
     groups = _undetermined_groups(
-        compliance, problem.load_rows[own], answer.forces[own], answer.gaps[own]
+        problem.compliance, problem.load_rows, answer.forces, answer.gaps
     )
-    return tuple(sorted(tuple(sorted(int(own[k]) for k in group)) for group in groups))
+    return tuple(sorted(tuple(sorted(group)) for group in groups))
 
 
 def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> ContactError:
