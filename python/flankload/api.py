@@ -10,9 +10,8 @@ from flankload.studies import sensitivity as derivatives
 from flankload.studies.prepared import Prepared, solve_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
-    from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
     from flankload.scene import SceneLike
@@ -25,7 +24,6 @@ def solve(
     progress: Progress | None = None,
     *,
     plan: Plan | None = None,
-    on_duration: Callable[[Duration], None] | None = None,
 ) -> Result:
     """Load distribution of a scene at all its positions.
 
@@ -40,8 +38,6 @@ def solve(
     plan : Plan, optional
         Plan of this scene, whose predictions `result.cost` shows beside the actual cost. Exact
         counters are always shown.
-    on_duration : callable, optional
-        Called once with the predicted duration of the run, before its elements are solved.
 
     Returns
     -------
@@ -58,9 +54,9 @@ def solve(
     FlankloadError
         If a position has no solution, or the plan belongs to another scene.
     """
-    _check_calls(progress=progress, on_duration=on_duration)
+    _check_calls(progress=progress)
     require("plan", plan, "a Plan", fits=plan is None or hasattr(plan, "predicted"))
-    return solve_scene(scene_of(scene), progress, None, plan=plan, on_duration=on_duration)
+    return solve_scene(scene_of(scene), progress, None, plan=plan)
 
 
 def prepare(scene: SceneLike) -> Prepared:

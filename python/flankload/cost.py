@@ -6,7 +6,7 @@ result shows predictions beside it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
@@ -56,6 +56,8 @@ class Account:
         Largest temporary arrays, if known.
     counters : dict of str to int
         By the names of `COUNTERS`, without zeros.
+    on_part : callable or None
+        Called with the part of the work that is done, from 0 to 1, where it is known.
     """
 
     wall_s: float = 0.0
@@ -63,6 +65,12 @@ class Account:
     bytes: int = 0
     workspace_bytes: int = 0
     counters: dict[str, int] = field(default_factory=dict)
+    on_part: Callable[[float], None] | None = field(default=None, repr=False, compare=False)
+
+    def report(self, part: float) -> None:
+        """Report the part of the work that is done."""
+        if self.on_part is not None:
+            self.on_part(part)
 
     def count(self, **numbers: int) -> None:
         """Add to counters."""

@@ -13,7 +13,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from flankload.cli.outputs import STDOUT, check_apart, check_file, check_outputs, refuse, write_text
-from flankload.cli.solving import Progress
+from flankload.cli.progress import Progress
 from flankload.errors import FlankloadError
 
 if TYPE_CHECKING:

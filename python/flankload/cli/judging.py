@@ -8,7 +8,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from flankload.cli.outputs import STDOUT, check_apart, check_file, check_outputs, refuse, write_text
-from flankload.cli.solving import Progress
+from flankload.cli.progress import Progress
 
 if TYPE_CHECKING:
     from argparse import Namespace

@@ -5,24 +5,18 @@ from __future__ import annotations
 import sys
 from importlib import import_module
 from pathlib import Path
-from threading import Thread, Timer
-from typing import TYPE_CHECKING, Any, Self
+from threading import Thread
+from typing import TYPE_CHECKING
 
 from flankload.cli.outputs import STDOUT, check_apart, check_outputs, write_text
+from flankload.cli.progress import Progress
 from flankload.cli.result_files import check_files, files_of, plot_options, write_files
 
 if TYPE_CHECKING:
     from argparse import Namespace
 
-    from flankload.mechanisms.duration import Duration
     from flankload.result import Result
     from flankload.scene import Scene
-
-#: Seconds after which a run first shows progress.
-PATIENCE_S = 1.0
-
-#: A run with a longer predicted duration, s, is announced before it starts.
-LONG_S = 10.0
 
 
 def run(arguments: Namespace) -> None:
@@ -94,76 +88,18 @@ def _write_page(found: Result, scene: Scene, output: str, line: str) -> None:
 
 
 def _solve(scene: Scene, *, quiet: bool, drawn: bool, planned: bool = False) -> Result:
-    """Solve with progress; announce a run that takes long by its prediction."""
+    """Solve with progress, which announces a run that takes long."""
     from flankload.api import solve
+    from flankload.mechanisms.stage_clock import end_of_phase
 
     if drawn:  # the import needs a third of the time of a small run: beside it
         Thread(target=import_module, args=("flankload.plot",), daemon=True).start()
-    with Progress(wanted=not quiet and sys.stderr.isatty()) as progress:
-
-        def announce(duration: Duration) -> None:
-            if duration.seconds > LONG_S:
-                progress.say(f"flankload: {duration}")
-
+    shown = not quiet and sys.stderr.isatty()
+    with Progress(wanted=shown, announced=not quiet, end_of=end_of_phase) as progress:
         predicted = None
         if planned:
             from flankload.studies.plan import plan as plan_of
 
             progress.tell("plan", 0, 1)
             predicted = plan_of(scene)
-        on_duration = None if quiet else announce
-        return solve(scene, progress=progress.tell, plan=predicted, on_duration=on_duration)
-
-
-class Progress:
-    """A progress bar on stderr for long computations."""
-
-    def __init__(self, *, wanted: bool) -> None:
-        self._wanted = wanted
-        self._bar: Any = None
-        self._task: Any = None
-        self._told = ("", 0, 1)
-        self._timer = Timer(PATIENCE_S, self._show)
-        self._timer.daemon = True
-
-    def __enter__(self) -> Self:
-        if self._wanted:
-            self._timer.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if not self._wanted:
-            return
-        self._timer.cancel()
-        self._timer.join()
-        if self._bar is not None:
-            self._bar.stop()
-
-    def tell(self, stage: str, done: int, total: int) -> None:
-        """Record the beginning of a stage."""
-        self._told = (stage, done, total)
-        if self._bar is not None:
-            self._bar.update(self._task, description=stage, completed=done, total=total)
-
-    def say(self, line: str) -> None:
-        """Print a line on stderr, above the bar if there is one."""
-        if self._bar is not None:
-            self._bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
-        else:
-            print(line, file=sys.stderr, flush=True)
-
-    def _show(self) -> None:
-        from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-        bar = Progress(
-            TextColumn("{task.description:<20}"),
-            BarColumn(),
-            TimeElapsedColumn(),
-            console=Console(stderr=True),
-            transient=True,
-        )
-        stage, done, total = self._told
-        self._task = bar.add_task(stage, completed=done, total=total)
-        bar.start()
-        self._bar = bar
+        return solve(scene, progress=progress.tell, plan=predicted)

@@ -205,9 +205,7 @@ def _undetermined(problem: ContactProblem, answer: CoreAnswer) -> tuple[tuple[in
     """Groups of pairs for which only the sum of the forces is determined, by pair number."""
     if answer.code <= 0:
         return ()
-    groups = _undetermined_groups(
-        problem.compliance, problem.load_rows, answer.forces, answer.gaps
-    )
+    groups = _undetermined_groups(problem.compliance, problem.load_rows, answer.forces, answer.gaps)
     return tuple(sorted(tuple(sorted(group)) for group in groups))
 
 

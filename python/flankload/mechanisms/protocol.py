@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from flankload.bodies import SectorMesh, WholeMesh
     from flankload.cost import Account
     from flankload.mechanisms.data_sheet import DataSheet
-    from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.screening import Screening
@@ -162,9 +161,6 @@ class Mechanism(Protocol):
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Meshes of the bodies at position zero."""
-
-    def duration(self, scene: Scene, assembly: Any) -> Duration | None:
-        """Predict the duration of a run from counted work; None if it is negligible."""
 
     def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
         """Solve a scene on a coarse discretization, as it is and with each effect switched."""

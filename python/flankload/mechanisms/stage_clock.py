@@ -15,7 +15,7 @@ Progress = Callable[[str, int, int], None]
 Kept = MutableMapping[int, tuple[Any, Account]]
 
 #: Progress steps for the bodies, the finite elements of each body, and each sweep.
-BODY_STEPS, COMPLIANCE_STEPS, SWEEP_STEPS = 1, 5, 20
+BODY_STEPS, COMPLIANCE_STEPS, SWEEP_STEPS = 1, 50, 200
 #: Progress steps before the first sweep.
 FIXED_STEPS = BODY_STEPS + 2 * COMPLIANCE_STEPS
 #: Progress steps completed at the beginning of a stage.
@@ -28,6 +28,11 @@ STEPS_BEFORE = {
     "tangent": FIXED_STEPS + SWEEP_STEPS,
     "estimate": FIXED_STEPS + 2 * SWEEP_STEPS,
 }
+
+
+def end_of_phase(stage: str, total: int) -> int:
+    """Steps completed when the phase of a stage ends: finite elements, or states."""
+    return FIXED_STEPS if stage.startswith("compliance") else total
 
 
 class StageClock:
@@ -65,6 +70,10 @@ class StageClock:
         if self._progress is not None and self._last != (name, done):
             self._last = (name, done)
             self._progress(name, done, self._total)
+
+    def part_progress(self, name: str) -> Callable[[float], None]:
+        """Progress of the elements of a body, by the completed part of their work."""
+        return lambda part: self.report(name, STEPS_BEFORE[name] + int(part * COMPLIANCE_STEPS))
 
     def sweep_progress(
         self, name: str, *, sweep: int = 0, number: int | None = None

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from flankload.cost import Account
-from flankload.mechanisms import Earlier, Parts, mechanism_of, run_once
+from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.mechanisms import prepare as prepare_parts
 from flankload.result import Result, result_of_torques
 from flankload.studies.tolerance import solve_to_tolerance
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
-    from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.stage_clock import Kept, Progress
     from flankload.scene import Scene
     from flankload.studies.plan import Plan
@@ -64,22 +62,21 @@ def solve_scene(
     parts: Parts | None,
     *,
     plan: Plan | None = None,
-    on_duration: Callable[[Duration], None] | None = None,
 ) -> Result:
     """Solve a scene, to its tolerance if it names one; errors are those of `flankload.solve`.
 
     Bodies and compliances of earlier runs are `parts`, and those of this run are added. `progress`
     is called as progress(stage, done, total); an exception that it raises ends the solution. `plan`
-    is one of this scene, whose predictions are shown beside what is spent; `on_duration` is called
-    once with the predicted duration. The result has an axis of torques if the scene has a list.
+    is one of this scene, whose predictions are shown beside what is spent. The result has an axis
+    of torques if the scene has a list.
     """
     if not scene.names_tolerance:
-        found = _solve_chosen(scene, {}, progress, parts, (plan, on_duration))
+        found = _solve_chosen(scene, {}, progress, parts, plan)
         return result_of_torques(found, listed=scene.has_torque_list)
-    firsts = iter([(plan, on_duration)])  # they concern the first run
+    firsts = iter([plan])  # it concerns the first run
 
     def solve_once(scene: Scene, kept: Kept, progress: Progress | None) -> tuple[Result, ...]:
-        return _solve_chosen(scene, kept, progress, None, next(firsts, (None, None)))
+        return _solve_chosen(scene, kept, progress, None, next(firsts, None))
 
     found = solve_to_tolerance(scene, solve_once, progress)
     return result_of_torques(found, listed=scene.has_torque_list)
@@ -90,10 +87,9 @@ def _solve_chosen(
     kept: Kept,
     progress: Progress | None,
     parts: Parts | None,
-    first: tuple[Plan | None, Callable[[Duration], None] | None],
+    plan: Plan | None,
 ) -> tuple[Result, ...]:
     """Solve a scene once; the effects that it leaves to the plan are chosen before."""
-    plan, on_duration = first
     stages: dict[str, Account] = {}
     notes: tuple[str, ...] = ()
     if scene.effects.choose is not None:
@@ -109,12 +105,5 @@ def _solve_chosen(
         kept,
         progress,
         plan=None if plan is None else plan.predicted["stages"],
-        on_assembly=None if on_duration is None else partial(_report_duration, scene, on_duration),
         earlier=Earlier(stages, notes, parts),
     )
-
-
-def _report_duration(scene: Scene, on_duration: Callable[[Duration], None], assembly: Any) -> None:
-    duration = mechanism_of(scene).duration(scene, assembly)
-    if duration is not None:
-        on_duration(duration)

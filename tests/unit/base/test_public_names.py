@@ -64,7 +64,6 @@ def test_what_is_no_scene_is_refused_in_one_line(name: str, wrong: Any) -> None:
     ("call", "line"),
     [
         (lambda: fl.solve(SCENE, WRONG), "progress: expected a function, found 5"),
-        (lambda: fl.solve(SCENE, on_duration=WRONG), "on_duration: expected a function, found 5"),
         (lambda: fl.solve(SCENE, plan=WRONG), "plan: expected a Plan, found 5"),
         (lambda: fl.read_scene(WRONG), "path: expected the path of a scene file, found 5"),
         (

@@ -19,7 +19,6 @@ from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.prism import compliance
 from flankload.elasticity.prism.condensation import condense_prism
 from flankload.mechanisms.effect_size import States, size_of
-from flankload.mechanisms.flank_pair import screening
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.pair_models import coarse_compliances
 from flankload.mechanisms.flank_pair.screening import nodal_size
@@ -390,15 +389,11 @@ def test_the_third_dimension_is_the_difference_of_two_sweeps_on_the_coarse_eleme
     np.testing.assert_allclose(row.size.rotation_um, change_um.max(), rtol=SOLVER, atol=0)
 
 
-def test_a_short_plane_run_is_not_made_long_by_its_plan(
-    plain_plan: Plan, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_plane_run_is_not_made_long_by_its_plan(plain_plan: Plan) -> None:
     row = plain_plan.effect("three_dimensions")
     assert (row.size, row.extra_s) == (None, None)
-    line = "size of three-dimensional bodies unknown: not screened, which takes about 0.3 s "
-    assert line + "(--dimension does it)" in str(plain_plan)
-    monkeypatch.setattr(screening, "LEAST_MULTIPLE", 0.0)
-    assert fl.plan(scene_of()).effect("three_dimensions").size is not None
+    line = "size of three-dimensional bodies unknown: its elements are solved with --dimension only"
+    assert line in str(plain_plan)
 
 
 def test_shafts_add_no_elements_to_a_plan(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -82,7 +82,8 @@ def condense_prism(
     products = axial.products(section)
     if recovery is not None:
         recovery.begin(cut, COMPONENTS * axial.count, per_cut)
-    for unknowns in _independent(axial.count, coupled=twisted or not axial.symmetric):
+    problems = _independent(axial.count, coupled=twisted or not axial.symmetric)
+    for number, unknowns in enumerate(problems):
         of_cut = unknowns[unknowns < per_cut]
         columns = np.flatnonzero(loads[:, unknowns].any(axis=(0, 1)))
         pair_blocks = _PairBlocks(section, products, unknowns, of_cut, position)
@@ -90,7 +91,10 @@ def condense_prism(
         at = np.append(at, size + columns)
         own = loads[:, unknowns][:, :, columns]
         kept = None if recovery is None else recovery.part(fronts, unknowns, of_cut, columns)
-        whole[np.ix_(at, at)] += _eliminated(fronts, pair_blocks, own, cut.size, account, kept)
+        parts = number / len(problems), (number + 1) / len(problems)
+        whole[np.ix_(at, at)] += _eliminated(
+            fronts, pair_blocks, own, cut.size, account, kept, parts=parts
+        )
     if recovery is not None:
         account.workspace_bytes += recovery.bytes
     on_cut = loads[cut][:, :per_cut].reshape(size, count)
@@ -170,19 +174,27 @@ def _eliminated(
     loads: Floats,
     cuts: int,
     account: Account,
-    kept: Independent | None = None,
+    kept: Independent | None,
+    *,
+    parts: tuple[float, float],
 ) -> Floats:
-    """Symmetric matrix (m, m) of `cuts` kept nodes, in their order, and loads after elimination."""
+    """Symmetric matrix (m, m) of `cuts` kept nodes, in their order, and loads after elimination.
+
+    `parts` of the work of a body are done before and after it.
+    """
     left: dict[int, _Remainder] = {}
     bytes_held = most = 0
+    work = np.cumsum([front.own.size * (front.own.size + front.rest.size) ** 2 for front in fronts])
+    done = parts[0] + (parts[1] - parts[0]) * work / work[-1]
     for number, front in enumerate(fronts):
-        parts = [left.pop(part) for part in front.parts]
-        left[number], factor, below = _front_remainder(front, parts, pair_blocks, loads)
+        joined = [left.pop(part) for part in front.parts]
+        left[number], factor, below = _front_remainder(front, joined, pair_blocks, loads)
+        account.report(float(done[number]))
         if kept is not None:
             kept.keep(number, front, factor, below)
         bytes_held += left[number].matrix.nbytes
         most = max(most, bytes_held)
-        bytes_held -= sum(part.matrix.nbytes for part in parts)
+        bytes_held -= sum(part.matrix.nbytes for part in joined)
     account.count(fe_factorisations=1)
     account.workspace_bytes += most
     (last,) = left.values()

@@ -20,7 +20,6 @@ from flankload.mechanisms.belt.drive import (
     solved_pulley,
 )
 from flankload.mechanisms.belt.drive_result import result_of_belt, tangent_stiffness
-from flankload.mechanisms.duration import ASSEMBLY_S, Duration, elements_seconds, work_in_words
 from flankload.mechanisms.protocol import MeshFile
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.wrapped import WrappedMechanism
@@ -36,9 +35,6 @@ if TYPE_CHECKING:
     from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.scene import Scene
-
-#: CPU seconds of a contact problem.
-STATE_S = 1e-3
 
 
 class TimingBelt(WrappedMechanism):
@@ -118,21 +114,6 @@ class TimingBelt(WrappedMechanism):
         sector = pulley_mesh(scene).sector
         yield MeshFile("body_1", sector, f"one of {sector.teeth} sectors")
         yield MeshFile("body_2", None, "a strip around the pulley, which has no file")
-
-    def duration(self, scene: Scene, assembly: BeltAssembly) -> Duration:
-        """Predict the duration of a run from counted work."""
-        counted = predicted_work(scene, assembly)
-        sizes = [size.unknowns for size in assembly.row.sizes(assembly.position_rad)]
-        mean, elements = sum(sizes) // len(sizes), sum(sizes) // 8
-        elements_s = sum(
-            len(sizes) * ASSEMBLY_S + elements_seconds(counters, mean, elements)
-            for counters in counted.values()
-            if "fe_factorisations" in counters
-        )
-        states = sum(counters.get("states", 0) for counters in counted.values())
-        work = work_in_words(scene, assembly.position_rad.size)
-        work += f", {assembly.strip.wrapped_teeth} teeth"
-        return Duration(elements_s, STATE_S * states, work)
 
     def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
         from flankload.mechanisms.belt.screening import BeltScreening

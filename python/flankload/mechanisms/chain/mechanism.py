@@ -100,9 +100,6 @@ class ChainOnSprocket(WrappedMechanism):
         require_flanks(scene)
         yield from ()
 
-    def duration(self, scene: Scene, assembly: ChainAssembly) -> None:
-        """None: the duration for a chain is negligible."""
-
     def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
         from flankload.mechanisms.chain.screening import ChainScreening
 

@@ -11,7 +11,7 @@ from flankload.mechanisms.flank_pair import description, premises
 from flankload.mechanisms.flank_pair.assembly import build_bodies, with_flank_distance
 from flankload.mechanisms.flank_pair.from_sweep import result_of
 from flankload.mechanisms.flank_pair.iso_6336 import with_iso_factor
-from flankload.mechanisms.flank_pair.prediction import duration_of, predicted_work
+from flankload.mechanisms.flank_pair.prediction import predicted_work
 from flankload.mechanisms.flank_pair.stages import (
     compliances_of,
     expanded_pair,
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
     from flankload.cost import Account
     from flankload.mechanisms.data_sheet import DataSheet
-    from flankload.mechanisms.duration import Duration
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
@@ -154,10 +153,6 @@ class FlankPair:
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Meshes of both bodies at position zero."""
         return description.mesh_files(scene)
-
-    def duration(self, scene: Scene, assembly: BodyPair) -> Duration:
-        """Predict the duration of a run from counted work."""
-        return duration_of(scene, assembly)
 
     def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
         """Solve a scene on a coarse discretization, unchanged and with each effect switched."""

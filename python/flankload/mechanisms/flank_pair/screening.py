@@ -27,7 +27,6 @@ from flankload.mechanisms.element_rates import unknowns_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.pair_models import COARSE, PairModels, screened
 from flankload.mechanisms.flank_pair.prediction import (
-    duration_of,
     elements_estimated,
     estimate_sweeps,
     predicted_work,
@@ -72,9 +71,6 @@ OFF = (
 SPATIAL = "three_dimensions"
 #: Effects that do not exist for flanks.
 OF_DRIVES = ("large_displacement", "land_friction", "land_lift")
-#: CPU seconds of the elements of a coarse three-dimensional pair, and least duration of a plane run
-#: for which they are solved, in multiples of these.
-DIMENSION_S, LEAST_MULTIPLE = 0.3, 6.0
 #: Evaluation points in the root fillets of a tooth.
 PLACES = 40
 #: Part of the wind-up per half-width of node spacing: largest at a position, and mean.
@@ -152,14 +148,10 @@ class FlankPairScreening(Screening):
         self._rate = self._state_rate(min(call_s, 0.5 * self._base_s))
 
     def _tried(self, name: str, toggle: Toggle, *, dimension: bool) -> Toggle:
-        """The toggle; without a scene if it adds a dimension to a short run."""
+        """The toggle; without a scene if it adds a dimension that is not requested."""
         if name != SPATIAL or toggle.scene is None or self._pair.slices is not None or dimension:
             return toggle
-        if duration_of(self._scene, self._pair).seconds > LEAST_MULTIPLE * DIMENSION_S:
-            return toggle
-        return Toggle(
-            None, skipped=f"not screened, which takes about {DIMENSION_S:g} s (--dimension does it)"
-        )
+        return Toggle(None, skipped="its elements are solved with --dimension only")
 
     # --- sizes ------------------------------------------------------------------------------------
     def size(self, name: str, *, on: bool) -> Size | None:

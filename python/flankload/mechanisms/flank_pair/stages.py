@@ -10,7 +10,7 @@ from flankload.analysis.period_error import ALIKE, teeth_until_alike
 from flankload.contact.conforming import sweep_splines
 from flankload.contact.flank_contact import FlankContact
 from flankload.contact.sweep import sweep
-from flankload.cost import held_bytes
+from flankload.cost import Account, held_bytes
 from flankload.elasticity.compliance import (
     BodyCompliance,
     Expansion,
@@ -180,7 +180,8 @@ def compliances_of(
             found.append(_in_scene(held, body, scene, body_load))
             continue
         with clock.stage(stage) as account:
-            solved = call()
+            watched = {"account": Account(on_part=clock.part_progress(stage))}
+            solved = call(**(watched if pair.effects.three_dimensions else {}))
             compliance = _in_scene(solved, body, scene, body_load)
             account.count(**compliance.job.counters)
             # the estimate includes the discretization error of the elements
