@@ -179,6 +179,17 @@ def _draw_on_way(
     return tops
 
 
+def _explain_jumps(
+    axes: Axes, result: Result, place: tuple[float, float], note_of: str = ""
+) -> None:
+    """Say why the curves of helical teeth jump."""
+    if result.slices is None or not result.slices.enter_in_turn:
+        return
+    text = f"steps come from slices of {result.slices.width_mm.max():.2g} mm that enter and leave"
+    look: dict[str, Any] = {"va": "top" if place[1] > 0.5 else "bottom", "fontsize": 8}
+    note(axes, text + note_of, place, "axes fraction", **look)
+
+
 def draw_off_corners(
     axes: Axes, x: NDArray[Any], y: NDArray[Any], on_corner: NDArray[np.bool_], **look: Any
 ) -> None:
@@ -209,6 +220,9 @@ def draw_peak_pressure(axes: Axes, results: Results) -> None:
     """
     results = all_torques(results)
     axes.set_ylabel("peak pressure in MPa")
+    error = (results[-1].estimate or {}).get("peak_pressure")
+    error_note = "" if error is None else f" (estimated error {100 * error:.2g} %)"
+    _explain_jumps(axes, results[-1], (0.01, 0.98), error_note)
     # meaningless values must not compress the range of the others
     smooth = max(result.summary["peak_pressure_off_corners_MPa"] for result in results)
     axes.set_ylim(0, 1.25 * smooth if smooth > 0 else None)
@@ -384,13 +398,14 @@ def draw_stiffness(axes: Axes, results: Results) -> None:
     results = all_torques(results)
     label_positions(axes, results[0])
     colours = torque_colours(len(results))
+    _explain_jumps(axes, results[-1], (0.01, 0.03))
     # N/um times mm² is N m/rad
-    factor, label = results[0].reference_radius_mm ** 2 / 1e3, "torsional in kN m/rad"
+    factor, label = results[0].reference_radius_mm ** 2 / 1e3, "torsional stiffness in kN m/rad"
     if len(results) == 1:
         _draw_both(axes, results[0], colours[0])
         _add_axis(axes, factor, label)
         return
-    axes.set_ylabel("tangent stiffness along the line of action in N/µm")
+    axes.set_ylabel("tangent stiffness in N/µm")
     ends = []
     for result, colour in zip(results, colours, strict=True):
         angle, shown = curve(result, result.stiffness_tangent_N_per_um)
@@ -422,7 +437,7 @@ def _draw_both(axes: Axes, result: Result, colour: Any) -> None:
     known = np.concatenate([values[np.isfinite(values)] for values in curves.values()])
     top = float(known.max(initial=0.0)) or 1.0
     axes.set_ylim(0, 1.1 * top)
-    axes.set_ylabel("along the line of action in N/µm")
+    axes.set_ylabel("stiffness in N/µm")
     legend_below(axes, ncols=2)
 
 

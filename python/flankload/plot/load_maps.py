@@ -34,7 +34,10 @@ if TYPE_CHECKING:
 PATTERN_POINTS = 240
 #: Contacts of two positions are parts of one path if they are no further apart, in half-widths.
 CONNECTED = 4.0
-FORCE_MAP, LOAD_MAP, PATTERN_MAP = "viridis_r", "viridis", "inferno_r"
+#: Maps of colours: the larger a value, the darker its colour, in all pictures.
+FORCE_MAP, LOAD_MAP, PATTERN_MAP = "viridis_r", "viridis_r", "inferno_r"
+#: Height of a text in a panel as part of the height of a flank.
+TEXT_HEIGHT = 0.07
 #: Up to this number of pairs, each one is a tick.
 MOST_TICKS = 12
 
@@ -117,7 +120,7 @@ def draw_line_load(axes: Axes, results: Results, *, position: int | None = None)
     axes.set_xlim(ends[0], ends[-1])
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("axial position z in mm")
-    axes.set_ylabel("line load in N per mm face width")
+    axes.set_ylabel("line load in N/mm")
     legend_below(
         axes, ncols=2, title=f"face load factor of all positions: {slices.face_load_factor:.3f}"
     )
@@ -218,15 +221,20 @@ def _mark_profile(axes: Axes, result: Result, body: int) -> None:
     profile = result.drawing.profiles[body - 1]
     if profile is None:
         return
-    diameters = []
-    for name, roll in profile.marks:
-        diameter = 2.0 * np.hypot(profile.base_radius_mm, roll)
-        diameters.append(diameter)
+    names = {
+        2.0 * float(np.hypot(profile.base_radius_mm, roll)): name for name, roll in profile.marks
+    }
+    low, high = min(names), max(names)
+    above = np.inf
+    for diameter in sorted(names, reverse=True):
         axes.axhline(diameter, color=GREY, linewidth=0.8, linestyle=(0, (4, 2)))
-        look = {"va": "bottom", "fontsize": 8, "bbox": {**BOX, "alpha": 0.7, "pad": 0.8}}
-        coords = ("axes fraction", "data")
-        note(axes, f"{name} ⌀ {diameter:.2f}", (0.02, diameter), coords, (0, 2), **look)
-    low, high = min(diameters), max(diameters)
+        # below its line if the text would cover the line above it
+        under = above - diameter < TEXT_HEIGHT * (high - low)
+        look = {"fontsize": 8, "bbox": {**BOX, "alpha": 0.7, "pad": 0.8}}
+        text, place = f"{names[diameter]} ⌀ {diameter:.2f}", (0.02, diameter)
+        shift, side = (-2, "top") if under else (2, "bottom")
+        note(axes, text, place, ("axes fraction", "data"), (0, shift), va=side, **look)
+        above = diameter
     axes.set_ylim(low - 0.03 * (high - low), high + 0.06 * (high - low))
 
 

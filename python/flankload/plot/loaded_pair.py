@@ -10,7 +10,7 @@ from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 
 from flankload.base.rotation import all_around
-from flankload.plot.loaded_pair_3d import draw_loaded_body, fill_with_loaded_bodies
+from flankload.plot.loaded_pair_3d import draw_loaded_bodies
 from flankload.plot.picture import at, of_largest_line_load, panels, picture
 from flankload.plot.style import (
     INK,
@@ -41,7 +41,7 @@ HERTZ_POINTS = 41
 
 def _representative(result: Result) -> int:
     """Position of most pairs, most even sharing, largest pressure (3D: largest line load)."""
-    if _has_width(result):
+    if is_drawn_over_width(result):
         return of_largest_line_load(result)
     share, pressure = result.load_share.max(axis=1), result.peak_pressure_MPa.max(axis=1)
     # off corners if possible
@@ -53,7 +53,9 @@ _at_representative = at(_representative)
 
 
 @picture(_at_representative)
-def plot_loaded_pair(results: Results, position: int | None = None) -> Figure:
+def plot_loaded_pair(
+    results: Results, position: int | None = None, body: int | None = None
+) -> Figure:
     """Figure of the teeth in mesh at one position with pressures on the flanks, and each pressure.
 
     Three-dimensional bodies are drawn over their face width, with the line load on their flanks.
@@ -61,14 +63,14 @@ def plot_loaded_pair(results: Results, position: int | None = None) -> Figure:
     result, p = _at_representative(results, position)
     title = f"Loaded pair at {degrees(result.position_rad[p]):.4g}°"
     with panels(result, title, (7.2, 4.8)) as figure:
-        if _has_width(result):
-            fill_with_loaded_bodies(figure, result, p)
-            return figure
+        if is_drawn_over_width(result):
+            figure.set_size_inches(7.2, 4.4)
+            figure.subplots_adjust(left=0.01, right=0.99, top=0.92, bottom=0.1)
         carrying = _carrying(result, p)
-        if not (carrying and result.engagement.draws_pressures):
+        if is_drawn_over_width(result) or not (carrying and result.engagement.draws_pressures):
             if result.engagement.draws_whole_bodies:
                 figure.set_size_inches(6.2, 6.4)
-            draw_loaded_pair(figure.add_subplot(), result, position=p)
+            draw_loaded_pair(figure.add_subplot(), result, position=p, body=body)
             return figure
         grid = figure.add_gridspec(len(carrying), 2, width_ratios=(1.55, 1.0))
         draw_loaded_pair(figure.add_subplot(grid[:, 0]), result, position=p)
@@ -87,23 +89,25 @@ def plot_loaded_pair(results: Results, position: int | None = None) -> Figure:
 
 
 @picture(_at_representative)
-def draw_loaded_pair(axes: Axes, results: Results, *, position: int | None = None) -> None:
+def draw_loaded_pair(
+    axes: Axes, results: Results, *, position: int | None = None, body: int | None = None
+) -> None:
     """Draw the teeth in mesh at one position with pressures on the flanks, forces on a spline.
 
-    Three-dimensional bodies: the teeth of body 1 with the line load on their flanks; of splines a
-    section as in the plane.
+    Three-dimensional bodies: the teeth of both, or of one, over their face width, with the line
+    load on their flanks; of splines a section as in the plane.
     """
     result, p = _at_representative(results, position)
-    if _has_width(result):
-        draw_loaded_body(axes, result, p, 1)
+    if is_drawn_over_width(result):
+        draw_loaded_bodies(axes, result, p, (1, 2) if body is None else (body,))
         return
     _draw_bodies(axes, result, p)
     draw = _draw_pressures if result.engagement.draws_pressures else _draw_forces
     draw(axes, result, p)
 
 
-def _has_width(result: Result) -> bool:
-    """Whether the teeth are drawn over their width."""
+def is_drawn_over_width(result: Result) -> bool:
+    """Whether the teeth are drawn over their width, each body by itself."""
     return result.slices is not None and not result.engagement.draws_whole_bodies
 
 

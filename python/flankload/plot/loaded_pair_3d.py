@@ -12,16 +12,18 @@ from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import to_rgb
+from matplotlib.colors import Normalize, to_rgb
 
 from flankload.base.rotation import turned
 from flankload.plot.figures import note
 from flankload.plot.style import GREY, STEEL
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from flankload.base.arrays import Floats
     from flankload.bodies.axial_shape import AxialShape
@@ -31,6 +33,10 @@ if TYPE_CHECKING:
 LOAD_MAP = "YlOrRd"
 #: Facets of a tooth along its contour at most, and along z.
 CONTOUR_FACETS, AXIAL_FACETS = 40, 10
+#: Points per inch; points for the title of a body, and for the text at an end of its face width.
+POINTS, TITLE, TEXT = 72.0, 22.0, np.array([60.0, 13.0])
+#: Iterations for the scale of a drawing with texts.
+SCALE_STEPS = 4
 #: Width of the coloured bands and depth of the rim below the root, in heights of the teeth.
 BAND, RIM = 0.12, 0.7
 EDGE = "#404040"
@@ -93,47 +99,96 @@ class Teeth:
         return np.vstack([self.contour(), self.rim()])
 
 
-def fill_with_loaded_bodies(figure: Figure, result: Result, p: int) -> None:
-    """Draw the teeth of both bodies at position p, and the line load on their flanks.
+def draw_loaded_bodies(axes: Axes, result: Result, p: int, bodies: tuple[int, ...]) -> None:
+    """Draw the teeth of bodies at position p, and the line load on their flanks.
 
-    Each body is drawn from the side of its loaded flanks, its mate as contours of both end faces.
+    Each body is drawn from the side of its loaded flanks, its mate as contours of both end faces;
+    both have the same scale and are beside or above each other, whichever is larger.
     """
-    figure.set_size_inches(7.2, 4.4)
-    grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 0.035))
-    panels = [figure.add_subplot(grid[0, column]) for column in (0, 1)]
-    for body, axes in zip((1, 2), panels, strict=True):
-        shown = draw_loaded_body(axes, result, p, body)
-        axes.set_title(_words(result, body), color=EDGE, fontsize=10)
-    # the same scale for both
-    size = np.max([axes.dataLim.size for axes in panels], axis=0)
-    for axes in panels:
-        low, high = axes.dataLim.get_points().mean(axis=0) + np.outer([-0.52, 0.52], size)
-        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    figure.colorbar(
-        shown,
-        cax=figure.add_subplot(grid[1, :]),
+    axes.set_axis_off()
+    axes.figure.colorbar(
+        ScalarMappable(Normalize(0.0, _most(result, p)), LOAD_MAP),
+        ax=axes,
         orientation="horizontal",
         label="line load in N per mm face width" + _largest(result, p),
+        fraction=0.04,
+        aspect=40.0,
+        pad=0.02,
     )
+    place = axes.get_position().size * axes.figure.get_size_inches() * POINTS
+    pairs = [[teeth_in_mesh(result, p, z) for z in (body, 3 - body)] for body in bodies]
+    outlines = [_outline(result, *pair) for pair in pairs]
+    panels, scale = _arrangement(outlines, place)
+    for body, panel, outline in zip(bodies, panels, outlines, strict=True):
+        inset = axes.inset_axes(panel)
+        draw_loaded_body(inset, result, p, body)
+        inset.set_title(_words(result, body), color=EDGE, fontsize=10, loc="center")
+        low, high = _with_texts(outline, scale)
+        half = 0.5 * scale * place * panel[2:]
+        (left, bottom), (right, top) = 0.5 * (low + high) - half, 0.5 * (low + high) + half
+        inset.set(xlim=(left, right), ylim=(bottom, top))
 
 
-def draw_loaded_body(axes: Axes, result: Result, p: int, body: int) -> PolyCollection:
-    """Draw the teeth of a body over its width, contours of its mate, and the line load.
+def _outline(result: Result, own: Teeth, mate: Teeth) -> tuple[Floats, Floats]:
+    """Points (n, 2) of a body with its mate, the places (2, 2) of its axial positions among them.
 
-    Returns
-    -------
-    matplotlib.collections.PolyCollection
-        The line load, for a scale of colours.
+    The latter are the end faces of smaller and of larger z.
     """
+    sections = own.sections(own.face(), 2), _other_axis(result, mate.sections(mate.face(), 2))
+    points = np.concatenate([part.reshape(-1, 3) for part in sections])
+    return points @ VIEW[:2].T, _ends(own) @ VIEW[:2].T
+
+
+def _with_texts(outline: tuple[Floats, Floats], scale: float) -> tuple[Floats, Floats]:
+    """Lower left and upper right corner of a body and the texts at its ends.
+
+    The scale is that of the drawing, mm per point.
+    """
+    points, (at_small_z, at_large_z) = outline
+    texts = [at_small_z - scale * TEXT, at_large_z - scale * TEXT * [0.5, 1.0]]
+    texts.append(at_large_z + scale * TEXT * [0.5, 0.0])
+    points = np.vstack([points, texts])
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _arrangement(
+    outlines: Sequence[tuple[Floats, Floats]], place: Floats
+) -> tuple[list[Floats], float]:
+    """Left, bottom, width and height of the panels as parts of a place, and mm per point.
+
+    Parameters
+    ----------
+    outlines : sequence of tuple
+        As of `_outline`, per body.
+    place : (2,) array
+        Width and height, points.
+    """
+    found = []
+    count = len(outlines)
+    for step in (np.array([1.0, 0.0]), np.array([0.0, -1.0])):  # beside, above each other
+        panel = np.where(step, 1.0 / count, 1.0)
+        panel[1] -= TITLE / place[1]
+        scale = 0.0
+        for _ in range(SCALE_STEPS):  # texts have a size of their own
+            corners = [_with_texts(outline, scale) for outline in outlines]
+            scale = float(np.max([(high - low) / (place * panel) for low, high in corners]))
+        first = np.array([0.0, 1.0 - 1.0 / count]) if step[1] else np.zeros(2)
+        starts = [first + k * step / count for k in range(count)]
+        found.append((scale, [np.concatenate([start, panel]) for start in starts]))
+    scale, panels = min(found, key=lambda each: each[0])
+    return panels, scale
+
+
+def draw_loaded_body(axes: Axes, result: Result, p: int, body: int) -> None:
+    """Draw the teeth of a body over its width, contours of its mate, and the line load."""
     pair = teeth_in_mesh(result, p, 1), teeth_in_mesh(result, p, 2)
     _draw_teeth(axes, pair[body - 1], STEEL[body - 1])
     _draw_mate(axes, result, pair[2 - body], STEEL[2 - body])
-    shown = _draw_load(axes, result, p, body)
+    _draw_load(axes, result, p, body)
     _mark_ends(axes, pair[body - 1])
     axes.set_aspect("equal")
     axes.set_axis_off()
     axes.autoscale_view()
-    return shown
 
 
 def teeth_in_mesh(result: Result, p: int, body: int) -> Teeth:
@@ -265,7 +320,7 @@ def _draw_mate(axes: Axes, result: Result, mate: Teeth, colour: str) -> None:
     )
 
 
-def _draw_load(axes: Axes, result: Result, p: int, body: int) -> PolyCollection:
+def _draw_load(axes: Axes, result: Result, p: int, body: int) -> None:
     """The line load of each contact, as a band along its contact line, never hidden by a tooth."""
     slices, shape = result.slices, result.drawing.axial[0]
     assert slices is not None
@@ -288,20 +343,30 @@ def _draw_load(axes: Axes, result: Result, p: int, body: int) -> PolyCollection:
     shown = PolyCollection(
         list(bands), array=load, cmap=LOAD_MAP, edgecolors=EDGE, linewidths=0.25, zorder=4
     )
-    shown.set_clim(0.0, float(load.max(initial=0.0)) or 1.0)
+    shown.set_clim(0.0, _most(result, p))
     axes.add_collection(shown)
     if load.size:
         ring = bands[load.argmax()].mean(axis=0)
         axes.plot(*ring, marker="o", markersize=9, mfc="none", mec=EDGE, zorder=7)
-    return shown
+
+
+def _ends(teeth: Teeth) -> Floats:
+    """(2, 3) Lower front corners of the end faces of smaller and of larger z."""
+    return teeth.sections(teeth.rim()[:1], 2)[:, 0]
 
 
 def _mark_ends(axes: Axes, teeth: Teeth) -> None:
     """Axial positions of both end faces, below the front edge."""
-    edge = teeth.sections(teeth.rim()[:1], 2)[:, 0]
-    for (x, y), z, side in zip(edge @ VIEW[:2].T, edge[:, 2], ("right", "center"), strict=True):
+    ends = _ends(teeth)
+    for (x, y), z, side in zip(ends @ VIEW[:2].T, ends[:, 2], ("right", "center"), strict=True):
         text = f"z = {z:g} mm".replace("-", "−")
         note(axes, text, (x, y), offset=(0, -3), ha=side, va="top", fontsize=8)
+
+
+def _most(result: Result, p: int) -> float:
+    """Largest line load of a position, N/mm; 1 without load."""
+    assert result.slices is not None
+    return float(result.slices.line_load_N_per_mm[p].max(initial=0.0)) or 1.0
 
 
 def _largest(result: Result, p: int) -> str:

@@ -39,8 +39,8 @@ def draw_root_stress(axes: Axes, results: Results) -> None:
         least = stress.compression.stress_MPa.min()
         name = f"body {z + 1}"
         for values, style, label in (
-            (stress.tension.stress_MPa, "solid", f"{name}, up to {most:.0f} MPa"),
-            (stress.compression.stress_MPa, (0, (4, 2)), f"down to {least:.0f} MPa"),
+            (stress.tension.stress_MPa, "solid", f"{name}, tension up to {most:.0f} MPa"),
+            (stress.compression.stress_MPa, (0, (4, 2)), f"compression up to {-least:.0f} MPa"),
         ):
             look: dict[str, Any] = {"color": BODIES[z], "linestyle": style, "label": label}
             if result.engagement.cyclic_sites:
@@ -53,7 +53,7 @@ def draw_root_stress(axes: Axes, results: Results) -> None:
     else:
         label_way(axes, result, BESIDE)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
-    axes.set_ylabel("tension (solid), compression (dashed) in MPa")
+    axes.set_ylabel("stress in MPa")
     legend_below(axes, ncols=2)
 
 
@@ -79,6 +79,7 @@ def draw_root_stress_over_width(axes: Axes, results: Results) -> None:
             label += f"{np.degrees(result.position_rad[p]):.2f}°: {values[p, s, j]:.0f} MPa "
             label += f"at {result.slice_z_mm[j]:.1f} mm"
             look: dict[str, Any] = {"color": BODIES[z], "linestyle": style}
+            label = label.replace("-", "−")
             axes.plot(result.slice_z_mm, values[p, s], label=label, **look)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.set_xlabel("axial position z in mm")

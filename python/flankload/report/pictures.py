@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload import plot as pictures
+from flankload.plot.loaded_pair import is_drawn_over_width
 from flankload.plot.picture import OF_LARGEST
 from flankload.plot.svg import Panel, panel_of
 from flankload.report.turning import thinned
@@ -105,8 +106,7 @@ def _plots(name: str, light: Sequence[Result]) -> list[Plot]:
     if name == "load_around_wrap":
         of_tension = TITLES["tension_around_wrap"], pictures.draw_tension_around_wrap
         drawn["tension_around_wrap"] = of_tension
-    elif "body" in signature(draw).parameters:
-        bodies = _bodies(name, results)
+    elif "body" in signature(draw).parameters and (bodies := _bodies(name, results)):
         drawn = {f"{name}_{z}": (f"{title}, body {z}", partial(draw, body=z)) for z in bodies}
     elif name == "torque_sweep":
         drawn = {
@@ -121,7 +121,9 @@ def _plots(name: str, light: Sequence[Result]) -> list[Plot]:
 
 
 def _bodies(name: str, results: Sequence[Result]) -> tuple[int, ...]:
-    """Bodies that a picture of one body can show."""
+    """Bodies that a picture shows one by one; none if it shows both at once."""
+    if name == "loaded_pair":
+        return (1, 2) if is_drawn_over_width(results[-1]) else ()
     if name != "profile_deviation":
         return (1, 2)
     profiles = results[-1].drawing.profiles

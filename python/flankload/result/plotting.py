@@ -82,9 +82,11 @@ class Plots:
         """Force of each pair at each position."""
         return self._draw("load_map", ax)
 
-    def loaded_pair(self, ax: Any = None, *, position: int | None = None) -> Any:
-        """Teeth in mesh at a position, with pressures and forces."""
-        return self._draw("loaded_pair", ax, position=position)
+    def loaded_pair(
+        self, ax: Any = None, *, position: int | None = None, body: int | None = None
+    ) -> Any:
+        """Teeth in mesh at a position, with pressures and forces; in three dimensions of a body."""
+        return self._draw("loaded_pair", ax, position=position, body=body)
 
     def flank_forces(self, ax: Any = None) -> Any:
         """Forces on working and coast flanks over the positions."""

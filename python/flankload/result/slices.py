@@ -43,6 +43,14 @@ class SliceLoads(KeepsReadOnly, Card):
     cosine_helix_base: float
     directions: Floats | None = None
 
+    @property
+    def enter_in_turn(self) -> bool:
+        """Whether contact lines end in the flank, so that slices enter and leave contact in turn.
+
+        Quantities of single contacts then jump from position to position.
+        """
+        return bool(self.tangent_helix_base) and self.z_mm.size > 1
+
     @cached_property
     def line_load_N_per_mm(self) -> Floats:
         """(P, S, J) Force per mm of face width."""

@@ -34,7 +34,7 @@ def test_stress_is_drawn_as_one_tooth_sees_it() -> None:
     axes = plot_root_stress(result).axes[0]
     stress = result.root_stress[1]
     assert stress is not None
-    label = f"body 2, up to {stress.tension.stress_MPa.max():.0f} MPa"
+    label = f"body 2, tension up to {stress.tension.stress_MPa.max():.0f} MPa"
     first = next(line for line in axes.lines if line.get_label() == label)
     x, y = (np.asarray(values) for values in first.get_data())
     np.testing.assert_array_equal(y[:4], stress.tension.stress_MPa[:, 0])

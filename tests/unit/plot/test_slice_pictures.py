@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection, QuadMesh
+from matplotlib.figure import Figure
 from matplotlib.patches import StepPatch
+from matplotlib.transforms import Bbox
 
 import flankload as fl
 from flankload import plot
 from flankload.base.rotation import turned
 from flankload.plot import (
+    loaded_pair_3d,
     plot_all,
     plot_contact_pattern,
     plot_line_load,
@@ -22,9 +27,12 @@ from flankload.plot import (
     plot_loaded_pair,
     plot_root_stress_over_width,
 )
-from flankload.plot.load_maps import contact_pattern
+from flankload.plot.design_study import TINTS
+from flankload.plot.figures import empty_figure, fit
+from flankload.plot.load_maps import FORCE_MAP, LOAD_MAP, PATTERN_MAP, contact_pattern
 from flankload.plot.loaded_pair_3d import AXIAL_FACETS, CONTOUR_FACETS, VIEW, teeth_in_mesh
 from flankload.plot.style import new_figure
+from flankload.report.pictures import OF_BODIES, SIZE, plots_of
 from tests.support.gear_scenes import example
 from tests.support.made_up_result import made_up_result
 from tests.support.solving import solve
@@ -107,7 +115,7 @@ def test_line_load_of_each_pair_and_of_all(result: fl.Result) -> None:
     assert dashed.get_label() == f"mean {mean:.0f} N/mm"
     assert axes.get_xlim() == pytest.approx((-12.5, 12.5))
     assert "axial position z" in axes.get_xlabel()
-    assert "N per mm face width" in axes.get_ylabel()
+    assert axes.get_ylabel() == "line load in N/mm"
     legend = axes.get_legend()
     assert f"{result.face_load_factor:.3f}" in legend.get_title().get_text()
 
@@ -193,7 +201,12 @@ def bands_of(axes: Axes) -> PolyCollection:
 
 
 def words(axes: Axes) -> set[str]:
-    return {axes.get_title(loc="left"), *(text.get_text() for text in axes.texts)}
+    return {axes.get_title(loc="center"), *(text.get_text() for text in axes.texts)}
+
+
+def bodies_of(found: fl.Result, position: int | None = None) -> list[Axes]:
+    """Panels of both bodies in the loaded pair."""
+    return list(plot_loaded_pair(found, position).axes[0].child_axes)
 
 
 def test_loaded_pair_shows_the_line_loads_where_they_are(result: fl.Result) -> None:
@@ -202,7 +215,8 @@ def test_loaded_pair_shows_the_line_loads_where_they_are(result: fl.Result) -> N
     p, _, j = np.unravel_index(load.argmax(), load.shape)
     table = result.pairs(int(p))
     carries = table.force_N > 0
-    one, two, colours = plot_loaded_pair(result).axes
+    whole, colours = plot_loaded_pair(result).axes
+    one, two = whole.child_axes
     largest = f"; ○ largest: {load.max():.0f} at z = {result.slice_z_mm[j]:.1f} mm"
     said = "line load in N per mm face width" + largest.replace("-", "−")
     assert colours.get_xlabel() == said
@@ -237,7 +251,7 @@ def test_loads_of_the_loaded_pair_are_on_its_teeth(result: fl.Result) -> None:
         for k in np.flatnonzero(carries):
             apart = sections[number[k]] - [x[k], y[k], table.z_mm[k]]
             assert np.linalg.norm(apart, axis=1).min() < 0.4
-        bands = bands_of(plot_loaded_pair(result, 2).axes[body - 1])
+        bands = bands_of(bodies_of(result, 2)[body - 1])
         corners = np.array([path.vertices[:4] for path in bands.get_paths()])
         site, j = table.site[carries], number[carries]
         (one,), (two,) = (np.nonzero((site == 0) & (j == at)) for at in (4, 5))
@@ -254,7 +268,7 @@ def test_loaded_pair_of_a_ring_shows_the_line_loads_on_the_teeth_of_both_bodies(
     assert table.z_mm is not None
     carries = table.force_N > 0
     apart = found.drawing.center_distance_mm
-    figure = plot_loaded_pair(found)
+    panels = bodies_of(found)
     for body, (x, y) in ((1, (-table.x_mm, -table.y_mm)), (2, (table.x_mm - apart, table.y_mm))):
         place = np.column_stack([x, y, table.z_mm])[carries]
         teeth = teeth_in_mesh(found, 0, body)
@@ -265,15 +279,13 @@ def test_loaded_pair_of_a_ring_shows_the_line_loads_on_the_teeth_of_both_bodies(
         radii = np.hypot(*teeth.contour().T)
         assert (teeth.rim_mm < radii.min()) if body == 1 else (teeth.rim_mm > radii.max())
         assert 3 <= len(teeth.contours) <= 8
-        middles = [
-            path.vertices[:4].mean(axis=0) for path in bands_of(figure.axes[body - 1]).get_paths()
-        ]
+        bands = bands_of(panels[body - 1])
+        middles = [path.vertices[:4].mean(axis=0) for path in bands.get_paths()]
         np.testing.assert_allclose(middles, place @ VIEW[:2].T, atol=1e-9)
 
 
 def test_loaded_pair_has_few_facets(result: fl.Result) -> None:
-    figure = plot_loaded_pair(result)
-    for body, axes in ((1, figure.axes[0]), (2, figure.axes[1])):
+    for body, axes in enumerate(bodies_of(result), start=1):
         p = int(result.slice_line_load_N_per_mm.max(axis=(1, 2)).argmax())
         most = (1 + len(teeth_in_mesh(result, p, body).contours)) * CONTOUR_FACETS * AXIAL_FACETS
         facets = sum(len(part.get_paths()) for part in axes.collections)
@@ -290,7 +302,7 @@ def test_a_left_hand_mirrors_a_right_hand(result: fl.Result) -> None:
             mirrored, right_teeth.sections(right_teeth.contour(), 5), atol=1e-9
         )
         assert np.ptp(mirrored[:, 0, 1]) > 1.0  # twisted
-    for axes, hand in zip(plot_loaded_pair(left).axes, ("left", "right"), strict=False):
+    for axes, hand in zip(bodies_of(left), ("left", "right"), strict=True):
         assert any(f"teeth, {hand} hand" in word for word in words(axes))
     np.testing.assert_allclose(
         left.slice_line_load_N_per_mm[..., ::-1], result.slice_line_load_N_per_mm, atol=0.1
@@ -303,7 +315,7 @@ def test_loaded_pair_of_crowned_spur_gears_beside_each_other(
     """Bands lie where both bodies are; without load there are none."""
     wide = {"axial_offset_mm": 3.0, "face_width_mm": 12.0}
     spur = solved("external_gear", body_1={"lead_crowning_um": 10.0}, body_2=wide)
-    one, two, _ = plot_loaded_pair(spur).axes
+    one, two = bodies_of(spur)
     assert {"z = −7 mm", "z = 7 mm", "Body 1, 16 teeth, spur"} <= words(one)
     assert {"z = −3 mm", "z = 9 mm", "Body 2, 24 teeth, spur"} <= words(two)
     load = spur.slice_line_load_N_per_mm
@@ -317,11 +329,16 @@ def test_loaded_pair_of_crowned_spur_gears_beside_each_other(
     for name in set(plot.PICTURES) - {"loaded_pair"}:
         monkeypatch.setitem(plot.PICTURES, name, lambda _: new_figure((1.0, 1.0)))
     assert (tmp_path / "loaded_pair.png") in plot_all(unloaded, tmp_path)
-    assert len(bands_of(plot_loaded_pair(unloaded).axes[0]).get_paths()) == 0
+    assert len(bands_of(bodies_of(unloaded)[0]).get_paths()) == 0
 
 
-def test_root_stress_over_the_width_is_that_of_the_most_stressed_teeth() -> None:
-    result = solved(effects={"root_stress": True}, positions={"count": 2})
+@pytest.fixture(scope="module")
+def stressed() -> fl.Result:
+    return solved(effects={"root_stress": True}, positions={"count": 2})
+
+
+def test_root_stress_over_the_width_is_that_of_the_most_stressed_teeth(stressed: fl.Result) -> None:
+    result = stressed
     assert plot.pictures_of(result)[-2:] == ("root_stress", "root_stress_over_width")
     (axes,) = plot_root_stress_over_width(result).axes
     lines = [line for line in axes.lines if len(np.asarray(line.get_xdata())) == 10]
@@ -334,4 +351,78 @@ def test_root_stress_over_the_width_is_that_of_the_most_stressed_teeth() -> None
     for line, values in zip(lines, wanted, strict=True):
         np.testing.assert_array_equal(line.get_xdata(), result.slice_z_mm)
         np.testing.assert_array_equal(line.get_ydata(), values)
-        assert f"{values[np.abs(values).argmax()]:.0f} MPa" in str(line.get_label())
+        said = f"{values[np.abs(values).argmax()]:.0f} MPa".replace("-", "−")
+        assert said in str(line.get_label())
+
+
+def boxes_of(figure: Figure) -> dict[str, Bbox]:
+    """Places of the texts of a figure, in pixels, with the number of their panel."""
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    axes = [part for whole in figure.axes for part in (whole, *whole.child_axes)]
+    return {
+        f"{text.get_text()} in {k}": text.get_window_extent(renderer)
+        for k, part in enumerate(axes)
+        for text in (*part.texts, part.title)
+        if text.get_text()
+    }
+
+
+@pytest.mark.parametrize("name", ["loaded_pair", "contact_pattern"])
+def test_texts_of_wide_helical_teeth_neither_overlap_nor_leave_the_picture(name: str) -> None:
+    """Teeth as wide as 24 modules: ends were named outside the picture and in the other panel."""
+    tips = {f"body_{z}": {"tip_radius_mm": 0.3, "tip_relief_um": 0.0} for z in (1, 2)}
+    wide = solved(positions={"count": 1}, pair={"face_width_mm": 75.0}, **tips)
+    figure = plot.PICTURES[name](wide)
+    boxes = boxes_of(figure)
+    assert sum("z = −37.5 mm" in text for text in boxes) == (2 if name == "loaded_pair" else 0)
+    whole = figure.bbox
+    for text, box in boxes.items():
+        assert whole.x0 <= box.x0, text
+        assert box.x1 <= whole.x1, text
+    for (one, first), (two, second) in combinations(boxes.items(), 2):
+        assert not first.overlaps(second), f"{one} and {two}"
+
+
+def test_the_loaded_pair_of_a_report_shows_both_bodies(
+    result: fl.Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It showed body 1 only."""
+    monkeypatch.setattr(plot, "pictures_of", lambda _: ("loaded_pair",))
+    plots = plots_of([result])["Loaded bodies"]
+    assert [plot.name for plot in plots] == ["loaded_pair_1", "loaded_pair_2"]
+    for one, said in zip(plots, ("25 teeth, right", "60 teeth, left"), strict=True):
+        assert said in one.panel.svg
+        assert "line load in N per mm" in one.panel.svg
+
+
+def test_larger_values_are_darker_in_all_maps() -> None:
+    names = (FORCE_MAP, LOAD_MAP, PATTERN_MAP, loaded_pair_3d.LOAD_MAP, TINTS)
+    for colours in map(colormaps.get_cmap, names):
+        lightness = colours(np.linspace(0.0, 1.0, 33))[:, :3] @ [0.299, 0.587, 0.114]
+        assert np.all(np.diff(lightness) < 0.0), colours.name
+
+
+def test_slices_that_enter_are_named_at_curves_with_steps(result: fl.Result) -> None:
+    """A saw-tooth of the pressure and of the tangent stiffness had no explanation."""
+    assert result.slices is not None
+    said = f"steps come from slices of {result.slices.width_mm.max():.2g} mm that enter and leave"
+    for name in ("peak_pressure", "stiffness"):
+        helical, spur = (
+            " ".join(words(plot.PICTURES[name](one).axes[0])) for one in (result, made_up_result())
+        )
+        assert said in helical
+        assert "steps" not in spur
+
+
+def test_labels_of_axes_are_no_longer_than_their_axes(stressed: fl.Result) -> None:
+    """Those of root stress and stiffness were, in the size of a report."""
+    several = [made_up_result(torque_Nm=torque) for torque in (150.0, 302.0)]
+    for results in ([stressed], several):
+        for name in set(plot.pictures_of(results)) - set(OF_BODIES):
+            figure = empty_figure(SIZE)
+            plot.DRAWINGS[name](figure.add_subplot(), results)
+            fit(figure)
+            for axes in figure.axes:
+                for one in (axes, *axes.child_axes):
+                    label = one.yaxis.label.get_window_extent(figure.canvas.get_renderer())
+                    assert label.height <= one.bbox.height, f"{name}: {one.get_ylabel()}"
