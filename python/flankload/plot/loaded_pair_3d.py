@@ -115,12 +115,12 @@ def draw_loaded_bodies(axes: Axes, result: Result, p: int, bodies: tuple[int, ..
         aspect=40.0,
         pad=0.02,
     )
-    place = axes.get_position().size * axes.figure.get_size_inches() * POINTS
+    place = axes.bbox.size * POINTS / axes.figure.dpi
     pairs = [[teeth_in_mesh(result, p, z) for z in (body, 3 - body)] for body in bodies]
     outlines = [_outline(result, *pair) for pair in pairs]
     panels, scale = _arrangement(outlines, place)
     for body, panel, outline in zip(bodies, panels, outlines, strict=True):
-        inset = axes.inset_axes(panel)
+        inset = axes.inset_axes((panel[0], panel[1], panel[2], panel[3]))
         draw_loaded_body(inset, result, p, body)
         inset.set_title(_words(result, body), color=EDGE, fontsize=10, loc="center")
         low, high = _with_texts(outline, scale)
