@@ -115,7 +115,7 @@ def draw_loaded_bodies(axes: Axes, result: Result, p: int, bodies: tuple[int, ..
         aspect=40.0,
         pad=0.02,
     )
-    place = axes.bbox.size * POINTS / axes.figure.dpi
+    place = np.array(axes.bbox.size) * POINTS / axes.figure.dpi
     pairs = [[teeth_in_mesh(result, p, z) for z in (body, 3 - body)] for body in bodies]
     outlines = [_outline(result, *pair) for pair in pairs]
     panels, scale = _arrangement(outlines, place)
