@@ -364,6 +364,10 @@ const svg = document.querySelector("#plot-transmission_error svg");
 const box = svg.getBoundingClientRect();
 svg.dispatchEvent(new PointerEvent("pointermove", {
   clientX: box.left + box.width / 2, clientY: box.top + box.height / 2}));
+// on a telephone: what is wider than the page, and does not scroll by itself
+document.body.style.maxWidth = "390px"; document.body.style.margin = "0";
+document.body.dataset.wide = [...document.querySelectorAll("main *")].filter(part =>
+  part.getBoundingClientRect().right > 390 && !part.closest(".scroll, svg, .tip")).length;
 </script></body>"""
 
 
@@ -372,8 +376,9 @@ def test_browser_shows_the_page_with_and_without_script(
 ) -> None:
     path = tmp_path / "report.html"
     path.write_text(text.replace("</body>", READER), encoding="utf-8")
-    done = chromium(path, "--dump-dom")
+    done = chromium(path, "--dump-dom", "--window-size=500,900")
     assert console(done) == []
+    assert 'data-wide="0"' in done.stdout
     shown = Page(done.stdout)
     small = results[1]
     words = "".join(shown.texts)
