@@ -1,4 +1,4 @@
-!> Tests of several contact problems in one call, without Python; linked with base/ and solver/ only.
+!> Tests of several contact problems in one call, without Python; linked with base/ and solver/.
 program test_many
     use flankload_kinds, only: wp
     use flankload_error, only: error_type

@@ -50,7 +50,10 @@ class GearGeometry:
         The same for the part on which both flanks are involutes, also with reliefs: between form
         circles and tip roundings or chamfers.
     backlash_mm : float
-        Circular backlash on the working pitch circles; negative if the flanks overlap.
+        Circular backlash on the working pitch circles, j_wt; negative if the flanks overlap.
+    normal_backlash_mm : float
+        Distance of the coast flanks along their normal, j_bn = j_wt cos(alpha_wt) cos(beta_b)
+        (ISO 21771).
     """
 
     pressure_angle_rad: float
@@ -62,6 +65,7 @@ class GearGeometry:
     contact_ratio: float
     usable_contact_ratio: float
     backlash_mm: float
+    normal_backlash_mm: float
 
 
 @dataclass(frozen=True)
@@ -129,7 +133,15 @@ def gear_geometry(
         contact_ratio=contact_ratio,
         usable_contact_ratio=usable,
         backlash_mm=backlash,
+        normal_backlash_mm=backlash * cos(angle) * _cosine_base_helix(body_1),
     )
+
+
+def _cosine_base_helix(body: Body) -> float:
+    """Cosine of the helix angle on the base cylinder."""
+    assert body.involute is not None
+    twist = 0.0 if body.axial is None else body.axial.twist_rad_per_mm
+    return 1.0 / hypot(1.0, twist * body.involute.base_radius_mm)
 
 
 def _path_of_contact(pair: _Pair, tangents_mm: tuple[float, float]) -> tuple[float, float]:
@@ -313,5 +325,5 @@ def describe_gears(gears: GearGeometry) -> tuple[tuple[str, str], ...]:
         ("contact ratio", f"{gears.contact_ratio:.4f}"),
         ("of it, both flanks involutes", f"{gears.usable_contact_ratio:.4f}"),
         ("backlash on the pitch circle", f"{gears.backlash_mm:.4f} mm"),
-        ("backlash, normal", f"{gears.backlash_mm * cos(gears.pressure_angle_rad):.4f} mm"),
+        ("backlash, normal", f"{gears.normal_backlash_mm:.4f} mm"),
     )

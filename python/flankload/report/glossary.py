@@ -46,7 +46,7 @@ TERMS = {
     "d_w1": "working pitch diameter",
     "s_t": "transverse tooth thickness on the reference circle",
     "s_a": "tooth thickness on the tip circle",
-    "W_k": "span measurement over k teeth, without allowance",
+    "W_k": "span measurement over k teeth of the finished gear",
     "C_αa": "tip relief",
     "C_αf": "root relief",
     "C_α": "profile crowning",

@@ -132,11 +132,14 @@ class Measurements(NamedTuple):
     ball_diameter_mm: float
 
 
-def measurements(involute: Involute, teeth: int, helix_rad: float = 0.0) -> Measurements:
+def measurements(
+    involute: Involute, teeth: int, helix_rad: float = 0.0, span_teeth: int | None = None
+) -> Measurements:
     """Span measurement and measurement over balls of a finished gear.
 
     The involute is that of the transverse section, the helix angle that on the reference cylinder.
-    Planes and balls touch near the middle of the flank.
+    Planes touch near the circle in the middle between form and tip circle, balls near the middle of
+    the flank's roll; `span_teeth` is another number of teeth between the planes.
     """
     base, half = involute.base_radius_mm, involute.base_half_angle_rad
     # base helix: tan(b_b) = tan(b) r_b/r
@@ -147,7 +150,8 @@ def measurements(involute: Involute, teeth: int, helix_rad: float = 0.0) -> Meas
     span, k = None, 0
     if involute.outward > 0:
         # W_k = 2 r_b cos(b_b) [half + (k - 1) pi/z] touches at the roll W_k cos(b_b)/(2 r_b)
-        k = max(1, floor((middle / cosine**2 - half) * teeth / pi + 1.5))
+        touched = involute.roll_at(0.5 * sum(ends))
+        k = span_teeth or max(1, floor((touched / cosine**2 - half) * teeth / pi + 1.5))
         spanned = half + (k - 1) * pi / teeth
         span = 2 * base * cosine * spanned if low < spanned * cosine**2 < high else None
     diameter, over = _over_balls(involute, teeth, base * cosine, middle)

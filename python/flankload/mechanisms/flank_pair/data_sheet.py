@@ -13,6 +13,7 @@ import numpy as np
 
 from flankload.bodies.body import Roller
 from flankload.bodies.profile.involute import involute_function
+from flankload.bodies.profile.tooth_thickness import measurements
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.mechanisms.data_sheet import DataSheet, PathPoint, SheetRow
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -127,14 +128,6 @@ def _helix_rad(body: Body) -> float:
     return atan(body.axial.twist_rad_per_mm * body.involute.reference_radius_mm)
 
 
-def _base_helix_rad(body: Body) -> float:
-    """Helix angle on the base cylinder: tan(beta_b) = tan(beta) r_b / r."""
-    involute = body.involute
-    if involute is None:
-        return 0.0
-    return atan(tan(_helix_rad(body)) * involute.base_radius_mm / involute.reference_radius_mm)
-
-
 def _rows_of_involute(body: Body, involute: Involute, spec: BodySpec) -> Iterator[SheetRow]:
     reference, base = involute.reference_radius_mm, involute.base_radius_mm
     helix = _helix_rad(body)
@@ -174,28 +167,11 @@ def _rows_of_involute(body: Body, involute: Involute, spec: BodySpec) -> Iterato
     thickness = 2 * reference * involute.tooth_half_angle_at(reference)
     yield SheetRow("transverse tooth thickness", "s_t", _mm(thickness))
     yield SheetRow("tooth thickness at the tip", "s_a", _mm(tip))
-    yield from _span(body, involute, getattr(spec.flank_keys[1], "span_teeth", None))
-
-
-def _span(body: Body, involute: Involute, teeth: int | None) -> Iterator[SheetRow]:
-    """Span measurement W_k: over the named teeth, or those touched nearest to the mid-flank."""
-    if body.conforms or involute.outward < 0:
-        return
-    base, helix_base = involute.base_radius_mm, _base_helix_rad(body)
-    thickness = 2 * base * involute.base_half_angle_rad
-    middle = 0.5 * (involute.form_radius_mm + involute.tip_radius_mm)
-
-    def span(k: int) -> float:
-        pitches = (k - 1) * 2 * pi * base / body.teeth
-        return (pitches + thickness) * cos(helix_base)
-
-    def touched(k: int) -> float:
-        """Radius at which the measuring planes touch."""
-        return hypot(base, 0.5 * span(k) * cos(helix_base))
-
-    k = teeth or min(range(1, body.teeth // 2 + 1), key=lambda k: abs(touched(k) - middle))
-    if involute.form_radius_mm < touched(k) < involute.tip_radius_mm:
-        yield SheetRow("span measurement", "W_k", f"{span(k):.4f} mm over k = {k} teeth")
+    named = getattr(spec.flank_keys[1], "span_teeth", None)
+    found = measurements(involute, body.teeth, helix, named)
+    if found.span_mm is not None:
+        text = f"{found.span_mm:.4f} mm over k = {found.span_teeth} teeth"
+        yield SheetRow("span measurement", "W_k", text)
 
 
 def _rows_of_flank(body: Body, spec: BodySpec) -> Iterator[SheetRow]:
@@ -283,9 +259,8 @@ def _gear_rows(pair: BodyPair, gears: GearGeometry, width_mm: float) -> Iterator
         overlap = width_mm / axial_pitch
         yield SheetRow("overlap ratio", "ε_β", f"{overlap:.4f}")
         yield SheetRow("total contact ratio", "ε_γ", f"{gears.contact_ratio + overlap:.4f}")
-    backlash = gears.backlash_mm * cos(gears.pressure_angle_rad) * cos(_base_helix_rad(one))
     yield SheetRow("backlash on the working pitch circles", "j_wt", _mm(gears.backlash_mm))
-    yield SheetRow("normal backlash", "j_bn", _mm(backlash))
+    yield SheetRow("normal backlash", "j_bn", _mm(gears.normal_backlash_mm))
 
 
 def _spline_rows(fit: SplineFit) -> Iterator[SheetRow]:

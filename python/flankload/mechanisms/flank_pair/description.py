@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.bodies.profile.involute import Involute
     from flankload.pairing.body_pair import BodyPair
-    from flankload.scene import Scene
+    from flankload.scene import BodySpec, Scene
     from flankload.scene.effects import Switch
 
 
@@ -39,8 +39,10 @@ def describe(scene: Scene) -> Description:
     has_teeth = pair.pairing.motion is None
     effects = [row for row in EFFECTS if has_teeth or not row.of_teeth]
     rows = {
-        f"body_{number}: {body.kind}": _rows_of_body(body)
-        for number, body in enumerate(pair.bodies, start=1)
+        f"body_{number}: {body.kind}": _rows_of_body(body, spec)
+        for number, (body, spec) in enumerate(
+            zip(pair.bodies, (scene.body_1, scene.body_2), strict=True), start=1
+        )
     }
     rows["pair"] = _rows_of_pair(scene, pair)
     rows["effects"] = [(row.title, _said(switches[row.name])) for row in effects]
@@ -78,7 +80,7 @@ def _said(switch: Switch) -> str:
     return f"{'yes' if switch.on else 'no'} ({switch.because})"
 
 
-def _rows_of_body(body: Body) -> list[tuple[str, str]]:
+def _rows_of_body(body: Body, spec: BodySpec) -> list[tuple[str, str]]:
     rows = [] if body.kind in ("cam", "follower") else [("teeth", f"{body.teeth}")]
     involute = body.involute
     if involute is not None:
@@ -93,7 +95,7 @@ def _rows_of_body(body: Body) -> list[tuple[str, str]]:
         rows.append(
             ("tooth thickness at tip", f"{2 * tip * involute.tooth_half_angle_at(tip):.4f} mm")
         )
-        rows += _rows_of_thickness(body, involute)
+        rows += _rows_of_thickness(body, involute, spec)
     elif body.curve.closed:
         radii = np.hypot(*body.outline.T)
         rows += [
@@ -109,11 +111,12 @@ def _rows_of_body(body: Body) -> list[tuple[str, str]]:
     return [*rows, *_rows_of_mesh(body)]
 
 
-def _rows_of_thickness(body: Body, involute: Involute) -> list[tuple[str, str]]:
+def _rows_of_thickness(body: Body, involute: Involute, spec: BodySpec) -> list[tuple[str, str]]:
     """Measurements of the tooth thickness, without tooth deviations."""
     turn = body.axial.twist_rad_per_mm if body.axial is not None else 0.0
     helix = atan(abs(turn) * involute.reference_radius_mm)
-    found = measurements(involute, body.teeth, helix)
+    named = getattr(spec.flank_keys[1], "span_teeth", None)
+    found = measurements(involute, body.teeth, helix, named)
     over = "over" if involute.outward > 0 else "between"
     rows = []
     if found.span_mm is not None:
