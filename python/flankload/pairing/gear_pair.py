@@ -24,6 +24,14 @@ if TYPE_CHECKING:
 #: since nominal dimensions may overlap (FZG C14: by some micrometres).
 LARGEST_OVERLAP = 0.01
 
+#: Half of the last digit of a centre distance on a drawing, mm. An overlap that it explains is no
+#: reason for a warning.
+ROUNDING_MM = 0.005
+
+#: Largest usual backlash on the working pitch circle: a clearance of any gear, mm, and that of its
+#: size, in base pitches. Standards for accurate and for coarse gears stay below half of it.
+USUAL_CLEARANCE_MM, USUAL_BACKLASH = 0.1, 0.05
+
 #: Largest relative difference of the base pitches of two gears that mesh.
 PITCH_TOLERANCE = 1e-6
 
@@ -66,6 +74,12 @@ class GearGeometry:
     usable_contact_ratio: float
     backlash_mm: float
     normal_backlash_mm: float
+
+    @property
+    def overlap_by_rounding_mm(self) -> float:
+        """Overlap along the base tangent, if the rounding of the centre distance explains it."""
+        overlap, angle = -self.backlash_mm, self.pressure_angle_rad
+        return overlap * cos(angle) if 0.0 < overlap <= _backlash_of_rounding(angle) else 0.0
 
 
 @dataclass(frozen=True)
@@ -272,12 +286,26 @@ def _backlash(
             "have no negative backlash",
             found=found,
         )
-    if backlash <= 0.0 and not coast_flanks:
+    usual = USUAL_CLEARANCE_MM + USUAL_BACKLASH * pair.base_pitch
+    if backlash > usual:
+        without = _distance_without_backlash(pair)
+        none = "" if without is None else f"; none at {without:.4f} mm"
         warnings.append(
-            f"the backlash on the working pitch circle is {1000 * backlash:.2f} um: only the "
-            "working flanks are looked at (effects.coast_flank)"
+            f"{DISTANCE} = {pair.distance:g}, is that what you mean? (backlash {backlash:.3g} mm, "
+            f"usual: up to {usual:.2g} mm{none})"
+        )
+    angle = acos(pair.one.base_radius_mm / radius_1)
+    if backlash < -_backlash_of_rounding(angle) and not coast_flanks:
+        warnings.append(
+            f"the backlash on the working pitch circle is {1000 * backlash:.2f} um: the coast "
+            "flanks would touch, which this run ignores (effects.coast_flank = true includes them)"
         )
     return backlash
+
+
+def _backlash_of_rounding(pressure_angle_rad: float) -> float:
+    """Backlash on the working pitch circles by which a rounded centre distance is off, mm."""
+    return 2.0 * tan(pressure_angle_rad) * ROUNDING_MM
 
 
 def _distance_without_backlash(pair: _Pair) -> float | None:

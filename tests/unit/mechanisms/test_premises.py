@@ -164,6 +164,40 @@ def test_backlash_that_is_taken_up_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
+    "keys",
+    [
+        {"body_1__tip_radius_mm": 0.3, "body_2__tip_chamfer_mm": 0.3},
+        {"effects__near_field": "nodes"},
+    ],
+)
+def test_coast_flanks_of_rounded_tips_and_nodal_forces_are_found(keys: dict[str, Any]) -> None:
+    """Regression: the core refused the bodies without elasticity, and no gap was known."""
+    found = refused(gears(pair__center_distance_mm=71.95, load__torque_Nm=10, **keys))
+    assert found.key == "pair.center_distance_mm"
+    # at most 2 sin(20 deg) 50 um; less if few nodes leave gaps
+    assert 20.0 < float(found.found.split()[1]) < 34.2
+
+
+#: A centre distance of four decimals at which the teeth have a backlash of -0.14 um.
+ROUNDED = {"pair__center_distance_mm": 71.9998, "load__torque_Nm": 0.32}
+
+
+def test_a_backlash_of_minus_0_14_um_is_that_of_a_rounded_centre_distance() -> None:
+    found = one_result(gears(**ROUNDED))
+    assert found.outside_limits == ()
+    assert not [warning for warning in found.warnings if "backlash" in warning]
+
+
+def test_misalignment_that_takes_up_the_backlash_is_blamed() -> None:
+    """Regression: 12 um/mm blamed the centre distance."""
+    coarse = COARSE | {"slices": 4, "axial_degree": 5, "modes": 3}
+    tilted = {"pair__deviation_um_per_mm": 12, "pair__inclination_um_per_mm": 1}
+    found = refused(gears(**ROUNDED, **tilted, accuracy=coarse))
+    assert found.key == "pair.deviation_um_per_mm"
+    assert "um of overlap under 0.32 N m" in found.found
+
+
+@pytest.mark.parametrize(
     ("nearer_um", "torque_Nm", "touch"),
     [(10, 302, False), (10, 100, True), (30, 1500, False), (30, 302, True), (0, 30, False)],
 )

@@ -234,10 +234,13 @@ class BodyCompliance:
 
     def without_elasticity(self) -> BodyCompliance:
         """The compliance of a body that only body loads deform."""
-        modes = self.smooth.shape[1] if self.expansion.shifts else 1
+        count, modes = 1, replace(self.modes, tip=None, nodes=None)
+        if self.expansion.shifts:  # these are in terms of all modes
+            count, modes = self.smooth.shape[1], self.modes
         return replace(
             self,
-            smooth=np.zeros((1, modes, modes)),
+            smooth=np.zeros((1, count, count)),
+            modes=modes,
             near=replace(self.near, kernel=0.0),
             turned=None,
             tangential=None,

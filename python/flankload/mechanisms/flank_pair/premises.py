@@ -20,6 +20,7 @@ from flankload.mechanisms.premises import (
     largest_turn,
     require_premises,
 )
+from flankload.scene.axial import MISALIGNMENTS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -108,7 +109,7 @@ def broken_by_load(
     if overlap_um > GAP_TOLERANCE_UM:
         yield Broken(
             BACKLASH,
-            _key_of_backlash(scene),
+            _key_of_backlash(scene, pair),
             f"about {overlap_um:.3g} um of overlap {torque.under}",
         )
 
@@ -159,10 +160,13 @@ def coast_overlap_um(pair: BodyPair, geometry: PairGeometry, found: Sweep) -> fl
     bent_rad = BENDING_RATIO * np.where(np.isfinite(wind_up_rad), wind_up_rad, 0.0)
     gap_rad = coast.gap_rad + found.rotation_rad - bent_rad
     known = np.isfinite(gap_rad)
-    return -1000.0 * coast.base_radius_mm * float(np.min(gap_rad, where=known, initial=0.0))
+    overlap_mm = -coast.base_radius_mm * float(np.min(gap_rad, where=known, initial=0.0))
+    mesh = pair.pairing.gear_geometry
+    rounding_mm = 0.0 if mesh is None else mesh.overlap_by_rounding_mm
+    return 1000.0 * max(0.0, overlap_mm - rounding_mm)
 
 
-def _key_of_backlash(scene: Scene) -> str:
+def _key_of_backlash(scene: Scene, pair: BodyPair) -> str:
     """The key that most probably removes the backlash."""
     grown = scene.effects.temperature_rise_K
     if np.any(grown if grown is not None else 0.0):
@@ -177,6 +181,11 @@ def _key_of_backlash(scene: Scene) -> str:
         for name in ("topography_file", "profile_twist_um"):
             if getattr(body, name, None):
                 return f"{key}.{name}"
+    mesh, angles = pair.pairing.gear_geometry, MISALIGNMENTS[:2]
+    if mesh is not None and (mesh.backlash_mm >= 0.0 or mesh.overlap_by_rounding_mm):
+        most = max(angles, key=lambda name: abs(getattr(scene.pair, name)))
+        if getattr(scene.pair, most):
+            return f"pair.{most}"
     return "pair.center_offset_mm" if scene.pair.center_offset_mm else "pair.center_distance_mm"
 
 
