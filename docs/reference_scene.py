@@ -13,7 +13,7 @@ from flankload.scene.form import expected_of, fields_of, is_required, types_of
 from flankload.scene.groups import group_of
 from flankload.scene.scene import Body1, Body2, SceneFile
 from flankload.scene.table import BY_NAME, Table
-from flankload.scene.usual import _usual_ranges
+from flankload.scene.usual import usual_ranges
 
 HEADS = ("key", "meaning", "unit", "value", "usual", "default")
 
@@ -42,7 +42,7 @@ def body_tables() -> dict[str, tuple[type[Table], tuple[str, ...]]]:
 def keys_of(form: type[Table], before: str = "") -> list[Key]:
     """Keys of a table and of the tables in it, in their order."""
     found = []
-    fields, usual = fields_of(form), _usual_ranges(form)
+    fields, usual = fields_of(form), usual_ranges(form)
     for name, whole in types_of(form).items():
         bare, extra = whole, {}
         if isinstance(bare, kinds_of.Metadata):
@@ -57,7 +57,9 @@ def keys_of(form: type[Table], before: str = "") -> list[Key]:
         default = "required" if is_required(field) else shown(field.default)
         if field.default is BY_NAME:
             default = "required unless a name gives it"
-        low_high = "{:g} to {:g}".format(*usual[name]) if name in usual else ""
+        low_high = f"{usual[name].low:g} to {usual[name].high:g}" if name in usual else ""
+        if name in usual and (per := usual[name].per) is not None:
+            low_high += f", {per[1]:g} per mm of `{per[0]}`"
         meaning = str(extra.get("description", ""))
         unit = unit_shown(str(extra.get("unit", "")))
         found.append(Key(before + name, unit, expected_of(whole), low_high, default, meaning))

@@ -110,4 +110,7 @@ def _along_axis(
         assert body.involute is not None
         radius_mm = body.involute.reference_radius_mm
     surface = flank_surface(spec, key, body, folder=folder, width_mm=ends[1] - ends[0])
-    return replace(body, axial=axial_shape(spec, ends, radius_mm, surface))
+    notes = () if surface is None else surface.notes
+    return replace(
+        body, axial=axial_shape(spec, ends, radius_mm, surface), notes=(*body.notes, *notes)
+    )

@@ -17,7 +17,8 @@ from flankload.errors import SceneError
 from flankload.flank import FlankCurve, turned_along
 from flankload.meshes.io.named_arrays import csv_rows
 from flankload.scene.refusal import refuse
-from flankload.scene.table import LARGEST_DEVIATION
+from flankload.scene.table import LARGEST_DEVIATION, USUAL_MODIFICATION
+from flankload.scene.usual import Usual, question
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -102,6 +103,15 @@ class FlankSurface:
         if self.topography is not None:
             removed += self.topography.at(zeta * width_mm)
         return np.asarray(removed)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A question about a topography of unusual size."""
+        if self.topography is None:
+            return ()
+        most_um = 1000.0 * float(np.abs(self.topography.removed_mm).max())
+        asked = question(float(f"{most_um:.12g}"), Usual(*USUAL_MODIFICATION, "um"))
+        return () if asked is None else (f"topography_file: at most {most_um:g} um, {asked}",)
 
     @property
     def most_added_mm(self) -> float:

@@ -9,6 +9,8 @@ from msgspec import Meta
 from flankload.scene.refusal import refuse, refuse_absent, shown
 from flankload.scene.shaft import Shaft
 from flankload.scene.table import (
+    PER_MODULE,
+    PER_WIDTH,
     USUAL_ERRORS,
     USUAL_MODIFICATION,
     Deviation,
@@ -89,7 +91,8 @@ OwnWidth = Annotated[
 AxialOffset = Annotated[
     float,
     Meta(ge=-1e5, le=1e5),
-    about("axial position of the middle of the face width", "mm", usual=(1e-3, 5000.0)),
+    # no lower end: all small offsets are as good as 0
+    about("axial position of the middle of the face width", "mm", usual=(1e-9, 5000.0)),
 ]
 LeadCrowning = Annotated[
     Relief | None,
@@ -98,6 +101,7 @@ LeadCrowning = Annotated[
         "removed at both ends",
         "um",
         usual=USUAL_MODIFICATION,
+        per=PER_WIDTH,
     ),
 ]
 HelixSlope = Annotated[
@@ -106,7 +110,8 @@ HelixSlope = Annotated[
         "helix slope modification: metal removed, linear over the face width; positive: at the "
         "end of larger z, negative: at the end of smaller z",
         "um",
-        usual=USUAL_MODIFICATION,
+        usual=USUAL_ERRORS,
+        per=PER_WIDTH,
     ),
 ]
 ToothHelixSlopes = Annotated[
@@ -126,6 +131,7 @@ ProfileTwist = Annotated[
         "bilinear over the arc length of the active flank and the face width",
         "um",
         usual=USUAL_MODIFICATION,
+        per=PER_MODULE,
     ),
 ]
 TopographyFile = Annotated[
@@ -137,7 +143,12 @@ TopographyFile = Annotated[
 ]
 EndRelief = Annotated[
     BothEnds | None,
-    about("end relief at the ends of smaller and of larger z", "um", usual=USUAL_MODIFICATION),
+    about(
+        "end relief at the ends of smaller and of larger z",
+        "um",
+        usual=USUAL_MODIFICATION,
+        per=PER_WIDTH,
+    ),
 ]
 EndReliefLength = Annotated[
     BothLengths | None, about("length of the end relief at both ends", "mm", usual=(0.01, 500.0))

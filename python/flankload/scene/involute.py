@@ -9,6 +9,7 @@ from msgspec import Meta
 from flankload.scene.refusal import refuse, refuse_absent
 from flankload.scene.table import (
     MOST_TEETH,
+    PER_MODULE,
     USUAL_MODIFICATION,
     USUAL_ROUNDING,
     USUAL_SIZE,
@@ -78,7 +79,10 @@ class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
     tip_relief_um: Annotated[
         Relief | None,
         about(
-            "tip relief at the tip circle, normal to the involute", "um", usual=USUAL_MODIFICATION
+            "tip relief at the tip circle, normal to the involute",
+            "um",
+            usual=USUAL_MODIFICATION,
+            per=PER_MODULE,
         ),
     ] = None
     tip_relief_start_diameter_mm: Annotated[
@@ -98,6 +102,7 @@ class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
             "tip relief at tip_relief_knee_diameter_mm, with tip_relief_shape = 'double_linear'",
             "um",
             usual=USUAL_MODIFICATION,
+            per=PER_MODULE,
         ),
     ] = None
     tip_relief_knee_diameter_mm: Annotated[
@@ -107,7 +112,10 @@ class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
     root_relief_um: Annotated[
         Relief | None,
         about(
-            "root relief at the form circle, normal to the involute", "um", usual=USUAL_MODIFICATION
+            "root relief at the form circle, normal to the involute",
+            "um",
+            usual=USUAL_MODIFICATION,
+            per=PER_MODULE,
         ),
     ] = None
     root_relief_start_diameter_mm: Annotated[
@@ -129,7 +137,12 @@ class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
     ] = None
     profile_crowning_um: Annotated[
         Relief | None,
-        about("profile crowning, normal to the involute", "um", usual=USUAL_MODIFICATION),
+        about(
+            "profile crowning, normal to the involute",
+            "um",
+            usual=USUAL_MODIFICATION,
+            per=PER_MODULE,
+        ),
     ] = None
 
     @property

@@ -8,6 +8,7 @@ from msgspec import Meta
 from flankload.scene.axial import MISALIGNMENTS
 from flankload.scene.refusal import refuse
 from flankload.scene.table import (
+    LARGEST_TILT,
     USUAL_SIZE,
     Angle,
     Angles,
@@ -26,6 +27,8 @@ LEAST_INITIAL_COUNT = 8
 OF_SPLINES = MISALIGNMENTS[-1]
 
 Misalignment = Annotated[float, Meta(ge=-100, le=100)]
+#: Usual misalignments, um/mm: from 1 um per metre of width.
+USUAL_MISALIGNMENT = (1e-3, LARGEST_TILT)
 
 
 class Pair(Table, frozen=True, kw_only=True):
@@ -59,6 +62,7 @@ class Pair(Table, frozen=True, kw_only=True):
             "misalignment of axis 2 in the plane of both axes, f_Sigma_delta; positive: the gap "
             "grows with z",
             "um/mm",
+            usual=USUAL_MISALIGNMENT,
         ),
     ] = 0.0
     deviation_um_per_mm: Annotated[
@@ -67,6 +71,7 @@ class Pair(Table, frozen=True, kw_only=True):
             "misalignment of axis 2 across the plane of both axes, f_Sigma_beta; positive: the "
             "gap grows with z",
             "um/mm",
+            usual=USUAL_MISALIGNMENT,
         ),
     ] = 0.0
 

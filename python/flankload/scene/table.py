@@ -33,15 +33,24 @@ Shift = Annotated[float, Meta(ge=-5, le=5)]
 BY_NAME: Any = UNSET
 
 
-def about(meaning: str, unit: str = "", *, usual: tuple[float, float] | None = None) -> Meta:
+def about(
+    meaning: str,
+    unit: str = "",
+    *,
+    usual: tuple[float, float] | None = None,
+    per: tuple[str, float] | None = None,
+) -> Meta:
     """Meaning and unit of a key ("-" for a pure number, "" for words), and its usual range.
 
     The program queries values outside the usual range (module `usual`). It includes every sensible
-    design, but not a common value in a unit that is wrong by a factor of 1000.
+    design, but not a common value in a unit that is wrong by a factor of 1000. `per`: a length of
+    the body in mm, and the largest usual value per mm of it.
     """
     more: dict[str, object] = {"unit": unit} if unit else {}
     if usual is not None:
         more["usual"] = list(usual)
+    if per is not None:
+        more["usual_per"] = list(per)
     return Meta(description=meaning, extra_json_schema=more or None)
 
 
@@ -51,6 +60,12 @@ USUAL_SIZE = (0.2, 1e4)
 USUAL_ROUNDING = (2e-3, 50.0)
 #: Usual modifications of a flank, um.
 USUAL_MODIFICATION = (0.3, 2000.0)
+#: Largest usual modification of a profile, um per mm of the module: twice the tip relief that
+#: compensates the deflection of teeth under the highest loads (0.02 of the module).
+PER_MODULE = ("module_mm", 40.0)
+#: Largest usual modification of a lead, um per mm of the face width, and largest misalignment.
+LARGEST_TILT = 5.0
+PER_WIDTH = ("face_width_mm", LARGEST_TILT)
 #: Usual range of the largest pitch error, um.
 USUAL_ERRORS = (0.1, 2000.0)
 
