@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -131,6 +132,15 @@ def test_driver_gives_what_the_driven_body_and_friction_take(driver: str, mu: fl
     assert efficiency == pytest.approx(driven / gave, abs=ENERGY)
     assert 0.85 < efficiency < 0.99
     assert result.friction.work_1_J == pytest.approx(302.0 * 2 * np.pi / 16, rel=1e-12)
+    # with a speed, power and loss are in W: 302 N m at 1500 1/min are 47.4 kW
+    assert "power_W" not in result.summary
+    assert result.geometry is not None
+    fast = replace(result, geometry=replace(result.geometry, speed_rpm=1500.0))
+    assert fast.summary["power_W"] == pytest.approx(302.0 * 50.0 * np.pi, rel=ROUND_OFF)
+    assert fast.summary["power_loss_W"] == pytest.approx(loss.mean() * 50.0 * np.pi, rel=SOLVER)
+    assert f"47438.0 W at 1500 1/min, loss by friction {loss.mean() * 50 * np.pi:.1f} W" in str(
+        fast.table()
+    )
 
 
 def test_loss_follows_from_the_path_of_contact() -> None:

@@ -23,6 +23,8 @@ TERMS = {
     "K_Hα": "transverse load factor (ISO 6336-1): largest load share times mean number of pairs",
     "K_Hβ": "face load factor (ISO 6336-1): largest line load over the mean",
     "σ_F": "stress along the surface of the tooth root",
+    "P": "power of the torque on body 1 at the speed of the scene",
+    "P_V": "power of the friction between the flanks, mean over the period",
     "η": "efficiency of the contacts alone",
     "z": "number of teeth",
     "m_n": "normal module",

@@ -86,6 +86,8 @@ def _figures(results: Sequence[Result]) -> Iterator[Figure]:
             yield name, "σ_F", "MPa", partial(_root, z=z, side=side)
     sliding = _entry("largest_sliding_mm_per_rad", ".2f")
     yield from (
+        ("power", "P", "W", _entry("power_W", ".1f")),
+        ("power loss by friction", "P_V", "W", _entry("power_loss_W", ".1f")),
         ("efficiency", "η", "%", _value(_efficiency, ".3f")),
         ("sliding, largest, per rad of rotation", "", "mm", sliding),
         ("force of a coast flank, largest", "", "N", _entry("coast_force_N", ".4g")),

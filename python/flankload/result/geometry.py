@@ -42,6 +42,8 @@ class PairGeometry:
         Coast flanks.
     coast_unknown : str
         Reason if `coast` is None although there are coast flanks.
+    speed_rpm : float or None
+        Speed of body 1, if the scene gives it.
     """
 
     center_distance_mm: float
@@ -52,6 +54,7 @@ class PairGeometry:
     path_pitches: tuple[float, float] | None = None
     coast: CoastSide | None = None
     coast_unknown: str = ""
+    speed_rpm: float | None = None
 
     @property
     def has_coast_flanks(self) -> bool:

@@ -80,6 +80,7 @@ LEAST = {
             *("coast_flanks_loaded_min", "coast_flanks_loaded_max", "coast_force_N"),
             *("coast_peak_pressure_off_corners_MPa", "largest_sliding_mm_per_rad", "range_MPa"),
             *("axial_force_N", "tilting_moment_Nm", "friction_loss_J_per_rad"),
+            *("power_W", "power_loss_W"),
         ),
         0.0,
     ),

@@ -149,7 +149,8 @@ class Result(EffectResults, ResultForms):
         pairs. In three dimensions `face_load_factor`, `peak_line_load_z_mm` and the largest
         magnitudes `axial_force_N` and `tilting_moment_Nm`; with shafts `tilt_mean_um_per_mm` and
         the largest force on each bearing, and `k_h_beta_iso` for comparison if one bends under the
-        teeth.
+        teeth. With `effects.speed_rpm` `power_W` of the torque on body 1 and, with friction,
+        `power_loss_W`, the mean over the period.
         """
         return summary(self)
 

@@ -67,6 +67,7 @@ def summary(result: Result) -> dict[str, Any]:
         },
         **_of_slices(result),
         **_of_shafts(result),
+        **_of_power(result),
     }
 
 
@@ -164,3 +165,15 @@ def _of_shafts(result: Result) -> dict[str, Any]:
     compared = {} if shafts.k_h_beta_iso is None else {"k_h_beta_iso": shafts.k_h_beta_iso}
     tilt = over_positions(result).mean(shafts.tilt_um_per_mm)
     return {"tilt_mean_um_per_mm": tilt, **largest, **compared}
+
+
+def _of_power(result: Result) -> dict[str, float]:
+    """Power of the torque on body 1 and of friction, if the scene gives a speed."""
+    geometry, friction = result.geometry, result.friction
+    if geometry is None or not geometry.speed_rpm:
+        return {}
+    rad_per_s = geometry.speed_rpm * np.pi / 30.0
+    found = {"power_W": float(result.torque_Nm * rad_per_s)}
+    if friction is not None and friction.loss_work_J is not None:
+        found["power_loss_W"] = float(friction.loss_work_J / result.period_rad * rad_per_s)
+    return found

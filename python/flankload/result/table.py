@@ -109,6 +109,8 @@ def _footer(result: Result) -> Iterator[Line]:
             yield f"root of body {z}", _root_stress(summary[f"root_stress_{z}"])
     if result.friction is not None:
         yield "friction", _friction(result.friction)
+    if "power_W" in summary:
+        yield "power", _power(result)
     beyond = outside_words(result.outside_limits)
     yield from _estimate_lines(result, beyond)
     if result.accuracy is not None:
@@ -262,6 +264,14 @@ def _friction(friction: FrictionResult) -> str:
         f"{text}; loss {friction.loss_work_J:.4g} J per period, efficiency "
         f"{100 * friction.efficiency:.3f} %"
     )
+
+
+def _power(result: Result) -> str:
+    assert result.geometry is not None
+    text = f"{result.summary['power_W']:.1f} W at {result.geometry.speed_rpm:g} 1/min"
+    if (loss := result.summary.get("power_loss_W")) is not None:
+        text += f", loss by friction {loss:.1f} W"
+    return text
 
 
 def _estimate(estimate: Any) -> str:

@@ -319,6 +319,8 @@ def test_temperature_and_speed_add_up() -> None:
     sum_of_both = heat.rotation_rad + speed.rotation_rad - 2 * plain.rotation_rad
     np.testing.assert_allclose(both.rotation_rad - plain.rotation_rad, sum_of_both, rtol=0.003)
     assert (plain.rotation_rad - speed.rotation_rad > 0).all()
+    assert speed.summary["power_W"] == pytest.approx(302.0 * 400.0 * np.pi, rel=1e-12)
+    assert "power_W" not in plain.summary
 
 
 def test_lumped_contact_sees_the_growth() -> None:

@@ -24,7 +24,8 @@ def values_of(scene: fl.Scene) -> dict[str, np.ndarray]:
 
 
 def test_least_values_are_those_of_quantities_and_no_value_is_below() -> None:
-    coast = {"effects.coast_flank": True, "effects.friction_coefficient": 0.05}
+    rubbing = {"effects.friction_coefficient": 0.05, "effects.speed_rpm": 1500.0}
+    coast = {"effects.coast_flank": True, **rubbing}
     helical = fl.read_scene(SCENES / "helical_gear.toml").replace(
         {
             "accuracy.flank_element_mm": 4.0,

@@ -85,7 +85,7 @@ def result_of(
         cost=_cost(found, compliances),
         warnings=(*pair_notes, *notes, *notes_of_sweep(pair, compliances, found, width)),
         drawing=_drawing(pair),
-        geometry=geometry,
+        geometry=None if geometry is None else replace(geometry, speed_rpm=scene.effects.speed_rpm),
         root_readings=(
             root_reading(pair, compliances[0], 0, carries, width),
             root_reading(pair, compliances[1], 1, carries, width),

@@ -123,8 +123,8 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
     speed_rpm: Annotated[
         Annotated[float, Meta(ge=0, le=2e5)] | None,
         about(
-            "speed of body 1 for the centrifugal expansion of the bodies; that of body 2 follows "
-            "from the ratio",
+            "speed of body 1 for the centrifugal expansion of the bodies, and for power and power "
+            "loss in W; the speed of body 2 follows from the ratio",
             "1/min",
         ),
     ] = None
