@@ -216,7 +216,7 @@ def test_half_as_many_cells_tell_an_error_of_second_order_exactly() -> None:
         )
 
     found, coarse = with_cells(1.0), with_cells(0.5)
-    left = remaining_errors(STRIPS, found, found, coarse)
+    left = remaining_errors(STRIPS, found, found, coarse, np.array([0.5, 0.5]))
     largest = np.abs(found.rotation_rad).max()
     np.testing.assert_allclose(
         left["transmission_error"].error,
@@ -251,8 +251,9 @@ def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
         found = swept(contact_of(scene, pair, **changes), pair.position_rad, [302e3])
         return tuple(replace(part, site_corner=np.ones_like(part.site_corner)) for part in found)
 
-    grid = pair.discretization.grid
-    (estimate,) = estimate_errors(run(compliances=compliances, grid=grid), run, compliances, grid)
+    grid, weights = pair.discretization.grid, np.array([0.5, 0.5])
+    found = run(compliances=compliances, grid=grid)
+    (estimate,) = estimate_errors(found, run, compliances, grid, weights)
     assert "peak_pressure" not in estimate.as_dict()
     assert not any("peak_pressure" in parts for parts in estimate.by_source.values())
     assert estimate.errors["load_share"] > 0

@@ -143,6 +143,6 @@ def test_a_sector_from_a_mesh_is_twisted_as_a_gear_is() -> None:
     np.testing.assert_allclose(found.transmission_error_um, gears.transmission_error_um, rtol=NODES)
     loads = (np.asarray(one.slice_line_load_N_per_mm) for one in (found, gears))
     np.testing.assert_allclose(*loads, rtol=0.0, atol=0.02 * gears.slice_line_load_N_per_mm.max())
-    assert found.face_load_factor == pytest.approx(gears.face_load_factor, rel=0.01)
+    assert found.line_load_factor == pytest.approx(gears.line_load_factor, rel=0.01)
     even = from_meshes({}, {})
-    assert found.face_load_factor > 1.1 * even.face_load_factor
+    assert found.line_load_factor > 1.1 * even.line_load_factor

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from flankload.analysis.load_factors import face_load_factor, line_load_factors
 from flankload.analysis.tangent import LARGEST_KINK
 from flankload.base.rounding import TIE
-from flankload.result.slices import face_load_factors
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Flags, Floats, Numbers
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 #: Additional quantity if coast flanks can carry load.
 COAST = "coast_force"
 #: Additional quantities in three dimensions.
-LINE_LOAD, FACE_LOAD = "line_load", "face_load_factor"
+LINE_LOAD, FACE_LOAD, LINE_FACTOR = "line_load", "face_load_factor", "line_load_factor"
 
 
 @dataclass(frozen=True)
@@ -79,9 +79,9 @@ NODES = Rule(0.5, 0.5, 0.5, 0.5)
 AXIAL = Rule(0.0, 1.0, 1.0, 1.0, 1.0)
 #: Half as many slices: 0.3 of the change of the rotation, 0.7 of that of peak pressures, at most 1.
 SLICES = Rule(0.0, 1.0, 1.0, 1.0, 1.0)
-#: Doubt of line loads and of the face load factor, relative to that of pressures. Both are largest
+#: Doubt of line loads and of load factors, relative to that of pressures. Line loads are largest
 #: where a contact ends, and change there with the first power of the slices' width.
-LINE_LOADS, FACE_LOADS = 1.5, 2.0
+LINE_LOADS, LOAD_FACTORS = 1.5, 2.0
 #: Smoothed stresses give 0.5 to 1.0 of the error under pressures that the flank elements hardly
 #: resolve.
 ELEMENTS = Rule(-1.45, 1.0, 2.0, 1.0)
@@ -130,7 +130,7 @@ def mean_stiffness(softness: Floats) -> Floats | None:
 
 
 def remaining_errors(
-    rule: Rule, found: Sweep, base: Sweep, other: Sweep
+    rule: Rule, found: Sweep, base: Sweep, other: Sweep, weights: Floats
 ) -> dict[str, RemainingError]:
     """Remaining errors of one source in the quantities of a sweep.
 
@@ -141,6 +141,8 @@ def remaining_errors(
         The sweep whose errors are estimated.
     base, other : Sweep
         Sweeps without and with the change by the source.
+    weights : (P,) array
+        Parts of the positions in the mean load over the face width.
     """
     unloaded = found.rotation_rad - found.turned_rad
     rotation, change = found.rotation_rad, other.rotation_rad - base.rotation_rad
@@ -166,25 +168,27 @@ def remaining_errors(
         change = _coast_shares(other) - _coast_shares(base)
         errors[COAST] = _at_each(_of_shares(rule), change, 1.0)
     if found.slices is not None:
-        errors |= _of_line_loads(rule, found, base, other)
+        errors |= _of_line_loads(rule, found, base, other, weights)
     return errors
 
 
 def _of_line_loads(
-    rule: Rule, found: Sweep, base: Sweep, other: Sweep
+    rule: Rule, found: Sweep, base: Sweep, other: Sweep, weights: Floats
 ) -> dict[str, RemainingError]:
-    """Errors of the line loads and of the face load factor."""
+    """Errors of the line loads, of the face load factor and of the line load factor."""
     largest = float(np.max(_line_loads(found, found)))
     change = _line_loads(other, other) - _line_loads(base, other)
     change = change[..., _slices_around(found, other)]
     change = np.where(_slices(found).corner > 0, 0.0, change)
-    factors = [float(face_factors(part).max()) for part in (found, base, other)]
-    return {
-        LINE_LOAD: _at_each(_of_pressures(rule, LINE_LOADS), change, largest),
-        FACE_LOAD: _at_each(
-            _of_pressures(rule, FACE_LOADS), np.array([factors[2] - factors[1]]), factors[0]
-        ),
-    }
+    errors = {LINE_LOAD: _at_each(_of_pressures(rule, LINE_LOADS), change, largest)}
+    for name, factor_of in (
+        (FACE_LOAD, lambda part: face_load_factor(part, weights)),
+        (LINE_FACTOR, lambda part: float(line_load_factors(part).max())),
+    ):
+        one, two, three = (factor_of(part) for part in (found, base, other))
+        change = np.array([three - two])
+        errors[name] = _at_each(_of_pressures(rule, LOAD_FACTORS), change, one)
+    return errors
 
 
 def _line_loads(part: Sweep, on: Sweep) -> Floats:
@@ -199,12 +203,6 @@ def _slices_around(part: Sweep, other: Sweep) -> Numbers:
     edges = _slices(part).edges_mm
     middle = 0.5 * (edges[1:] + edges[:-1])
     return np.asarray(np.searchsorted(_slices(other).edges_mm, middle) - 1)
-
-
-def face_factors(part: Sweep) -> Floats:
-    """(P,) Largest line load of a sweep over its mean at each position."""
-    slices = _slices(part)
-    return face_load_factors(slices.force_N, np.diff(slices.edges_mm), each=slices.conforming)
 
 
 def _slices(part: Sweep) -> SliceStates:

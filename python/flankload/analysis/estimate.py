@@ -42,6 +42,7 @@ from flankload.analysis.error_rules import (
     COAST,
     ELEMENTS,
     FACE_LOAD,
+    LINE_FACTOR,
     LINE_LOAD,
     MODES,
     MODES_WITH_IMAGES,
@@ -61,6 +62,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from flankload.analysis.adaptive_positions import PositionErrors
+    from flankload.base.arrays import Floats
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.scene.discretization import Grid
@@ -76,6 +78,8 @@ OVERALL = (
     "stiffness_secant",
     "stiffness_tangent",
 )
+#: … in three dimensions.
+OF_WIDTH = (LINE_LOAD, FACE_LOAD, LINE_FACTOR)
 #: Number of omitted modes: their terms alternate in size, and in places one of two vanishes.
 MODES_DROPPED = 2
 #: Error of lumped contacts, with h/L the largest half-width over the length of the shorter flank:
@@ -97,14 +101,16 @@ SPREAD = {
     "peak_pressure": 0.01,
     LINE_LOAD: 0.08,
     FACE_LOAD: 0.01,
+    LINE_FACTOR: 0.01,
 }
-#: Least error of lumped contacts in slices, against cells on 40 random pairs of gears: a slice does
-#: not see how the pressure changes along its width.
+#: Least error of lumped contacts in slices, against cells on 40 random pairs of gears (K_Hbeta: on
+#: 23): a slice does not see how the pressure changes along its width.
 LUMPED_IN_SLICES = {
     "transmission_error": 0.0025,
     "load_share": 0.006,
     LINE_LOAD: 0.08,
-    FACE_LOAD: 0.05,
+    FACE_LOAD: 0.02,
+    LINE_FACTOR: 0.05,
 }
 #: Why the peak pressure of a sweep may have any error beyond its estimate: the pressure on sharp
 #: corners has no limit; on a rounding or a chamfer the error was up to 14 times the change that the
@@ -151,7 +157,7 @@ class Estimate:
         """Estimate from the errors of each source, by quantity."""
         by_quantity = {
             quantity: [parts[quantity] for parts in errors.values() if quantity in parts]
-            for quantity in (*POINTWISE, *OVERALL, COAST, LINE_LOAD, FACE_LOAD)
+            for quantity in (*POINTWISE, *OVERALL, COAST, *OF_WIDTH)
         }
         return cls(
             {
@@ -202,6 +208,7 @@ def estimate_errors(
     run: Callable[..., tuple[Sweep, ...]],
     compliances: tuple[BodyCompliance, BodyCompliance],
     grid: Grid,
+    weights: Floats,
     *,
     lumped: bool = False,
     variants: Mapping[str, Mapping[str, object]] = MappingProxyType({}),
@@ -218,6 +225,8 @@ def estimate_errors(
         counts the calls from 0.
     compliances, grid
         Compliances and cells of the sweep.
+    weights : (P,) array
+        Parts of the positions in means over the period.
     lumped : bool
         Whether contacts are lumped; there are no cells then, and their error is taken from
         measurements.
@@ -244,10 +253,9 @@ def estimate_errors(
         )
     estimates = []
     for t, part in enumerate(found):
-        errors = _of_lumping(part, compliances) if lumped else _of_cells(part, coarse[t])
-        errors |= _of_compliances(
-            part, coarse[t], {source: other[t] for source, other in others.items()}, compliances
-        )
+        errors = _of_lumping(part, compliances) if lumped else _of_cells(part, coarse[t], weights)
+        each = {source: other[t] for source, other in others.items()}
+        errors |= _of_compliances(part, coarse[t], each, compliances, weights)
         errors |= {source: own for source, of in sources.items() if (own := of(part))}
         if not any_smooth_peak(part):  # all on sharp corners, where pressures have no estimate
             for parts in errors.values():
@@ -278,8 +286,8 @@ def _of_lumping(
     return {"lumped": {quantity: RemainingError(0.0, error) for quantity, error in errors.items()}}
 
 
-def _of_cells(part: Sweep, coarse: Sweep) -> dict[str, dict[str, RemainingError]]:
-    errors = remaining_errors(STRIPS, part, part, coarse)
+def _of_cells(part: Sweep, coarse: Sweep, weights: Floats) -> dict[str, dict[str, RemainingError]]:
+    errors = remaining_errors(STRIPS, part, part, coarse, weights)
     errors["peak_pressure"] = peak_of_cells(part, coarse)
     # a relative error of the rotation that is the same at all torques is also that of its
     # derivative
@@ -293,6 +301,7 @@ def _of_compliances(
     coarse: Sweep,
     others: Mapping[str, Sweep],
     compliances: tuple[BodyCompliance, BodyCompliance],
+    weights: Floats,
 ) -> dict[str, dict[str, RemainingError]]:
     """Errors of modes and elements, from sweeps on coarse cells with other compliances."""
     nodal = any(compliance.modes.nodes is not None for compliance in compliances)
@@ -305,7 +314,7 @@ def _of_compliances(
         "slices": SLICES,
     }
     errors = {
-        source: remaining_errors(rules[source], part, coarse, other)
+        source: remaining_errors(rules[source], part, coarse, other, weights)
         for source, other in others.items()
     }
     if not nodal:

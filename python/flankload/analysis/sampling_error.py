@@ -14,7 +14,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.analysis.error_rules import FACE_LOAD, RemainingError, face_factors, mean_stiffness
+from flankload.analysis.error_rules import (
+    FACE_LOAD,
+    LINE_FACTOR,
+    RemainingError,
+    mean_stiffness,
+)
+from flankload.analysis.load_factors import face_load_factor, line_load_factors
+from flankload.result.position_order import order_of
 
 if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
@@ -43,15 +50,38 @@ HIDDEN, HIDDEN_ROTATION = 0.5, 0.06
 def of_positions(
     found: Sweep, window: Window, position_rad: Floats, *, adaptive: bool = False
 ) -> dict[str, RemainingError]:
-    """`between_positions`, in three dimensions also the error of the face load factor."""
+    """`between_positions`, in three dimensions also the errors of the load factors."""
     errors = between_positions(found, window, position_rad, adaptive=adaptive)
     if found.slices is not None and position_rad.size > 1:
-        factors = face_factors(found)
+        factors = line_load_factors(found)
         at = int(factors.argmax())
         # beside a kink, the largest value may lie half the step to a neighbour above the sample
         beside = [factors[at - 1], factors[(at + 1) % factors.size]]
-        errors[FACE_LOAD] = RemainingError(0.0, 0.5 * float(1.0 - min(beside) / factors[at]))
+        errors[LINE_FACTOR] = RemainingError(0.0, 0.5 * float(1.0 - min(beside) / factors[at]))
+        errors[FACE_LOAD] = _of_mean_load(found, window, position_rad)
+        if found.slices.conforming:
+            errors[FACE_LOAD] = errors[LINE_FACTOR]
     return errors
+
+
+def _of_mean_load(found: Sweep, window: Window, position_rad: Floats) -> RemainingError:
+    """Error of the face load factor: its change by every second position."""
+    every, second = (
+        face_load_factor(found, _weights_of(position_rad, window, step)) for step in (1, 2)
+    )
+    return RemainingError.relative(0.0, abs(second - every), every)
+
+
+def _weights_of(position_rad: Floats, window: Window, step: int) -> Floats:
+    """(P,) Parts in the mean of every `step`-th position; 0 for the others."""
+    weights = np.zeros(position_rad.size)
+    weights[::step] = order_of(
+        position_rad[::step],
+        pitch_rad=window.pitch_rad,
+        period_rad=window.pitches * window.pitch_rad,
+        closed=window.closed,
+    ).weights
+    return weights
 
 
 def between_positions(

@@ -57,6 +57,8 @@ class GearGeometry:
     usable_contact_ratio : float
         The same for the part on which both flanks are involutes, also with reliefs: between form
         circles and tip roundings or chamfers.
+    overlap_ratio : float
+        Common face width over the axial pitch; 0 in a plane scene and of straight teeth.
     backlash_mm : float
         Circular backlash on the working pitch circles, j_wt; negative if the flanks overlap.
     normal_backlash_mm : float
@@ -72,6 +74,7 @@ class GearGeometry:
     path_end_mm: float
     contact_ratio: float
     usable_contact_ratio: float
+    overlap_ratio: float
     backlash_mm: float
     normal_backlash_mm: float
 
@@ -80,6 +83,11 @@ class GearGeometry:
         """Overlap along the base tangent, if the rounding of the centre distance explains it."""
         overlap, angle = -self.backlash_mm, self.pressure_angle_rad
         return overlap * cos(angle) if 0.0 < overlap <= _backlash_of_rounding(angle) else 0.0
+
+    @property
+    def total_contact_ratio(self) -> float:
+        """Sum of contact ratio and overlap ratio: mean number of pairs in mesh by geometry."""
+        return self.contact_ratio + self.overlap_ratio
 
 
 @dataclass(frozen=True)
@@ -130,8 +138,8 @@ def gear_geometry(
     start, end = _path_of_contact(pair, (tangent_1, tangent_2))
     contact_ratio = (end - start) / pair.base_pitch
     usable = _usable_path(pair.sense, body_1, body_2, (tangent_1, tangent_2)) / pair.base_pitch
-    usable = min(usable, contact_ratio)
-    _warn_of_short_path(contact_ratio, usable, warnings)
+    usable, overlap = min(usable, contact_ratio), _overlap_ratio(body_1, body_2)
+    _warn_of_short_path(contact_ratio, usable, overlap, warnings)
     deepest = (tangent_1 + start, tangent_2 - pair.sense * end)
     warnings += [
         *root_contacts((one, two), deepest),
@@ -146,6 +154,7 @@ def gear_geometry(
         path_end_mm=end,
         contact_ratio=contact_ratio,
         usable_contact_ratio=usable,
+        overlap_ratio=overlap,
         backlash_mm=backlash,
         normal_backlash_mm=backlash * cos(angle) * _cosine_base_helix(body_1),
     )
@@ -171,13 +180,25 @@ def _path_of_contact(pair: _Pair, tangents_mm: tuple[float, float]) -> tuple[flo
     return start, end
 
 
-def _warn_of_short_path(contact_ratio: float, usable: float, warnings: list[str]) -> None:
-    """Warn if less than a base pitch of the path of contact is usable."""
-    if contact_ratio < 1.0:
+def _overlap_ratio(body_1: Body, body_2: Body) -> float:
+    """Common face width over the axial pitch."""
+    one, two = body_1.axial, body_2.axial
+    if one is None or two is None:
+        return 0.0
+    low, high = (choose(one.range_mm[k], two.range_mm[k]) for k, choose in ((0, max), (1, min)))
+    return (high - low) * abs(one.twist_rad_per_mm) * body_1.teeth / (2 * pi)
+
+
+def _warn_of_short_path(
+    contact_ratio: float, usable: float, overlap: float, warnings: list[str]
+) -> None:
+    """Warn if at some positions no section of the width has contact on both involutes."""
+    if contact_ratio + overlap < 1.0:
         warnings.append(
-            f"the contact ratio is {contact_ratio:.3f}: between two flanks a tip corner carries"
+            f"the contact ratio is {contact_ratio + overlap:.3f}: between two flanks a tip corner "
+            "carries"
         )
-    elif usable < 1.0:
+    elif usable + overlap < 1.0:
         warnings.append(
             f"both flanks are involutes over {usable:.3f} of the contact ratio of "
             f"{contact_ratio:.3f}: between two flanks a fillet or a tip rounding carries"
@@ -341,6 +362,19 @@ def _check_clearances(pair: _Pair) -> None:
             )
 
 
+def _described_ratios(gears: GearGeometry) -> tuple[tuple[str, str], ...]:
+    """Contact ratios; of straight teeth the total one is the transverse one."""
+    usable = ("of it, both flanks involutes", f"{gears.usable_contact_ratio:.4f}")
+    if not gears.overlap_ratio:
+        return ("contact ratio", f"{gears.contact_ratio:.4f}"), usable
+    return (
+        ("contact ratio, total", f"{gears.total_contact_ratio:.4f}"),
+        ("contact ratio, transverse", f"{gears.contact_ratio:.4f}"),
+        usable,
+        ("overlap ratio", f"{gears.overlap_ratio:.4f}"),
+    )
+
+
 def describe_gears(gears: GearGeometry) -> tuple[tuple[str, str], ...]:
     """Main geometry of a gear pair: rows of name and value with unit."""
     return (
@@ -350,8 +384,7 @@ def describe_gears(gears: GearGeometry) -> tuple[tuple[str, str], ...]:
             f"{2 * gears.pitch_radius_1_mm:.4f} / {2 * gears.pitch_radius_2_mm:.4f} mm",
         ),
         ("base pitch", f"{gears.base_pitch_mm:.4f} mm"),
-        ("contact ratio", f"{gears.contact_ratio:.4f}"),
-        ("of it, both flanks involutes", f"{gears.usable_contact_ratio:.4f}"),
+        *_described_ratios(gears),
         ("backlash on the pitch circle", f"{gears.backlash_mm:.4f} mm"),
         ("backlash, normal", f"{gears.normal_backlash_mm:.4f} mm"),
     )

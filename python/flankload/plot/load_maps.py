@@ -9,7 +9,14 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from flankload.plot.figures import BOX, legend_below, note
-from flankload.plot.picture import at_largest_line_load, figure_of, largest, panels, picture
+from flankload.plot.picture import (
+    at_largest_line_load,
+    figure_of,
+    largest,
+    panels,
+    picture,
+    plus_minus,
+)
 from flankload.plot.positions import (
     is_closed,
     label_positions,
@@ -117,13 +124,18 @@ def draw_line_load(axes: Axes, results: Results, *, position: int | None = None)
     mean = float(summed @ slices.width_mm / slices.width_mm.sum())
     dashes, words = (0, (4, 2)), f"mean {mean:.0f} N/mm"
     axes.axhline(mean, color=GREY, linewidth=1.0, linestyle=dashes, label=words)
+    title = f"at this position up to {slices.relative_line_load[p].max():.3f} times the mean"
+    if result.position_rad.size > 1 and slices.directions is None:
+        averaged = slices.weights @ slices.force_N.sum(axis=1) / slices.width_mm
+        words = "all pairs, averaged over the mesh"
+        axes.stairs(averaged, ends, color=GREY, linewidth=1.4, linestyle=(0, (1, 1)), label=words)
+        factor = f"{slices.face_load_factor:.3f}{plus_minus(result, 'face_load_factor')}"
+        title = f"K_Hβ {factor} (load averaged over the mesh); {title}"
     axes.set_xlim(ends[0], ends[-1])
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("axial position z in mm")
     axes.set_ylabel("line load in N/mm")
-    legend_below(
-        axes, ncols=2, title=f"face load factor of all positions: {slices.face_load_factor:.3f}"
-    )
+    legend_below(axes, ncols=2, title=title)
 
 
 @picture(at_largest_line_load)
@@ -161,7 +173,8 @@ def draw_line_load_map(axes: Axes, results: Results) -> None:
     )
     label_way(axes, result)
     axes.set_ylabel("axial position z in mm")
-    axes.figure.colorbar(shown, ax=axes, label="line load in N per mm face width")
+    most = f"{load.max():.0f}{plus_minus(result, 'line_load')}"
+    axes.figure.colorbar(shown, ax=axes, label=f"line load in N/mm, up to {most}")
 
 
 @picture(largest)

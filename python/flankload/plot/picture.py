@@ -87,6 +87,12 @@ def of_largest_line_load(result: Result) -> int:
 at_largest_force, at_largest_line_load = at(of_largest_force), at(of_largest_line_load)
 
 
+def plus_minus(result: Result, quantity: str) -> str:
+    """Estimated relative error of a quantity, behind its value; empty without an estimate."""
+    error = (result.estimate or {}).get(quantity)
+    return "" if error is None else f" ± {100 * error:.2g} %"
+
+
 def picture(shown: Callable[..., Any]) -> Callable[[Function], Function]:
     """List `draw_NAME` in `DRAWINGS`, `plot_NAME` in `PICTURES`; describe its parameters.
 

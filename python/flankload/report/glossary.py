@@ -20,8 +20,10 @@ TERMS = {
     "w_max": "largest force per face width",
     "mesh stiffness": "of all pairs along the line of action, for the whole face width: slope of "
     "force over deflection (tangent), or force over deflection (secant)",
-    "K_Hα": "transverse load factor (ISO 6336-1): largest load share times mean number of pairs",
-    "K_Hβ": "face load factor (ISO 6336-1): largest line load over the mean",
+    "K_Hβ": "face load factor (ISO 6336-1): largest load over the face width, averaged over the "
+    "mesh period, divided by its mean",
+    "line load factor": "largest line load of all pairs together, at any position, divided by its "
+    "mean",
     "σ_F": "stress along the surface of the tooth root",
     "P": "power of the torque on body 1 at the speed of the scene",
     "P_V": "power of the friction between the flanks, mean over the period",

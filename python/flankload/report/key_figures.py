@@ -66,10 +66,19 @@ def _figures(results: Sequence[Result]) -> Iterator[Figure]:
     yield from _of_motion(results)
     yield from _of_contact(results)
     yield from (
-        # load over the width, and transverse
-        ("transverse load factor", "K_Hα", "", _value(_transverse, ".3f")),
-        ("face load factor", "K_Hβ", "", _entry("face_load_factor", ".3f")),
+        (
+            "face load factor",
+            "K_Hβ",
+            "",
+            _entry("face_load_factor", ".3f", error="face_load_factor"),
+        ),
         ("the same by ISO 6336-1, for comparison", "K_Hβ", "", _entry("k_h_beta_iso", ".3f")),
+        (
+            "line load factor",
+            "",
+            "",
+            _entry("line_load_factor", ".3f", error="line_load_factor"),
+        ),
         ("axial position of the largest line load", "", "mm", _entry("peak_line_load_z_mm", ".2f")),
         ("axial force, largest", "F_x", "N", _entry("axial_force_N", ".1f")),
         ("tilting moment, largest", "", "N m", _entry("tilting_moment_Nm", ".3f")),
@@ -119,18 +128,20 @@ def _of_contact(results: Sequence[Result]) -> Iterator[Figure]:
     yield f"loaded {results[0].words_for_sites[1]}", "", "", _loaded
     ratio = _entry("contact_ratio_under_load", ".3f", positive=True)
     yield "contact ratio under load", "", "", ratio
+    total = "ε_γ" if results[0].summary["overlap_ratio"] else "ε_α"
+    yield "contact ratio by geometry", total, "", _entry("contact_ratio_total", ".3f")
     key = "peak_pressure_off_corners"
     pressure = _entry(f"{key}_MPa", ".0f", error="peak_pressure", place=key, positive=True)
     yield "largest pressure", "p_max", "MPa", pressure
     if results[0].engagement.has_pressures:
         key = "peak_line_load"
-        line_load = _entry(f"{key}_N_per_mm", ".1f", place=key, positive=True)
+        line_load = _entry(f"{key}_N_per_mm", ".1f", error="line_load", place=key, positive=True)
         yield "largest line load", "w_max", "N/mm", line_load
     else:
         force = _value(lambda one: float(one.site_force_N.max()), ".4g")
         yield "largest force of one of them", "", "N", force
-        share = _value(lambda one: float(100 * one.load_share.max()), ".2f", "load_share")
-        yield "largest share of the force", "", "%", share
+    share = _value(lambda one: 100 * one.summary["load_share_max"], ".2f", "load_share")
+    yield "largest share of the force", "", "%", share
     for kind in ("tangent", "secant"):
         key = f"stiffness_{kind}"
         stiffness = _entry(f"{key}_mean_N_per_um", ".2f", error=key)
@@ -183,12 +194,6 @@ def _harmonic(result: Result, k: int) -> float | None:
 def _efficiency(result: Result) -> float | None:
     efficiency = None if result.friction is None else result.friction.efficiency
     return None if efficiency is None else 100 * efficiency
-
-
-def _transverse(result: Result) -> float | None:
-    if not result.engagement.has_load_factors:
-        return None
-    return result.transverse_load_factor or None
 
 
 def _root(result: Result, z: int, side: str) -> Cell | None:

@@ -44,8 +44,6 @@ class Engagement(ABC):
     way: ClassVar[str] = "place of the pair in mesh pitches from the pitch point"
     #: Whether the sites are all flanks there are, so that the first follows the last.
     cyclic_sites: ClassVar[bool] = False
-    #: Whether the load factors of gears (ISO 6336) are defined.
-    has_load_factors: ClassVar[bool] = False
     #: Whether the mesh excites vibration in multiples of its frequency.
     has_mesh_orders: ClassVar[bool] = False
     #: Whether contacts have a pressure, not only a force.
@@ -126,7 +124,6 @@ class Engagement(ABC):
 class TeethInMesh(Engagement):
     """Teeth that pass through the mesh and carry load one after the other."""
 
-    has_load_factors = True
     has_mesh_orders = True
     draws_whole_bodies = False
 

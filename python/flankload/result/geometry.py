@@ -36,6 +36,8 @@ class PairGeometry:
         Length of the path of contact divided by the base pitch.
     usable_contact_ratio : float or None
         Contact ratio of the part on which both flanks are involutes.
+    overlap_ratio : float or None
+        Common face width divided by the axial pitch; 0 of straight teeth.
     path_pitches : (float, float) or None
         Ends of the path of contact in base pitches from the pitch point, in the sense of motion.
     coast : CoastSide or None
@@ -51,10 +53,18 @@ class PairGeometry:
     speed_2: Floats
     contact_ratio: float | None = None
     usable_contact_ratio: float | None = None
+    overlap_ratio: float | None = None
     path_pitches: tuple[float, float] | None = None
     coast: CoastSide | None = None
     coast_unknown: str = ""
     speed_rpm: float | None = None
+
+    @property
+    def total_contact_ratio(self) -> float | None:
+        """Sum of contact ratio and overlap ratio."""
+        if self.contact_ratio is None or self.overlap_ratio is None:
+            return None
+        return self.contact_ratio + self.overlap_ratio
 
     @property
     def has_coast_flanks(self) -> bool:
@@ -77,6 +87,7 @@ def pair_geometry(
         known,
         contact_ratio=mesh.contact_ratio,
         usable_contact_ratio=mesh.usable_contact_ratio,
+        overlap_ratio=mesh.overlap_ratio,
         path_pitches=(mesh.path_start_mm / pitch, mesh.path_end_mm / pitch),
     )
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.rounding import TIE, round_down
 from flankload.result.interpolant import curve_through, loaded_pair_changes
+from flankload.result.position_order import PositionOrder, order_of
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Flags, Floats, Numbers
@@ -22,40 +22,13 @@ if TYPE_CHECKING:
 
 #: Number of harmonics of the transmission error in the summary.
 N_HARMONICS = 5
-#: A larger distance between positions, in pitches, is a gap.
-WIDEST = 0.25
 
 
 @dataclass(frozen=True)
-class OverPositions:
-    """Integral quantities of a curve over the positions.
-
-    Attributes
-    ----------
-    position_rad : (n,) array
-        Positions of the curve, ascending and distinct.
-    index : (n,) array
-        Indices of these positions in the result.
-    periods : (n,) array
-        Number of periods by which each has been moved back.
-    covers_period : bool
-        Whether there is no gap in the period.
-    contiguous : bool
-        Whether there is no gap between the first and the last position.
-    even : bool
-        Whether the original positions divide the period evenly.
-    regular : bool
-        Whether they have equal distances.
-    """
+class OverPositions(PositionOrder):
+    """Integral quantities of a curve over the positions of a result."""
 
     result: Result
-    position_rad: Floats
-    index: Numbers
-    periods: Numbers
-    covers_period: bool
-    contiguous: bool
-    even: bool
-    regular: bool
 
     def mean(self, values: Floats) -> float:
         """Mean of a smooth quantity over the period, or over the range of the positions.
@@ -125,29 +98,10 @@ class OverPositions:
 
 def over_positions(result: Result) -> OverPositions:
     """Arrangement of the positions of a result in its period."""
-    position, period, pitch = result.position_rad, result.period_rad, result.pitch_rad
-    steps = np.diff(position)
-    even = bool(
-        result.closed and np.allclose(steps, period / position.size, rtol=0, atol=TIE * pitch)
+    order = order_of(
+        result.position_rad,
+        pitch_rad=result.pitch_rad,
+        period_rad=result.period_rad,
+        closed=result.closed,
     )
-    low = position.min()
-    periods = round_down((position - low) / period)
-    inside = position - periods * period
-    index = np.argsort(inside, kind="stable")
-    index = index[np.diff(inside[index], prepend=-np.inf) > TIE * pitch]
-    gaps = np.diff(inside[index], append=inside[index[0]] + period)
-    widest = WIDEST * pitch * (1.0 + TIE)
-    span, covered = np.ptp(position), bool(gaps.max() <= widest)
-    # single isolated positions are no period, however many turns they are apart
-    covers = bool(result.closed or (covered and span + gaps.max() >= period * (1.0 - TIE)))
-    contiguous = bool(not covers and span < period and np.max(gaps[:-1], initial=0.0) <= widest)
-    return OverPositions(
-        result,
-        position_rad=inside[index],
-        index=index,
-        periods=periods[index],
-        covers_period=covers,
-        contiguous=contiguous,
-        even=even,
-        regular=bool(np.ptp(steps) <= TIE * pitch) if steps.size else True,
-    )
+    return OverPositions(**vars(order), result=result)

@@ -167,12 +167,22 @@ class EffectResults(LoadedPositions):
 
     @property
     def face_load_factor(self) -> float:
-        """K_Hbeta: largest line load of a slice over the mean; 1 in a plane scene.
+        """K_Hbeta (ISO 6336-1): load over the face width, largest over mean; 1 in a plane scene.
 
-        The load of a slice is the sum over all flanks; of a spline that of one tooth, and the mean
-        is that of all teeth.
+        The load of a slice is the sum over all flanks, averaged over the mesh period (over the
+        positions where they do not cover the period). Of a spline equal to `line_load_factor`.
         """
         return 1.0 if self.slices is None else self.slices.face_load_factor
+
+    @property
+    def line_load_factor(self) -> float:
+        """Largest line load of all positions over the mean at its position; 1 in a plane scene.
+
+        The line load of a slice is the sum over all flanks. On helical pairs it varies along the
+        face width even if the load averaged over the mesh period does not: where a contact line
+        ends, others carry. Of a spline it is that of one tooth, and the mean is that of all teeth.
+        """
+        return 1.0 if self.slices is None else self.slices.line_load_factor
 
     @property
     def coast_force_N(self) -> Floats | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,6 +16,10 @@ from flankload.result.summary import key_figures, summary
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+NO_TRANSVERSE = (
+    "transverse_load_factor is load_sharing_factor now (the old name ends with 1.0): it is not the "
+    "factor of ISO 6336-1"
+)
 #: Key figures of the short form, with the names of their estimates.
 FIGURES = {
     "transmission_error_mean_um": "transmission_error_mean",
@@ -110,15 +115,25 @@ class Result(EffectResults, ResultForms):
         return (self,)
 
     @cached_property
-    def transverse_load_factor(self) -> float | None:
-        """K_Halpha: largest load share of a pair times the mean number of loaded pairs.
+    def load_sharing_factor(self) -> float | None:
+        """Largest load share of a pair times the mean number of loaded pairs.
 
-        None if the positions do not cover the period.
+        None if the positions do not cover the period. This is not the transverse load factor of ISO
+        6336-1, which compares the largest load share with that of a pair without pitch errors.
         """
         over = over_positions(self)
         if not over.covers_period:
             return None
         return float(self.load_share.max() * over.mean_of_steps(self.loaded_pairs))
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """The old name of `load_sharing_factor`, with a warning."""
+            if name != "transverse_load_factor":
+                return self.__getattribute__(name)
+            warnings.warn(NO_TRANSVERSE, DeprecationWarning, stacklevel=2)
+            return self.load_sharing_factor
 
     @cached_property
     def key_figures(self) -> dict[str, Any]:
@@ -135,18 +150,22 @@ class Result(EffectResults, ResultForms):
         `transmission_error_harmonics_um` (amplitudes of the first five of the period),
         `transmission_error_mesh_harmonics_um` (the same of a tooth pitch: waves that pass once,
         twice, ... in a pitch) and `contact_ratio_under_load` (mean number of loaded pairs), None if
-        the positions do not cover the period; `loaded_pairs_min`, `loaded_pairs_max`;
+        the positions do not cover the period; `loaded_pairs_min`, `loaded_pairs_max`,
+        `load_share_max` (largest load share of a pair);
         `peak_pressure_MPa` with `peak_pressure_position_rad`, `peak_pressure_pair`,
         `peak_pressure_at_corner`; and the same for `peak_pressure_off_corners`, the largest
         meaningful one. In addition `contact_ratio_geometric` (path of contact divided by base
         pitch; None if unknown), `contact_ratio_usable` (the same between form circles and tip
-        roundings or chamfers), the means of both stiffnesses over the period,
+        roundings or chamfers), `overlap_ratio` (0 of straight teeth) and `contact_ratio_total` (the
+        sum of the geometric one and the overlap ratio), the means of both stiffnesses over the
+        period,
         `peak_line_load_N_per_mm` with its position and pair, `largest_sliding_mm_per_rad`
         (magnitude) and `coast_flank_gap_min_um`; if requested, `root_stress_1` and `root_stress_2`
         with largest `tension` and `compression`; if coast flanks can carry load,
         `coast_flanks_loaded_min`, `coast_flanks_loaded_max` (numbers of them at once) and the
         largest `coast_force_N` and `coast_peak_pressure_off_corners_MPa` with their positions and
-        pairs. In three dimensions `face_load_factor`, `peak_line_load_z_mm` and the largest
+        pairs. In three dimensions `face_load_factor`, `line_load_factor`, `peak_line_load_z_mm` and
+        the largest
         magnitudes `axial_force_N` and `tilting_moment_Nm`; with shafts `tilt_mean_um_per_mm` and
         the largest force on each bearing, and `k_h_beta_iso` for comparison if one bends under the
         teeth. With `effects.speed_rpm` `power_W` of the torque on body 1 and, with friction,

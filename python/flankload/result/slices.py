@@ -30,6 +30,8 @@ class SliceLoads(KeepsReadOnly, Card):
         Tangent of the helix angle on the base cylinder of body 1, positive for a right hand.
     cosine_helix_base : float
         Part of a force normal to the flank that lies in the transverse section.
+    weights : (P,) array
+        Parts of the positions in means over the period; their sum is 1.
     directions : (P, S, 2) array or None
         Transverse normals out of body 1 of the flanks of a spline, which carry all around the
         axis; None if all flanks push in nearly the same direction.
@@ -41,6 +43,7 @@ class SliceLoads(KeepsReadOnly, Card):
     peak_pressure_MPa: Floats
     tangent_helix_base: float
     cosine_helix_base: float
+    weights: Floats
     directions: Floats | None = None
 
     @property
@@ -57,13 +60,40 @@ class SliceLoads(KeepsReadOnly, Card):
         return frozen(self.force_N / self.width_mm)
 
     @cached_property
-    def face_load_factor(self) -> float:
-        """K_Hbeta: largest over positions and slices of the line load summed over all sites,
-        divided by its mean over the face width; of a spline the largest line load of a tooth,
-        divided by the mean of all teeth; 1 without load.
+    def relative_line_load(self) -> Floats:
+        """(P, J) Line load summed over all flanks, divided by its mean over the face width.
+
+        Of a spline (P, S, J), the line load of each tooth, divided by the mean of all teeth. 1 at
+        positions without load.
         """
-        each = self.directions is not None
-        return float(face_load_factors(self.force_N, self.width_mm, each=each).max())
+        return frozen(relative_line_loads(self.force_N, self.width_mm, each=self._each))
+
+    @cached_property
+    def relative_mean_line_load(self) -> Floats:
+        """(J,) The same for the mean over the period; of a spline `relative_line_load`.
+
+        If the positions do not cover the period, the mean is that over their range, or over single
+        positions with equal weights. The teeth of a spline remain at their places, so that nothing
+        passes along their flanks over which a mean could be taken.
+        """
+        if self._each:
+            return self.relative_line_load
+        return frozen(relative_mean_line_loads(self.force_N, self.width_mm, self.weights))
+
+    @property
+    def line_load_factor(self) -> float:
+        """Largest of all positions and slices of `relative_line_load`."""
+        return float(self.relative_line_load.max())
+
+    @property
+    def face_load_factor(self) -> float:
+        """K_Hbeta (ISO 6336-1): largest of `relative_mean_line_load`."""
+        return float(self.relative_mean_line_load.max())
+
+    @property
+    def _each(self) -> bool:
+        """Whether line loads are those of single flanks: of splines."""
+        return self.directions is not None
 
     @cached_property
     def flank_face_load_factor(self) -> Floats:
@@ -118,8 +148,8 @@ class SliceLoads(KeepsReadOnly, Card):
         )
 
 
-def face_load_factors(force_N: Floats, width_mm: Floats, *, each: bool = False) -> Floats:
-    """Largest line load over its mean at each position; K_Hbeta is the largest of these.
+def relative_line_loads(force_N: Floats, width_mm: Floats, *, each: bool = False) -> Floats:
+    """Line load divided by its mean over the face width at each position.
 
     Parameters
     ----------
@@ -131,15 +161,19 @@ def face_load_factors(force_N: Floats, width_mm: Floats, *, each: bool = False) 
 
     Returns
     -------
-    (P,) array
-        1 without load.
+    (P, J) array, or (P, S, J) of single flanks
+        1 at positions without load.
     """
-    line_load = force_N / width_mm
-    mean = force_N.sum(axis=(1, 2)) / width_mm.sum()
-    if each:
-        largest, mean = line_load.max(axis=(1, 2)), mean / force_N.shape[1]
-    else:
-        largest = line_load.sum(axis=1).max(axis=1)
-    factors = np.ones_like(mean)
-    np.divide(largest, mean, out=factors, where=mean > 0)
-    return factors
+    force = force_N if each else force_N.sum(axis=1)
+    axes = tuple(range(1, force.ndim))
+    total = force.sum(axis=axes, keepdims=True)
+    flanks = force_N.shape[1] if each else 1
+    relative = np.ones_like(force)
+    np.divide(flanks * width_mm.sum() * force, width_mm * total, out=relative, where=total > 0)
+    return relative
+
+
+def relative_mean_line_loads(force_N: Floats, width_mm: Floats, weights: Floats) -> Floats:
+    """(J,) The same for the mean over positions with weights (P,); sums over the flanks."""
+    mean = np.tensordot(weights, force_N, axes=1)
+    return np.asarray(relative_line_loads(mean[np.newaxis], width_mm)[0])

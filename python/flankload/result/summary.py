@@ -41,8 +41,11 @@ def key_figures(result: Result) -> dict[str, Any]:
         "contact_ratio_under_load": over.mean_of_steps(loaded) if over.covers_period else None,
         "contact_ratio_geometric": geometry.contact_ratio if geometry else None,
         "contact_ratio_usable": geometry.usable_contact_ratio if geometry else None,
+        "overlap_ratio": geometry.overlap_ratio if geometry else None,
+        "contact_ratio_total": geometry.total_contact_ratio if geometry else None,
         "loaded_pairs_min": int(loaded.min()),
         "loaded_pairs_max": int(loaded.max()),
+        "load_share_max": float(result.load_share.max()),
         **_largest(result, "peak_pressure", "MPa", pressure),
         "peak_pressure_at_corner": bool(pressure.max() > smooth.max()),
         **_largest(result, "peak_pressure_off_corners", "MPa", smooth),
@@ -147,6 +150,7 @@ def _of_slices(result: Result) -> dict[str, float]:
     _, _, j = np.unravel_index(slices.line_load_N_per_mm.argmax(), slices.force_N.shape)
     return {
         "face_load_factor": slices.face_load_factor,
+        "line_load_factor": slices.line_load_factor,
         "peak_line_load_z_mm": float(slices.z_mm[j]),
         "axial_force_N": float(np.abs(slices.axial_force_N).max()),
         "tilting_moment_Nm": float(np.abs(slices.tilting_moment_Nm).max()),

@@ -151,13 +151,21 @@ def _loaded_pairs(result: Result) -> str:
     if summary["contact_ratio_under_load"] is not None:
         text += f" (contact ratio under load {summary['contact_ratio_under_load']:.3f}"
         if summary["contact_ratio_geometric"] is not None:
-            by_tips, usable = (
-                f"{summary[f'contact_ratio_{kind}']:.3f}" for kind in ("geometric", "usable")
-            )
-            text += f", {by_tips} by geometry"
-            text += f", {usable} of it on both involutes" * (usable != by_tips)
+            text += f", {_geometric_ratios(summary)}"
         text += ")"
     return text + result.engagement.out_of_all(result)
+
+
+def _geometric_ratios(summary: dict[str, Any]) -> str:
+    """Contact ratios by geometry: of straight teeth the transverse one, otherwise all."""
+    total, transverse, usable = (
+        f"{summary[f'contact_ratio_{kind}']:.3f}" for kind in ("total", "geometric", "usable")
+    )
+    of_it = f", {usable} of it on both involutes" * (usable != transverse)
+    if not summary["overlap_ratio"]:
+        return f"{total} by geometry{of_it}"
+    overlap = f"eps_beta {summary['overlap_ratio']:.3f}"
+    return f"eps_gamma {total} by geometry: {overlap}, eps_alpha {transverse}{of_it}"
 
 
 def _estimate_lines(result: Result, beyond: str) -> Iterator[Line]:
@@ -213,7 +221,11 @@ def _contact_lines(result: Result) -> Iterator[Line]:
         yield "stiffness", f"mean {tangent:.2f} N/um tangent, {secant:.2f} N/um secant"
     if summary["peak_line_load_pair"] is not None and result.engagement.has_pressures:
         load = summary["peak_line_load_N_per_mm"]
-        yield "line load", f"up to {load:.1f} N/mm {_place(summary, 'peak_line_load_')}"
+        text = f"up to {load:.1f} N/mm {_place(summary, 'peak_line_load_')}"
+        if "face_load_factor" in summary:
+            text = f"K_Hbeta {summary['face_load_factor']:.3f}, {text}"
+            text += f", of all pairs {summary['line_load_factor']:.3f} times the mean"
+        yield "line load", text
     if summary["largest_sliding_mm_per_rad"]:
         sliding, body = summary["largest_sliding_mm_per_rad"], result.engagement.sliding_body
         yield "sliding", f"up to {sliding:.2f} mm per rad of {body}"

@@ -116,8 +116,21 @@ def test_line_load_of_each_pair_and_of_all(result: fl.Result) -> None:
     assert axes.get_xlim() == pytest.approx((-12.5, 12.5))
     assert "axial position z" in axes.get_xlabel()
     assert axes.get_ylabel() == "line load in N/mm"
-    legend = axes.get_legend()
-    assert f"{result.face_load_factor:.3f}" in legend.get_title().get_text()
+    # each factor is that of a line in the picture
+    assert result.slices is not None
+    averaged = lines["all pairs, averaged over the mesh"]
+    np.testing.assert_allclose(averaged, load.sum(axis=1).mean(axis=0), rtol=1e-9)
+    title = axes.get_legend().get_title().get_text()
+    assert f"K_Hβ {averaged.max() / averaged.mean():.3f} (" in title
+    assert f"up to {lines['all pairs'].max() / mean:.3f} times the mean" in title
+
+
+def test_estimated_errors_are_beside_line_loads_and_their_factor(result: fl.Result) -> None:
+    known = replace(result, estimate={"face_load_factor": 0.0231, "line_load": 0.12})
+    title = plot_line_load(known).axes[0].get_legend().get_title().get_text()
+    assert f"K_Hβ {result.face_load_factor:.3f} ± 2.3 %" in title
+    scale = plot_line_load_map(known).axes[1].get_ylabel()
+    assert scale.endswith(f"up to {result.slice_line_load_N_per_mm.max():.0f} ± 12 %")
 
 
 def test_line_load_of_a_given_position(result: fl.Result) -> None:

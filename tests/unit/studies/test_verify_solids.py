@@ -364,7 +364,7 @@ def test_table_compares_layers_with_the_slices_in_them(monkeypatch: pytest.Monke
     ours = loads.line_load_N_per_mm[2].reshape(-1, 2, 5).mean(axis=2)
     np.testing.assert_allclose(layers.line_load_N_per_mm, ours[ours.any(axis=1)], rtol=SOLVER)
     summed = ours.sum(axis=0)
-    assert layers.face_load_factor(ours) == pytest.approx(summed.max() / summed.mean())
+    assert layers.line_load_factor(ours) == pytest.approx(summed.max() / summed.mean())
     text = found.table()
     assert "z -5.00 to 0.00 mm" in text
     assert "15-node wedges in 2 layers" in text

@@ -232,7 +232,7 @@ def _rows_of_pair(scene: Scene, pair: BodyPair) -> Iterator[SheetRow]:
     else:
         yield SheetRow("centre distance", "a", apart)
     if gears is not None:
-        yield from _gear_rows(pair, gears, scene.pair.face_width_mm)
+        yield from _gear_rows(pair, gears)
     yield SheetRow("common face width", "b", f"{scene.pair.face_width_mm:g} mm")
     for name, symbol, value in (
         ("misalignment in the plane of the axes", "f_Σδ", scene.pair.inclination_um_per_mm),
@@ -242,7 +242,7 @@ def _rows_of_pair(scene: Scene, pair: BodyPair) -> Iterator[SheetRow]:
             yield SheetRow(name, symbol, f"{value:g} µm/mm")
 
 
-def _gear_rows(pair: BodyPair, gears: GearGeometry, width_mm: float) -> Iterator[SheetRow]:
+def _gear_rows(pair: BodyPair, gears: GearGeometry) -> Iterator[SheetRow]:
     one, two = pair.bodies
     yield SheetRow("gear ratio", "u", f"{two.teeth}/{one.teeth} = {two.teeth / one.teeth:.4f}")
     yield SheetRow("working transverse pressure angle", "α_wt", _deg(gears.pressure_angle_rad))
@@ -253,12 +253,9 @@ def _gear_rows(pair: BodyPair, gears: GearGeometry, width_mm: float) -> Iterator
     if gears.usable_contact_ratio < gears.contact_ratio:
         text = f"{gears.usable_contact_ratio:.4f}"
         yield SheetRow("part of it with both flanks involutes", "", text)
-    helix = _helix_rad(one)
-    if abs(helix) > LEAST_HELIX and one.involute is not None:
-        axial_pitch = 2 * pi * one.involute.reference_radius_mm / one.teeth / tan(abs(helix))
-        overlap = width_mm / axial_pitch
-        yield SheetRow("overlap ratio", "ε_β", f"{overlap:.4f}")
-        yield SheetRow("total contact ratio", "ε_γ", f"{gears.contact_ratio + overlap:.4f}")
+    if gears.overlap_ratio:
+        yield SheetRow("overlap ratio", "ε_β", f"{gears.overlap_ratio:.4f}")
+        yield SheetRow("total contact ratio", "ε_γ", f"{gears.total_contact_ratio:.4f}")
     yield SheetRow("backlash on the working pitch circles", "j_wt", _mm(gears.backlash_mm))
     yield SheetRow("normal backlash", "j_bn", _mm(gears.normal_backlash_mm))
 

@@ -103,7 +103,9 @@ def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[n
     if pair.slices is not None and found.slices is not None:
         result = replace(
             result,
-            slices=_slice_loads(pair, pair.slices, found.slices).at_sites(carries),
+            slices=_slice_loads(
+                pair, pair.slices, found.slices, over_positions(result).weights
+            ).at_sites(carries),
             shafts=shaft_loads(pair, pair.slices, found.pairs),
         )
     if found.coast is not None:
@@ -114,8 +116,8 @@ def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[n
     return replace(result, friction=_friction(pair, found, carries, result))
 
 
-def _slice_loads(pair: BodyPair, slices: Slices, found: SliceStates) -> SliceLoads:
-    """Loads of the slices; forces are normal to the flanks."""
+def _slice_loads(pair: BodyPair, slices: Slices, found: SliceStates, weights: Floats) -> SliceLoads:
+    """Loads of the slices; forces are normal to the flanks; `weights` are those of positions."""
     axial = pair.body_1.axial
     assert axial is not None
     radius = pair.body_1.base_radius_mm or abs(pair.body_1.normal_lever_mm)
@@ -127,6 +129,7 @@ def _slice_loads(pair: BodyPair, slices: Slices, found: SliceStates) -> SliceLoa
         peak_pressure_MPa=found.peak_MPa,
         tangent_helix_base=tangent,
         cosine_helix_base=1.0 / sqrt(1.0 + tangent**2),
+        weights=weights,
         directions=None
         if slices.conforming is None
         else turned(

@@ -41,7 +41,8 @@ BENDING_RATIO = 0.8
 GAP_TOLERANCE_UM = 1e-3
 
 
-#: Below it, a tip corner carries all the load at some positions, with unbounded pressure.
+#: Below it, a tip corner carries all the load at some positions, with unbounded pressure. Helical
+#: teeth have contact in another section of the width there: their overlap ratio counts as well.
 CONTACT_RATIO = Premise("contact_ratio", 1.0, "a contact ratio of at least 1")
 #: Overlapping coast flanks carry load.
 BACKLASH = Premise(
@@ -62,13 +63,17 @@ PRESSURE = Premise(
 def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
     """Premises that are violated at any load."""
     mesh = pair.pairing.gear_geometry
-    if mesh is None or mesh.contact_ratio >= CONTACT_RATIO.limit - TIE:
+    if mesh is None or mesh.total_contact_ratio >= CONTACT_RATIO.limit - TIE:
         return
+    parts, width = "", ""
+    if mesh.overlap_ratio:
+        parts = f" ({mesh.contact_ratio:.4g} transverse + {mesh.overlap_ratio:.4g} overlap)"
+        width = " and this face width"
     yield Broken(
         CONTACT_RATIO,
         "pair.center_distance_mm",
-        f"{mesh.contact_ratio:.4g} on {pair.pairing.center_distance_mm:g} mm with these tip "
-        "diameters",
+        f"{mesh.total_contact_ratio:.4g}{parts} on {pair.pairing.center_distance_mm:g} mm with "
+        f"these tip diameters{width}",
     )
 
 

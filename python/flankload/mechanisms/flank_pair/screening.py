@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.analysis.load_factors import face_load_factor
 from flankload.bodies import SectorMesh
 from flankload.cost import Account, held_bytes
 from flankload.elasticity.nodal_loads import nodes_of
@@ -40,7 +41,6 @@ from flankload.mechanisms.toggles import Toggle, toggles, with_keys
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.node_spacing import half_widths_apart, spacing_for_loads
 from flankload.result.geometry import PairGeometry, pair_geometry
-from flankload.result.slices import face_load_factors
 from flankload.scene.discretization import Grid
 from flankload.scene.effects import EFFECTS, effects_of
 
@@ -407,12 +407,12 @@ class FlankPairScreening(Screening):
 
 
 def _face_load_factor(found: Sweep, which: slice) -> float | None:
-    """K_Hbeta of some positions; None in the plane."""
-    slices = found.slices
-    if slices is None:
+    """K_Hbeta of some positions, which have equal parts in the mean; None in the plane."""
+    if found.slices is None:
         return None
-    widths = np.diff(slices.edges_mm)
-    return float(face_load_factors(slices.force_N[which], widths, each=slices.conforming).max())
+    weights = np.zeros(found.status.size)
+    weights[which] = 1.0
+    return face_load_factor(found, weights)
 
 
 def _every(positions: Floats, most: int) -> slice:

@@ -18,6 +18,7 @@ from flankload.errors import ContactError
 from flankload.mechanisms.flank_pair.premises import blame_load
 from flankload.mechanisms.flank_pair.stages import contact_of, swept
 from flankload.result.geometry import pair_geometry
+from flankload.result.position_order import order_of
 from flankload.scene.discretization import position_tolerance
 
 if TYPE_CHECKING:
@@ -187,6 +188,7 @@ def error_estimates(
                 run_again,
                 compliances,
                 pair.discretization.grid,
+                _weights(pair),
                 lumped=pair.effects.lumped_contact,
                 variants=_variants(pair, compliances),
                 sources=_sources(pair, compliances, scene.pair.face_width_mm),
@@ -197,6 +199,16 @@ def error_estimates(
         account.bytes += held_bytes(compliance.fe_error)
         clock.move(compliance.job.seconds, f"compliance body {z + 1}", "estimate")
     return estimates
+
+
+def _weights(pair: BodyPair) -> NDArray[np.float64]:
+    """(P,) Parts of the positions in means over the period."""
+    return order_of(
+        pair.position_rad,
+        pitch_rad=pair.pairing.pitch_rad,
+        period_rad=pair.period_rad,
+        closed=pair.closed,
+    ).weights
 
 
 def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, dict[str, object]]:

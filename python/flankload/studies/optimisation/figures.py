@@ -88,13 +88,10 @@ def _projections(result: Result, *, order: int) -> Floats:
     return np.asarray(phasor.real * np.cos(angle) + phasor.imag * np.sin(angle))
 
 
-def _line_loads(result: Result) -> Floats:
-    """Line load, summed over the flanks, divided by its mean: all positions and slices."""
-    slices = result.slices
-    assert slices is not None
-    summed = (slices.force_N / slices.width_mm).sum(axis=1)
-    mean = slices.force_N.sum(axis=(1, 2)) / slices.width_mm.sum()
-    return np.asarray((summed / mean[:, None]).ravel())
+def _line_loads(result: Result, *, name: str) -> Floats:
+    """Line loads relative to their mean, by the name of an array of the slices."""
+    values: Floats = getattr(result.slices, name)
+    return values
 
 
 def _root_tension(result: Result, *, body: int) -> Floats:
@@ -114,7 +111,9 @@ MAXIMA: dict[str, tuple[Callable[[Any], Floats], ...]] = {
         lambda result: np.where(result.corner_contact, 0.0, result.peak_pressure_MPa),
     ),
     "peak_line_load_N_per_mm": (lambda result: result.slice_line_load_N_per_mm,),
-    "face_load_factor": (_line_loads,),
+    "load_share_max": (lambda result: result.load_share,),
+    "face_load_factor": (partial(_line_loads, name="relative_mean_line_load"),),
+    "line_load_factor": (partial(_line_loads, name="relative_line_load"),),
     "root_stress_1.tension.stress_MPa": (partial(_root_tension, body=0),),
     "root_stress_2.tension.stress_MPa": (partial(_root_tension, body=1),),
 }

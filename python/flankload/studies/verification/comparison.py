@@ -50,7 +50,7 @@ class Layers:
     unknowns: int
     half_width_mm: float
 
-    def face_load_factor(self, line_load_N_per_mm: Floats) -> float:
+    def line_load_factor(self, line_load_N_per_mm: Floats) -> float:
         """Largest line load, summed over the pairs, over its mean; NaN without load."""
         summed = line_load_N_per_mm.sum(axis=0)
         mean = np.average(summed, weights=np.diff(self.edges_mm))

@@ -67,7 +67,7 @@ def _line_load(layers: Layers, line_load_N_per_mm: Floats) -> dict[str, Any]:
     """Line load in the layers and its distribution over the width."""
     return {
         "line_load_N_per_mm": line_load_N_per_mm,
-        "face_load_factor": layers.face_load_factor(line_load_N_per_mm),
+        "line_load_factor": layers.line_load_factor(line_load_N_per_mm),
     }
 
 
@@ -129,8 +129,8 @@ def _width_lines(v: Verification, layers: Layers) -> Iterator[str]:
         for k, (low, high) in enumerate(pairwise(layers.edges_mm)):
             other = None if theirs is None else theirs[s, k]
             yield _row(f"  z {low:.2f} to {high:.2f} mm", ours[s, k], other, ".1f", scale, "mean")
-    factor = None if theirs is None else layers.face_load_factor(theirs)
-    yield _row("K_Hbeta, this position", layers.face_load_factor(ours), factor, ".4f")
+    factor = None if theirs is None else layers.line_load_factor(theirs)
+    yield _row("line load factor", layers.line_load_factor(ours), factor, ".4f")
 
 
 def _row(
