@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import sys
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
@@ -18,7 +17,7 @@ from flankload.errors import FlankloadError
 
 if TYPE_CHECKING:
     from argparse import Namespace
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from flankload.scene import Scene
     from flankload.studies.design import DesignStudy
@@ -51,10 +50,10 @@ def study(arguments: Namespace) -> None:
     try:
         with (
             in_file(asked.file),
-            Progress(wanted=not arguments.quiet and sys.stderr.isatty()) as progress,
+            Progress(wanted=not arguments.quiet, announced=not arguments.quiet) as progress,
             _executor(arguments) as executor,
         ):
-            tell = _Rate(progress).tell
+            tell = _Rate(progress, said=not arguments.quiet).tell
             found = run_study(
                 asked.scene, asked.designs, asked.quantities, asked.store, executor, tell
             )
@@ -74,22 +73,34 @@ def study(arguments: Namespace) -> None:
 
 
 class _Rate:
-    """Progress with designs per second and the time left."""
+    """Progress with designs per second and the time left, from the designs after the first one.
 
-    def __init__(self, progress: Progress) -> None:
-        self._progress, self._began, self._solved = progress, monotonic(), 0
+    The first design has no elements to reuse and takes longer; `said`: one line says when it is
+    finished, and how many designs there are.
+    """
+
+    def __init__(
+        self, progress: Progress, *, said: bool, now: Callable[[], float] = monotonic
+    ) -> None:
+        self._progress, self._said, self._now = progress, said, now
+        self._began, self._solved, self._stored = 0.0, 0, 0
 
     def tell(self, stage: str, done: int, total: int) -> None:
         """Count a design; those of the store do not change the rate."""
-        self._solved += stage == "designs"
-        words = f"{done} of {total} designs"
-        if self._solved:
-            seconds = (monotonic() - self._began) / self._solved
-            rate = f"{1 / seconds:.1f}/s" if seconds < 1 else f"{60 / seconds:.1f}/min"
+        self._stored += stage == "store"
+        self._solved += stage != "store"
+        words, left = f"{done} of {total} designs", None
+        if self._stored:
+            words += f" ({self._stored} from the store)"
+        if self._solved == 1 and stage != "store":
+            self._began = self._now()
+            if self._said and done < total:
+                self._progress.say(f"flankload: {words} finished")
+        if self._solved > 1 and (spent := self._now() - self._began) > 0.0:
+            seconds = spent / (self._solved - 1)
+            words += f", {1 / seconds:.1f}/s" if seconds < 1 else f", {60 / seconds:.1f}/min"
             left = seconds * (total - done)
-            time = f"{left / 60:.0f} min" if left > 90 else f"{left:.0f} s"
-            words += f", {rate}, {time} left"
-        self._progress.tell(words, done, total)
+        self._progress.tell(words, done, total, left)
 
 
 def _check_suffixes(paths: list[str]) -> None:
@@ -168,7 +179,7 @@ def optimise(arguments: Namespace) -> None:
     del options["scene"]
     tables: dict[str, Any] = {"variables": (), "objective": {}, "constraints": ()}
     tables |= {key: tree[key] for key in TABLES if key in tree}
-    with in_file(file), Progress(wanted=sys.stderr.isatty()) as progress:
+    with in_file(file), Progress(wanted=True) as progress:
         optimum = optimum_of(scene, **tables, progress=progress.tell, **options)
     if arguments.output is not None:
         from flankload.base.files import write_atomically

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from math import isfinite
 from typing import TYPE_CHECKING
 
@@ -35,7 +34,7 @@ def accuracy(arguments: Namespace) -> None:
     check_apart(places, scene)
     from flankload.studies.accuracy import accuracy as study_of
 
-    with Progress(wanted=sys.stderr.isatty()) as progress:
+    with Progress(wanted=True) as progress:
         study = study_of(
             scene,
             tuple(arguments.quantities.split(",")),
@@ -123,7 +122,7 @@ def _solve(cases: tuple[Case, ...], arguments: Namespace) -> Answers:
     from flankload.studies.benchmark import Answers, answers_of
 
     values, seconds = {}, {}
-    with Progress(wanted=sys.stderr.isatty()) as progress:
+    with Progress(wanted=True) as progress:
         for number, case in enumerate(cases):
             progress.tell("benchmark", number, len(cases))
             values[case.name], seconds[case.name] = answers_of(case, arguments.folder)

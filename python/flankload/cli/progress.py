@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from threading import Timer
+from threading import Event, Thread, Timer
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Self
 
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 PATIENCE_S = 1.0
 #: A computation that takes longer, s, is announced once.
 LONG_S = 10.0
+#: Seconds between two lines where a bar cannot be shown.
+LINE_S = 60.0
 #: Least time, s, from which the rest is extrapolated: shorter ones are mostly those of first calls.
 LEAST_S = 0.3
 
@@ -72,7 +74,7 @@ class Progress:
     Parameters
     ----------
     wanted : bool
-        Whether the bar is shown.
+        Whether progress is shown: as a bar on a terminal, else as a line every `LINE_S`.
     announced : bool
         Whether one line says that a computation takes more than `LONG_S`, also without the bar.
     end_of : callable, optional
@@ -87,30 +89,38 @@ class Progress:
         end_of: Callable[[str, int], int] = lambda stage, total: total,
     ) -> None:
         self._wanted, self._announced = wanted, not announced
+        self._has_terminal = sys.stderr is not None and sys.stderr.isatty()
         self._bar: Any = None
         self._task: Any = None
         self._reached = ("", 0, 1)
+        self._left_s: float | None = None
         self._left = TimeLeft(end_of)
         self._timer = Timer(PATIENCE_S, self._show)
         self._timer.daemon = True
+        self._ended = Event()
+        self._lines = Thread(target=self._print_lines, daemon=True)
 
     def __enter__(self) -> Self:
         if self._wanted:
-            self._timer.start()
+            (self._timer if self._has_terminal else self._lines).start()
         return self
 
     def __exit__(self, *_: object) -> None:
         if not self._wanted:
+            return
+        self._ended.set()
+        if not self._has_terminal:
+            self._lines.join()
             return
         self._timer.cancel()
         self._timer.join()
         if self._bar is not None:
             self._bar.stop()
 
-    def tell(self, stage: str, done: int, total: int) -> None:
-        """Record the progress of a stage."""
-        self._reached = (stage, done, total)
-        left = self._left.after(stage, done, total)
+    def tell(self, stage: str, done: int, total: int, left_s: float | None = None) -> None:
+        """Record the progress of a stage; `left_s` replaces the time left that follows from it."""
+        left = self._left.after(stage, done, total) if left_s is None else left_s
+        self._reached, self._left_s = (stage, done, total), left
         if not self._announced and left is not None and left + self._left.spent_s > LONG_S:
             self._announced = True
             seconds = float(f"{left + self._left.spent_s:.1g}")
@@ -125,6 +135,13 @@ class Progress:
             self._bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
         else:
             print(line, file=sys.stderr, flush=True)
+
+    def _print_lines(self) -> None:
+        """Print a line from time to time, until the end."""
+        while not self._ended.wait(LINE_S):
+            (stage, done, total), left = self._reached, self._left_s
+            words = f"flankload: {stage}, {100 * done // max(total, 1)} %"
+            self.say(words + ("" if left is None else f", {in_words(left)} left"))
 
     def _show(self) -> None:
         from rich.console import Console

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
@@ -94,8 +93,7 @@ def _solve(scene: Scene, *, quiet: bool, drawn: bool, planned: bool = False) -> 
 
     if drawn:  # the import needs a third of the time of a small run: beside it
         Thread(target=import_module, args=("flankload.plot",), daemon=True).start()
-    shown = not quiet and sys.stderr.isatty()
-    with Progress(wanted=shown, announced=not quiet, end_of=end_of_phase) as progress:
+    with Progress(wanted=not quiet, announced=not quiet, end_of=end_of_phase) as progress:
         predicted = None
         if planned:
             from flankload.studies.plan import plan as plan_of

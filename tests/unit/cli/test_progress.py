@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
 import flankload as fl
@@ -61,6 +63,26 @@ def test_a_long_run_is_announced_once(capsys: pytest.CaptureFixture[str]) -> Non
             clock.now += 0.5
             progress.tell("sweep", done, 100)
     assert capsys.readouterr().err == "flankload: this takes about 20 s or more (now: sweep)\n"
+
+
+def test_redirected_progress_is_a_line_from_time_to_time(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where stderr is a file, a study of an hour said nothing until its end."""
+    monkeypatch.setattr("flankload.cli.progress.LINE_S", 0.02)
+    with Progress(wanted=True) as progress:
+        progress.tell("12 of 600 designs, 2.0/s", 12, 600, 294.0)
+        limit = time.monotonic() + 20.0
+        err = ""
+        while err.count("\n") < 2 and time.monotonic() < limit:
+            time.sleep(0.01)
+            err += capsys.readouterr().err
+    assert set(err.splitlines()) == {"flankload: 12 of 600 designs, 2.0/s, 2 %, 5 min left"}
+    assert err.count("\n") >= 2
+    with Progress(wanted=False) as progress:
+        progress.tell("sweep", 1, 2)
+        time.sleep(0.05)
+    assert capsys.readouterr().err == ""
 
 
 def test_elements_in_three_dimensions_show_their_progress() -> None:
