@@ -122,6 +122,12 @@ contains
                 call reach_of(position%facing(site), zone, position%kernel(z)*place%force, &
                     & place%reach, place%reach_slope)
                 place%reach_slope = position%kernel(z)*place%reach_slope
+                ! An open slice starts to touch with a narrow contact. On a corner, its assumed
+                ! force may need a width far above that of `spread_loads`, for which K is not
+                ! definite.
+                if (position%beside > 0.0_wp .and. .not. forces(z) > 0.0_wp) then
+                    place%reach = min(place%reach, 2.0_wp*position%beside)
+                end if
                 call near_field_of(position%kernel(z), &
                     & least_half_width(position%flank_length), position%images(:, z), place)
                 call append_place(body_1, body_2, position, z, place%reach, pairs, found)

@@ -69,6 +69,11 @@ _FORTRAN = (
         ("3.0_wp*distance**2 - apart**2", "3.0_wp*distance**2 + apart**2"),
     ),
     *_in(
+        "lumped_position.f90",
+        "physics/test_shafts.py",
+        ("min(place%reach, 2.0_wp*position%beside)", "min(place%reach, 20.0_wp*position%beside)"),
+    ),
+    *_in(
         "slice_field.f90",
         "core",
         ("(body_2%jump - body_1%jump)", "(body_2%jump + body_1%jump)"),

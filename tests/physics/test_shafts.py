@@ -22,6 +22,7 @@ from flankload.pairing.slices import Slices
 from flankload.result.parts import ShaftLoads
 from tests.support.gear_scenes import example
 from tests.support.solving import solve
+from tests.support.three_dimensional import HELICAL, SMALL, tree_of
 from tests.support.tolerances import SOLVER
 
 TORQUE = 302e3
@@ -284,6 +285,21 @@ def test_bearings_carry_the_force_of_the_teeth(body: str) -> None:
         assert (sign * force[:, 1] < 0.0).all()
         # axial force: the fixed bearing alone
         np.testing.assert_allclose(getattr(result.shafts, name)[:, 0, 2], 0.0, atol=1e-9)
+
+
+def test_the_state_of_an_overhung_pinion_with_sharp_tips_is_unique() -> None:
+    """Open slices on corners had contacts wider than any: K was not definite, the status 3."""
+    overhung = {
+        "diameters_mm": [40.0],
+        "lengths_mm": [200.0],
+        "gear_position_mm": 140.0,
+        "bearing_positions_mm": [20.0, 90.0],
+        "radial_stiffness_N_per_um": [300.0, 300.0],
+        "axial_stiffness_N_per_um": [100.0, 0.0],
+    }
+    changes = {**SMALL, "accuracy__slices": 24, "positions__count": 2}
+    result = solve(fl.Scene.from_dict(tree_of(HELICAL, {**changes, "body_1__shaft": overhung})))
+    assert result.status.tolist() == [0, 0]
 
 
 def test_tilt_and_bearing_forces_are_exported() -> None:
