@@ -5,11 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
-from flankload.plot.style import GREY, SIZE, STYLE, missing_letters_are_boxes, short, torque_colours
+from flankload.plot.style import (
+    GREY,
+    SIZE,
+    STYLE,
+    Picture,
+    missing_letters_are_boxes,
+    short,
+    torque_colours,
+)
 from flankload.result.quantities import torques_of
 
 if TYPE_CHECKING:
@@ -17,6 +23,7 @@ if TYPE_CHECKING:
 
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from flankload.result import Result
 
@@ -45,9 +52,7 @@ def heaviest(results: Result | Sequence[Result]) -> Result:
 def empty_figure(size: tuple[float, float] = SIZE) -> Figure:
     """Figure on an Agg canvas without a layout engine: `fit` sets its margins."""
     # the resolution of the file: texts are measured once
-    figure = Figure(figsize=size, dpi=STYLE["savefig.dpi"])
-    FigureCanvasAgg(figure)
-    return figure
+    return Picture(figsize=size, dpi=STYLE["savefig.dpi"])
 
 
 def set_title(figure: Figure, words: str, title: str) -> None:

@@ -85,11 +85,20 @@ LONGEST_NAME = 48  # characters beside the title
 SIZE = (7.2, 4.2)  # inches: a text width of A4 with margins
 
 
+class Picture(Figure):
+    """Figure without pyplot on an Agg canvas; notebooks show it without any setting."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        FigureCanvasAgg(self)
+
+    def _repr_png_(self) -> bytes:
+        return png_of(self)
+
+
 def new_figure(size: tuple[float, float]) -> Figure:
-    """Figure on an Agg canvas, in inches."""
-    figure = Figure(figsize=size, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
+    """Figure with margins by a layout engine, in inches."""
+    return Picture(figsize=size, layout="constrained")
 
 
 def png_of(figure: Figure) -> bytes:

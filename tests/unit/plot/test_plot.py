@@ -5,6 +5,7 @@ import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -458,3 +459,9 @@ def test_name_is_drawn_as_it_is_written(result: Result) -> None:
     figure = plot_transmission_error(replace(result, name="a$b$c\n d"))
     assert "a$b$c d, 302 N m" in words(figure.axes[0])
     assert not figure.axes[0].title.get_parse_math()
+
+
+def test_a_notebook_shows_the_figure_of_a_plot() -> None:
+    """A figure without pyplot was a line of text there."""
+    figure: Any = made_up_result().plot.load_sharing().figure
+    assert figure._repr_png_() == png_of(figure)
