@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 COUNTERS = {
     "fe_factorisations": "factorisation of the stiffness of a body",
     "fe_solutions": "solution with such a factor, whatever for",
-    "fe_unknowns": "unknown of the elements of a three-dimensional body",
+    "fe_unknowns": "unknown of the elements of a body",
     "unit_loads_normal": "load case of pressure on a flank",
     "unit_loads_tangential": "load case along a flank",
     "unit_loads_nodal": "load case of those of a flank that is a force at a node",
@@ -135,7 +135,7 @@ def beside_plan(
     Returns
     -------
     dict of str to dict
-        "counters" and the other predictions by stage.
+        "counters" and the other predictions by stage; "bytes" of a stage may be among its counts.
 
     Raises
     ------
@@ -146,13 +146,15 @@ def beside_plan(
     for stage, known in counted.items():
         plan = (guessed or {}).get(stage, {})
         counters = plan.get("counters", {})
+        known = dict(known)
+        exact = {"bytes": known.pop("bytes")} if "bytes" in known else {}
         for name, number in known.items():
             if guessed is not None and counters.get(name, 0) != number:
                 raise InputError(
                     f"plan: expected a plan of this scene, {number} {name} in the stage {stage}, "
                     f"found {counters.get(name, 0)}"
                 )
-        found[stage] = {**plan, "counters": {**counters, **known}}
+        found[stage] = {**plan, **exact, "counters": {**counters, **known}}
     return found
 
 

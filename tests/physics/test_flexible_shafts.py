@@ -15,7 +15,6 @@ from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.screening import FlankPairScreening
 from tests.support.gear_scenes import resized
 from tests.support.solving import solve
 from tests.support.tolerances import CLOSURE, SOLVER
@@ -205,8 +204,7 @@ def test_where_the_formula_of_the_standard_does_not_apply() -> None:
 
 def test_a_plan_screens_the_pair_without_the_shaft_on_elements_of_their_own() -> None:
     """The shaft is a part of the body: without it the body is another one."""
-    screening = FlankPairScreening(fl.Scene.from_dict(tables(SHAFT)))
-    size = screening.size("shafts", on=True)
+    size = fl.plan(fl.Scene.from_dict(tables(SHAFT))).effect("shafts").size
     assert size is not None
     assert size.rotation_mean is not None
     assert size.rotation_mean > 0.5

@@ -106,6 +106,13 @@ def condense(
     return sector, inside.size + cut.size // 2
 
 
+def sector_unknowns(mesh: SectorMesh, *, held: bool = False) -> int:
+    """Number of unknowns of a sector with one of its cuts, or with both of them fixed."""
+    fixed = np.concatenate([mesh.fixed_nodes, mesh.left_nodes, mesh.right_nodes])
+    inside = len(mesh.nodes) - np.unique(fixed).size
+    return 2 * (inside if held else inside + mesh.left_nodes.size)
+
+
 def close_ring(sector: CondensedSector, teeth: int) -> Floats:
     """Response (z, r, p) of all teeth of a closed ring to the loads on tooth 0.
 

@@ -39,11 +39,6 @@ class States:
         total = np.maximum(site_force_N.sum(axis=1, keepdims=True), TINY)
         return cls(torque_Nm, sites, rotation_rad, site_force_N / total, face_load_factor)
 
-    def at(self, which: slice) -> States:
-        """At some of the positions."""
-        share = self.load_share[which]
-        return replace(self, rotation_rad=self.rotation_rad[which], load_share=share)
-
     def share_on(self, sites: Numbers) -> Floats:
         """Load share (P, n) on a larger set of sites."""
         share = np.zeros((len(self.load_share), sites.size))

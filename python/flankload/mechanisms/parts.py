@@ -28,9 +28,15 @@ class Parts:
     ----------
     most : int
         Largest number that is held.
+    tangential, estimate : bool
+        Whether all compliances are solved with loads along the flanks, and with the error of their
+        elements: then runs with and without friction or estimates share them.
     """
 
-    def __init__(self, most: int = MOST_PARTS) -> None:
+    def __init__(
+        self, most: int = MOST_PARTS, *, tangential: bool = False, estimate: bool = False
+    ) -> None:
+        self.tangential, self.estimate = tangential, estimate
         self._held: OrderedDict[bytes, Any] = OrderedDict()
         self._most = most
 

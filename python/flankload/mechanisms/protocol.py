@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from flankload.mechanisms.data_sheet import DataSheet
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.result import Result
     from flankload.scene import Scene
@@ -124,10 +123,13 @@ class Mechanism(Protocol):
         compliances: Any,
         clock: StageClock,
         similar: States | None = None,
+        *,
+        unloaded: bool = True,
     ) -> tuple[Any, States]:
         """States under all torques, and the assembly at all their positions.
 
-        Those of a scene that differs by a small step may be continued.
+        Those of a scene that differs by a small step may be continued. Without `unloaded`, the
+        state without torque is not solved.
         """
 
     def broken_by_geometry(self, assembly: Any) -> Iterable[Broken]:
@@ -161,9 +163,3 @@ class Mechanism(Protocol):
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Meshes of the bodies at position zero."""
-
-    def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
-        """Solve a scene on a coarse discretization, as it is and with each effect switched."""
-
-    def default_element_mm(self, scene: Scene) -> float | None:
-        """Default length of flank elements; None if it differs between the bodies."""

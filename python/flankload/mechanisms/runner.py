@@ -37,12 +37,15 @@ class Earlier:
     similar : States or None
         Of a scene that differs by a small step: the run has its positions, and continues its states
         where that is possible.
+    unloaded : bool
+        Whether the state without torque is solved, from which the deflection is measured.
     """
 
     stages: Mapping[str, Account] = field(default_factory=dict)
     notes: Sequence[str] = ()
     parts: Parts | None = None
     similar: States | None = None
+    unloaded: bool = True
 
 
 def prepare(scene: Scene, parts: Parts) -> None:
@@ -106,7 +109,9 @@ def run_once(
     if assembly.position_rad.size != built.position_rad.size:
         # teeth of different compliance need more positions, which a plan cannot predict
         predicted = beside_plan(mechanism.work(scene, assembly))
-    assembly, states = mechanism.states(scene, assembly, compliances, clock, earlier.similar)
+    assembly, states = mechanism.states(
+        scene, assembly, compliances, clock, earlier.similar, unloaded=earlier.unloaded
+    )
     if on_states is not None:
         on_states(states)
     numbers = range(len(states.found))

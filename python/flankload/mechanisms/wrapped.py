@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.mechanisms.effect_size import States as EffectStates
 from flankload.mechanisms.premises import Torque, broken_by_turn, largest_turn
 from flankload.mechanisms.protocol import Description
 from flankload.result.result import Result
@@ -100,13 +99,6 @@ class Sites:
             part = row[first : first + own.size]
             part[:] = own[: part.size]
         return found
-
-    def effect_states(
-        self, torque_Nm: float, rotation_rad: Sequence[float], force_N: Sequence[Floats]
-    ) -> EffectStates:
-        """States under a torque, for the size of an effect."""
-        force = self.spread(force_N, nothing=0.0)
-        return EffectStates.of(torque_Nm, self.numbers, np.array(rotation_rad), force)
 
 
 def wrapped_result(

@@ -11,27 +11,25 @@ from typing import TYPE_CHECKING
 
 from flankload.bodies import SPLINE_ELEMENT_FACTOR
 from flankload.bodies.imported.compliance import ModalCompliance
-from flankload.mechanisms import mechanism_of
+from flankload.mechanisms.belt.drive import default_element_mm
 from flankload.mechanisms.flank_pair.assembly import bodies_of
 from flankload.mechanisms.flank_pair.notes import ELEMENT_RESERVE
 from flankload.pairing.slices import SLICES as DEFAULT_SLICES
 from flankload.scene.axial import DEGREES_ABOVE_LOAD, degrees_of
 from flankload.scene.discretization import DEFAULT, default_grid, elements_for_modes
 from flankload.scene.effects import effects_of
+from flankload.scene.steps import DEGREE, ELEMENTS, LOAD_DEGREE, MODES, SLICES, STEPS, STRIPS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.bodies import Body
+    from flankload.mechanisms.parts import Parts
     from flankload.scene import BodySpec, Scene
 
     Values = dict[str, float]
     Powers = Mapping[str, float]
 
-ELEMENTS, MODES, STRIPS = "flank_element_mm", "modes", "strips_per_half_width"
-#: The same in three dimensions: degrees along the axis of the pressure modes and of the
-#: displacements, which follows from it, and slices.
-LOAD_DEGREE, DEGREE, SLICES = "load_degree_z", "axial_degree", "slices"
 #: Parameters on which compliances depend.
 OF_ELEMENTS = (ELEMENTS, MODES, LOAD_DEGREE, DEGREE)
 #: Parameters by the names of `NamedDiscretization`, and the error source that each controls.
@@ -44,32 +42,19 @@ SOURCES = {
     "positions": "positions",
 }
 #: Range of the number of pressure modes that a scene can name.
-LEAST_MODES, MOST_MODES = 3, 12
-#: Refinement steps to half the element length, and the shortest length relative to the default:
-#: half the length takes four times the work, so the last halving is reserved for tolerances below
-#: FINE.
-STEPS, LEAST_PART, FINEST_PART, FINE = 4, 0.2, 0.125, 1e-3
-#: Even numbers: odd ones hide their error from a comparison with half as many, since cells then
-#: change places beside the middle of a contact.
-STRIPS_STEPS = (8.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0)
-LOAD_DEGREES, SLICES_STEPS = (5, 6, 8, 10, 12), (40, 56, 80, 112, 160)
+LEAST_MODES, MOST_MODES = (int(STEPS[MODES].refined[end]) for end in (0, -1))
+#: Shortest elements relative to the default: half the length takes four times the work, so the last
+#: halving is reserved for tolerances below FINE.
+LEAST_PART, FINE = 0.2, 1e-3
 #: Elements of the default length on a flank of usual height, which is two modules of a gear.
 FLANK_ELEMENTS = 9.0
-#: Length of the elements of the first run over the default where modes set no requirement (cams);
-#: the error there is of first order, hence twice as large. Other first runs have the longest
-#: elements that resolve the modes (`ELEMENT_RESERVE`).
-LONGEST_PART = 2.0
 #: From this number of modes on, more modes are not better on any elements.
 ANYWHERE = 4
-#: Orders of the errors in the parameters. Elements: second order in displacements; polynomials of
-#: degree n change within 1/n² of the ends of a flank. Modes: energy of loads beside a tip, where
-#: the compliance increases logarithmically. Cells: pressure is linear on each.
+#: Orders of the errors in the parameters. Polynomials of degree n change within 1/n² of the ends of
+#: a flank, so elements have to resolve more of them.
 FLANK_POWERS: dict[str, Powers] = {
-    "elements": {ELEMENTS: 2.0, MODES: 4.0},
-    "modes": {MODES: -3.0},
-    "strips": {STRIPS: -2.0},
-    "axial": {LOAD_DEGREE: -2.0},
-    "slices": {SLICES: -1.5},
+    "elements": {ELEMENTS: STEPS[ELEMENTS].order, MODES: 4.0},
+    **{SOURCES[name]: {name: STEPS[name].order} for name in (MODES, STRIPS, LOAD_DEGREE, SLICES)},
 }
 #: Elements of cams: half the length left 0.3 to 0.9 of the estimated error (4 cams).
 CAM_POWERS: Mapping[str, Powers] = FLANK_POWERS | {"elements": {ELEMENTS: 1.0}}
@@ -78,6 +63,14 @@ BELT_POWERS: Mapping[str, Powers] = {"elements": {ELEMENTS: 0.75}}
 #: Orders of the work in the parameters: elements, and states.
 ELEMENTS_WORK: Powers = {ELEMENTS: -2.0, DEGREE: 2.0}
 STATES_WORK: Powers = {STRIPS: 1.0, SLICES: 2.0}
+#: The same of the seconds of a state: contacts are sought without cells.
+STATES_SECONDS: Powers = {STRIPS: 0.7, SLICES: 2.0}
+#: With finite influence coefficients: each two pairs have their own.
+FINITE_SECONDS: Powers = {STRIPS: 2.0}
+#: Order of the number of cells, and of the seconds of elements in their unknowns: between those of
+#: their assembly and of the factorisation of a plane mesh (George, SIAM J. Numer. Anal. 10, 1973).
+CELLS_WORK: Powers = {STRIPS: 1.0, SLICES: 1.0}
+UNKNOWNS_WORK = 1.25
 #: Keys of [positions] that set the positions of a drive.
 PLACES = ("count", "angles_deg", "adaptive", "tolerance", "max_count")
 FEW_MODES = "meshes and compliances from files allow no more modes"
@@ -117,6 +110,8 @@ class Parameters:
     has_pressures : bool
     first : dict of str to float
         Coarser values of open parameters, with which the first run begins.
+    element_mm : float or None
+        Default length of elements; None without elements that a scene can name.
     """
 
     values: Values
@@ -130,6 +125,7 @@ class Parameters:
     always_slow: bool = False
     has_pressures: bool = True
     first: Values = field(default_factory=dict)
+    element_mm: float | None = None
 
     def finer(self, values: Values, source: str) -> Values | None:
         """The next step of the parameter that controls an error source.
@@ -176,28 +172,30 @@ def relative(powers: Powers, values: Values, others: Values) -> float:
     return found
 
 
-def parameters_of(scene: Scene) -> Parameters:
+def parameters_of(scene: Scene, parts: Parts | None = None) -> Parameters:
     """Discretization parameters of a scene; bodies are built only if their files determine these.
 
     Parameters
     ----------
     scene : Scene
+    parts : Parts, optional
+        Bodies of earlier runs, to which built ones are added.
 
     Returns
     -------
     Parameters
     """
-    return KINDS.get(scene.body_2.kind, _of_flanks)(scene)
+    return KINDS.get(scene.body_2.kind, _of_flanks)(scene, parts)
 
 
-def _of_chain(scene: Scene) -> Parameters:
+def _of_chain(scene: Scene, parts: Parts | None) -> Parameters:
     fixed = _named(scene)
     fixed.setdefault("positions", "equally spaced positions suffice")
     return Parameters({}, fixed, {}, {}, has_pressures=False)
 
 
-def _of_belt(scene: Scene) -> Parameters:
-    fixed, length = _named(scene), mechanism_of(scene).default_element_mm(scene)
+def _of_belt(scene: Scene, parts: Parts | None) -> Parameters:
+    fixed, length = _named(scene), default_element_mm(scene)
     fixed.setdefault("positions", "a belt has positions.count equally spaced positions")
     if length is None:
         fixed.setdefault(ELEMENTS, "rigid flanks have no elements")
@@ -209,12 +207,13 @@ def _of_belt(scene: Scene) -> Parameters:
         slow=BELT_CORNERS,
         always_slow=True,
         has_pressures=False,
+        element_mm=length,
     )
 
 
-def _of_flanks(scene: Scene) -> Parameters:
+def _of_flanks(scene: Scene, parts: Parts | None) -> Parameters:
     fixed, accuracy = _named(scene), scene.accuracy
-    length, most = elements_of(scene)
+    length, most = elements_of(scene, parts)
     if length is None:
         fixed.setdefault(ELEMENTS, "meshes and compliances from files are fixed")
     if scene.effects.near_field == "nodes":
@@ -239,8 +238,8 @@ def _of_flanks(scene: Scene) -> Parameters:
         STRIPS: accuracy.strips_per_half_width or default_grid(scene).strips_per_half_width,
     }
     steps: dict[str, tuple[float, ...]] = {
-        MODES: tuple(range(LEAST_MODES, most + 1)),
-        STRIPS: STRIPS_STEPS,
+        MODES: tuple(count for count in STEPS[MODES].refined if count <= most),
+        STRIPS: STEPS[STRIPS].refined,
     }
     if length is not None:
         values[ELEMENTS] = named_mm or _rounded(length)
@@ -255,19 +254,21 @@ def _of_flanks(scene: Scene) -> Parameters:
         explicit=() if MODES in fixed else (MODES,),
         flank_mm=flank_mm,
         ends={} if most >= MOST_MODES else {MODES: FEW_MODES},
-        first=_coarse(values, fixed, flank_mm),
+        first=_first(values, fixed, flank_mm),
+        element_mm=length,
     )
 
 
-def _coarse(values: Values, fixed: Mapping[str, str], flank_mm: float) -> Values:
+def _first(values: Values, fixed: Mapping[str, str], flank_mm: float) -> Values:
     """Coarser values of open parameters: fewest strips, longest elements that resolve the modes."""
     found: Values = {}
     if STRIPS in values and STRIPS not in fixed:
-        found[STRIPS] = min(values[STRIPS], STRIPS_STEPS[0])
+        found[STRIPS] = min(values[STRIPS], STEPS[STRIPS].refined[0])
     if ELEMENTS in values and ELEMENTS not in fixed:
         length = values[ELEMENTS]
         if elements_for_modes(int(values[MODES])) * length <= flank_mm:
-            part = LONGEST_PART if flank_mm == inf else ELEMENT_RESERVE
+            # without a requirement (cams) the error is of first order
+            part = STEPS[ELEMENTS].refined[0] if flank_mm == inf else ELEMENT_RESERVE
             found[ELEMENTS] = _rounded(part * length)
     return found
 
@@ -280,8 +281,8 @@ def _add_axial(scene: Scene, values: Values, steps: dict[str, tuple[float, ...]]
     values[DEGREE], values[LOAD_DEGREE] = degrees_of(accuracy)
     values[SLICES] = accuracy.slices or DEFAULT_SLICES
     most = inf if accuracy.axial_degree is None else accuracy.axial_degree - DEGREES_ABOVE_LOAD
-    steps[LOAD_DEGREE] = tuple(degree for degree in LOAD_DEGREES if degree <= most)
-    steps[SLICES] = SLICES_STEPS
+    steps[LOAD_DEGREE] = tuple(degree for degree in STEPS[LOAD_DEGREE].refined if degree <= most)
+    steps[SLICES] = STEPS[SLICES].refined
 
 
 #: By kind of body 2; flank pairs otherwise.
@@ -302,9 +303,9 @@ def _named(scene: Scene) -> dict[str, str]:
 
 
 def _lengths(scene: Scene, default_mm: float) -> tuple[float, ...]:
-    """Element lengths from `LONGEST_PART` on, each half of the fourth one before it."""
-    least = FINEST_PART if scene.accuracy.tolerance < FINE else LEAST_PART
-    parts = [2.0 ** (-step / STEPS) for step in range(-STEPS, 4 * STEPS)]
+    """Element lengths of refinements, the longest first."""
+    least = 0.0 if scene.accuracy.tolerance < FINE else LEAST_PART
+    parts = STEPS[ELEMENTS].refined
     return tuple(_rounded(part * default_mm) for part in parts if part >= least)
 
 
@@ -312,7 +313,7 @@ def _rounded(length_mm: float) -> float:
     return float(f"{length_mm:.3g}")
 
 
-def elements_of(scene: Scene) -> tuple[float | None, int]:
+def elements_of(scene: Scene, parts: Parts | None = None) -> tuple[float | None, int]:
     """Elements of two bodies with flanks.
 
     Returns
@@ -329,7 +330,7 @@ def elements_of(scene: Scene) -> tuple[float | None, int]:
         from_file = spec.from_file
         body = None
         if from_file or not hasattr(spec, "module_mm"):
-            body = bodies_of(scene, DEFAULT, (z,))[0]
+            body = bodies_of(scene, DEFAULT, (z,), parts=parts)[0]
         if not from_file:
             lengths.append(_default_length(spec, body))
         modes.append(_most_modes(spec, body if from_file else None))
@@ -357,5 +358,5 @@ def _most_modes(spec: BodySpec, body: Body | None) -> int:
     nodes = body.imported or (body.mesh if spec.from_file else None)
     if nodes is None:
         return MOST_MODES
-    asked = range(3, MOST_MODES + 1)
+    asked = range(LEAST_MODES, MOST_MODES + 1)
     return max((m for m in asked if elements_for_modes(m) <= nodes.flank_elements), default=2)

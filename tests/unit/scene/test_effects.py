@@ -38,6 +38,7 @@ SIZES = {
     "places": "other places of contact",
     "levers": "other levers or influence numbers",
     "spacing": "spacing of the nodes",
+    "cells": "influence numbers, in proportion to the cells",
     "nothing": "changes no state",
 }
 

@@ -19,13 +19,12 @@ from flankload.plot.work_precision import plot_work_precision
 from flankload.scene.discretization import choose_discretization
 from flankload.scene.named_discretization import NamedDiscretization, scene_at
 from flankload.scene.plane_section import plane_section
+from flankload.scene.steps import STEPS
 from flankload.studies.accuracy import (
     Study,
     accuracy,
-    combinations,
     reference,
     refinements,
-    run_study,
     runs,
 )
 from flankload.studies.accuracy.ladder import limit_of
@@ -94,21 +93,24 @@ def spatial(**tables: dict) -> fl.Scene:
 def short_ladders() -> Iterator[None]:
     """Short ladders, and nothing measured twice."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(refinements, "ELEMENTS", (2.0, 1.0, 0.5))
-        patch.setattr(refinements, "MODES", (3, 5, 8))
-        patch.setattr(refinements, "STRIPS", (5.0, 10.0, 20.0))
-        patch.setattr(refinements, "ZONES", (2.0, 2.5, 3.0))
+        short: dict[str, tuple[float, ...]] = {
+            "flank_element_mm": (2.0, 1.0, 0.5),
+            "modes": (3, 5, 8),
+            "strips_per_half_width": (5.0, 10.0, 20.0),
+            "zone_half_widths": (2.0, 2.5, 3.0),
+            "axial_degree": (5, 6),
+            "load_degree_z": (1, 2),
+            "slices": (7, 14, 28),
+        }
+        for name, study in short.items():
+            patch.setitem(STEPS, name, replace(STEPS[name], study=study))
         finest = {"flank_element_mm": 0.5, "strips_per_half_width": 20.0, "count": 2.0}
         patch.setattr(refinements, "FINEST", (finest,))
-        patch.setattr(refinements, "SPATIAL_ELEMENTS", (3.0, 1.0))
-        patch.setattr(refinements, "AXIAL_DEGREES", (5, 6))
-        patch.setattr(refinements, "LOAD_DEGREES", (1, 2))
-        patch.setattr(refinements, "SLICES", (7, 14, 28))
+        patch.setattr(refinements, "SPATIAL_STEPS", 2)
         finest = {"flank_element_mm": 1.0, "axial_degree": 6, "load_degree_z": 2, "count": 2.0}
         patch.setattr(refinements, "SPATIAL_FINEST", (finest,))
-        for room in (refinements, reference, combinations):
+        for room in (refinements, reference):
             patch.setattr(room, "ADAPTIVE", (0.03,), raising=False)
-        patch.setattr(run_study, "TOLERANCES", (0.02,))
         patch.setattr(runs, "REPEATED_BELOW_S", 0.0)
         yield
 
@@ -388,7 +390,7 @@ def test_run_without_answer_says_why(study: Study) -> None:
 
 
 # --- the study ------------------------------------------------------------------------------------
-def test_study_holds_all_ladders_levels_and_combinations(study: Study) -> None:
+def test_study_holds_all_ladders_levels(study: Study) -> None:
     groups = {row.group for row in study.rows}
     assert {
         "as it stands",
@@ -481,8 +483,8 @@ def test_front_descends_and_holds_the_cheapest(study: Study) -> None:
 @pytest.fixture(scope="module")
 def spatial_study(short_ladders: None) -> Study:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(refinements, "MODES", (3, 5))
-        patch.setattr(refinements, "ELEMENTS", (4.0, 2.0, 1.0))
+        for name, steps in {"modes": (3, 5), "flank_element_mm": (2.0, 1.0)}.items():
+            patch.setitem(STEPS, name, replace(STEPS[name], study=steps))
         return accuracy(spatial(), (*QUANTITIES, "face_load_factor"), ENOUGH)
 
 
@@ -613,13 +615,6 @@ def test_what_errors_are_measured_against_is_not_named() -> None:
     (line,) = (line for line in text.splitlines() if line.startswith("  1 %  "))
     assert line.split()[2:] == ["?", "?", "?", "0.500", "0.500", "0.500", "?"]
     assert json.loads(study.to_json())["doubts_of_the_limit"]["transmission_error"] == 0.02
-
-
-def test_search_for_what_the_limit_is_not_known_to_runs_nothing() -> None:
-    found, ladders = steps_of([100.0, 101.0, 102.5])
-    combinations.search(0.01, ladders, found, ["transmission_error"], _never)
-    with pytest.raises(AssertionError, match="solved again"):
-        combinations.search(0.5, ladders, found, ["transmission_error"], _never)
 
 
 def test_doubts_of_a_study_are_those_of_its_ladders(study: Study) -> None:

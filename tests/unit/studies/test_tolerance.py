@@ -17,6 +17,7 @@ from flankload.mechanisms.flank_pair.notes import ELEMENT_RESERVE
 from flankload.result.notes import accuracy_lines, percent
 from flankload.scene.discretization import elements_for_modes
 from flankload.scene.named_discretization import NamedDiscretization
+from flankload.scene.steps import STEPS
 from flankload.studies.parameters import (
     ANYWHERE,
     DEGREE,
@@ -24,12 +25,10 @@ from flankload.studies.parameters import (
     ELEMENTS_WORK,
     LEAST_PART,
     LOAD_DEGREE,
-    LONGEST_PART,
     MODES,
     OF_ELEMENTS,
     SLICES,
     STRIPS,
-    STRIPS_STEPS,
     parameters_of,
     relative,
 )
@@ -134,9 +133,9 @@ def test_first_elements_are_coarse_and_resolve_the_modes(name: str) -> None:
     scene = fl.Scene.from_dict({**tree, "accuracy": {"tolerance": 0.01}})
     parameters = parameters_of(scene)
     values = first_choice(scene, parameters).values
-    part = LONGEST_PART if name == "cam" else ELEMENT_RESERVE
+    part = STEPS[ELEMENTS].refined[0] if name == "cam" else ELEMENT_RESERVE
     assert values[ELEMENTS] == pytest.approx(part * parameters.values[ELEMENTS], rel=0.005, abs=0.0)
-    assert values[STRIPS] == STRIPS_STEPS[0] < parameters.values[STRIPS]
+    assert values[STRIPS] == STEPS[STRIPS].refined[0] < parameters.values[STRIPS]
     pair = build_bodies(first_scene(scene))
     for body in (pair.body_1, pair.body_2):
         assert body.mesh is not None

@@ -249,6 +249,7 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
     coast, across = None, found.coast
     if across is not None:
         coast = CoastCompliance(across[..., :n_modes], across[..., n_modes:] if friction else None)
+    job.log.account.count(fe_unknowns=found.degrees_of_freedom)
     return BodyCompliance(
         smooth=response[:, :n_modes, :n_modes],
         near=loads.near_field,

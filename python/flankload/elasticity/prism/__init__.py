@@ -1,11 +1,10 @@
 """Elastic bodies in three dimensions: prisms, straight or twisted."""
 
 from flankload.elasticity.prism.compliance import (
-    carried_and_held,
     flank_surface,
     prism_compliance,
     prism_unknowns,
 )
 from flankload.elasticity.prism.prism import Prism
 
-__all__ = ["Prism", "carried_and_held", "flank_surface", "prism_compliance", "prism_unknowns"]
+__all__ = ["Prism", "flank_surface", "prism_compliance", "prism_unknowns"]

@@ -103,20 +103,6 @@ def prism_compliance(
     return replace(found, root=root, fe_error=fe_error, job=job)
 
 
-def carried_and_held(
-    body: Body, prism: Prism, *, n_modes: int, friction: bool = False
-) -> tuple[BodyCompliance, ...]:
-    """Compliance of an elastic body on its shaft, and with a held bore, from one condensation.
-
-    Arguments and errors as of `prism_compliance`; without a shaft, the latter alone.
-    """
-    prism.check()
-    log, modes = JobLog(), n_modes if body.tip is None else with_tip(n_modes)
-    responses, _ = _ring_responses(body, prism, modes, log, friction=friction, fillets=None)
-    surface = flank_surface(body, prism)
-    return tuple(_compliances(body, prism, surface, responses, log, friction=friction))
-
-
 def _compliances(
     body: Body,
     prism: Prism,

@@ -10,9 +10,9 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from flankload.bodies.shaft import FlexibleShaft
 
-#: Least excess of the degree of displacements in z over that of loads, also for screening: the
-#: error of the highest mode is 0.06 % with four, 0.5 to 2 % with two.
-DEGREES_ABOVE_LOADS, SCREENING_DEGREES = 4, 2
+#: Least excess of the degree of displacements in z over that of loads: the error of the highest
+#: mode is 0.06 %.
+DEGREES_ABOVE_LOADS = 4
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,6 @@ class Prism:
         Degree of pressure modes in z, at most p - 4.
     cut_degree : int
         Degree of the displacements of the cuts between sectors in z, at most p.
-    screening : bool
-        Allows a load degree up to p - 2, with a highest mode that is some percent too stiff.
     regions : tuple of (str, (float, float))
         Axial ranges of regions of the mesh that differ from `range_mm`, by name.
     shaft : FlexibleShaft or None
@@ -45,7 +43,6 @@ class Prism:
     degree: int = 8
     load_degree: int = 4
     cut_degree: int = 4
-    screening: bool = False
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
     shaft: FlexibleShaft | None = None
 
@@ -54,11 +51,10 @@ class Prism:
         low, high = self.range_mm
         if not low < high:
             raise SceneError(key="face_width_mm", expected="above 0", found=f"{high - low:g}")
-        above = SCREENING_DEGREES if self.screening else DEGREES_ABOVE_LOADS
-        most = self.degree - above
+        most = self.degree - DEGREES_ABOVE_LOADS
         if not 0 <= self.load_degree <= most:
             raise SceneError(
                 key="load_degree_z",
-                expected=f"0 ... {most}: axial_degree {self.degree} less {above}",
+                expected=f"0 ... {most}: axial_degree {self.degree} less {DEGREES_ABOVE_LOADS}",
                 found=self.load_degree,
             )

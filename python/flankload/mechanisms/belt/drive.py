@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from flankload.base.rounding import round_up
+from flankload.elasticity.sector_closure import sector_unknowns
 from flankload.mechanisms.belt.belt import Strip, build_pulley, build_strip
 from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS, coarser
 from flankload.mechanisms.belt.contact import state_under
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 
 #: Least number of elements on a flank for a pressure that varies along it.
 LEAST_ELEMENTS = 2
+#: Bytes of a number.
+BYTES = 8
 
 
 class PulleyMeshes:
@@ -121,6 +124,12 @@ def flank_elements(scene: Scene, strip: Strip) -> int:
     return max(LEAST_ELEMENTS, round_up(strip.tooth.height_mm / size))
 
 
+def default_element_mm(scene: Scene) -> float | None:
+    """Default length of the elements on the flank of a tooth; None without teeth."""
+    tooth = build_strip(*bodies_of(scene)).tooth
+    return None if tooth is None else tooth.height_mm / FLANK_ELEMENTS
+
+
 def land_columns_of(scene: Scene) -> dict[str, bool]:
     """Land columns required by a scene; an elastic pulley requires those of lifting lands."""
     return {
@@ -205,8 +214,15 @@ def predicted_work(scene: Scene, assembly: BeltAssembly) -> dict[str, dict[str, 
         "compliance body 2": work_of_elements(scene, row.sizes(positions)),
         "sweep": work_of_states(row, positions.size * len(scene.torques_Nm)),
     }
+    response, state = _bytes(scene, row, row.sizes(positions))
+    counted["compliance body 2"]["bytes"] = response
+    flanks = BYTES * 8 * row.pairs
+    counted["sweep"]["bytes"] = positions.size * (len(scene.torques_Nm) * state + flanks)
     if elastic:
-        counted["compliance body 1"] = work_of_pulley(scene, assembly.pulley.of(row.elements))
+        mesh = assembly.pulley.of(row.elements)
+        counted["compliance body 1"] = work = work_of_pulley(scene, mesh)
+        loads = work["unit_loads_normal"] + work["unit_loads_tangential"]
+        work["bytes"] = BYTES * mesh.sector.teeth * loads**2
     if scene.accuracy.estimate and loaded:
         coarse, tried = assembly.coarse, positions[assembly.tried]
         states = tried.size * loaded
@@ -217,6 +233,22 @@ def predicted_work(scene: Scene, assembly: BeltAssembly) -> dict[str, dict[str, 
             work.update(work_of_pulley(scene, assembly.pulley.of(coarse.elements)))
         counted["estimate"] = dict(work)
     return counted
+
+
+def _bytes(scene: Scene, row: BeltRow, sizes: Sequence[PieceSize]) -> tuple[int, int]:
+    """Bytes of the largest response, and of a state with contact at most pairs."""
+    teeth, n, columns = row.strip.wrapped_teeth, row.pairs, land_columns_of(scene)
+    inner = sum(size.land_functions for size in sizes if not size.held and not size.pulled)
+    tight, slack = (
+        [size.land_functions for size in sizes if getattr(size, end)] for end in ("held", "pulled")
+    )
+    # the longest tight end and the shortest slack end belong to the same position
+    h = (teeth - 1) * inner + max(tight) + min(slack)
+    response = n * n + h * n + 2 * n + 3 * h + 1
+    response += sum(columns.values()) * (n * h + h * h + h)
+    state = 3 * (n + columns["lifting"] * h) + 4 * teeth
+    lines = 2 * teeth * (2 * row.elements + 1)
+    return BYTES * (response + lines + 8 * n), BYTES * state
 
 
 def work_of_elements(scene: Scene, sizes: Iterable[PieceSize]) -> dict[str, int]:
@@ -232,7 +264,8 @@ def work_of_pulley(scene: Scene, mesh: PulleyMesh) -> dict[str, int]:
     kept = 2 * (mesh.sector.left_nodes.size + mesh.sector.right_nodes.size)
     normal = 2 * mesh.flank.size + mesh.land.size
     along = mesh.land.size * land_columns_of(scene)["sliding"]
-    return condensation_work(kept, normal + along, normal, along)
+    unknowns = sector_unknowns(mesh.sector)
+    return condensation_work(unknowns, kept, normal + along, normal, along)
 
 
 def work_of_states(row: BeltRow, states: int) -> dict[str, int]:

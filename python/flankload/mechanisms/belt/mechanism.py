@@ -5,14 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flankload.cost import held_bytes
-from flankload.mechanisms.belt.belt import build_strip
-from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS
 from flankload.mechanisms.belt.contact import spring_row, state_under
 from flankload.mechanisms.belt.description import rows_of_belt, sheet_of_belt
 from flankload.mechanisms.belt.drive import (
     BeltStates,
     assemble,
-    bodies_of,
     error_estimates,
     predicted_work,
     pulley_mesh,
@@ -32,7 +29,6 @@ if TYPE_CHECKING:
     from flankload.mechanisms.belt.pulley_compliance import PulleyResponse
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.protocol import Mechanism, States
-    from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.scene import Scene
 
@@ -75,6 +71,8 @@ class TimingBelt(WrappedMechanism):
         compliances: PulleyResponse | None,
         clock: StageClock,
         similar: States | None = None,
+        *,
+        unloaded: bool = True,
     ) -> tuple[BeltAssembly, BeltStates]:
         """Solve all positions and torques; none is continued from similar states."""
         strip, torques = assembly.strip, scene.torques_Nm
@@ -114,16 +112,6 @@ class TimingBelt(WrappedMechanism):
         sector = pulley_mesh(scene).sector
         yield MeshFile("body_1", sector, f"one of {sector.teeth} sectors")
         yield MeshFile("body_2", None, "a strip around the pulley, which has no file")
-
-    def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
-        from flankload.mechanisms.belt.screening import BeltScreening
-
-        return BeltScreening(scene)
-
-    def default_element_mm(self, scene: Scene) -> float | None:
-        """Length of the elements on the flank of a tooth; None without teeth."""
-        strip = build_strip(*bodies_of(scene))
-        return None if strip.tooth is None else strip.tooth.height_mm / FLANK_ELEMENTS
 
 
 MECHANISM: Mechanism = TimingBelt()

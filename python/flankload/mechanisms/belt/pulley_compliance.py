@@ -98,6 +98,8 @@ def solve_pulley(
         )
     matrix = stiffness(sector.nodes, sector.cells, pulley.material, pulley.plane)
     condensed, unknowns = condense(matrix, loads, sector, log=JobLog(account))
+    if account is not None:
+        account.count(fe_unknowns=unknowns)
     return PulleyResponse(mesh, close_ring(condensed, pulley.teeth), unknowns)
 
 

@@ -128,10 +128,13 @@ class PieceSize:
         """Counted work of its solution."""
         normal, along = self.pairs + self.pulled, sliding * self.land_functions
         columns = normal + along + self.land_functions + self.held
-        return condensation_work(self.kept, columns, normal + lifting * self.land_functions, along)
+        normal += lifting * self.land_functions
+        return condensation_work(self.unknowns, self.kept, columns, normal, along)
 
 
-def condensation_work(kept: int, columns: int, normal: int, along: int) -> dict[str, int]:
+def condensation_work(
+    unknowns: int, kept: int, columns: int, normal: int, along: int
+) -> dict[str, int]:
     """Counters of elements condensed to some unknowns, by the names of `cost.COUNTERS`.
 
     Each kept unknown of the cuts requires a solution, or many together a second factorisation;
@@ -141,6 +144,7 @@ def condensation_work(kept: int, columns: int, normal: int, along: int) -> dict[
     cuts = 0 if many else kept
     return {
         "fe_factorisations": 1 + many,
+        "fe_unknowns": unknowns,
         "fe_solutions": cuts + columns,
         "cut_columns": cuts,
         "unit_loads_normal": normal,

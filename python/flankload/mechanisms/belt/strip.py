@@ -102,6 +102,7 @@ def solve_piece(
     if account is not None:
         normal = int((kinds[loads] != Kind.SLIDING).sum())
         account.count(unit_loads_normal=normal, unit_loads_tangential=loads.size - normal)
+        account.count(fe_unknowns=inner.size)
         account.workspace_bytes += columns.nbytes + solved.nbytes
     local = columns[inner].T @ solved[:, loads] + direct[:, loads]
     carried = columns[cut] - matrix[cut][:, inner] @ solved

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Mechanism, MeshFile, States
-    from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.scene import Scene
 
@@ -60,6 +59,8 @@ class ChainOnSprocket(WrappedMechanism):
         compliances: None,
         clock: StageClock,
         similar: States | None = None,
+        *,
+        unloaded: bool = True,
     ) -> tuple[ChainAssembly, WrappedStates]:
         """Solve all positions and torques; none is continued from similar states."""
         progress, count = clock.sweep_progress("sweep"), len(assembly.wraps)
@@ -99,14 +100,6 @@ class ChainOnSprocket(WrappedMechanism):
         """Neither body has finite elements: a SceneError."""
         require_flanks(scene)
         yield from ()
-
-    def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
-        from flankload.mechanisms.chain.screening import ChainScreening
-
-        return ChainScreening(scene)
-
-    def default_element_mm(self, scene: Scene) -> None:
-        """None: a truss has no finite elements."""
 
 
 MECHANISM: Mechanism = ChainOnSprocket()

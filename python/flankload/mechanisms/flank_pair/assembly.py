@@ -102,6 +102,12 @@ def bodies_of(
         raise _with_file(error, scene) from None
 
 
+def node_spacing_of(scene: Scene, parts: Parts | None = None) -> float | None:
+    """Distance of nodes with forces by the contact width, mm; None without elements."""
+    one, two = (_body(scene, DEFAULT, parts, z) for z in (0, 1))
+    return spacing_for_loads((one, two), scene.torques_Nm, scene.pair.face_width_mm)
+
+
 def build_bodies(
     scene: Scene,
     discretization: Discretization | None = None,
@@ -137,10 +143,11 @@ def build_bodies(
             two,
             center_distance_mm=scene.pair.axes_apart_mm,
             position_rad=reached_positions(window.position_rad, one),
-            coast_flanks=effects.coast_flanks,
+            coast_flanks=effects.coast_flanks or (scene.effects.beyond_limits and one.conforms),
         )
         # influence coefficients may differ between teeth
-        pairing = replace(pairing, period=window.period)
+        coast = pairing.coast if effects.coast_flanks else None
+        pairing = replace(pairing, period=window.period, coast=coast)
         friction = friction_of(scene, one, pairing)
         fillets = (_fillets(one, "body_1", effects), _fillets(two, "body_2", effects))
     except SceneError as error:
@@ -286,6 +293,8 @@ def _body(
         )
         return made_once(call, parts)
 
+    if spec.from_file:  # which has the elements
+        discretization, element_mm, nodes_mm = DEFAULT, None, None
     errors_um = () if spec.from_file else spec.pitch_errors_um
     if errors_um:  # they only shift the teeth, so bodies with other errors share the rest
         spec = structs.replace(spec, pitch_errors_um=())

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile, States
-    from flankload.mechanisms.screening import Screening
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene
@@ -89,10 +88,12 @@ class FlankPair:
         compliances: Compliances,
         clock: StageClock,
         similar: States | None = None,
+        *,
+        unloaded: bool = True,
     ) -> tuple[BodyPair, FlankStates]:
         """Sweep all positions and torques, or continue those of a similar scene."""
         if similar is None:
-            return flank_states(scene, assembly, compliances, clock)
+            return flank_states(scene, assembly, compliances, clock, unloaded=unloaded)
         assert isinstance(similar, FlankStates)
         return continued_states(scene, assembly, compliances, clock, similar)
 
@@ -153,15 +154,6 @@ class FlankPair:
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:
         """Meshes of both bodies at position zero."""
         return description.mesh_files(scene)
-
-    def screening(self, scene: Scene, *, levels: bool, dimension: bool = False) -> Screening:
-        """Solve a scene on a coarse discretization, unchanged and with each effect switched."""
-        from flankload.mechanisms.flank_pair.screening import FlankPairScreening
-
-        return FlankPairScreening(scene, levels=levels, dimension=dimension)
-
-    def default_element_mm(self, scene: Scene) -> None:
-        """None: each body has its own default."""
 
 
 MECHANISM: Mechanism = FlankPair()

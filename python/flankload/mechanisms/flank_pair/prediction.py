@@ -14,19 +14,25 @@ from flankload.analysis.estimate import n_sweeps
 from flankload.analysis.tangent import SIDES
 from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import with_tip
+from flankload.cost import held_bytes
 from flankload.elasticity.compliance.turned import has_turned_forces
 from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.elasticity.prism import prism_unknowns
+from flankload.elasticity.sector_closure import sector_unknowns
 from flankload.mechanisms.flank_pair.stages import modes_of
 from flankload.scene.axial import degrees_of
 from flankload.scene.effects import work_in
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flankload.bodies import Body
     from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
     from flankload.scene.effects import Work
 
+#: Bytes of a number.
+WORD = 8
 #: Further counters of the elements of a body.
 FURTHER = (
     "fe_load_cases_growth",
@@ -74,13 +80,44 @@ def _elements(scene: Scene, pair: BodyPair, z: int) -> dict[str, int]:
     places = 0 if fillets is None else int(fillets.points.arc_length_mm.size)
     if pair.effects.three_dimensions:
         estimated = scene.accuracy.estimate and z in elements_estimated(pair)
-        found = _prism(body, work, modes, degrees_of(scene.accuracy), estimated)
-        return found | {"stress_recoveries": places if work.recoveries else 0}
-    if pair.effects.single_tooth or not isinstance(body.mesh, SectorMesh):
-        return _whole(body, work, modes, growth)
+        degrees = degrees_of(scene.accuracy)
+        found = _prism(body, work, modes, degrees, estimated)
+        found["stress_recoveries"] = recovered = places if work.recoveries else 0
+        return found | {"bytes": _prism_bytes(body, found, recovered * (degrees[0] + 1))}
     # a sharp tip moves along the flank, too
     corners = not pair.effects.nodal_near_field and has_turned_forces(body)
-    return _sector(body.mesh, work, modes, growth, places, corners=int(corners))
+    if pair.effects.single_tooth or not isinstance(body.mesh, SectorMesh):
+        found = _whole(body, work, modes, growth)
+    else:
+        found = _sector(body.mesh, work, modes, growth, places, corners=int(corners))
+    if body.mesh is None:
+        return found
+    if isinstance(body.mesh, SectorMesh):
+        found["fe_unknowns"] = sector_unknowns(body.mesh, held=pair.effects.single_tooth)
+    else:
+        found["fe_unknowns"] = 2 * (len(body.mesh.nodes) - len(body.mesh.fixed_nodes))
+    held = _plane_bytes(body.mesh, found, places, corners=int(corners))
+    return found | {"bytes": held + (0 if fillets is None else held_bytes(fillets.points))}
+
+
+def _plane_bytes(
+    mesh: SectorMesh | WholeMesh, counted: Mapping[str, int], places: int, *, corners: int
+) -> int:
+    """Bytes of the compliance of a plane body."""
+    flanks = len(mesh.flanks)
+    blocks = mesh.teeth if isinstance(mesh, SectorMesh) else flanks**2
+    normal, tangential = (counted[f"unit_loads_{each}"] for each in ("normal", "tangential"))
+    response = (normal + tangential) // flanks
+    # the stresses are part of an array with the readings of the tip
+    stressed = response + places + corners if places else 0
+    return WORD * blocks * (response * (response + stressed) + corners * (normal // flanks))
+
+
+def _prism_bytes(body: Body, counted: Mapping[str, int], recovered: int) -> int:
+    """Bytes of the compliance of a three-dimensional body."""
+    assert isinstance(body.mesh, SectorMesh)
+    normal, tangential = (counted[f"unit_loads_{each}"] for each in ("normal", "tangential"))
+    return WORD * body.mesh.teeth * normal * (normal + tangential + recovered)
 
 
 def elements_estimated(pair: BodyPair) -> tuple[int, ...]:

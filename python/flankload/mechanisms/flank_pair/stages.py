@@ -22,6 +22,7 @@ from flankload.elasticity.imported_compliance import imported_compliance
 from flankload.elasticity.nodal_loads import nodes_of
 from flankload.elasticity.prism import Prism, prism_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.parts import Parts
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.expansion import expanded, expanded_slices
 from flankload.scene.axial import degrees_of
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.bodies.root_fillet import RootFillets
     from flankload.contact.sweep import Sweep
-    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.pairing.expansion import BodyLoad
     from flankload.scene import Scene
@@ -59,10 +59,11 @@ def elements_call(
     fillets: RootFillets | None = None,
     body_load: BodyLoad | None = None,
     estimate: bool = False,
+    tangential: bool = False,
 ) -> partial[BodyCompliance]:
     """The call that computes the compliance of an elastic body; its arguments determine it.
 
-    Parameters as in `compliance_of`.
+    Parameters as in `compliance_of`; `tangential`: loads along the flank are solved in any case.
     """
     effects, own = effects_of(scene), body.for_elements()
     if effects.three_dimensions:
@@ -71,12 +72,12 @@ def elements_call(
             own,
             prism_of(own, scene),
             n_modes=modes_of(own, scene, discretization),
-            friction=effects.friction,
+            friction=effects.friction or tangential,
             fillets=fillets,
             estimate=estimate,
         )
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
-    tangential = effects.friction or effects.finite_influence
+    along = effects.friction or effects.finite_influence
     if own.imported is not None:
         return partial(
             imported_compliance,
@@ -84,7 +85,7 @@ def elements_call(
             modes=scene.accuracy.modes,
             default_modes=discretization.modes,
             plane=scene.accuracy.plane,
-            tangential=(FRICTION if effects.friction else FINITE) if tangential else None,
+            tangential=(FRICTION if effects.friction else FINITE) if along else None,
             nodal=effects.nodal_near_field,
         )
     return partial(
@@ -93,7 +94,7 @@ def elements_call(
         JobOptions(
             n_modes=modes_of(own, scene, discretization),
             plane=scene.accuracy.plane,
-            friction=tangential,
+            friction=along or tangential,
             along=effects.friction and effects.finite_influence,
             nodal=effects.nodal_near_field,
             coast_flanks=scene.effects.coast_flank,
@@ -155,7 +156,7 @@ def compliances_of(
     Those that are missing in `kept` are added to it. A compliance that is found in `parts`, those
     of earlier runs, has no stage and no cost.
     """
-    found, elastic = [], pair.elastic
+    found, elastic, wide = [], pair.elastic, parts or Parts()
     for z, body in enumerate(pair.bodies):
         body_load = pair.body_loads[z]
         if not elastic[z] and (body_load is None or not body_load.needs_elements):
@@ -173,7 +174,8 @@ def compliances_of(
             pair.discretization,
             fillets=pair.fillets[z],
             body_load=body_load,
-            estimate=scene.accuracy.estimate and elastic[z],
+            estimate=(scene.accuracy.estimate or wide.estimate) and elastic[z],
+            tangential=wide.tangential,
         )
         key, held = (None, None) if parts is None else parts.find(call)
         if held is not None:

@@ -60,7 +60,12 @@ class FlankStates:
 
 
 def flank_states(
-    scene: Scene, pair: BodyPair, compliances: Compliances, clock: StageClock
+    scene: Scene,
+    pair: BodyPair,
+    compliances: Compliances,
+    clock: StageClock,
+    *,
+    unloaded: bool = True,
 ) -> tuple[BodyPair, FlankStates]:
     """Sweep a flank pair under all torques; return also the pair at all positions.
 
@@ -87,7 +92,8 @@ def flank_states(
             progress = clock.sweep_progress("tangent")
             found = with_tangents(found, partial(again, account=account, progress=progress))
     with clock.account("result") as account:
-        found = with_unloaded(found, partial(again, account=account))
+        if unloaded:
+            found = with_unloaded(found, partial(again, account=account))
     for name in ("states", "slices"):  # those are of positions under a torque
         account.counters.pop(name, None)
     geometry = pair_geometry(pair, compliances)

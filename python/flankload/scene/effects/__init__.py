@@ -12,6 +12,7 @@ from flankload.scene.effects.records import (
     Effects,
     effects_of,
     excluded_by,
+    known_effects,
     switches_of,
     work_in,
 )
@@ -29,6 +30,7 @@ __all__ = [
     "effects_of",
     "excluded_by",
     "is_spatial",
+    "known_effects",
     "require_plane",
     "switches_of",
     "work_in",

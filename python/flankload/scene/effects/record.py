@@ -12,9 +12,9 @@ from flankload.scene.effects.keys import EffectsAsked, has_amount
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
 
-#: Change of the pair by which the size of an effect is estimated before the run: compliance, gaps,
-#: places of contact or lever arms; a law of the node spacing; "nothing": no contact state changes.
-SizeBy = Literal["compliance", "gaps", "places", "levers", "spacing", "nothing"]
+#: Change of the pair that gives the size of an effect: compliance, gaps, places of contact or lever
+#: arms; proportional to the node spacing or to the cell width; "nothing": no contact state changes.
+SizeBy = Literal["compliance", "gaps", "places", "levers", "spacing", "cells", "nothing"]
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields, make_dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -54,37 +54,6 @@ def _elastic(number: int) -> Effect:
     )
 
 
-@dataclass(frozen=True)
-class Effects:
-    """The effects that a scene requests: one Boolean per record of `EFFECTS`."""
-
-    elastic_body_1: bool
-    elastic_body_2: bool
-    three_dimensions: bool
-    segment: bool
-    single_tooth: bool
-    tooth_coupling: bool
-    nodal_near_field: bool
-    finite_influence: bool
-    lumped_contact: bool
-    tip_contact: bool
-    coast_flanks: bool
-    flank_modifications: bool
-    pitch_errors: bool
-    lead_modifications: bool
-    misalignment: bool
-    shafts: bool
-    thermal_growth: bool
-    centrifugal_growth: bool
-    friction: bool
-    power_loss: bool
-    root_stress: bool
-    several_torques: bool
-    large_displacement: bool
-    land_friction: bool
-    land_lift: bool
-
-
 EFFECTS = (
     _elastic(1),
     _elastic(2),
@@ -100,7 +69,7 @@ EFFECTS = (
         ),
         called_for=switches.is_spatial,
         stages=(*BODIES, *SWEEPS),
-        counters=("fe_unknowns", "slices"),
+        counters=("slices",),
         size_by="compliance",
         of_teeth=True,
     ),
@@ -145,7 +114,7 @@ EFFECTS = (
         stages=(*BODIES, *SWEEPS),
         work=Work(tangential_loads=1, columns=2, solves=2),
         counters=("unit_loads_tangential", "finite_solutions"),
-        size_by="levers",
+        size_by="cells",
         refused_with={"coast_flanks": IN_MODES},
     ),
     Effect(
@@ -316,10 +285,29 @@ EFFECTS = (
 )
 
 
+_Booleans: Any = make_dataclass(
+    "_Booleans", [(effect.name, bool) for effect in EFFECTS], frozen=True
+)
+
+
+class Effects(_Booleans):
+    """The effects that a scene requests: one Boolean per record of `EFFECTS`, by its name."""
+
+
 @lru_cache(maxsize=64)
 def effects_of(scene: Scene) -> Effects:
     """Effects that a scene requests."""
     return Effects(**{effect.name: effect.switch(scene).on for effect in EFFECTS})
+
+
+def known_effects(scene: Scene) -> tuple[Effect, ...]:
+    """Effects that the bodies of a scene may have; chains and belts have few."""
+    if scene.is_drive:
+        known = ["several_torques", *["elastic_body_1"] * (not scene.body_1.rigid)]
+        kind = scene.body_2.kind
+        return tuple(row for row in EFFECTS if row.name in known or row.only_for == kind)
+    teeth = scene.body_2.has_teeth
+    return tuple(row for row in EFFECTS if row.only_for is None and (teeth or not row.of_teeth))
 
 
 def switches_of(scene: Scene) -> dict[str, Switch]:

@@ -7,29 +7,33 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.slices import SLICES as DEFAULT_SLICES
-from flankload.scene.axial import AXIAL_DEGREE, LOAD_DEGREE
+from flankload.scene import axial
+from flankload.scene.axial import AXIAL_DEGREE
 from flankload.scene.discretization import DEFAULT, IN_SLICES
 from flankload.scene.effects import effects_of, is_spatial
 from flankload.scene.named_discretization import NamedDiscretization
-from flankload.studies.parameters import elements_of
+from flankload.scene.steps import (
+    COUNT,
+    DEGREE,
+    ELEMENTS,
+    LOAD_DEGREE,
+    MODES,
+    SLICES,
+    STEPS,
+    STRIPS,
+    STRIPS_IN_SLICES,
+    ZONE,
+)
+from flankload.studies.parameters import elements_of, parameters_of
 
 if TYPE_CHECKING:
     from flankload.scene import Scene
 
-#: Parameters by the names of `NamedDiscretization`, coarse steps first: element lengths relative to
-#: the default, numbers of modes, cells and half-widths, numbers of positions relative to the
-#: scene's.
-ELEMENTS = (2.0, 1.0, 0.5, 0.25, 0.125)
-#: Finest element length for a belt, whose whole tooth has this length: an eighth would take
+#: Largest number of steps of a belt, whose whole tooth has this length: a finer one would take
 #: gigabytes.
-BELT_ELEMENTS = ELEMENTS[:-1]
-MODES = (3, 4, 5, 6, 8, 12)
-STRIPS = (2.5, 5.0, 10.0, 20.0, 40.0)
-ZONES = (1.2, 1.5, 2.0, 2.5, 3.0, 4.0)
-COUNTS = (0.25, 0.5, 1.0, 2.0, 4.0)
+BELT_STEPS = 4
 #: Adaptive positions in addition to even ones: tolerances, and initial numbers.
 ADAPTIVE = (0.03, 0.01, 0.003, 0.001)
 ADAPTIVE_START = 8
@@ -42,12 +46,9 @@ FINEST_MODES, FINEST_ZONE = 8, 3.0
 ELEMENTS_COST = {0.125: 52.0, 0.25: 11.0, 0.5: 3.0, 1.0: 1.0}
 #: The work is proportional to this power of the number of cells.
 STRIPS_ORDER = 1.4
-#: Steps in three dimensions: relative element lengths, degrees along the axis, slices, and cells
-#: where contact has any.
-SPATIAL_ELEMENTS, AXIAL_DEGREES, LOAD_DEGREES = (2.0, 1.0, 0.5), (4, 6, 8, 10, 12), (0, 2, 4, 6, 8)
-SLICES, SPATIAL_STRIPS = (7, 14, 28, 56), (3.0, 6.0, 12.0, 24.0)
-#: Coarse bodies in three dimensions: elements of the first step, and these.
-COARSE: dict[str, Any] = {"modes": 3, "axial_degree": 6, "load_degree_z": 2, "slices": 14}
+#: Steps of the elements in three dimensions, relative to the default; coarse bodies.
+SPATIAL_STEPS = 3
+COARSE: dict[str, Any] = {name: STEPS[name].coarse for name in (MODES, DEGREE, LOAD_DEGREE, SLICES)}
 #: Possible limits of the finest discretization, finest first: elements and positions relative to
 #: the default, all else as it is.
 Fineness = Mapping[str, float]
@@ -87,21 +88,6 @@ class Refinements:
         """Whether the bodies are three-dimensional."""
         return "slices" in self.ladders
 
-    def step(self, discretization: NamedDiscretization, parameter: str) -> int:
-        """Index of a parameter's value among its steps."""
-        return self.ladders[parameter].index(getattr(discretization, parameter))
-
-    def coarser(
-        self, discretization: NamedDiscretization, *names: str
-    ) -> NamedDiscretization | None:
-        """A discretization with some parameters a step coarser; None if one has no such step."""
-        changed = {}
-        for parameter in names:
-            if parameter not in self.ladders or self.step(discretization, parameter) == 0:
-                return None
-            changed[parameter] = self.ladders[parameter][self.step(discretization, parameter) - 1]
-        return replace(discretization, **changed)  # type: ignore[arg-type]
-
 
 def refinements_of(scene: Scene) -> Refinements:
     """All parameters of a scene with all steps.
@@ -115,12 +101,12 @@ def refinements_of(scene: Scene) -> Refinements:
     if length is not None:
         ladders["flank_element_mm"] = tuple(_rounded(length * part) for part in lengths)
         base = replace(base, flank_element_mm=_rounded(length))
-    if modes := tuple(mode for mode in MODES if mode <= most):
+    if modes := tuple(int(mode) for mode in STEPS[MODES].study if mode <= most):
         ladders["modes"] = modes
         base = replace(base, modes=max(mode for mode in modes if mode <= DEFAULT.modes))
     ladders |= further
     if base.count is not None:
-        counts = {round(base.count * part) for part in COUNTS if base.count * part >= 1}
+        counts = {round(base.count * part) for part in STEPS[COUNT].study if base.count * part >= 1}
         ladders["count"] = tuple(sorted(counts))
     found = Refinements(ladders, base, base, can_adapt=not scene.is_drive)
     return finest_within(found, (SPATIAL_FINEST if found.spatial else FINEST)[0])
@@ -140,25 +126,26 @@ def _of_flanks(scene: Scene) -> _Of:
     most *= not (scene.body_1.rigid and scene.body_2.rigid)
     steps: dict[str, tuple[float, ...]]
     if not is_spatial(scene).on:
-        steps = {"strips_per_half_width": STRIPS, "zone_half_widths": ZONES}
+        steps = {name: STEPS[name].study for name in (STRIPS, ZONE)}
         cells = {key: getattr(DEFAULT.grid, key) for key in steps}
-        return {"flank_element_mm": ELEMENTS, **steps}, most, NamedDiscretization(**named, **cells)
-    steps = {"axial_degree": AXIAL_DEGREES, "load_degree_z": LOAD_DEGREES, "slices": SLICES}
-    named |= zip(steps, (AXIAL_DEGREE, LOAD_DEGREE, DEFAULT_SLICES), strict=True)
+        base = NamedDiscretization(**named, **cells)
+        return {ELEMENTS: STEPS[ELEMENTS].study, **steps}, most, base
+    steps = {name: STEPS[name].study for name in (DEGREE, LOAD_DEGREE, SLICES)}
+    named |= zip(steps, (AXIAL_DEGREE, axial.LOAD_DEGREE, DEFAULT_SLICES), strict=True)
     if not effects_of(scene).lumped_contact:
-        steps["strips_per_half_width"] = SPATIAL_STRIPS
+        steps[STRIPS] = STRIPS_IN_SLICES
         named["strips_per_half_width"] = IN_SLICES.strips_per_half_width
-    steps["flank_element_mm"] = SPATIAL_ELEMENTS
+    steps[ELEMENTS] = STEPS[ELEMENTS].study[:SPATIAL_STEPS]
     return steps, most, NamedDiscretization("slices", **named)
 
 
 def _of_drive(scene: Scene) -> _Of:
     """Positions of chains and belts, and the elements of belts."""
     base = NamedDiscretization(
-        flank_element_mm=mechanism_of(scene).default_element_mm(scene),
+        flank_element_mm=parameters_of(scene).element_mm,
         count=scene.positions.count if scene.positions.angles_deg is None else None,
     )
-    return {"flank_element_mm": BELT_ELEMENTS}, 0, base
+    return {ELEMENTS: STEPS[ELEMENTS].study[:BELT_STEPS]}, 0, base
 
 
 def finest_within(refinements: Refinements, fineness: Fineness) -> Refinements:
@@ -198,7 +185,7 @@ def affordable(refinements: Refinements, stages: dict[str, float], budget_s: flo
             solutions = 0.0
         if spatial:
             solutions *= (fineness["axial_degree"] / AXIAL_DEGREE) ** 2
-            each *= (SLICES[-1] / DEFAULT_SLICES) ** 2
+            each *= (STEPS[SLICES].study[-1] / DEFAULT_SLICES) ** 2
         if solutions + LADDER_SWEEPS * each <= LADDERS_PART * budget_s:
             break
     return finest_within(refinements, fineness)

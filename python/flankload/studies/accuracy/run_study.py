@@ -1,10 +1,9 @@
-"""Runs of a study within a budget: finest run, refinements, contact models, combinations."""
+"""Runs of a study within a budget: finest run, refinements, contact models."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from time import process_time
 from typing import TYPE_CHECKING
@@ -13,7 +12,7 @@ from flankload.base.arguments import require_names, require_number, require_path
 from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.scene.refusal import refuse
-from flankload.studies.accuracy.combinations import search
+from flankload.scene.steps import ELEMENTS, STEPS
 from flankload.studies.accuracy.quantities import MEASURES
 from flankload.studies.accuracy.reference import Reference, ladder, twin
 from flankload.studies.accuracy.refinements import (
@@ -31,8 +30,6 @@ from flankload.studies.plan import choose_effects
 if TYPE_CHECKING:
     Progress = Callable[[str, int, int], None]
 
-#: Tolerances for which combinations are searched.
-TOLERANCES = (0.01, 0.003, 0.001, 0.0003, 0.0001)
 #: Steps of the progress.
 TOLD = 100
 
@@ -51,11 +48,11 @@ def accuracy(
 ) -> Study:
     """Accuracy study of a scene: errors, seconds and memory for each discretization parameter.
 
-    The study refines each parameter with the others at their finest, tries other contact models,
-    and searches the cheapest combinations that meet tolerances. All errors are relative to the
-    finest discretization and the extrapolated limits. Runs that differ only in cells and positions
-    share finite elements, but each is charged as if it were alone. Seconds are those of all threads
-    of the process.
+    The study refines each parameter with the others at their finest and at their default, and tries
+    other contact models. All errors are relative to the finest discretization and the extrapolated
+    limits; `accuracy.tolerance` in a scene combines the steps for a tolerance. Runs that differ
+    only in cells and positions share finite elements, but each is charged as if it were alone.
+    Seconds are those of all threads of the process.
 
     Parameters
     ----------
@@ -150,12 +147,6 @@ class _StudyRuns:
                 self.run("default but for one knob", twin(self.refinements, parameter, step))
         for group, discretization in self._levels():
             self.run(group, discretization)
-        reference = Reference(self.runs.done, self.refinements)
-        alone = [MEASURES[quantity] for quantity in self.quantities]
-        for measures in (self.measures, *(alone if len(alone) > 1 else ())):
-            for tolerance in TOLERANCES:
-                run = partial(self.run, "combination")
-                search(tolerance, self.refinements, reference, measures, run)
         if can_be_nodal(self.scene):  # last, since it is the most expensive one
             self.run("nodes", self._nodes(None))
 
@@ -189,7 +180,7 @@ class _StudyRuns:
         if self.refinements.spatial:
             plane = NamedDiscretization("plane", base.flank_element_mm, base.modes)
             yield "plane", replace(plane, count=base.count)
-            length = ladders.get("flank_element_mm", (None,))[0]
+            length = base.flank_element_mm and STEPS[ELEMENTS].coarse * base.flank_element_mm
             yield "coarse", replace(base, flank_element_mm=length, **COARSE)
         if can_lump(self.scene):
             plain = replace(base, level="lumped", strips_per_half_width=None, zone_half_widths=None)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 class Row:
     """A run of a study and its errors.
 
-    Its group is the parameter of a sequence, "combination", "default", "default but for one knob",
+    Its group is the parameter of a sequence, "default", "default but for one knob",
     "as it stands", "finest", or a contact model. `errors` are relative to the limit of all
     parameters, by the names of `quantities.HEADS`; `alone`, for a step of a sequence, to the limit
     of this parameter with the others at their finest.

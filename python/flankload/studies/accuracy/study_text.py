@@ -38,7 +38,6 @@ GROUPS = {
     "coarse": "coarse bodies",
     "lumped": "lumped Hertz contact",
     "nodes": "plain nodal loads",
-    "combination": "combinations",
 }
 #: Tolerances for which the cheapest discretization is given.
 NAMED = (1e-2, 1e-3, 1e-4)
@@ -63,7 +62,7 @@ DEFAULT_SECONDS = "default"
 
 
 def text_of(study: Study) -> str:
-    """Tables of parameter steps, contact models and combinations; the cheapest discretizations."""
+    """Tables of parameter steps, and contact models; the cheapest discretizations."""
     return "\n".join(_lines(study))
 
 
@@ -140,9 +139,6 @@ def _named(name: str) -> str:
 def _others(study: Study, names: Sequence[str]) -> Iterator[str]:
     for group, words in GROUPS.items():
         rows = [row for row in study.rows if row.group == group and row.run.failure is None]
-        if group == "combination":
-            rows = [row for row in study.front() if row.group == group]
-            words = "combinations on the Pareto front"
         if not rows:
             continue
         cells = [_heading(words, names)]

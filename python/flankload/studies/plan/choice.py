@@ -12,7 +12,6 @@ from dataclasses import astuple
 from typing import TYPE_CHECKING
 
 from flankload.errors import SceneError
-from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.toggles import (
     LEVELS,
     QUANTITIES,
@@ -22,8 +21,8 @@ from flankload.mechanisms.toggles import (
     without_keys,
 )
 from flankload.scene.effects import EFFECTS, Effect, excluded_by, switches_of
+from flankload.studies.plan.coarse_runs import CoarseRuns
 from flankload.studies.plan.planned import Chosen
-from flankload.studies.plan.planning import sizes
 from flankload.studies.plan.text import against_threshold, is_significant, threshold_text
 
 if TYPE_CHECKING:
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
 
     from flankload.scene import Scene
     from flankload.scene.effects import Switch
-    from flankload.studies.plan.planning import Measured
+    from flankload.studies.plan.coarse_runs import Measured
 
 
 def asks_for_choice(scene: Scene) -> bool:
@@ -63,17 +62,23 @@ def choose_effects(scene: Scene) -> tuple[Scene, tuple[Chosen, ...]]:
     plain = without_choice(scene)
     if not any(plain.torques_Nm):
         return plain, ()
-    screening = mechanism_of(plain).screening(plain, levels=True)
-    return chosen_scene(plain, screening.rows, sizes(screening, plain))
+    runs = CoarseRuns(plain, levels=True)
+    return chosen_scene(plain, runs.effects, runs.measured(wanted_sizes(plain)))
+
+
+def wanted_sizes(scene: Scene) -> tuple[str, ...]:
+    """Names of the effects whose size decides on a choice."""
+    switches = switches_of(scene)
+    return tuple(effect.name for effect in EFFECTS if _is_open(scene, effect, switches))
 
 
 def chosen_scene(
-    scene: Scene, rows: tuple[str, ...], measured: Mapping[str, Measured]
+    scene: Scene, effects: tuple[Effect, ...], measured: Mapping[str, Measured]
 ) -> tuple[Scene, tuple[Chosen, ...]]:
     """Choice for a scene without `choose`, from sizes; see `choose_effects`."""
     choice: list[Chosen] = []
     switches, tolerance = switches_of(scene), scene.accuracy.tolerance
-    for effect in (effect for effect in EFFECTS if effect.name in rows):
+    for effect in effects:
         size = measured[effect.name].size
         if size is None or not _is_open(scene, effect, switches):
             continue

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from flankload.base.card import Card
+from flankload.studies.plan.coarse_runs import IMPOSSIBLE
 from flankload.studies.plan.text import plan_text
 
 if TYPE_CHECKING:
@@ -14,8 +15,6 @@ if TYPE_CHECKING:
 
     from flankload.mechanisms.effect_size import Size
 
-#: Beginning of the reason for a missing size, if a scene cannot have the effect.
-IMPOSSIBLE = "not with this scene"
 #: The seconds of a run are within this factor of those predicted: 0.54 to 1.67 on the examples, in
 #: three rounds on a busy machine. How many positions adaptive ones become is known to as much.
 WITHIN, ADAPTIVE_WITHIN = 2.0, 2.0

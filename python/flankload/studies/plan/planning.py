@@ -1,18 +1,18 @@
-"""Plan of a scene: sizes of its effects by a screening, cost of its run by counted work."""
+"""Plan of a scene: sizes of its effects and cost of its run, by coarse runs."""
 
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from time import process_time
 from typing import TYPE_CHECKING
 
 from flankload.cost import totals
 from flankload.errors import FlankloadError
-from flankload.mechanisms import mechanism_of
 from flankload.scene import scene_of
-from flankload.scene.effects import EFFECTS, switches_of
-from flankload.studies.plan.planned import ADAPTIVE_WITHIN, IMPOSSIBLE, WITHIN, Plan, PlannedEffect
+from flankload.scene.effects import switches_of
+from flankload.studies.plan.coarse_runs import CoarseRuns
+from flankload.studies.plan.planned import ADAPTIVE_WITHIN, WITHIN, Plan, PlannedEffect
 from flankload.studies.plan.text import is_significant, remark_on
 from flankload.studies.tolerance import first_discretization, first_scene
 
@@ -20,26 +20,17 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.cost import Account
-    from flankload.mechanisms.effect_size import Size
-    from flankload.mechanisms.screening import Screening
     from flankload.scene import Scene, SceneLike
-    from flankload.studies.plan.planned import Chosen
-
-
-@dataclass(frozen=True)
-class Measured:
-    """Result of a screening for an effect: its size, or the reason for a missing size."""
-
-    size: Size | None = None
-    unknown: str | None = None
+    from flankload.studies.plan.coarse_runs import CoarseRuns, Measured
+from flankload.studies.plan.planned import Chosen
 
 
 def plan(scene: SceneLike, *, levels: bool = False, dimension: bool = False) -> Plan:
     """Plan a run of a scene: its effects, their cost and their size.
 
-    Sizes come from a screening: the scene on a coarse discretization, once with its effects and
-    once with each of them switched. The measured seconds of the screening, scaled by counted work,
-    predict those of the run.
+    Sizes are differences of coarse runs: the scene on a coarse discretization, once with its
+    effects and once with each of them switched. The cost of the run is that of the coarse run,
+    stage by stage, times the ratio of their exact counters.
 
     Parameters
     ----------
@@ -63,51 +54,36 @@ def plan(scene: SceneLike, *, levels: bool = False, dimension: bool = False) -> 
     FlankloadError
         If a position has no solution.
     """
-    from flankload.studies.plan.choice import asks_for_choice, chosen_scene, without_choice
+    from flankload.studies.plan.choice import (
+        asks_for_choice,
+        chosen_scene,
+        wanted_sizes,
+        without_choice,
+    )
 
     start, scene = process_time(), scene_of(scene)
     picked = {"keys": first_discretization(scene).tables()} if scene.names_tolerance else None
     plain = without_choice(first_scene(scene))
-    screening = mechanism_of(plain).screening(
-        plain, levels=levels or asks_for_choice(scene), dimension=dimension
-    )
-    measured = sizes(screening, plain)
+    runs = CoarseRuns(plain, levels=levels or asks_for_choice(scene), dimension=dimension)
+    tried = None if levels or not asks_for_choice(scene) else wanted_sizes(plain)
+    measured = runs.measured(tried)
     chosen, left_out = plain, None
     choice: tuple[Chosen, ...] = ()
     if asks_for_choice(scene) and any(scene.torques_Nm):
-        chosen, choice = chosen_scene(plain, screening.rows, measured)
-        left_out = screening.change(chosen)
-    costs = _marginal_costs(screening, plain, screening.price(plain))
+        chosen, choice = chosen_scene(plain, runs.effects, measured)
+        left_out = runs.change(chosen)
+    costs = _marginal_costs(runs, plain, runs.price(plain), tried)
     found = Plan(
         name=scene.name,
         tolerance=scene.accuracy.tolerance,
-        effects=_rows(chosen, screening, measured, costs, choice),
-        predicted=predicted_of(screening.price(chosen)),
+        effects=_rows(chosen, runs, measured, costs, choice),
+        predicted=predicted_of(runs.price(chosen)),
         choice=choice,
         left_out=left_out,
         picked=picked,
         within=WITHIN * (ADAPTIVE_WITHIN if scene.positions.adaptive else 1.0),
     )
     return replace(found, cpu_s=process_time() - start)
-
-
-def sizes(screening: Screening, scene: Scene) -> dict[str, Measured]:
-    """The size of each effect of a scene, or the reason for a missing size."""
-    switches, found = switches_of(scene), {}
-    for name in screening.rows:
-        toggle = screening.toggles.get(name)
-        if toggle is None:
-            found[name] = Measured()
-        elif toggle.impossible is not None:
-            found[name] = Measured(unknown=f"{IMPOSSIBLE}: {toggle.impossible}")
-        elif toggle.skipped is not None:
-            found[name] = Measured(unknown=toggle.skipped)
-        else:
-            try:
-                found[name] = Measured(screening.size(name, on=switches[name].on))
-            except FlankloadError as error:
-                found[name] = Measured(unknown=" ".join(str(error).split()))
-    return found
 
 
 def predicted_of(stages: Mapping[str, Account]) -> dict[str, object]:
@@ -128,7 +104,7 @@ def predicted_of(stages: Mapping[str, Account]) -> dict[str, object]:
 
 def _rows(
     scene: Scene,
-    screening: Screening,
+    runs: CoarseRuns,
     measured: Mapping[str, Measured],
     costs: Mapping[str, tuple[float, int]],
     choice: tuple[Chosen, ...],
@@ -136,9 +112,9 @@ def _rows(
     """A row for each effect."""
     switches, decided = switches_of(scene), {one.effect: one for one in choice}
     rows = []
-    for effect in (effect for effect in EFFECTS if effect.name in screening.rows):
+    for effect in runs.effects:
         switch, found, why = switches[effect.name], measured[effect.name], decided.get(effect.name)
-        toggle, size = screening.toggles.get(effect.name), found.size
+        toggle, size = runs.toggles.get(effect.name), found.size
         extra_s, extra_bytes = costs.get(effect.name, (None, None))
         row = PlannedEffect(
             name=effect.name,
@@ -159,17 +135,20 @@ def _rows(
 
 
 def _marginal_costs(
-    screening: Screening, scene: Scene, stages: Mapping[str, Account]
+    runs: CoarseRuns,
+    scene: Scene,
+    stages: Mapping[str, Account],
+    tried: tuple[str, ...] | None,
 ) -> dict[str, tuple[float, int]]:
     """CPU seconds and bytes that each tried effect adds to the run, or would add."""
     switches, costs = switches_of(scene), {}
-    for name, toggle in screening.toggles.items():
-        if toggle.skipped is not None:
+    for name, toggle in runs.toggles.items():
+        if toggle.skipped is not None or (tried is not None and name not in tried):
             continue
         other = stages
         if toggle.scene is not None:
             with suppress(FlankloadError):  # otherwise no scene for comparison exists
-                other = screening.price(toggle.scene)
+                other = runs.price(toggle.scene)
         one, two = (other, stages) if not switches[name].on else (stages, other)
         costs[name] = (_seconds(one) - _seconds(two), _bytes(one) - _bytes(two))
     return costs
