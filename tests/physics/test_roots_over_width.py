@@ -139,6 +139,19 @@ def test_shapes_names_and_the_place_of_the_largest_stress() -> None:
     assert "root_compression_1_z_mm_pair_0" in result.to_csv().splitlines()[0].split(",")
 
 
+def test_a_torque_of_zero_has_no_root_stress() -> None:
+    """The empty table of its pairs could not be reshaped."""
+    tree = tree_of(HELICAL, ROOTS)
+    tree["load"]["torque_Nm"] = [0.0, tree["load"]["torque_Nm"]]
+    none, loaded = fl.Scene.from_dict(tree), _helical()
+    unloaded, again = solve(none)
+    assert unloaded.root_stress[0] is not None
+    assert not unloaded.root_stress[0].stress_MPa.any()
+    assert again.root_stress[0] is not None
+    assert loaded.root_stress[0] is not None
+    np.testing.assert_array_equal(again.root_stress[0].stress_MPa, loaded.root_stress[0].stress_MPa)
+
+
 def test_stress_is_that_of_the_elements_under_the_forces_of_the_slices() -> None:
     """The run superposes pressure modes; here the forces of the slices act on the elements."""
     scene = fl.Scene.from_dict(tree_of(HELICAL, {**ROOTS, **MODES, "body_2__rigid": False}))

@@ -263,9 +263,10 @@ def _on_slices(
     s = places[:, None] + 0.5 * table.cell_mm[:, None] * points
     within = np.clip(s, low, high if tip is None else tip.end_mm)
     values = mode_values(within.ravel(), (low, high), reading.n_modes, tip=tip)
-    values = np.einsum("g,nga->na", 0.5 * weights, values.reshape(*s.shape, -1))
+    values = np.einsum("g,nga->na", 0.5 * weights, values.reshape(*s.shape, reading.n_modes))
     along = over_width.modes_at(table.z_mm)
-    return np.asarray(np.einsum("na,nb->nab", values, along).reshape(len(values), -1))
+    count = values.shape[1] * along.shape[1]
+    return np.asarray(np.einsum("na,nb->nab", values, along).reshape(len(values), count))
 
 
 def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:

@@ -129,7 +129,7 @@ class AxialBasis(AxialFunctions):
         points, weights = leggauss(self.degree // 2 + 1)
         middle, half = spans.mean(axis=1), 0.5 * np.diff(spans, axis=1)[:, 0]
         places = middle[:, None] + half[:, None] * points
-        values = self.values(places.ravel()).reshape(*places.shape, -1)
+        values = self.values(places.ravel()).reshape(*places.shape, self.count)
         return np.asarray(np.einsum("g,ngk->nk", 0.5 * weights, values))
 
 
