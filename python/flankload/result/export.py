@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.base.files import write_atomically
+from flankload.base.number_text import number_of
 from flankload.base.optional import optional
 from flankload.base.plain import plain
 from flankload.errors import InputError
@@ -37,6 +38,8 @@ from flankload.result.quantities import (
 if TYPE_CHECKING:
     from flankload.result.result import Result
 
+#: Letters with which a formula of a spreadsheet may begin, also in full width.
+FORMULA_BEGINS = tuple("=+-@\t\r\n＝＋－＠")
 #: Separators by name; the name is that of the command line.
 SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t"}
 
@@ -88,15 +91,30 @@ class CsvForm:
         text = repr(plain)
         return text.replace(".", ",") if self.decimal_comma else text
 
-    def lines(self, rows: Iterable[Iterable[str]]) -> str:
-        """Rows of texts as CSV."""
+    def lines(self, rows: Iterable[Iterable[Any]]) -> str:
+        """Rows of texts and numbers as CSV; no text is a formula in a spreadsheet."""
         out = io.StringIO()
         separator = self.separator or (";" if self.decimal_comma else ",")
-        csv.writer(out, lineterminator="\n", delimiter=separator).writerows(rows)
+        writer = csv.writer(out, lineterminator="\n", delimiter=separator)
+        writer.writerows(map(_harmless, row) for row in rows)
         return out.getvalue()
 
     def _turns(self, unit: str) -> bool:
         return self.degrees and unit == "rad"
+
+
+def _harmless(cell: Any) -> Any:
+    """A cell; an apostrophe before a text that a spreadsheet would take for a formula.
+
+    This is the advice of OWASP (CSV Injection, owasp.org/www-community/attacks/CSV_Injection).
+    """
+    if not isinstance(cell, str) or not cell.startswith(FORMULA_BEGINS):
+        return cell
+    try:
+        number_of(cell.replace(",", "."))
+    except ValueError:
+        return f"'{cell}"
+    return cell
 
 
 def results_to_json(results: Result | Sequence[Result], path: str | Path | None = None) -> str:

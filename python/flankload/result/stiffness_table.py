@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -81,8 +82,9 @@ class StiffnessTable(Card):
         """
         form = CsvForm() if form is None else form
         covers = "closed, the last line is the first one a period later" if self.closed else "open"
+        name = re.sub(r'[\s,;"]+', " ", self.name)  # else it would begin cells of its own
         head = (
-            f"# {' '.join(self.name.split())}\n"
+            f"# {name.strip()}\n"
             f"# period_rad {self.period_rad!r} ({covers}), reference_radius_mm "
             f"{self.reference_radius_mm!r}\n"
             "# angle of body 1; per torque on body 1 (N m, after the @): quantity_unit\n"

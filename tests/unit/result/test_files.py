@@ -6,6 +6,7 @@ import csv
 import io
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 from zipfile import ZipFile
 
@@ -266,3 +267,17 @@ def test_a_compiler_that_fails_is_named(tmp_path: Path, monkeypatch: pytest.Monk
     with pytest.raises(InputError, match="fmu: expected a C compiler, found false: no message"):
         table().to_fmu(tmp_path / "pair.fmu")
     assert not (tmp_path / "pair.fmu").exists()
+
+
+@pytest.mark.parametrize(
+    "cell", ["=1+1", "-x", "+cmd|' /C calc'!A0", "@sum", "\t=1", "\n=1", "＝1"]
+)
+def test_no_text_of_a_csv_file_is_a_formula(cell: str) -> None:
+    for form in (CsvForm(), CsvForm(decimal_comma=True)):
+        text = form.lines([[cell, "-1.5", "-1,5e3", -2.5, "plain = text"]])
+        (row,) = csv.reader(
+            io.StringIO(text, newline=""), delimiter=";" if form.decimal_comma else ","
+        )
+        assert row == [f"'{cell}", "-1.5", "-1,5e3", "-2.5", "plain = text"]
+    named = replace(table(), name="a,=1+1;=2+2")
+    assert named.to_csv().splitlines()[0] == "# a =1+1 =2+2"
