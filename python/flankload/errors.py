@@ -9,6 +9,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 
+def readable(text: str) -> str:
+    """A text that can be encoded.
+
+    The bytes of a file name that the locale does not know are letters of UTF-8 if they can be.
+    """
+    try:
+        data = text.encode("utf-8", "surrogateescape")
+    except UnicodeEncodeError:  # halves of letters, which are no bytes
+        data = text.encode("utf-8", "replace")
+    return data.decode("utf-8", "replace")
+
+
+def one_line(text: object) -> str:
+    """A message in one line, in which letters that a terminal would obey are written out."""
+    words = " ".join(readable(str(text)).split())
+    if words.isprintable():
+        return words
+    return "".join(x if x.isprintable() else ascii(x)[1:-1] for x in words)
+
+
+def reason_of(error: OSError) -> str:
+    """Why a file cannot be read or written, in the words of the system."""
+    return (error.strerror or str(error) or type(error).__name__).lower()
+
+
 class FlankloadError(Exception):
     """Base class of all exceptions that flankload raises on purpose."""
 
@@ -50,8 +75,7 @@ class SceneError(FlankloadError):
 
     def __str__(self) -> str:
         places = [part for part in (self.file, self.key) if part]
-        line = ": ".join([*places, f"expected {self.expected}, found {self.found}"])
-        return " ".join(line.split())
+        return one_line(": ".join([*places, f"expected {self.expected}, found {self.found}"]))
 
     def with_file(self, path: str | Path) -> Self:
         """Return the same exception with the file that contains the key."""

@@ -42,7 +42,8 @@ def require_names(name: str, value: Any) -> None:
 
 def require_path(name: str, value: object) -> None:
     """Refuse anything but a path or None."""
-    require(name, value, "a path", fits=value is None or isinstance(value, str | PathLike))
+    fits = value is None or isinstance(value, str | PathLike)
+    require(name, value, "a path", fits=fits and "\0" not in str(value))
 
 
 def require_number(name: str, value: object) -> None:

@@ -19,6 +19,8 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
+from flankload.base.files import LARGEST_TABLE, read_file
+
 #: Largest total size of all arrays of a file, unpacked, in bytes.
 MOST_BYTES = 2**31
 MOST_ARRAYS = 100
@@ -80,7 +82,7 @@ def read_members(path: Path) -> dict[str, Member]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            archive = ZipFile(io.BytesIO(path.read_bytes()))  # opened once for all arrays
+            archive = ZipFile(io.BytesIO(read_file(path, LARGEST_TABLE)))  # opened once for all
             parts = archive.infolist()
             _check_size(parts)
             for part in parts:

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.files import path_of
+from flankload.base.number_text import number_of
 from flankload.errors import SceneError
 from flankload.flank import FlankCurve, turned_along
 from flankload.meshes.io.named_arrays import csv_rows
@@ -138,7 +140,7 @@ def flank_surface(
         return None
     grid = None
     if keys.topography_file is not None:
-        path, name = folder / keys.topography_file, f"{key}.topography_file"
+        path, name = folder / path_of(keys.topography_file), f"{key}.topography_file"
         grid = read_topography(path, name, body.curve, body.mode_range_mm, width_mm)
     return FlankSurface(body.mode_range_mm, (keys.profile_twist_um or 0.0) / 1000.0, grid)
 
@@ -247,7 +249,7 @@ def _read_grid(path: Path, key: str) -> tuple[Floats, Floats, Floats]:
 def _numbers(cells: list[str]) -> list[float] | None:
     """Numbers in the cells of a line; None unless all are finite and not too large."""
     try:
-        row = [float(cell) for cell in cells]
+        row = [number_of(cell) for cell in cells]
     except ValueError:
         return None
     return row if all(abs(value) <= LARGEST_DEVIATION for value in row) else None

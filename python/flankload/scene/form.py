@@ -168,12 +168,17 @@ def _fits(kind: Any, value: Any) -> bool:
 
 
 def _is_invalid(value: Any) -> bool:
-    """Whether a value has another type, is NaN, infinite or blank, or has a lone surrogate."""
+    """Whether a value has another type, is NaN, infinite or blank, or has a letter of no text."""
     if isinstance(value, list):
         return any(_is_invalid(part) for part in value)
     if isinstance(value, str):
-        return not value.strip() or any("\ud800" <= letter <= "\udfff" for letter in value)
+        return not value.strip() or any(map(_is_no_letter, value))
     return not isinstance(value, int | float) or value != value or value in (inf, -inf)
+
+
+def _is_no_letter(letter: str) -> bool:
+    """Whether a letter is NUL, which ends names of files, or half of a letter."""
+    return letter == "\0" or "\ud800" <= letter <= "\udfff"
 
 
 def _refuse_value(kind: Any, value: Any, key: str) -> NoReturn:
@@ -187,7 +192,10 @@ def _refuse_value(kind: Any, value: Any, key: str) -> NoReturn:
             for i, (item, part) in enumerate(zip(items, value, strict=False)):
                 if len(value) == (count or len(items)) and not _fits(item, part):
                     _refuse_value(item, part, f"{key}[{i}]")
-    refuse(key, expected_of(inspect.type_info(kind)), shown(value))
+    found = shown(value)
+    if isinstance(value, str) and (no_letter := next(filter(_is_no_letter, value), None)):
+        found = f"one with the letter U+{ord(no_letter):04X}"
+    refuse(key, expected_of(inspect.type_info(kind)), found)
 
 
 def expected_of(kind: inspect.Type, *, several: bool = False) -> str:

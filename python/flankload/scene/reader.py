@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from flankload.base.arguments import refuse_argument, require
-from flankload.errors import SceneError
+from flankload.base.files import read_file
+from flankload.errors import SceneError, reason_of
 from flankload.scene.scene import Scene
 from flankload.scene.typed_pairs import AsScene
 
@@ -73,9 +74,9 @@ def read_tables(path: Path, kind: str) -> dict[str, Any]:
         If the file cannot be read or is not valid TOML.
     """
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+        return tomllib.loads(read_file(path).decode("utf-8-sig"))
     except OSError as error:
-        expected, found = f"{kind} to read", (error.strerror or type(error).__name__).lower()
+        expected, found = f"{kind} to read", reason_of(error)
     except UnicodeDecodeError as error:
         expected, found = "text in UTF-8", _invalid_byte(error)
     except tomllib.TOMLDecodeError as error:

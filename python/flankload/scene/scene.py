@@ -17,7 +17,8 @@ from msgspec.structs import replace
 
 from flankload.base.arguments import require_path
 from flankload.base.card import Card
-from flankload.errors import SceneError
+from flankload.base.files import path_of
+from flankload.errors import SceneError, readable
 from flankload.scene.accuracy import Accuracy
 from flankload.scene.axial import check_dimension, three_dimensional_key
 from flankload.scene.belt import Belt, Pulley
@@ -38,6 +39,8 @@ from flankload.scene.tree import scene_tree, toml_of, with_changes
 
 #: N mm per N m.
 N_MM_PER_N_M = 1000.0
+#: Keys of bodies that name a file.
+FILE_KEYS = ("file", "profile_file", "topography_file")
 #: The table [pair] of chains and belts, whose scenes have none.
 NO_PAIR = Pair(face_width_mm=1.0)
 
@@ -135,9 +138,9 @@ class Scene(Card):
         named = {
             f"{name}.{key}": getattr(body, key, None)
             for name, body in (("body_1", self.body_1), ("body_2", self.body_2))
-            for key in ("file", "profile_file", "topography_file")
+            for key in FILE_KEYS
         }
-        return {key: self.folder / file for key, file in named.items() if file is not None}
+        return {key: self.folder / path_of(name) for key, name in named.items() if name is not None}
 
     @property
     def torques_Nm(self) -> tuple[float, ...]:
@@ -305,7 +308,7 @@ class Scene(Card):
         except SceneError as error:
             raise (error if path is None else error.with_file(path)) from None
         return cls(
-            name=asked.name or (path.stem if path is not None else "scene"),
+            name=asked.name or (readable(path.stem) if path is not None else "scene"),
             body_1=asked.body_1,
             body_2=asked.body_2,
             pair=asked.pair or NO_PAIR,

@@ -85,6 +85,17 @@ def test_between_columns_the_grid_is_linear() -> None:
             ),
         ),
         (
+            GRID.replace("4, 5, 6", "4, 5_0, 6"),  # read as 50
+            (
+                "flank.csv: line 5: expected a diameter and 3 values, separated by commas, found "
+                "'75.0, 4, 5_0, 6'"
+            ),
+        ),
+        (
+            GRID + "82.6, 7, 8, 9\n" * 9999,  # a million took more than two minutes
+            "body_1.topography_file: expected at most 10000 lines, found 10005 in flank.csv",
+        ),
+        (
             GRID.replace(",", ";"),
             (
                 "flank.csv: line 2: expected a name, then numbers (z), separated by commas, found "

@@ -144,7 +144,7 @@ def test_an_undefined_entity_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_bomb_is_not_unpacked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reading, "LARGEST", 2**20)
+    monkeypatch.setattr(reading, "LARGEST", 10**6)
     bomb = zipped(box_rexs=HEAD + " " * 2**24 + "</model>")
     assert len(bomb) < 2**16
     sizes, read = [], zipfile.ZipExtFile.read
@@ -155,10 +155,11 @@ def test_a_bomb_is_not_unpacked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
     monkeypatch.setattr(zipfile.ZipExtFile, "read", counted)
     line = refused(written(tmp_path, bomb, "box.rexsz"))
-    assert sizes == [2**20 + 1]
-    assert line == "file: expected a model of at most 1 MiB, found a larger one in the archive"
+    assert sizes == [10**6 + 1]
+    expected = "a model of at most 1 million bytes"
+    assert line == f"file: expected {expected}, found a larger one in the archive"
     line = refused(written(tmp_path, HEAD + " " * 2**21 + "</model>"))
-    assert line == "file: expected at most 1 MiB, found a larger file"
+    assert line == "file: expected a REXS file to read, found a file larger than 1 million bytes"
 
 
 def test_a_member_that_understates_its_size_is_refused(tmp_path: Path) -> None:
@@ -179,6 +180,18 @@ def test_a_member_that_understates_its_size_is_refused(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_each_fault_of_an_archive_has_its_line(tmp_path: Path, content: bytes, line: str) -> None:
     assert refused(written(tmp_path, content, "box.rexsz")).startswith(line)
+
+
+def test_an_archive_damaged_in_its_lzma_is_refused(tmp_path: Path) -> None:
+    """LZMAError was a traceback."""
+    path = tmp_path / "box.rexsz"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_LZMA) as archive:
+        archive.writestr("box.rexs", TEXT)
+    assert len(read_model(path).components) == 36
+    data = bytearray(path.read_bytes())
+    data[60:200] = bytes(140)
+    path.write_bytes(data)
+    assert refused(path).startswith("file: expected a ZIP archive, found ")
 
 
 def test_an_encrypted_archive_is_refused(tmp_path: Path) -> None:

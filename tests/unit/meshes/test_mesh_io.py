@@ -99,6 +99,12 @@ def test_cut_off_and_strange_gmsh_files_are_refused(tmp_path: Path) -> None:
         read_mesh(path)
 
 
+def test_numbers_of_gmsh_have_plain_digits(tmp_path: Path) -> None:
+    text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 5_0 0 0\n$EndNodes\n"
+    error = refusal(tmp_path, text, ".msh")
+    assert (error.expected, error.found) == ("numbers in section $Nodes", "1 5_0 0 0")
+
+
 @pytest.mark.parametrize("number", ["1.5", "nan", "1e16"])
 def test_node_numbers_of_gmsh_are_integers(tmp_path: Path, number: str) -> None:
     text = f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n{number} 0 0 0\n$EndNodes\n"
@@ -219,6 +225,7 @@ def test_second_material_and_constants_are_seen(tmp_path: Path) -> None:
         ("*HEADING", "1, 2, 3\n*HEADING",
          "a readable mesh file", "'1, 2, 3' before any *KEYWORD"),
         ("6, 2.0, 1.0", "6, 2.0, 1.0, 0.5", "all nodes in one plane z = const", "z from 0 to 0.5"),
+        ("2, 1.0, 0.0", "2, 1_0, 0.0", "numbers after *NODE", "'2, 1_0, 0.0' in line 6"),
         ("6, 2.0, 1.0", "6, 2.0, nan", "coordinates up to 1e+09 mm", "nan"),
     ],
 )  # fmt: skip

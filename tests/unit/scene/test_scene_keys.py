@@ -154,7 +154,13 @@ TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+
             {"name": "\ud800"},
             "name",
             "a non-empty string",
-            "'\ud800'",
+            "one with the letter U+D800",
+        ),
+        (
+            {"name": "a\0b"},
+            "name",
+            "a non-empty string",
+            "one with the letter U+0000",
         ),
         (
             {"name": " "},

@@ -80,6 +80,8 @@ def test_answers_are_written_and_read_again(
 WRONG = {
     "no JSON": ("{", "expected a case, found"),
     "unknown entry": ('{"nam": 1}', "expected a case, found Object contains unknown field `nam`"),
+    "no text": ("\udcff", "expected a case, found "),
+    "too many levels": ("[" * 10**5, "expected a case, found "),
     "other name": (None, "name: expected other, as its folder, found springs"),
 }
 
@@ -89,7 +91,8 @@ def test_a_case_that_does_not_follow_the_format_is_one_line(wrong: str, tmp_path
     text, message = WRONG[wrong]
     path = tmp_path / "other" / "case.json"
     path.parent.mkdir()
-    path.write_text(text or (FOLDER / "springs" / "case.json").read_text(encoding="utf-8"))
+    text = text or (FOLDER / "springs" / "case.json").read_text(encoding="utf-8")
+    path.write_text(text, encoding="utf-8", errors="surrogateescape")
     with pytest.raises(SceneError) as error:
         read_cases(tmp_path)
     assert message in str(error.value)
@@ -109,6 +112,7 @@ def test_a_case_that_does_not_follow_the_format_is_one_line(wrong: str, tmp_path
         ),
         (["-o", "-", "--json"], "-o: expected a file, since --json uses stdout, found -"),
         (["-o", "no/folder/a.json"], "-o: expected a file in a folder that exists"),
+        (["--answers", "TEXT", "-o", "TEXT"], "-o: expected a file other than the answers, found"),
         (["--folder", "EMPTY"], "expected a folder for each case, with case.json, found none"),
     ],
 )

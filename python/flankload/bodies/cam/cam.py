@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.files import path_of
 from flankload.base.rotation import directions
 from flankload.base.rounding import round_up
 from flankload.bodies.body import Body, Material, WholeMesh
@@ -22,7 +23,7 @@ from flankload.meshes.blocks import (
     growing_breaks,
     with_middles,
 )
-from flankload.meshes.io.named_arrays import read_columns
+from flankload.meshes.io.named_arrays import MOST_LINES, read_columns
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
@@ -150,7 +151,8 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
     """
     if spec.profile_file is not None:
         name = f"{key}.profile_file"
-        rows = read_columns(folder / spec.profile_file, name, ("angle_deg", "radius_mm"))
+        path = folder / path_of(spec.profile_file)
+        rows = read_columns(path, name, ("angle_deg", "radius_mm"))
     else:
         name = f"{key}.profile"
         rows = np.array(spec.profile, dtype=float).reshape(-1, 2)
@@ -176,8 +178,8 @@ def _one_turn(rows: Floats, key: str) -> tuple[Floats, Floats]:
     def refuse(expected: str, found: str) -> None:
         raise SceneError(key=key, expected=expected, found=found)
 
-    if len(rows) < LEAST_ROWS:
-        refuse(f"at least {LEAST_ROWS} rows of angle and radius", f"{len(rows)}")
+    if not LEAST_ROWS <= len(rows) <= MOST_LINES:
+        refuse(f"{LEAST_ROWS} to {MOST_LINES} rows of angle and radius", f"{len(rows)}")
     angle, radius = rows.T
     steps = np.diff(angle)
     if (steps <= 0).any():

@@ -7,6 +7,7 @@ from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from flankload.base.files import path_of
 from flankload.bodies.body import checked_pitch_errors
 from flankload.bodies.imported import modal_file, nodal_file
 from flankload.errors import SceneError
@@ -34,7 +35,7 @@ def build_compliance_body(spec: ComplianceBody, key: str, *, folder: Path) -> Bo
     SceneError
         If the scene's pitch errors do not fit the number of teeth.
     """
-    found = read_arrays(folder / spec.file, f"{key}.file")
+    found = read_arrays(folder / path_of(spec.file), f"{key}.file")
     latest, read = READERS[found.text("format", *READERS)]
     version = int(found.integers("version"))
     if not 1 <= version <= latest:

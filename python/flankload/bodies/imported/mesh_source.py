@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
+from flankload.base.files import path_of
 from flankload.errors import MeshError
 from flankload.meshes.defects import PlaneBody, sound_body
 from flankload.meshes.io import RawMesh, read_mesh
@@ -96,7 +97,7 @@ def read_source(spec: MeshBody, key: str, *, folder: Path) -> MeshSource:
     MeshError
         If the file is missing, unreadable, has a defect, or is not in millimetres.
     """
-    raw = read_mesh(folder / spec.file, f"{key}.file")
+    raw = read_mesh(folder / path_of(spec.file), f"{key}.file")
     one_material = spec.one_material or spec.region_sets is not None
     body = sound_body(raw, f"{key}.file", one_material=one_material)
     source = MeshSource(spec, key, raw, body)

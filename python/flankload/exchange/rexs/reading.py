@@ -9,21 +9,19 @@ from __future__ import annotations
 import json
 import re
 import zipfile
-import zlib
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 from xml.etree.ElementTree import Element, ParseError, TreeBuilder, XMLParser
 
-from flankload.errors import SceneError
+from flankload.base.files import LARGEST, read_file
+from flankload.errors import SceneError, reason_of
 from flankload.exchange.rexs.model import RENAMED, Attribute, Component, Model, Relation, Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-#: Largest model, bytes, unpacked: a gearbox of a hundred gears with all results has 20 MB.
-LARGEST = 64 * 2**20
 XML, JSON, ZIP = (".rexs", ".xml"), (".rexsj", ".json"), (".rexsz", ".zip")
 #: Names under which an attribute has a value that a scene may need.
 SCALARS = ("floating_point", "integer", "boolean", "enum", "string", "reference_component")
@@ -43,12 +41,9 @@ def read_model(path: str | Path) -> Model:
     if suffix not in XML + JSON + ZIP:
         _refuse(path, "a REXS file (.rexs, .rexsj, .rexsz)", path.name)
     try:
-        with path.open("rb") as stream:
-            data = stream.read(LARGEST + 1)
+        data = read_file(path, LARGEST)
     except OSError as error:
-        _refuse(path, "a REXS file to read", (error.strerror or str(error)).lower())
-    if len(data) > LARGEST:
-        _refuse(path, f"at most {LARGEST >> 20} MiB", "a larger file")
+        _refuse(path, "a REXS file to read", reason_of(error))
     if suffix in ZIP:
         suffix, data = _unpacked(path, data)
     return _json(path, data) if suffix in JSON else _xml(path, data)
@@ -68,12 +63,15 @@ def _unpacked(path: Path, data: bytes) -> tuple[str, bytes]:
             with archive.open(models[0]) as member:
                 # the header of a member may understate its size
                 content = member.read(LARGEST + 1)
-    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError) as error:
-        _refuse(path, "a ZIP archive", str(error).lower() or type(error).__name__)
+    except SceneError:
+        raise
     except (RuntimeError, NotImplementedError) as error:
         _refuse(path, "a ZIP archive without encryption, compressed by deflate", str(error))
+    except Exception as error:  # damaged archives raise many kinds, among them those of LZMA
+        _refuse(path, "a ZIP archive", str(error).lower() or type(error).__name__)
     if len(content) > LARGEST:
-        _refuse(path, f"a model of at most {LARGEST >> 20} MiB", "a larger one in the archive")
+        expected = f"a model of at most {LARGEST / 1e6:g} million bytes"
+        _refuse(path, expected, "a larger one in the archive")
     return Path(models[0].filename).suffix.lower(), content
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from flankload.base.number_text import number_of
 from flankload.exchange.rexs.attributes import (
     FACTORS,
     UNITS,
@@ -75,10 +76,10 @@ class Source:
 
 def _float(value: object) -> float | None:
     """A finite number, of a number or its text."""
-    if not isinstance(value, str | int | float) or "_" in str(value):
+    if not isinstance(value, str | int | float):
         return None
     try:
-        number = float(value)
+        number = number_of(value) if isinstance(value, str) else float(value)
     except (ValueError, OverflowError):
         return None
     return number if isfinite(number) else None

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.files import LARGEST_TABLE, read_file
+from flankload.base.number_text import number_of
 from flankload.meshes.io.parts import PLANE_CELLS, BadFile, FileMesh
 
 if TYPE_CHECKING:
@@ -51,7 +53,7 @@ def read_abaqus(path: Path) -> FileMesh:
         If it has no mesh, or an unsupported one; names the line.
     """
     reader = _Reader()
-    text = path.read_bytes().decode("utf-8", "replace")
+    text = read_file(path, LARGEST_TABLE).decode("utf-8", "replace")
     for keyword in keywords(text.splitlines()):
         reader.read_keyword(keyword)
     return reader.file_mesh()
@@ -170,7 +172,7 @@ class _Reader:
                 members.extend(range(values[0], values[1] + 1, values[2] if values[2:] else 1))
                 continue
             for word in filter(None, row.words):
-                if word.isdigit():
+                if word.isascii() and word.isdigit():
                     members.append(int(word))
                 elif word.upper() in sets:
                     members.extend(sets[word.upper()])
@@ -336,16 +338,15 @@ class Keyword:
         if len({row.count(",") for row in rows}) != 1:
             return None
         try:
-            return np.array([float(word) for word in ",".join(rows).split(",")]).reshape(
-                len(rows), -1
-            )
+            words = ",".join(rows).split(",")
+            return np.array([number_of(word) for word in words]).reshape(len(rows), -1)
         except ValueError:
             return None
 
     def numbers(self, row: Row) -> list[float]:
         """Values of a row as numbers, empty ones as 0; exponents may be those of Fortran (D)."""
         try:
-            return [float(word.upper().replace("D", "E") or 0) for word in row.words]
+            return [number_of(word.upper().replace("D", "E") or "0") for word in row.words]
         except ValueError:
             raise row.refused(f"numbers after *{self.name}", row.text) from None
 

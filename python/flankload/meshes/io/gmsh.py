@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from flankload.base.arrays import Numbers
+from flankload.base.files import LARGEST_TABLE, read_file
 from flankload.meshes.io.parts import BadFile, FileMesh, disjoint_groups
 
 Number = TypeVar("Number", int, float)
@@ -40,7 +41,7 @@ def read_gmsh(path: Path) -> FileMesh:
     BadFile
         If it is not a gmsh file, or is truncated.
     """
-    return _Reader(Stream(path.read_bytes())).read()
+    return _Reader(Stream(read_file(path, LARGEST_TABLE))).read()
 
 
 class _Reader:
@@ -296,6 +297,8 @@ class Stream:
         if len(words) < count:
             raise self._cut_off()
         try:
+            if any(b"_" in word for word in words):  # Python reads 5_0 as 50
+                raise ValueError
             return [number(word) for word in words]
         except ValueError:
             raise BadFile(

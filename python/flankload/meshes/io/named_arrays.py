@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 from flankload.base.array_archive import BadArchive, Member, read_members
 from flankload.base.arrays import Flags, Floats, Numbers
-from flankload.errors import ComplianceFileError, SceneError
+from flankload.base.files import LARGEST_TABLE, read_file
+from flankload.base.number_text import number_of
+from flankload.errors import ComplianceFileError, SceneError, reason_of
 
 #: Columns of a table before those of the matrix: offset of the displaced tooth, and the point.
 LEADING_COLUMNS = ("offset", "x_mm", "y_mm")
@@ -22,6 +24,9 @@ EXPECTED_FILE = "a .npz file of plain arrays"
 #: Largest length of an axis; flanks have fewer nodes.
 MOST_ROWS = 100000
 MOST_CHARACTERS = 10000
+#: Largest number of lines of a measured table. Each is an interval of the flank; a measured profile
+#: has some thousands at most.
+MOST_LINES = 10000
 #: Largest number; lengths, stiffnesses and compliances in mm and N are smaller, and powers finite.
 LARGEST = 1e30
 
@@ -202,7 +207,7 @@ def read_columns(path: str | Path, key: str, names: tuple[str, ...]) -> Floats:
         if not rows and tuple(row.cells) == names:
             continue
         try:
-            values = [float(cell) for cell in row.cells]
+            values = [number_of(cell) for cell in row.cells]
         except ValueError:
             values = []
         if len(values) != len(names) or not np.isfinite(values).all():
@@ -233,15 +238,21 @@ def csv_rows(path: Path, key: str, wanted: str) -> list[CsvRow]:
     Raises
     ------
     SceneError
-        If the file is missing or unreadable.
+        If the file is missing or unreadable, or has too many lines.
     """
     if not isfile(path) or path.suffix.lower() != ".csv":
         found = f"no file {path.name}" if not isfile(path) else path.name
         raise SceneError(key=key, expected=wanted, found=found)
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError):
+        lines = read_file(path).decode("utf-8-sig").splitlines()
+    except OSError as error:
+        found = f"{path.name}: {reason_of(error)}"
+        raise SceneError(key=key, expected=wanted, found=found) from None
+    except UnicodeDecodeError:
         raise SceneError(key=key, expected=wanted, found="other bytes than UTF-8") from None
+    if len(lines) > MOST_LINES:
+        found = f"{len(lines)} in {path.name}"
+        raise SceneError(key=key, expected=f"at most {MOST_LINES} lines", found=found)
     return [
         CsvRow(path, number, line.strip(), [cell.strip() for cell in line.split(",")])
         for number, line in enumerate(lines, start=1)
@@ -251,12 +262,12 @@ def csv_rows(path: Path, key: str, wanted: str) -> list[CsvRow]:
 
 def _read_csv(path: Path, key: str) -> dict[str, NDArray[Any]]:
     """Comments `# name = value`, then rows: offset, x, y and a row of the matrix."""
+    expected = "a table as text in UTF-8"
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError):
-        raise ComplianceFileError(
-            file=path, key=key, expected="a table as text in UTF-8", found="other bytes"
-        ) from None
+        lines = read_file(path, LARGEST_TABLE).decode("utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        found = reason_of(error) if isinstance(error, OSError) else "other bytes"
+        raise ComplianceFileError(file=path, key=key, expected=expected, found=found) from None
     arrays: dict[str, NDArray[Any]] = {}
     rows: list[tuple[int, list[str]]] = []
     for number, line in enumerate(lines, start=1):
@@ -274,7 +285,7 @@ def _read_csv(path: Path, key: str) -> dict[str, NDArray[Any]]:
 
 def _value_of(text: str) -> NDArray[Any]:
     try:
-        return np.array(float(text))
+        return np.array(number_of(text))
     except ValueError:
         return np.array(text)
 
@@ -296,7 +307,7 @@ def _tables_of(path: Path, rows: list[tuple[int, list[str]]]) -> dict[str, NDArr
             refuse(number, f"{width} columns as in line {rows[0][0]}", f"{len(cells)}")
         for j, cell in enumerate(cells):
             try:
-                values[k, j] = float(cell)
+                values[k, j] = number_of(cell)
             except ValueError:
                 refuse(number, f"a number in column {j + 1}", f"'{cell[:40]}'")
     lead = len(LEADING_COLUMNS)

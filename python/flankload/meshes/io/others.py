@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.files import LARGEST_TABLE
 from flankload.meshes.io.parts import PLANE_CELLS, BadFile, FileMesh
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ def read_with_meshio(path: Path) -> FileMesh:
     """
     import meshio
 
+    if path.stat().st_size > LARGEST_TABLE:
+        raise BadFile(f"at most {LARGEST_TABLE / 1e6:g} million bytes", "a larger file")
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             raw = meshio.read(path)

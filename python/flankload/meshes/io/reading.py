@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flankload.errors import MeshError
+from flankload.errors import MeshError, reason_of
 from flankload.meshes.io.abaqus import read_abaqus
 from flankload.meshes.io.gmsh import read_gmsh
 from flankload.meshes.io.others import known_to_meshio, read_with_meshio
@@ -55,7 +55,7 @@ def read_mesh(path: str | Path, key: str = "") -> RawMesh:
         reason = " ".join(str(error).split())[:80]
         expected, found = "a readable mesh file", f"numbers that do not fit together ({reason})"
     except OSError as error:
-        expected, found = "a mesh file to read", (error.strerror or type(error).__name__).lower()
+        expected, found = "a mesh file to read", reason_of(error)
     raise MeshError(file=path, key=key, expected=expected, found=found)
 
 

@@ -11,11 +11,12 @@ import msgspec
 import numpy as np
 
 from flankload.base.arguments import is_number
+from flankload.base.files import read_file
 from flankload.contact import ContactState, solve_contact, solve_contact_general
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
-from flankload.errors import SceneError
+from flankload.errors import SceneError, reason_of
 from flankload.mechanisms.flank_pair.assembly import bodies_of
 from flankload.scene import read_scene
 from flankload.scene.discretization import DEFAULT
@@ -56,12 +57,14 @@ def read_answers(path: Path) -> Answers:
     Raises SceneError if the file cannot be read or does not follow the format.
     """
     try:
-        found = msgspec.json.decode(path.read_bytes())
+        found = msgspec.json.decode(read_file(path))
         _check_numbers(path, found)
         return msgspec.convert(found, Answers)
     except OSError as error:
-        refuse("file", "a JSON file with answers to read", str(error.strerror).lower(), path)
-    except msgspec.DecodeError as error:
+        refuse("file", "a JSON file with answers to read", reason_of(error), path)
+    except SceneError:
+        raise
+    except (ValueError, RecursionError) as error:  # no JSON, or another form
         raise SceneError(file=path, key="answers", expected="answers", found=error) from None
 
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from flankload.errors import SceneError
+from flankload.base.files import read_file
+from flankload.errors import SceneError, reason_of
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
@@ -72,8 +73,10 @@ def read_cases(folder: Path, names: Sequence[str] = ()) -> tuple[Case, ...]:
 
 def _read_case(path: Path) -> Case:
     try:
-        case = msgspec.json.decode(path.read_bytes(), type=Case)
-    except msgspec.DecodeError as error:
+        case = msgspec.json.decode(read_file(path), type=Case)
+    except OSError as error:
+        refuse("case", "a case to read", reason_of(error), path)
+    except (ValueError, RecursionError) as error:  # no JSON, or another form
         raise SceneError(file=path, key="case", expected="a case", found=error) from None
     if case.name != path.parent.name:
         refuse("name", f"{path.parent.name}, as its folder", case.name, path)
