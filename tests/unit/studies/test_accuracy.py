@@ -710,6 +710,15 @@ def test_other_file_is_refused(text: str, tmp_path: Path) -> None:
     assert path.read_text(encoding="utf-8") == text
 
 
+def test_a_run_that_has_changed_in_its_file_is_refused(kept: Path, tmp_path: Path) -> None:
+    """A changed digit was a number of the study."""
+    path, text = tmp_path / "runs.jsonl", kept.read_text(encoding="utf-8")
+    at = text.rindex('"cpu_s":') + len('"cpu_s":')
+    path.write_text(f"{text[:at]}9{text[at:]}", encoding="utf-8")
+    with pytest.raises(SceneError, match="--resume: expected .*, which is another one or damaged"):
+        accuracy(small(), budget_s=ENOUGH, resume=path)
+
+
 def stop_at(number: int) -> Callable[[str, int, int], None]:
     """Ctrl-C when so many different groups have been told of."""
     told: list[str] = []

@@ -14,6 +14,8 @@ import sys
 import time
 from collections.abc import Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
 from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
@@ -27,6 +29,8 @@ from flankload.base.blas_threads import one_blas_thread
 from flankload.studies.design import Designs, run_study
 from flankload.studies.design import run as run_module
 from flankload.studies.design import run_designs as runs_module
+from flankload.studies.design.run import Outcome
+from flankload.studies.design.store import Store
 from flankload.studies.variables import variables_of
 from tests.support.design_scene import TEXT, design_scene
 from tests.support.made_up_result import made_up_result
@@ -226,7 +230,10 @@ def test_processes_give_the_bits_of_single_runs_and_a_lost_one_costs_nothing(
             if done == 3:
                 os.kill(next(iter(executor._processes)), signal.SIGKILL)
 
-        with pytest.raises(fl.FlankloadError, match=r"\d of 6 designs are finished, then a worker"):
+        said = (
+            r"\d of 6 designs are finished \(the store has them\), then a worker was lost: it was"
+        )
+        with pytest.raises(fl.FlankloadError, match=said):
             run_study(design_scene(), designs, NAMES, store, executor, kill)
     finished = stored(store)
     assert 3 <= len(finished) < 6
@@ -235,6 +242,26 @@ def test_processes_give_the_bits_of_single_runs_and_a_lost_one_costs_nothing(
     assert bits(study) == serial()
     assert len(solved) == 6 - len(finished)
     assert finished.items() <= stored(store).items()
+
+
+def test_a_worker_that_is_lost_before_a_task_is_submitted_costs_nothing(tmp_path: Path) -> None:
+    """A broken pool raises in `submit`, of which the traceback was shown."""
+    store = tmp_path / "a.sqlite"
+    designs = Designs(variables_of({TORQUE: [100, 200, 300]}))
+
+    class Breaking(ThreadPoolExecutor):
+        def submit(self, *call: Any, **options: Any) -> Future[Any]:
+            if number_in(store):
+                raise BrokenProcessPool("A child process terminated abruptly")
+            return super().submit(*call, **options)
+
+    with Breaking(1) as executor, pytest.raises(fl.FlankloadError) as lost:
+        run_study(design_scene(), designs, NAMES, store, executor)
+    assert str(lost.value) == (
+        "1 of 3 designs are finished (the store has them), then a worker was lost: it was killed "
+        "or had not enough memory; fewer workers need less"
+    )
+    assert len(stored(store)) == 1
 
 
 def test_dask_workers_give_the_bits_of_single_runs() -> None:
@@ -287,6 +314,36 @@ def stored(path: Path) -> dict[str, tuple[Any, ...]]:
         rows = db.execute("SELECT key, status, seconds, finished FROM runs").fetchall()
     db.close()
     return {row[0]: row[1:] for row in rows}
+
+
+def test_a_damaged_store_is_one_line_and_gives_no_other_number(tmp_path: Path) -> None:
+    """Flipped bytes were tracebacks of DatabaseError, JSONDecodeError and TypeError."""
+    whole, damaged = tmp_path / "a.sqlite", tmp_path / "b.sqlite"
+    row = {"torque_Nm": 1.0, "quantities": {PEAK: 1500.0, "curve": [0.5] * 50}, "estimate": {}}
+    outcomes = {f"{k:040x}": Outcome("solved", 0.1 * k, None, (row,)) for k in range(20)}
+    with closing(Store(whole)) as store:
+        for key, outcome in outcomes.items():
+            store.add(key, {TORQUE: 1.0}, outcome)
+    content, random = whole.read_bytes(), np.random.default_rng(7)
+    lines: set[str] = set()
+    for n in range(150):
+        for old in tmp_path.glob("b.sqlite*"):
+            old.unlink()
+        spoiled = np.frombuffer(content, np.uint8).copy()
+        places = random.integers(0, spoiled.size, 1 + n % 5)
+        spoiled[places] ^= np.uint8(1) << random.integers(0, 8, places.size).astype(np.uint8)
+        damaged.write_bytes(spoiled[: random.integers(1, spoiled.size) if n % 5 == 0 else None])
+        try:
+            with closing(Store(damaged)) as store:
+                found = {key: store.find(key) for key in outcomes}
+                store.add("new", {}, outcomes[f"{0:040x}"])
+        except fl.SceneError as error:
+            lines.add(str(error))
+        else:  # a run that is not found is solved again
+            assert all(one in (None, outcomes[key]) for key, one in found.items())
+    remedy = "store: expected an undamaged file; after it is deleted, all designs are solved again"
+    assert f"{remedy}, found {damaged}: a run that has changed since it was written" in lines
+    assert f"{remedy}, found {damaged}: database disk image is malformed" in lines
 
 
 def test_a_store_is_extended_by_other_values_and_quantities(

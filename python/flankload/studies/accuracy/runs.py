@@ -10,7 +10,8 @@ from os.path import isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flankload.base.files import write_atomically
+from flankload.base.digest import digest_of
+from flankload.base.files import LARGEST_TABLE, read_file, write_atomically
 from flankload.cost import Account
 from flankload.errors import FlankloadError, PremiseError
 from flankload.mechanisms import Progress, run_once
@@ -76,15 +77,14 @@ class Runs:
 
     def _read(self, file: Path) -> None:
         try:
-            lines = file.read_text(encoding="utf-8").splitlines()
+            lines = read_file(file, LARGEST_TABLE).decode().splitlines()
             head = json.loads(lines[0]) if lines else self._head
-            trees = [json.loads(line) for line in lines[1:]]
-            runs = [_from_tree(tree) for tree in trees]
-        except (ValueError, KeyError, TypeError):
+            runs = [_from_line(line) for line in lines[1:]]
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
             head, runs, lines = {}, [], []
         if head != self._head:
             expected = "a file of finished runs of this very scene and version, or none yet"
-            refuse("--resume", expected, f"{file}, which is another one")
+            refuse("--resume", expected, f"{file}, which is another one or damaged")
         self._lines = lines[1:]
         self.done = {run.discretization: run for run in runs}
 
@@ -94,7 +94,7 @@ class Runs:
             run = self._solved(discretization, progress)
             self.done[discretization] = run
             if self._file is not None:
-                self._lines.append(json.dumps(_to_tree(run), separators=(",", ":")))
+                self._lines.append(_line_of(run))
                 text = "\n".join([json.dumps(self._head), *self._lines]) + "\n"
                 write_atomically(self._file, text)
         return self.done[discretization]
@@ -165,6 +165,20 @@ def _measured(
         stages=stages,
         outside=tuple(sorted({name for result in results for name in result.outside_limits})),
     )
+
+
+def _line_of(run: Run) -> str:
+    """Line of a run: its digest, and the run as JSON."""
+    text = json.dumps(_to_tree(run), separators=(",", ":"))
+    return f"{digest_of(text).hex()} {text}"
+
+
+def _from_line(line: str) -> Run:
+    """The run of a line; ValueError if it is damaged."""
+    digest, _, text = line.partition(" ")
+    if digest != digest_of(text).hex():
+        raise ValueError
+    return _from_tree(json.loads(text))
 
 
 def _to_tree(run: Run) -> dict[str, Any]:

@@ -9,10 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.files import path_of
+from flankload.result.quantities import by_path
 from flankload.scene.refusal import refuse, shown
+from flankload.scene.scene import FILE_KEYS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -71,6 +75,16 @@ class Designs:
                 expected = f"{self._counts[0]} values, as many as {self.variables[0].name}"
                 if len(variable.values) != self._counts[0]:
                     refuse(f"variables.{variable.name}", expected, f"{len(variable.values)}")
+
+    def files(self, folder: Path) -> dict[str, Path]:
+        """Files that variables and changes name, by words for them; relative to the folder."""
+        given = [(path, x) for one in self.variables for path in one.paths for x in one.values]
+        found: dict[str, Path] = {}
+        for path, value in [*given, *self.fixed.items()]:
+            for key, name in by_path({path: value}, lambda n: f"[{n}]"):
+                if key.rpartition(".")[2] in FILE_KEYS and isinstance(name, str):
+                    found[f"{name} of {key}"] = folder / path_of(name)
+        return found
 
     @property
     def _counts(self) -> list[int]:

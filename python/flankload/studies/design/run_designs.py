@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
@@ -140,7 +140,10 @@ class _Runs:
         # only threads see the event
         threads = isinstance(pool, ThreadPoolExecutor)
         call = partial(run_task, task, self.stopped) if threads else partial(run_task, task)
-        future = pool.submit(call)
+        try:
+            future = pool.submit(call)
+        except Exception as error:  # a worker has died, or the caller shut the pool down
+            raise self._lost(error) from error
         self.pending[future] = key
         future.add_done_callback(self.done.put)
 
@@ -151,10 +154,18 @@ class _Runs:
         try:
             outcome = future.result()
         except Exception as error:
-            reason = f"{type(error).__name__}: {error}".removesuffix(": ")
-            raise FlankloadError(f"{self.finished}, then a worker was lost: {reason}") from error
+            raise self._lost(error) from error
         self.warm = True
         self._keep(key, outcome)
+
+    def _lost(self, error: Exception) -> FlankloadError:
+        """The error after a worker has ended, whichever call shows it."""
+        if isinstance(error, BrokenExecutor):
+            reason = "it was killed or had not enough memory; fewer workers need less"
+        else:
+            reason = f"{type(error).__name__}: {error}".removesuffix(": ")
+        kept = "the store has them" if self.store.is_file else "a store keeps them"
+        return FlankloadError(f"{self.finished} ({kept}), then a worker was lost: {reason}")
 
     def stop(self) -> None:
         """Stop the runs in flight and store those that have ended nevertheless."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from msgspec import Meta
 
 from flankload.base.arguments import require, require_path
+from flankload.base.files import path_of
 from flankload.errors import SceneError
 from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.form import read_table
@@ -205,9 +206,11 @@ def read_study(path: str | Path) -> StudyFile:
             refuse("changes", "a table of paths with values", shown(changes))
         designs = Designs(found, keys.design, keys.n, keys.seed, paths_of(changes))
         designs.check()
-    scene = read_scene(path.parent / keys.scene)
+    scene = read_scene(path.parent / path_of(keys.scene))
     with in_file(path):
         designs = designs.in_scene(scene)
         check_first(scene, designs)
-    store = path.with_suffix(".sqlite") if keys.store is None else path.parent / keys.store
+    store = path.with_suffix(".sqlite")
+    if keys.store is not None:
+        store = path.parent / path_of(keys.store)
     return StudyFile(path, scene, designs, keys.quantities, store)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache, lru_cache
 from hashlib import sha256
 from importlib.metadata import version as installed_version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from flankload.base.digest import digest_of
 from flankload.scene.refusal import refuse
@@ -21,7 +21,10 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 #: Number in the head of an SQLite file ("FLNK") and version of the table.
-APPLICATION, FORMAT = 0x464C4E4B, 1
+APPLICATION, FORMAT = 0x464C4E4B, 2
+#: Errors of SQLite that say nothing about the content: permission, busy, locked, memory, read-only,
+#: interrupted, input and output, full, cannot open, protocol, no large files, authorization.
+OF_SYSTEM = (3, 5, 6, 7, 8, 9, 10, 13, 14, 15, 22, 23)
 #: Seconds for which a write waits until other processes have finished theirs.
 PATIENCE_S = 60.0
 TABLE = """
@@ -33,6 +36,7 @@ CREATE TABLE IF NOT EXISTS runs (
     seconds REAL NOT NULL,
     error TEXT,
     results TEXT NOT NULL,
+    digest TEXT NOT NULL,
     finished TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP
 )
 """
@@ -76,7 +80,8 @@ class Store:
     Several processes may use one file: it is in WAL mode, and each run is written at once. A
     process that is killed loses nothing that was written.
 
-    Raises SceneError if the path is not a store of this format, OSError if it cannot be written.
+    Raises SceneError if the path is not a store of this format or damaged, OSError if it cannot be
+    written. Each run has its digest, so that no changed byte becomes a number of a study.
     """
 
     def __init__(self, path: Path | None) -> None:
@@ -123,39 +128,54 @@ class Store:
 
     @contextmanager
     def _errors(self) -> Iterator[None]:
-        """Name the file in errors of the database, such as a full disk."""
+        """Name the file in errors of the database, such as a full disk or a damaged file."""
         try:
             yield
-        except sqlite3.OperationalError as error:
-            raise OSError(getattr(error, "sqlite_errorcode", 0), str(error), str(self._path)) from (
-                None
-            )
+        except sqlite3.ProgrammingError:
+            raise
+        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+            code = getattr(error, "sqlite_errorcode", 0)
+            if code & 0xFF in OF_SYSTEM:
+                raise OSError(code, str(error), str(self._path)) from None
+            self._refuse_damaged(str(error))
+
+    def _refuse_damaged(self, found: str) -> NoReturn:
+        expected = "an undamaged file; after it is deleted, all designs are solved again"
+        refuse("store", expected, f"{self._path}: {found}")
 
     def find(self, key: str) -> Outcome | None:
         """Outcome of a run, if it is there."""
         with self._errors():
             row = self._db.execute(
-                "SELECT status, seconds, error, results FROM runs WHERE key = ?", (key,)
+                "SELECT status, seconds, error, results, digest FROM runs WHERE key = ?", (key,)
             ).fetchone()
         if row is None:
             return None
-        status, seconds, error, results = row
+        if row[-1] != _digest(key, *row[:-1]):
+            self._refuse_damaged("a run that has changed since it was written")
+        status, seconds, error, results, _ = row
         return Outcome(status, seconds, error, tuple(json.loads(results)))
 
     def add(self, key: str, values: Mapping[str, Any], outcome: Outcome) -> None:
         """Write a run; it replaces an earlier one with fewer quantities."""
         texts = [json.dumps(part, default=repr) for part in (dict(values), outcome.results)]
-        row = (key, version(), texts[0], outcome.status, outcome.seconds, outcome.error)
-        columns = "key, version, variables, status, seconds, error, results"
+        run = (outcome.status, float(outcome.seconds), outcome.error, texts[1])
+        row = (key, version(), texts[0], *run, _digest(key, *run))
+        columns = "key, version, variables, status, seconds, error, results, digest"
         with self._errors(), self._db:
             self._db.execute(
-                f"INSERT OR REPLACE INTO runs ({columns}) VALUES (?, ?, ?, ?, ?, ?, ?)",
-                (*row, texts[1]),
+                f"INSERT OR REPLACE INTO runs ({columns}) VALUES (?, ?, ?, ?, ?, ?, ?, ?)", row
             )
 
     def close(self) -> None:
         """Close the file."""
-        self._db.close()
+        with suppress(sqlite3.DatabaseError):  # of a damaged file, which is refused elsewhere
+            self._db.close()
+
+
+def _digest(*run: object) -> str:
+    """Digest of a run: key, status, seconds, error and results as text."""
+    return digest_of(run).hex()
 
 
 def names_in(outcome: Outcome) -> set[str]:

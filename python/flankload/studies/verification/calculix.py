@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.errors import OtherProgramError
+from flankload.errors import OtherProgramError, reason_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -118,7 +118,7 @@ def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | No
             f"CalculiX did not end within {time_limit_s:g} s and was stopped", folder=folder
         ) from None
     except OSError as error:
-        why = f"CalculiX could not be started: {(error.strerror or str(error)).lower()}"
+        why = f"CalculiX could not be started: {reason_of(error)}"
         raise OtherProgramError(why, folder=folder) from None
     wall, cpu = perf_counter() - wall, _children_cpu_s() - cpu
     said = log.read_text(encoding="utf-8", errors="replace")
