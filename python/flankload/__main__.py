@@ -24,11 +24,12 @@ def command() -> int:
     int
         Exit code.
     """
+    _open_closed_streams()
     # a shell that starts this in the background ignores Ctrl-C for it, and that is preserved
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _on_interrupt)
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):  # else the caller closed it
+        if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # letters that the terminal lacks
     if sys.argv[1:2] in (["accuracy"], ["study"]):
         for name in THREADS:
@@ -39,9 +40,24 @@ def command() -> int:
         code = main()
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # everything is done
     except KeyboardInterrupt:
-        os.write(sys.__stderr__.fileno() if sys.__stderr__ else 2, MESSAGE)
+        os.write(2, MESSAGE)
         return INTERRUPTED
     return code
+
+
+def _open_closed_streams() -> None:
+    """Open streams that the caller closed (`2>&-`), for reading and writing nothing.
+
+    Otherwise the next file that is opened gets the number of the stream, and messages of libraries
+    end in it.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            # the lowest free number is this one
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
+            setattr(sys, name, os.fdopen(number, "w" if number else "r", closefd=False))
 
 
 def _on_interrupt(_: int, frame: FrameType | None) -> NoReturn:

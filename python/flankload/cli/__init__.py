@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
-import os
 import shlex
 import sys
 from functools import partial
@@ -14,9 +12,10 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from flankload.cli.checking import check, schema
 from flankload.cli.designing import optimise, study
 from flankload.cli.judging import accuracy, benchmark, verify
+from flankload.cli.outputs import drop, say
 from flankload.cli.solving import plan, report, run
 from flankload.cli.writing import compliance, mesh, scene
-from flankload.errors import FlankloadError, SceneError
+from flankload.errors import FlankloadError, SceneError, one_line, readable, reason_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -35,7 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     Returns 0 if done, 1 if not solved, 2 for invalid input, 130 if interrupted.
     """
-    line = shlex.join(["flankload", *(sys.argv[1:] if argv is None else argv)])
+    line = readable(shlex.join(["flankload", *(sys.argv[1:] if argv is None else argv)]))
     arguments = parser().parse_args(argv, argparse.Namespace(line=line))
     command: Callable[[argparse.Namespace], None] = arguments.command
     try:
@@ -49,11 +48,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(f"{asked}: {error}", NOT_SOLVED)
     except OSError as error:
         if error.filename is None:
-            _drop_stdout()
+            drop(sys.stdout)
         if isinstance(error, BrokenPipeError):  # the reader closed the pipe
             return SOLVED
         place = "stdout" if error.filename is None else str(error.filename)
-        return _fail(f"{place}: {(error.strerror or str(error)).lower()}", NOT_SOLVED)
+        return _fail(f"{place}: {reason_of(error)}", NOT_SOLVED)
     except MemoryError:
         return _fail("not enough memory: fewer positions or torques need less", NOT_SOLVED)
     except KeyboardInterrupt as stop:
@@ -61,14 +60,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     return SOLVED
 
 
-def _drop_stdout() -> None:
-    """Discard the rest of the buffer, which Python would otherwise write at exit."""
-    with contextlib.suppress(OSError, ValueError, AttributeError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
 def _fail(message: object, code: int) -> int:
-    print(f"flankload: {' '.join(str(message).split())}", file=sys.stderr)
+    say(f"flankload: {one_line(message)}")
     return code
 
 

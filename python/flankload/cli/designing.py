@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
+from threading import Thread
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import STDOUT, check_apart, check_file, check_outputs, refuse, write_text
+from flankload.cli.outputs import (
+    PNG,
+    STDOUT,
+    Output,
+    check_apart,
+    check_file,
+    check_outputs,
+    refuse,
+    write_text,
+)
 from flankload.cli.progress import Progress
 from flankload.errors import FlankloadError
 
@@ -33,7 +43,7 @@ def study(arguments: Namespace) -> None:
     outputs = list(dict.fromkeys(arguments.outputs))
     _check_suffixes(outputs)
     places = check_outputs(
-        (("-o", path) for path in outputs), [("--plot", arguments.plot, "PNG files")]
+        (("-o", path) for path in outputs), [("--plot", arguments.plot, "PNG files", PNG)]
     )
     if arguments.workers is not None and arguments.workers < 1:
         refuse("--workers", "an integer > 0", arguments.workers)
@@ -46,7 +56,8 @@ def study(arguments: Namespace) -> None:
     asked = read_study(arguments.file)
     store = f"{asked.file}: store"
     check_file(store, asked.store)
-    check_apart([("the study", asked.file), (store, asked.store), *places], asked.scene)
+    read = {"the study": asked.file} | asked.designs.files(asked.scene.folder)
+    check_apart([Output(store, asked.store), *places], asked.scene, read)
     try:
         with (
             in_file(asked.file),
@@ -137,10 +148,24 @@ def _executor(arguments: Namespace) -> AbstractContextManager[Executor | None]:
 
         # processes that are forked from one with threads of OpenMP hang in their first sweep
         context = multiprocessing.get_context("spawn")
-        # Ctrl-C is left to the process that has the store
-        ignore = partial(signal.signal, signal.SIGINT, signal.SIG_IGN)
-        return ProcessPoolExecutor(workers, context, initializer=ignore)
+        return ProcessPoolExecutor(workers, context, initializer=_begin_worker)
     return nullcontext() if arguments.workers is None else ThreadPoolExecutor(workers)
+
+
+def _begin_worker() -> None:
+    """Leave Ctrl-C to the process that has the store, and end with it, also if it is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """Wait for the end of a pipe that the parent holds open, then end this process at once."""
+    from multiprocessing import parent_process
+
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
 
 
 @contextmanager
@@ -161,6 +186,7 @@ def _dask(address: str) -> Iterator[Executor]:
 
 def optimise(arguments: Namespace) -> None:
     """Read the file and its scene, search, write and print."""
+    from flankload.base.files import path_of
     from flankload.scene import read_scene
     from flankload.scene.form import read_table
     from flankload.scene.reader import read_tables
@@ -172,7 +198,7 @@ def optimise(arguments: Namespace) -> None:
     tree = read_tables(file, "a file of an optimisation")
     options = {key: value for key, value in tree.items() if key not in TABLES}
     with in_file(file):
-        scene_path = file.parent / read_table(OptimisationFile, options, "").scene
+        scene_path = file.parent / path_of(read_table(OptimisationFile, options, "").scene)
     scene = read_scene(scene_path)
     if arguments.output is not None:
         _check_output(arguments.output, scene, file)
@@ -191,7 +217,7 @@ def optimise(arguments: Namespace) -> None:
 def _check_output(path: Path, scene: Scene, file: Path) -> None:
     """Refuse an output that could not be written, or where the files of the scene are not found."""
     check_file("-o", path)
-    check_apart([("-o", path)], scene, {"the optimisation": file})
+    check_apart([Output("-o", path)], scene, {"the optimisation": file})
     if scene.files and path.resolve().parent != scene.folder.resolve():
         expected = f"a file in the folder {scene.folder} of the scene, which names other files"
         refuse("-o", expected, path)

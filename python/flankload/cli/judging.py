@@ -6,7 +6,16 @@ import json
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from flankload.cli.outputs import STDOUT, check_apart, check_file, check_outputs, refuse, write_text
+from flankload.cli.outputs import (
+    PNG,
+    STDOUT,
+    Output,
+    check_apart,
+    check_file,
+    check_outputs,
+    refuse,
+    write_text,
+)
 from flankload.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -24,10 +33,10 @@ def accuracy(arguments: Namespace) -> None:
     if not (isfinite(arguments.budget) and arguments.budget > 0):
         refuse("--budget", "CPU seconds > 0", f"{arguments.budget:g}")
     files = {"--csv": arguments.csv, "--json": arguments.json}
-    places = check_outputs(files.items(), [("--plot", arguments.plot, "PNG files")])
+    places = check_outputs(files.items(), [("--plot", arguments.plot, "PNG files", PNG)])
     if arguments.resume is not None:
         check_file("--resume", arguments.resume)
-        places.append(("--resume", arguments.resume))
+        places.append(Output("--resume", arguments.resume))
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
@@ -57,7 +66,7 @@ def accuracy(arguments: Namespace) -> None:
 
 def verify(arguments: Namespace) -> None:
     """Print both solutions side by side."""
-    check_outputs([], [("-o", arguments.folder, "the deck")])
+    check_outputs([], [("-o", arguments.folder, "the deck", ())])
     limit = arguments.time_limit
     if limit is not None and not (isfinite(limit) and limit > 0):
         refuse("--time-limit", "seconds > 0", f"{limit:g}")
@@ -74,7 +83,7 @@ def verify(arguments: Namespace) -> None:
     from flankload.studies.verification import verify as compared
 
     if arguments.folder is not None:
-        check_apart((("-o", path) for path in files_of_deck(arguments.folder)), scene)
+        check_apart((Output("-o", path) for path in files_of_deck(arguments.folder)), scene)
 
     found = compared(
         scene,
@@ -96,8 +105,12 @@ def benchmark(arguments: Namespace) -> None:
     printed = str(arguments.output) == STDOUT
     if printed and arguments.json:
         refuse("-o", "a file, since --json uses stdout", STDOUT)
-    check_outputs([("-o", arguments.output)])
+    outputs = check_outputs([("-o", arguments.output)])
     cases = read_cases(arguments.folder, arguments.cases)
+    read = {f"case {one.name}": arguments.folder / one.name / "case.json" for one in cases}
+    if arguments.answers is not None:
+        read["the answers"] = arguments.answers
+    check_apart(outputs, None, read)
     if arguments.answers is None:
         answers = _solve(cases, arguments)
     else:

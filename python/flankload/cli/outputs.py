@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import sys
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, NamedTuple, NoReturn, TextIO
 
-from flankload.base.files import is_stream, write_atomically
+from flankload.base.files import is_stream, same_file, would_replace, write_atomically
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 STDOUT = "-"
+#: Names of files in a folder for plots.
+PNG = ("*.png",)
 #: Suffixes of files: a path that ends in one of these is not a folder.
 OF_FILES = (
     ".csv", ".eps", ".fmu", ".gif", ".html", ".inp", ".jpeg", ".jpg", ".json", ".msh", ".npz",
@@ -28,26 +32,35 @@ def refuse(key: str, expected: str, found: object, file: Path | None = None) -> 
     raise SceneError(file=file, key=key, expected=expected, found=found)
 
 
+class Output(NamedTuple):
+    """A file or folder that an option wants; of a folder, patterns of the names in it."""
+
+    key: str
+    path: Path
+    names: tuple[str, ...] = ()
+
+
 def check_outputs(
     files: Iterable[tuple[str, str | Path | None]],
-    folders: Iterable[tuple[str, Path | None, str]] = (),
-) -> list[tuple[str, Path]]:
-    """Refuse outputs that could not be written; return their paths without stdout, by option.
+    folders: Iterable[tuple[str, Path | None, str, tuple[str, ...]]] = (),
+) -> list[Output]:
+    """Refuse outputs that could not be written; return them without stdout.
 
-    Files and folders follow their options; None: not wanted. A folder has its content in words.
+    Files and folders follow their options; None: not wanted. A folder has its content in words, and
+    patterns of the names in it.
     """
     wanted = [(key, path) for key, path in files if path is not None]
     printed = [key for key, path in wanted if str(path) == STDOUT]
     if len(printed) > 1:
         refuse(printed[1], f"a file, since {printed[0]} uses stdout", STDOUT)
-    places = [(key, Path(path)) for key, path in wanted if str(path) != STDOUT]
-    for key, path in places:
-        check_file(key, path)
-    for key, folder, content in folders:
+    outputs = [Output(key, Path(path)) for key, path in wanted if str(path) != STDOUT]
+    for output in outputs:
+        check_file(output.key, output.path)
+    for key, folder, content, names in folders:
         if folder is not None:
             check_folder(key, folder, content)
-            places.append((key, folder))
-    return places
+            outputs.append(Output(key, folder, names))
+    return outputs
 
 
 def check_folder(key: str, folder: Path, content: str) -> None:
@@ -73,35 +86,48 @@ def check_file(key: str, path: Path) -> None:
 
 
 def check_apart(
-    outputs: Iterable[tuple[str, Path]], scene: Scene | None, read: Mapping[str, Path] | None = None
+    outputs: Iterable[Output], scene: Scene | None, read: Mapping[str, Path] | None = None
 ) -> None:
     """Refuse an output that would replace the scene, a file that it reads or another output.
 
-    Each file or folder follows its command-line option; `read` are further inputs by their names.
+    `read` are further inputs by their names.
     """
     taken = dict(read or {})
     if scene is not None:
         taken |= {"the scene": scene.file} if scene.file is not None else {}
         taken |= {f"that of {key}": path for key, path in scene.files.items()}
-    for key, path in outputs:
-        if is_stream(path):
+    for output in outputs:
+        if is_stream(output.path):
             continue
         for owner, other in taken.items():
-            if _same(path, other):
-                refuse(key, f"a file other than {owner}", path)
-        taken[f"that of {key}"] = path
+            if same_file(output.path, other):
+                refuse(output.key, f"a file other than {owner}", output.path)
+            if would_replace(output.path, output.names, other):
+                expected = f"a folder whose files do not replace {other} ({owner})"
+                refuse(output.key, expected, output.path)
+        taken[f"that of {output.key}"] = output.path
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write a text, or print it."""
-    if str(path) == STDOUT:
-        print(text, end="")
-    else:
+    """Write a text, or print it; other outputs follow if nobody reads this one to its end."""
+    if str(path) != STDOUT:
         write_atomically(path, text)
+        return
+    try:
+        print(text, end="", flush=True)
+    except BrokenPipeError:
+        drop(sys.stdout)
 
 
-def _same(one: Path, other: Path) -> bool:
-    """Whether two paths name the same file, including hard and symbolic links."""
-    if os.path.realpath(one) == os.path.realpath(other):
-        return True
-    return os.path.exists(one) and os.path.exists(other) and one.samefile(other)
+def say(line: object) -> None:
+    """Print a line on stderr; the work goes on if nobody can read it."""
+    try:
+        print(line, file=sys.stderr, flush=True)
+    except OSError:
+        drop(sys.stderr)
+
+
+def drop(stream: TextIO) -> None:
+    """Discard all that a stream has and gets, which Python would otherwise write at exit."""
+    with suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -7,6 +7,8 @@ from threading import Event, Thread, Timer
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Self
 
+from flankload.cli.outputs import say
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -134,7 +136,7 @@ class Progress:
         if self._bar is not None:
             self._bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
         else:
-            print(line, file=sys.stderr, flush=True)
+            say(line)
 
     def _print_lines(self) -> None:
         """Print a line from time to time, until the end."""

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import STDOUT, check_outputs, refuse, write_text
+from flankload.cli.outputs import STDOUT, Output, check_outputs, refuse, write_text
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -30,14 +29,22 @@ def files_of(arguments: Namespace) -> dict[str, str]:
     return {key: path for key, path in named.items() if path is not None}
 
 
-def check_files(arguments: Namespace, formats: Sequence[str]) -> list[tuple[str, Path]]:
-    """Refuse outputs that could not be written (plots in these formats); their paths by option."""
+def check_files(arguments: Namespace, formats: Sequence[str]) -> list[Output]:
+    """Refuse outputs that could not be written; the others without stdout. Plots have formats."""
     files = files_of(arguments)
     for key in ("--xlsx", "--fmu"):
         if files.get(key) == STDOUT:
             refuse(key, "a file, since it is no text", STDOUT)
     kinds = " and ".join(kind.upper() for kind in formats)
-    folders = [("--plot", arguments.plot, f"{kinds} files"), ("--vtu", arguments.vtu, "VTU files")]
+    vtu_names: tuple[str, ...] = ()
+    if arguments.vtu is not None:
+        from flankload.export import fields
+
+        vtu_names = fields.NAMES
+    folders = [
+        ("--plot", arguments.plot, f"{kinds} files", tuple(f"*.{kind}" for kind in formats)),
+        ("--vtu", arguments.vtu, "VTU files", vtu_names),
+    ]
     places = check_outputs(files.items(), folders)
     if arguments.xlsx is not None and find_spec("openpyxl") is None:
         refuse("--xlsx", "the package openpyxl: pip install 'flankload[xlsx]'", "none")
@@ -47,6 +54,16 @@ def check_files(arguments: Namespace, formats: Sequence[str]) -> list[tuple[str,
     if indices(arguments.vtu_positions) is not None and arguments.vtu is None:
         refuse("--vtu-positions", "--vtu DIR beside it", arguments.vtu_positions)
     return places
+
+
+def check_tables(arguments: Namespace, scene: Scene) -> None:
+    """Refuse tables over angle and torque for which the scene has no stiffness."""
+    option = next((f"--{x}" for x in ("modelica", "fmu") if getattr(arguments, x) is not None), "")
+    if option and not all(scene.torques_Nm):
+        refuse("load.torque_Nm", f"torques > 0, since {option} needs stiffness", "0", scene.file)
+    if option and not scene.accuracy.tangents:
+        expected = f"true, since {option} needs tangent stiffness"
+        refuse("accuracy.tangents", expected, "false", scene.file)
 
 
 def csv_form(words: str) -> CsvForm:

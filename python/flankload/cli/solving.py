@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING
 
 from flankload.cli.outputs import STDOUT, check_apart, check_outputs, write_text
 from flankload.cli.progress import Progress
-from flankload.cli.result_files import check_files, files_of, plot_options, write_files
+from flankload.cli.result_files import (
+    check_files,
+    check_tables,
+    files_of,
+    plot_options,
+    write_files,
+)
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -26,6 +32,7 @@ def run(arguments: Namespace) -> None:
 
     scene = read_scene(arguments.scene)
     check_apart(places, scene)
+    check_tables(arguments, scene)
     drawn = arguments.plot is not None or arguments.report is not None
     found = _solve(scene, quiet=arguments.quiet, drawn=drawn, planned=arguments.cost)
     results = found.by_torque

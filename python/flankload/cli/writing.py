@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 import tomllib
 from typing import TYPE_CHECKING, Any
 
-from flankload.cli.outputs import STDOUT, check_apart, check_outputs, refuse, write_text
+from flankload.cli.outputs import (
+    STDOUT,
+    Output,
+    check_apart,
+    check_outputs,
+    refuse,
+    say,
+    write_text,
+)
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -42,11 +49,11 @@ def scene(arguments: Namespace) -> None:
     except SceneError as error:
         raise error.with_file(arguments.file) from None
     write_text(path, made.scene.to_toml())
-    stream = sys.stderr if printed else sys.stdout
+    speak = say if printed else print
     if not printed:
         print(f"{path}: {made.stage} of {arguments.file}")
     for line in (*made.lines, *(f"warning: {note}" for note in notes)):
-        print(line, file=stream)
+        speak(line)
 
 
 def _settings(given: Iterable[str]) -> dict[str, Any]:
@@ -66,12 +73,12 @@ def _settings(given: Iterable[str]) -> dict[str, Any]:
 def mesh(arguments: Namespace) -> None:
     """Write the meshes of both bodies at position zero."""
     folder: Path = arguments.folder
-    check_outputs([], [("-o", folder, "both meshes")])
+    check_outputs([], [("-o", folder, "both meshes", ())])
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
     bodies = (folder / f"body_{z}.{arguments.format}" for z in (1, 2))
-    check_apart((("-o", path) for path in bodies), scene)
+    check_apart((Output("-o", path) for path in bodies), scene)
     from flankload.bodies.imported.body_file import write_body
     from flankload.mechanisms.registry import mechanism_of
     from flankload.studies.tolerance import first_scene
@@ -92,11 +99,11 @@ def mesh(arguments: Namespace) -> None:
 def compliance(arguments: Namespace) -> None:
     """Write body_1.npz and body_2.npz; everything is computed before the first is written."""
     folder: Path = arguments.folder
-    check_outputs([], [("-o", folder, "both files")])
+    check_outputs([], [("-o", folder, "both files", ())])
     from flankload.scene import read_scene
 
     scene = read_scene(arguments.scene)
-    check_apart((("-o", folder / f"body_{z}.npz") for z in (1, 2)), scene)
+    check_apart((Output("-o", folder / f"body_{z}.npz") for z in (1, 2)), scene)
     if not (scene.is_drive or scene.body_2.has_teeth):
         expected = "bodies with teeth: no scene could read the file of a cam"
         refuse("body_2.kind", expected, "'cam'", scene.file)

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.arguments import require
-from flankload.base.files import write_atomically
+from flankload.base.files import would_replace, write_atomically
 from flankload.errors import SceneError
 from flankload.mechanisms.registry import mechanism_of
 from flankload.meshes.io import vtu_of
 from flankload.result import PairTable, Result
 from flankload.scene import Scene, SceneLike, scene_of
+from flankload.scene.refusal import refuse
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
 
 #: Name of the collection in each folder.
 COLLECTION = "loaded_pair.pvd"
+#: Patterns of the names of all files, of one torque and of several.
+OF_TORQUE = ("body_[12]_*.vtu", "contacts_*.vtu", COLLECTION)
+NAMES = (*OF_TORQUE, *(f"torque_*_Nm/{name}" for name in OF_TORQUE))
 
 
 def write_vtu(
@@ -65,13 +69,17 @@ def write_vtu(
     InputError
         If the results are none.
     SceneError
-        If a position does not exist.
+        If a position does not exist, or a file that the scene reads would be replaced.
     """
     scene = scene_of(scene)
     fits = isinstance(results, Result | Sequence)
     require("results", results, "a Result or a sequence of them", fits=fits)
     several = tuple(results) if isinstance(results, Sequence) else results.by_torque
     chosen = checked_positions(several, positions)
+    for key, file in scene.files.items():
+        if would_replace(Path(folder), NAMES, file):
+            expected = f"a folder whose files do not replace {file} (that of {key})"
+            refuse("folder", expected, str(folder))
     reason = mechanism_of(scene).no_flanks_reason
     if reason is not None:
         return (f"no fields: the scene has {reason}",)

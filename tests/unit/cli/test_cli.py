@@ -413,6 +413,11 @@ def test_commands_for_plane_bodies_refuse_three_dimensions(
          "--json: expected a file other than that of --csv, found a"),
         (["accuracy", "--resume", "deck.inp"],
          "--resume: expected a file other than the scene, found deck.inp"),
+        (["run", "--vtu", "meshes/../links"],
+         ("--vtu: expected a folder whose files do not replace meshes/body_1.msh (that of "
+         "body_1.file), found meshes/../links")),
+        (["run", "--plot", "links"],
+         "--plot: expected a folder whose files do not replace deck.inp (the scene), found links"),
         (["mesh", "-o", "m.msh"],
          "-o: expected a folder for both meshes, such as m, found m.msh, the name of a file"),
         (["accuracy", "--plot", "p.svg"],
@@ -428,6 +433,9 @@ def test_output_does_not_replace_what_the_scene_reads(
     Path("meshes").mkdir()
     for name in ("body_1.msh", "body_2.npz"):
         (Path("meshes") / name).write_text("mine", encoding="utf-8")
+    Path("links").mkdir()
+    Path("links/transmission_error.png").symlink_to("../deck.inp")
+    Path("links/body_1_0000.vtu").symlink_to("../meshes/body_1.msh")
     Path("deck.inp").write_text(
         """
 [body_1]
@@ -452,7 +460,7 @@ torque_Nm = 302.0
     code, out, err = run(capsys, command, "deck.inp", *options)
     assert (code, out) == (2, "")
     assert one_line(err) == line
-    assert sorted(os.listdir()) == ["deck.inp", "meshes"]
+    assert sorted(os.listdir()) == ["deck.inp", "links", "meshes"]
 
 
 def test_outputs_may_go_to_one_device(

@@ -113,6 +113,22 @@ def test_options_that_cannot_be_met_are_refused_before_the_run(
     assert run(capsys, scene, *options) == (2, "", f"flankload: {line}\n")
 
 
+@pytest.mark.parametrize("option", ["--modelica", "--fmu"])
+def test_tables_without_stiffness_are_refused_before_the_run(
+    scene: Path, capsys: pytest.CaptureFixture[str], option: str
+) -> None:
+    """All other files were written first."""
+    text = scene.read_text(encoding="utf-8")
+    scene.write_text(text.replace("torque_Nm = 302", "torque_Nm = [0, 302]"), encoding="utf-8")
+    path = scene.parent / "a"
+    line = f"{scene}: load.torque_Nm: expected torques > 0, since {option} needs stiffness, found 0"
+    assert run(capsys, scene, option, path) == (2, "", f"flankload: {line}\n")
+    text = text.replace("[accuracy]", "[accuracy]\ntangents = false")
+    scene.write_text(text.replace("tangents = false\ntangents", "tangents"), encoding="utf-8")
+    line = f"{scene}: accuracy.tangents: expected true, since {option} needs tangent stiffness"
+    assert run(capsys, scene, option, path) == (2, "", f"flankload: {line}, found false\n")
+
+
 def test_a_workbook_without_its_package_is_refused(
     scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

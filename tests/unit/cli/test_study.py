@@ -259,3 +259,49 @@ def test_progress_has_rate_and_time_left() -> None:
         ("52 of 60 designs (2 from the store), 2.0/s", 52, 60, 4.0),
         ("53 of 60 designs (2 from the store), 3.0/min", 53, 60, 140.0),
     ]
+
+
+#: Starts a worker, prints its process id, and waits to be killed.
+PARENT = """
+import os, sys, time
+from argparse import Namespace
+from flankload.cli.designing import _executor
+if __name__ == "__main__":
+    with _executor(Namespace(scheduler=None, workers=1, processes=True)) as pool:
+        print(pool.submit(os.getpid).result(), flush=True)
+        time.sleep(60)
+"""
+
+
+def test_workers_end_with_a_parent_that_is_killed(tmp_path: Path) -> None:
+    """They waited for tasks for ever."""
+    program = tmp_path / "parent.py"
+    program.write_text(PARENT, encoding="utf-8")
+    parent = subprocess.Popen(
+        [sys.executable, str(program)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+    )
+    assert parent.stdout is not None
+    worker = int(parent.stdout.readline())
+    parent.kill()
+    # the worker holds this pipe as long as it lives
+    assert parent.stdout.read() == b""
+    parent.wait()
+    parent.stdout.close()
+    end = time.monotonic() + 10.0
+    while Path(f"/proc/{worker}").exists() and time.monotonic() < end:
+        time.sleep(0.02)
+    assert not Path(f"/proc/{worker}").exists() or "Z" in state_of(worker)
+
+
+def state_of(process: int) -> str:
+    return Path(f"/proc/{process}/stat").read_text(encoding="utf-8").split()[2]
+
+
+def test_an_output_does_not_replace_a_file_of_a_design(
+    study: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(study.parent)
+    edit(study, "body_1.profile_shift = 0.18", 'body_1.topography_file = "grid.csv"')
+    code, _, err = run(capsys, study, "-o", "grid.csv")
+    line = "-o: expected a file other than grid.csv of body_1.topography_file, found grid.csv"
+    assert (code, err) == (2, f"flankload: {line}\n")

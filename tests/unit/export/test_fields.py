@@ -269,3 +269,17 @@ def test_torques_that_differ_little_have_folders_of_their_own(tmp_path: Path) ->
     assert len(list(tmp_path.iterdir())) == 2
     with pytest.raises(fl.InputError, match=r"^results: expected a Result or a sequence"):
         fl.write_vtu(scene_of(), 3, tmp_path)  # type: ignore[arg-type]
+
+
+def test_fields_do_not_replace_what_the_scene_reads(tmp_path: Path) -> None:
+    """The mesh of the scene was replaced by the field of its first position."""
+    mesh = tmp_path / "body_1_0000.vtu"
+    body = {"kind": "mesh", "file": mesh.name, "teeth": 16, "reference_radius_mm": 33.8}
+    body |= {"flank_set": "FLANK", "fixed_set": "BORE"}
+    scene = fl.Scene.from_dict(
+        {**EXTERNAL, "body_1": body, "load": {"torque_Nm": 302.0}}, file=tmp_path / "a.toml"
+    )
+    line = f"folder: expected a folder whose files do not replace {mesh} \\(that of body_1.file\\)"
+    with pytest.raises(SceneError, match=line):
+        fl.write_vtu(scene, made_up_result(), tmp_path)
+    assert not list(tmp_path.iterdir())
