@@ -715,7 +715,7 @@ def test_a_run_that_has_changed_in_its_file_is_refused(kept: Path, tmp_path: Pat
     path, text = tmp_path / "runs.jsonl", kept.read_text(encoding="utf-8")
     at = text.rindex('"cpu_s":') + len('"cpu_s":')
     path.write_text(f"{text[:at]}9{text[at:]}", encoding="utf-8")
-    with pytest.raises(SceneError, match="--resume: expected .*, which is another one or damaged"):
+    with pytest.raises(SceneError, match=r"--resume: expected .*, which is another one or damaged"):
         accuracy(small(), budget_s=ENOUGH, resume=path)
 
 
