@@ -22,11 +22,9 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Material
 
 #: Degree of the quadrature; degree 6 changes the compliance of a gear by 1e-9.
-INTEGRATION_DEGREE = {"quad9": 4, "triangle6": 4, "quad4": 2, "triangle3": 1}
+INTEGRATION_DEGREE = {"quad9": 4, "triangle6": 4}
 #: The same for loads that are linear in the coordinates.
 LOAD_DEGREE = 6
-#: Index of the first mid-edge node of a cell, and of its centre.
-CORNERS = {"quad9": (4, 8), "triangle6": (3, 6)}
 #: Number of right-hand sides solved at once; all at once take twice the time (cache).
 BLOCK = 16
 #: Number of kept unknowns above which a second factorisation is cheaper than a solution for each.
@@ -54,7 +52,7 @@ def stiffness(nodes: Floats, cells: Cells, material: Material, plane: str) -> cs
     nodes : (N, 2) array
         mm; degree of freedom 2*node + component.
     cells : ((kind, (E, k) array), ...)
-        "quad9" or "triangle6" in meshio's node order, or "quad4" and "triangle3" (`linear_cells`);
+        "quad9" or "triangle6" in meshio's node order;
         blocks of both kinds may share nodes.
     plane : {"strain", "stress"}
     """
@@ -93,55 +91,14 @@ def assembled(values: Floats, rows: Numbers, columns: Numbers, shape: tuple[int,
     return coo_array((values, places), shape=shape).tocsc()
 
 
-def linear_cells(cells: Cells) -> Cells:
-    """Linear elements with the corners of quadratic ones."""
-    linear = {"quad9": "quad4", "triangle6": "triangle3"}
-    return tuple(
-        (linear[kind], connectivity[:, : CORNERS[kind][0]]) for kind, connectivity in cells
-    )
-
-
-def linear_edges(nodes: Floats, cells: Cells) -> csc_array:
-    """Map T (2N, 2N) from the displacements of corners to those of all nodes, for linear elements.
-
-    T' reduces the loads of all nodes to the corners. Columns of other nodes are empty.
-    """
-    rows, columns, parts = [], [], []
-    for kind, connectivity in cells:
-        corners, middles, *center = np.split(connectivity, CORNERS[kind], axis=1)
-        for own, ends in (
-            (corners, corners[:, :, None]),
-            (middles, np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)),
-            *((own, corners[:, None]) for own in center if own.size),
-        ):
-            shares = ends.shape[2]
-            rows.append(np.repeat(own.ravel(), shares))
-            columns.append(ends.ravel())
-            parts.append(np.full(ends.size, 1.0 / shares))
-    row, column, part = map(np.concatenate, (rows, columns, parts))
-    _, first = np.unique(row * len(nodes) + column, return_index=True)  # elements share edges
-    degrees = degrees_of(row[first]), degrees_of(column[first])
-    weights = np.repeat(part[first], 2)
-    return coo_array((weights, degrees), shape=(2 * len(nodes),) * 2).tocsc()
-
-
-def centrifugal_load(nodes: Floats, cells: Cells, *, lumped: bool = False) -> Floats:
+def centrifugal_load(nodes: Floats, cells: Cells) -> Floats:
     """Consistent nodal loads of a force per area equal to the coordinates.
 
     Integral of N_q x, (2N,), mm³; times density and the square of the speed, the centrifugal force
-    per mm of width. If lumped, equal parts of the force act on the corners of straight-sided
-    elements.
+    per mm of width.
     """
     loads = np.zeros_like(nodes)
     for kind, connectivity in cells:
-        if lumped:
-            corners = connectivity[:, : CORNERS[kind][0]]
-            place = nodes[corners]
-            x, y = np.moveaxis(place, 2, 0)
-            twice = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
-            each = (0.5 * np.abs(twice) / corners.shape[1])[:, None] * place.mean(axis=1)
-            np.add.at(loads, corners, each[:, None])
-            continue
         basis = block_basis(nodes, kind, connectivity, LOAD_DEGREE)
         force = basis.dx * basis.places  # (2, E, points)
         for value, node in zip(basis.values, connectivity.T, strict=True):
@@ -199,8 +156,6 @@ def _reference(kind: str, degree: int) -> tuple[Floats, Floats, Floats]:
     element = {
         "quad9": skfem.ElementQuad2,
         "triangle6": skfem.ElementTriP2,
-        "quad4": skfem.ElementQuad1,
-        "triangle3": skfem.ElementTriP1,
     }[kind]()
     points, weights = get_quadrature(element.refdom, degree)
     each = [element.lbasis(points, k) for k in range(len(element.doflocs))]

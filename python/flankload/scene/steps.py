@@ -1,7 +1,8 @@
 """Steps of the discretization, from coarse to fine: the one table of all coarser and finer runs.
 
-The plan of a run, the choice of effects, the first run of tolerance control, its refinements, the
-steps of an accuracy study and the reduced sweeps of an error estimate take their values from here.
+The plan of a run, the choice of effects, the first run of tolerance control, its refinements and
+the steps of an accuracy study take their values from here. The reduced sweeps of an error estimate
+have half of the run's own cells or slices (`Grid.coarser`, `Slices.coarser`), whatever those are.
 """
 
 from __future__ import annotations
@@ -67,6 +68,3 @@ STEPS = {
 }
 #: Cells in slices are fewer.
 STRIPS_IN_SLICES = (3.0, 6.0, 12.0, 24.0)
-#: Number of omitted modes in a reduced sweep: their terms alternate in size, and in places one of
-#: two vanishes.
-MODES_DROPPED = 2

@@ -16,7 +16,7 @@ from flankload.elasticity.compliance import (
 )
 from flankload.elasticity.compliance.loads import ModeLoads
 from flankload.elasticity.compliance.response import Job, of_whole
-from flankload.elasticity.finite_elements import centrifugal_load, stiffness
+from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.sector_closure import close_ring, condense
@@ -148,36 +148,6 @@ def test_compliances_of_one_job_are_those_of_their_own() -> None:
         np.testing.assert_allclose(
             found.expansion.strain, alone.expansion.strain, rtol=1e-9, atol=0
         )
-
-
-def test_linear_elements_take_a_quarter_and_are_some_percent_too_stiff() -> None:
-    body, fast = gear_body(16, 1.0), BodyLoad(speed_rad_per_s=500.0, density_Ns2_per_mm4=7.85e-9)
-    linear, quadratic = (
-        flank_compliances(
-            body, ((None, fast),), JobOptions(n_modes=3, plane="strain", friction=True, linear=each)
-        )[0]
-        for each in (True, False)
-    )
-    assert 3.5 < quadratic.job.degrees_of_freedom / linear.job.degrees_of_freedom < 4.5
-    # an even pressure on the tooth itself and on the next one
-    stiffer = linear.smooth[:2, 0, 0] / quadratic.smooth[:2, 0, 0]
-    assert np.all((stiffer > 0.97) & (stiffer < 1.0))
-    np.testing.assert_allclose(
-        linear.expansion.strain, quadratic.expansion.strain, rtol=0.01, atol=0
-    )
-    scale = np.abs(quadratic.tangential).max()
-    np.testing.assert_allclose(linear.tangential, quadratic.tangential, rtol=0, atol=0.05 * scale)
-
-
-def test_lumped_loads_pull_as_much_as_consistent_ones() -> None:
-    mesh = gear_body(16, 1.0).mesh
-    assert mesh is not None
-    lumped, consistent = (
-        centrifugal_load(mesh.nodes, mesh.cells, lumped=each).reshape(-1, 2)
-        for each in (True, False)
-    )
-    along = [(load * mesh.nodes).sum() for load in (lumped, consistent)]
-    np.testing.assert_allclose(along[0], along[1], rtol=0.01, atol=0)
 
 
 #: Each adds columns that only read: BLAS sums a product of more columns in another order.

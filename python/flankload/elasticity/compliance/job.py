@@ -31,8 +31,6 @@ from flankload.elasticity.compliance.turned import (
 from flankload.elasticity.fe_error import compliance_error
 from flankload.elasticity.finite_elements import (
     centrifugal_load,
-    linear_cells,
-    linear_edges,
     stiffness,
 )
 from flankload.elasticity.job_log import JobLog
@@ -73,8 +71,6 @@ class JobOptions:
         Points at which the stress is returned.
     estimate : bool
         The discretization error of the elements is estimated; with modes only.
-    linear : bool
-        Linear elements: a quarter of the unknowns, a few percent too stiff.
     """
 
     n_modes: int
@@ -85,7 +81,6 @@ class JobOptions:
     coast_flanks: bool = False
     fillets: RootFillets | None = None
     estimate: bool = False
-    linear: bool = False
 
 
 def flank_compliance(
@@ -166,7 +161,7 @@ def _prepared(
     matrix: csc_array | None,
 ) -> _Prepared:
     """Matrix, loads and readings of a job."""
-    plane, onto = options.plane, None
+    plane = options.plane
     assert body.mesh is not None
     mesh, nodes, cells = body.mesh, body.mesh.nodes, body.mesh.cells
 
@@ -176,27 +171,18 @@ def _prepared(
     log = JobLog(estimate=estimate if options.estimate and not options.nodal else None)
     loads = _loads(body, options)
     if matrix is None:
-        kept = linear_cells(cells) if options.linear else cells
-        matrix = stiffness(nodes, kept, body.material, plane)
-    if options.linear:
-        log.end_step("assembly")
-        onto = linear_edges(nodes, cells)
-        mesh = _of_corners(mesh, onto)
+        matrix = stiffness(nodes, cells, body.material, plane)
     log.account.workspace_bytes += _sparse_bytes(matrix)
-    load_vectors = {
-        body_load: _load_vectors(matrix, mesh, body_load, lumped=options.linear)
-        for _, body_load in variants
-    }
+    load_vectors = {body_load: _load_vectors(matrix, mesh, body_load) for _, body_load in variants}
     forces = [load for named in load_vectors.values() for load in named.values()]
     job = Job(
         body=body,
         matrix=matrix,
         loads=loads,
         friction=options.friction,
-        readings=_readings(body, options, matrix.shape[0], onto),
+        readings=_readings(body, options, matrix.shape[0]),
         forces=np.stack(forces, axis=1) if forces else None,
         log=log,
-        onto=onto,
     )
     return _Prepared(job, mesh, load_vectors)
 
@@ -210,9 +196,7 @@ def _loads(body: Body, options: JobOptions) -> ModeLoads | NodeLoads:
     return ModeLoads(body, count, options.plane, friction=options.friction)
 
 
-def _readings(
-    body: Body, options: JobOptions, size: int, onto: csc_array | None
-) -> Callable[[int], dict[str, Floats]]:
+def _readings(body: Body, options: JobOptions, size: int) -> Callable[[int], dict[str, Floats]]:
     """Columns for readings, by counter: root stress, tangential displacement of a sharp tip.
 
     Stress at a free surface is the strain along it times E, in plane strain E/(1 - nu²).
@@ -226,8 +210,7 @@ def _readings(
         if options.fillets is not None:
             found["stress_recoveries"] = modulus * options.fillets.columns(flank, size)
         if not options.nodal and has_turned_forces(body):
-            columns = turned_columns(body, flank)
-            found["corner_readings"] = columns if onto is None else onto.T @ columns
+            found["corner_readings"] = turned_columns(body, flank)
         return found
 
     return readings
@@ -280,8 +263,6 @@ def _load_vectors(
     matrix: csc_array,
     mesh: SectorMesh | WholeMesh,
     body_load: BodyLoad | None,
-    *,
-    lumped: bool = False,
 ) -> dict[str, Floats]:
     """Nodal loads (2N,) of a body load relative to the support, N per mm of width, by cause.
 
@@ -298,7 +279,7 @@ def _load_vectors(
         )
     if body_load.speed_rad_per_s > 0.0:
         pull = body_load.density_Ns2_per_mm4 * body_load.speed_rad_per_s**2
-        loads["speed"] = pull * centrifugal_load(mesh.nodes, mesh.cells, lumped=lumped)
+        loads["speed"] = pull * centrifugal_load(mesh.nodes, mesh.cells)
     return loads
 
 
@@ -330,16 +311,6 @@ def _flank_expansion(
     parts = {name: float(np.sum(evenly * shift)) / square for name, shift in shifts.items()}
     left = {name: shift - parts[name] * unit for name, shift in shifts.items()}
     return body_load.held_strain + sum(parts.values()), left
-
-
-def _of_corners(mesh: SectorMesh | WholeMesh, onto: csc_array) -> SectorMesh | WholeMesh:
-    """The mesh of linear elements, whose middle nodes are fixed."""
-    middles = np.flatnonzero(np.diff(onto.indptr)[::2] == 0)
-    fixed = np.union1d(mesh.fixed_nodes, middles)
-    if isinstance(mesh, WholeMesh):
-        return replace(mesh, fixed_nodes=fixed)
-    left, right = (side[~np.isin(side, middles)] for side in (mesh.left_nodes, mesh.right_nodes))
-    return replace(mesh, fixed_nodes=fixed, left_nodes=left, right_nodes=right)
 
 
 def _sparse_bytes(matrix: csc_array) -> int:

@@ -43,8 +43,6 @@ class Job:
         Index of a flank -> columns (2N, q) for further readings of the displacements, by counter.
     forces : (2N, k) array or None
         Vectors of body loads.
-    onto : (2N, 2N) csc_array or None
-        Map from the unknown displacements to those of all nodes, for linear elements.
     """
 
     body: Body
@@ -54,11 +52,6 @@ class Job:
     readings: Callable[[int], dict[str, Floats]]
     forces: Floats | None
     log: JobLog
-    onto: csc_array | None = None
-
-    def on_unknowns(self, columns: Floats) -> Floats:
-        """Nodal forces (2N, k), reduced to the unknown displacements."""
-        return columns if self.onto is None else self.onto.T @ columns
 
     def unit_loads(self, flank: SectorMesh | MeshedFlank) -> Floats:
         """Normal unit loads (2N, p) of a flank, with friction followed by tangential ones."""
@@ -109,7 +102,7 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
     log.end_step("factorisation")
     # a product for each kind of reading: the order of summation depends on the number of columns
     kinds = [
-        [_nonzero(job.on_unknowns(job.unit_loads(flank))[free])]
+        [_nonzero(job.unit_loads(flank)[free])]
         + [_nonzero(columns[free]) for columns in job.readings(i).values()]
         for i, flank in enumerate(mesh.flanks)
     ]
@@ -126,7 +119,7 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
     by_force = np.zeros((f, 0, p))
     if job.forces is not None:
         log.account.count(fe_load_cases_growth=job.forces.shape[1])
-        moved = solve(job.on_unknowns(job.forces)[free])
+        moved = solve(job.forces[free])
         by_force = np.array([moved[rows].T @ columns for (rows, columns), *_ in kinds])
     log.end_step("solution")
     return Response(
@@ -152,8 +145,7 @@ def of_sector(
         assert job.body.involute is not None
         normal, turn_rad = loads[:, : job.loads.count], job.body.involute.turn_rad
         columns, tooth = mirrored_loads(mesh, normal, turn_rad)
-        readings["coast_readings"] = job.on_unknowns(columns)
-    loads = job.on_unknowns(loads)
+        readings["coast_readings"] = columns
     log.end_step("assembly")
     readings |= job.readings(0)
     log.count_loads(loads.shape[1], friction=job.friction)
@@ -163,7 +155,7 @@ def of_sector(
         found[1] = (response, job.no_forces)
     else:
         if job.forces is not None:
-            readings["fe_load_cases_growth"] = job.on_unknowns(job.forces)
+            readings["fe_load_cases_growth"] = job.forces
         sector, free = condense(job.matrix, loads, mesh, readings, log)
         for number in dict.fromkeys(sectors):
             found[number] = _built(job, sector, mesh, number)
