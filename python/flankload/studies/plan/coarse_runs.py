@@ -13,7 +13,7 @@ import numpy as np
 from msgspec import structs
 
 from flankload.cost import Account, held_bytes
-from flankload.errors import FlankloadError
+from flankload.errors import FlankloadError, PremiseError
 from flankload.mechanisms import Earlier, Parts, mechanism_of, run_once
 from flankload.mechanisms.effect_size import States, size_of
 from flankload.mechanisms.premises import require_premises
@@ -131,8 +131,15 @@ class CoarseRuns:
         loaded = [torque for torque in scene.torques_Nm if torque > 0]
         torques = tuple(dict.fromkeys((min(loaded), max(loaded)))) if loaded else (0.0,)
         effects = structs.replace(run.effects, root_stress=False)
-        run = replace(run, load=structs.replace(run.load, torque_Nm=torques), effects=effects)
-        return run_once(run, earlier=Earlier(parts=self._parts, unloaded=unloaded))
+        torque_Nm = torques if scene.has_torque_list else torques[0]
+        run = replace(run, effects=effects)
+        few = replace(run, load=structs.replace(run.load, torque_Nm=torque_Nm))
+        earlier = Earlier(parts=self._parts, unloaded=unloaded)
+        try:
+            return run_once(few, earlier=earlier)
+        except PremiseError:
+            run_once(run, earlier=earlier)  # names the torque by its place among all
+            raise
 
     # --- sizes ------------------------------------------------------------------------------------
     def measured(self, names: tuple[str, ...] | None = None) -> dict[str, Measured]:
