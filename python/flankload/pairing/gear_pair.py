@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import acos, cos, degrees, hypot, pi, sqrt, tan
 from typing import TYPE_CHECKING
 
-from flankload.bodies.profile.involute import roll_of_involute_angle
+from flankload.base.involute import PITCH_TOLERANCE, roll_of_involute_angle
 from flankload.bodies.profile_deviation import deviation_at
 from flankload.errors import SceneError
 from flankload.pairing.interference import overlapping_flanks, root_contacts
@@ -31,9 +31,6 @@ ROUNDING_MM = 0.005
 #: Largest usual backlash on the working pitch circle: a clearance of any gear, mm, and that of its
 #: size, in base pitches. Standards for accurate and for coarse gears stay below half of it.
 USUAL_CLEARANCE_MM, USUAL_BACKLASH = 0.1, 0.05
-
-#: Largest relative difference of the base pitches of two gears that mesh.
-PITCH_TOLERANCE = 1e-6
 
 DISTANCE = "pair.center_distance_mm"
 

@@ -1,12 +1,12 @@
 """Conversion of plain dictionaries to tables by msgspec; the first faulty key is refused."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from fractions import Fraction
 from functools import cache
 from math import inf
 from types import UnionType
-from typing import Annotated, Any, NoReturn, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, NamedTuple, NoReturn, TypeVar, Union, get_args, get_origin
 
 import msgspec
 from msgspec import inspect, structs
@@ -36,36 +36,126 @@ OF_SOME_BODIES = {
 
 
 def read_table(form: type[T], table: object, key: str) -> T:
-    """Convert one table, a mapping from TOML or from a user's dictionary.
+    """Convert one table with the tables in it, a mapping from TOML or from a user's dictionary.
 
     `key` is the dotted path of the table; "" for the whole file.
 
     Raises
     ------
     SceneError
-        At the first key that is unknown, missing (with all other missing keys of the table), of a
-        wrong type or out of range.
+        At the first unknown key; without one, at the first missing key, with all other missing
+        ones; without one, at the first key of a wrong type or out of range.
     """
+    members = list(_members_of(form, table, key))
+    for member in members:
+        _check_known(member)
+    missing = {path: kind for member in members for path, kind in _missing(member)}
+    for path, kind in missing.items():
+        place = path.rpartition(".")[0]
+        more = [other.removeprefix(f"{place}.") for other in missing if other != path]
+        also = f" (also missing: {', '.join(more)})" if more else ""
+        refuse(path, kind + also, None)
+    return _converted(form, table, key)
+
+
+def _converted(form: type[T], table: object, key: str) -> T:
+    """Convert a table whose keys are known and complete."""
     if not isinstance(table, Mapping):
         refuse(key or "scene", "a table", shown(table))
     fields = fields_of(form)
+    return form(**{x: _read(fields[x].type, table[x], _path(key, x)) for x in fields if x in table})
+
+
+def _path(key: str, name: str) -> str:
+    return f"{key}.{name}" if key else name
+
+
+class _Member(NamedTuple):
+    """A table of a file.
+
+    Attributes
+    ----------
+    forms : tuple of Table types
+        Those between which the key `kind` chooses, or the only one.
+    form : Table type or None
+        None if there is no known kind.
+    """
+
+    forms: tuple[type[Table], ...]
+    form: type[Table] | None
+    given: Mapping[str, Any]
+    key: str
+
+
+def _members_of(form: type[Table], table: object, key: str) -> Iterator[_Member]:
+    """A table and all tables in it; required ones that are absent are empty."""
+    if not isinstance(table, Mapping):
+        return
+    yield _Member((form,), form, table, key)
+    for name, field in fields_of(form).items():
+        forms = _tables_of(field.type)
+        absent: dict[str, Any] | None = {} if name in _required_in(form, table) else None
+        value = table.get(name, absent)
+        if not forms or not isinstance(value, Mapping):
+            continue
+        chosen = [one for one in forms if one.__struct_config__.tag in (None, value.get("kind"))]
+        if chosen:
+            inner = list(_members_of(chosen[0], value, _path(key, name)))
+            yield inner[0]._replace(forms=forms)
+            yield from inner[1:]
+        else:
+            yield _Member(forms, None, value, _path(key, name))
+
+
+def _check_known(member: _Member) -> None:
+    """Refuse the first unknown key of a table; if another kind fits all keys, refuse the kind."""
+    if member.form is None:
+        return
+    known, given = _known(member.form), member.given
+    for name, value in given.items():
+        if name in known:
+            continue
+        for other in member.forms if not _is_complete(member.form, given) else ():
+            if _is_complete(other, given) and set(given) <= set(_known(other)):
+                expected = f"'{other.__struct_config__.tag}', which has all keys of this table"
+                kind = member.form.__struct_config__.tag
+                refuse(f"{member.key}.kind", expected, f"'{kind}', which has no {name}")
+        _refuse_unknown(str(name), value, known, member.key)
+
+
+def _is_complete(form: type[Table], given: Mapping[str, Any]) -> bool:
+    return set(_required_in(form, given)) <= set(given)
+
+
+def _known(form: type[Table]) -> list[str]:
+    """Keys of a table, `kind` included."""
     tag = form.__struct_config__.tag_field
-    for name in table:
-        if name not in fields and name != tag:
-            _refuse_unknown(str(name), table[name], [*fields, *([tag] if tag else [])], key)
-    values = {}
-    for name, field in fields.items():
-        path = f"{key}.{name}" if key else name
-        if name in table:
-            values[name] = _read(field.type, table[name], path)
-        elif is_required(field):
-            more = [
-                other for other in required_of(form) if key and other not in table and other != name
-            ]
-            expected = expected_of(inspect.type_info(field.type))
-            also = f" (also missing: {', '.join(more)})" if more else ""
-            refuse(path, expected + also, "nothing")
-    return form(**values)
+    return [*fields_of(form), *([tag] if tag else [])]
+
+
+def _missing(member: _Member) -> Iterator[tuple[str, str]]:
+    """Path and expected value of the missing keys of a table, but for tables of one form in it."""
+    form, given, key = member.form, member.given, member.key
+    if form is None:
+        tags = [str(other.__struct_config__.tag) for other in member.forms]
+        if "kind" not in given:
+            yield f"{key}.kind", " or ".join(f"'{tag}'" for tag in tags)
+        return
+    for name in _required_in(form, given):
+        kind = fields_of(form)[name].type
+        if name not in given and not _tables_of(kind):
+            yield _path(key, name), expected_of(inspect.type_info(kind))
+
+
+def _required_in(form: type[Table], given: Mapping[str, Any]) -> tuple[str, ...]:
+    """Required keys of a table that has the given ones."""
+    return required_of(form) + form.also_required(given)
+
+
+def _tables_of(kind: Any) -> tuple[type[Table], ...]:
+    """Forms of the tables that a value can be."""
+    members = _members(kind)
+    return tuple(part for part in members if isinstance(part, type) and issubclass(part, Table))
 
 
 @cache
@@ -116,9 +206,8 @@ def _refuse_unknown(name: str, value: object, known: list[str], key: str) -> NoR
 def _read(kind: Any, value: Any, key: str) -> Any:
     """Convert a value or a table to its annotated type."""
     value = _plain(value)
-    forms = [form for form in _members(kind) if isinstance(form, type) and issubclass(form, Table)]
-    if forms:
-        return read_table(_form_of(forms, value, key), value, key)
+    if forms := _tables_of(kind):
+        return _converted(_form_of(forms, value, key), value, key)
     if not _fits(kind, value):
         _refuse_value(kind, value, key)
     return msgspec.convert(value, kind)
@@ -132,7 +221,7 @@ def _members(kind: Any) -> list[Any]:
     return [member for member in members if member is not type(None)]
 
 
-def _form_of(forms: list[type[Table]], value: Any, key: str) -> type[Table]:
+def _form_of(forms: tuple[type[Table], ...], value: Any, key: str) -> type[Table]:
     """The type of table for the `kind` of a value."""
     tagged = {form.__struct_config__.tag: form for form in forms if form.__struct_config__.tag}
     if not tagged:

@@ -175,4 +175,6 @@ def _check_ring(ring: RingKeys, key: str) -> None:
         if getattr(ring, outer) <= getattr(ring, inner):
             expected = f"more than {key}.{inner} ({getattr(ring, inner):g}), since the teeth of "
             expected += f"a {ring.called} point inwards"
+            if inner == circles[0] and ring.called == "ring":
+                expected += " (kind = 'gear' for teeth that point outwards)"
             refuse(f"{key}.{outer}", expected, getattr(ring, outer))

@@ -240,7 +240,8 @@ def check_tip(
             if name in given:
                 refuse_absent(key, "tip_relief_um", "a number >= 0", name)
     elif start is None:
-        refuse_absent(key, "tip_relief_start_diameter_mm", "a number > 0", "tip_relief_um")
+        if body.tip_relief_um:  # a relief of 0 begins nowhere
+            refuse_absent(key, "tip_relief_start_diameter_mm", "a number > 0", "tip_relief_um")
     elif start <= body.tip_diameter_mm if inwards else start >= body.tip_diameter_mm:
         side = "more" if inwards else "less"
         expected = f"{side} than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})"
@@ -294,7 +295,7 @@ def _check_reliefs(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> No
     double = body.tip_relief_shape == "double_linear"
     for name in ("tip_relief_knee_um", "tip_relief_knee_diameter_mm"):
         value = getattr(body, name)
-        if double and value is None:
+        if double and body.tip_relief_um and value is None:
             refuse(f"{key}.{name}", f"a number, since {key}.tip_relief_shape is '{_DOUBLE}'", None)
         if not double and value is not None:
             refuse(f"{key}.{name}", f"nothing without {key}.tip_relief_shape = '{_DOUBLE}'", value)
@@ -302,5 +303,5 @@ def _check_reliefs(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> No
         for name in ("root_relief_start_diameter_mm", "root_relief_shape"):
             if name in given:
                 refuse_absent(key, "root_relief_um", "a number >= 0", name)
-    elif body.root_relief_start_diameter_mm is None:
+    elif body.root_relief_um and body.root_relief_start_diameter_mm is None:
         refuse_absent(key, "root_relief_start_diameter_mm", "a number > 0", "root_relief_um")

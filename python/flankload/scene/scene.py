@@ -11,7 +11,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 from msgspec.structs import replace
 
@@ -30,12 +30,14 @@ from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.effects.rules import check_effects
 from flankload.scene.form import read_table
 from flankload.scene.gear import Gear, Ring
+from flankload.scene.mates import check_base_pitches
 from flankload.scene.mesh import ComplianceBody, MeshBody
 from flankload.scene.pair import Load, Pair, Positions, check_partners
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.spline import SplineHub, SplineShaft
 from flankload.scene.table import Table, Text, about
 from flankload.scene.tree import scene_tree, toml_of, with_changes
+from flankload.scene.usual import with_questions
 
 #: N mm per N m.
 N_MM_PER_N_M = 1000.0
@@ -64,6 +66,17 @@ class SceneFile(Table, frozen=True, kw_only=True):
     effects: EffectsAsked = EffectsAsked()
     accuracy: Accuracy = Accuracy()
 
+    @classmethod
+    def also_required(cls, given: Mapping[str, Any]) -> tuple[str, ...]:
+        """The table [pair], except for chains and belts."""
+        for name, forms in (("body_1", Body1), ("body_2", Body2)):
+            body = given.get(name)
+            kind = body.get("kind") if isinstance(body, Mapping) else None
+            known = [form.__struct_config__.tag for form in get_args(forms) if not form.is_drive]
+            if kind not in known:
+                return ()
+        return ("pair",)
+
     def check(self, given: Mapping[str, Any]) -> None:
         """Check the rules between the tables; `given` is the scene as in the file.
 
@@ -76,6 +89,7 @@ class SceneFile(Table, frozen=True, kw_only=True):
         check_drive(self, given)
         if self.pair is not None:
             self.pair.check(self.body_1, self.body_2)
+        check_base_pitches(self.body_1, self.body_2)
         check_dimension(self, given)
         check_effects(self, given)
         self.positions.check(given.get("positions", {}))
@@ -301,9 +315,7 @@ class Scene(Card):
         path = Path(file) if file is not None else None
         try:
             asked = read_table(SceneFile, with_catalogue(d), "")
-            asked.body_1.check(d["body_1"], "body_1")
-            asked.body_2.check(d["body_2"], "body_2")
-            asked.check(d)
+            _check_all(asked, d)
             asked = _with_slices(_without_repetition(asked, d), d)
         except SceneError as error:
             raise (error if path is None else error.with_file(path)) from None
@@ -322,6 +334,16 @@ class Scene(Card):
                 f"{table}.{key}" for table in ("accuracy", "positions") for key in d.get(table, {})
             ),
         )
+
+
+def _check_all(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    """Check the rules of the bodies and between the tables; `given` is the scene as in the file."""
+    try:
+        asked.body_1.check(given["body_1"], "body_1")
+        asked.body_2.check(given["body_2"], "body_2")
+        asked.check(given)
+    except SceneError as error:
+        raise with_questions(error, asked) from None
 
 
 def _without_repetition(asked: SceneFile, given: Mapping[str, Any]) -> SceneFile:

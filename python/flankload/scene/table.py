@@ -1,9 +1,10 @@
 """Common parts of all tables of a scene file: number types, key metadata, keys of bodies."""
 
 from collections.abc import Mapping
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from msgspec import UNSET, Meta, Struct
+from msgspec import UNSET, Meta, Struct, StructMeta, structs
 
 #: Range of lengths, mm; far wider than that of real pairs. Beyond it, numbers overflow.
 SMALLEST_LENGTH, LARGEST_LENGTH = 1e-3, 1e5
@@ -93,7 +94,32 @@ PitchErrors = Annotated[
 ]
 
 
-class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class _TableType(StructMeta):
+    """Type of tables; wrong keyword arguments get an error that names all of them."""
+
+    if not TYPE_CHECKING:  # the arguments are those of the class
+
+        def __call__(self, *args: Any, **keys: Any) -> Any:
+            try:
+                return super().__call__(*args, **keys)
+            except TypeError as error:
+                raise TypeError(f"{self.__name__}: {_wrong(self, args, keys) or error}") from None
+
+
+def _wrong(form: Any, args: tuple[Any, ...], keys: Mapping[str, Any]) -> str:
+    """Unknown keyword arguments of a table; without one, the missing keys."""
+    known = form.__struct_fields__
+    for name in keys:
+        if name not in known:
+            near = get_close_matches(name, known, n=1, cutoff=0.6)
+            meant = f"did you mean {near[0]}?" if near else ", ".join(known)
+            return f"expected a known key ({meant}), found the unknown key {name!r}"
+    fields = [field for field in structs.fields(form) if field.name not in keys]
+    absent = [field.name for field in fields[len(args) :] if field.required]
+    return f"expected {', '.join(absent)}, found nothing" if absent else ""
+
+
+class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, metaclass=_TableType):
     """Base class of all tables.
 
     Attributes
@@ -103,6 +129,11 @@ class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """
 
     grouped: ClassVar[bool] = False
+
+    @classmethod
+    def also_required(cls, given: Mapping[str, Any]) -> tuple[str, ...]:
+        """Optional keys that are required in a table with the given keys."""
+        return ()
 
 
 class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):

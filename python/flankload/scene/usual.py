@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from msgspec import Struct
 
+from flankload.errors import SceneError
 from flankload.scene.catalogue import estimate_notes
 from flankload.scene.form import fields_of
 from flankload.scene.refusal import shown
 
 if TYPE_CHECKING:
-    from flankload.scene.scene import Scene
+    from flankload.scene.scene import Scene, SceneFile
     from flankload.scene.table import Table
 
 #: Factor between units of one quantity (um and mm, GPa and MPa), also squared (um and m).
@@ -54,7 +55,7 @@ class Usual(NamedTuple):
         return self._replace(high=max(self.low, min(self.high, self.per[1] * length_mm)))
 
 
-def questions(scene: Scene) -> dict[str, str]:
+def questions(scene: Scene | SceneFile) -> dict[str, str]:
     """Value and question for each key of a scene with an unusual value, by path of the key."""
     found = {
         path: f"{shown(value)}, {asked}"
@@ -71,6 +72,15 @@ def question_notes(scene: Scene) -> tuple[str, ...]:
     """Lines of text: questions about unusual values and notes about estimated ones."""
     asked = (f"{path} = {text}" for path, text in questions(scene).items())
     return (*asked, *estimate_notes(scene))
+
+
+def with_questions(error: SceneError, scene: Scene | SceneFile) -> SceneError:
+    """The error of an impossible scene with the questions about its unusual values."""
+    asked = [f"{key} = {text}" for key, text in questions(scene).items()]
+    if not asked:
+        return error
+    found = f"{error.found}; unusual: {', '.join(asked)}"
+    return SceneError(key=error.key, expected=error.expected, found=found, file=error.file)
 
 
 def question(value: float, usual: Usual) -> str | None:
@@ -92,13 +102,13 @@ def question(value: float, usual: Usual) -> str | None:
     return f"is that what you mean? ({known}{limit})"
 
 
-def _question_of_torque(scene: Scene) -> str | None:
+def _question_of_torque(scene: Scene | SceneFile) -> str | None:
     """Question about a torque that hardly loads teeth of this size."""
     body: Any = scene.body_1
-    torque = max(scene.torques_Nm)
+    torque = max(scene.load.torques_Nm)
     module = getattr(body.flank_keys[1], "module_mm", None)
     teeth = getattr(body, "number_of_teeth", 0)
-    if module is None or not teeth or torque == 0.0:
+    if scene.pair is None or module is None or not teeth or torque == 0.0:
         return None
     area_mm2 = scene.pair.face_width_mm * module
     per_torque = THOUSAND * 2.0 / (module * teeth * area_mm2 * body.young_modulus_MPa)
@@ -108,7 +118,7 @@ def _question_of_torque(scene: Scene) -> str | None:
     return f"{torque:g}, {question(torque, usual)}"
 
 
-def _numbers(table: Any, key: str, scene: Scene) -> Iterator[tuple[str, Any, Usual]]:
+def _numbers(table: Any, key: str, scene: Scene | SceneFile) -> Iterator[tuple[str, Any, Usual]]:
     """Path, value and usual range of each key that has one."""
     if not isinstance(table, Struct):
         return
@@ -121,7 +131,7 @@ def _numbers(table: Any, key: str, scene: Scene) -> Iterator[tuple[str, Any, Usu
             yield path, value, usual[name].at(_length(table, usual[name], scene))
 
 
-def _length(table: Any, usual: Usual, scene: Scene) -> float | None:
+def _length(table: Any, usual: Usual, scene: Scene | SceneFile) -> float | None:
     """Length to which a usual range refers; None for splines, whose crowning allows large tilts."""
     if usual.per is None or getattr(table, "conforms", False):
         return None

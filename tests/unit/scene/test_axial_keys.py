@@ -76,12 +76,16 @@ def test_a_scene_without_variation_along_the_axis_is_plane(changes: dict[str, An
 
 WHOLE = {"kind": "mesh", "file": "a.msh", "flank_sets": ["A", "B", "C"], "reference_radius_mm": 50}
 SECTOR = {"kind": "mesh", "file": "a.msh", "teeth": 24, "reference_radius_mm": 50.743}
-#: Its reference circle is that of the gears with a helix of 15 degrees.
+#: Its transverse section is that of the gears with a helix of 15 degrees.
 PROFILED = {
     "kind": "mesh",
     "file": "a.msh",
     "teeth": 24,
-    "profile": {"module_mm": 4.5 / float(np.cos(np.radians(15))), "tip_diameter_mm": 118.36},
+    "profile": {
+        "module_mm": 4.5 / float(np.cos(np.radians(15))),
+        "pressure_angle_deg": float(np.degrees(np.arctan(np.tan(np.pi / 9) / np.cos(np.pi / 12)))),
+        "tip_diameter_mm": 118.36,
+    },
 }
 
 

@@ -122,7 +122,10 @@ from tests.support.gear_scenes import MESH, PROFILE, RING, changed, one_line, re
         (
             {"body_2": {**RING, "root_diameter_mm": 260}},
             "body_2.root_diameter_mm",
-            "more than body_2.tip_diameter_mm (262), since the teeth of a ring point inwards",
+            (
+                "more than body_2.tip_diameter_mm (262), since the teeth of a ring point inwards "
+                "(kind = 'gear' for teeth that point outwards)"
+            ),
             "260.0",
         ),
         (
@@ -153,6 +156,12 @@ from tests.support.gear_scenes import MESH, PROFILE, RING, changed, one_line, re
             "body_2.bore_diameter_mm",
             "a known key (did you mean outer_diameter_mm?)",
             "the unknown key 'bore_diameter_mm'",
+        ),
+        (
+            {"body_2__kind": "ring"},
+            "body_2.kind",
+            "'gear', which has all keys of this table",
+            "'ring', which has no bore_diameter_mm",
         ),
         (
             {"body_2": {**RING, "pitch_errors_um": [1]}},
@@ -195,4 +204,7 @@ def test_impossible_body_gets_one_line(
     ],
 )
 def test_nonsense_of_the_right_type_is_refused(changes: dict[str, Any], line: str) -> None:
-    assert str(refusal(changed(**changes))) == f"a.toml: {line}"
+    found, _, unusual = str(refusal(changed(**changes))).partition("; unusual: ")
+    assert found == f"a.toml: {line}"
+    assert unusual.startswith(f"{next(iter(changes)).replace('__', '.')} = ")
+    assert ", did you mean " in unusual

@@ -4,9 +4,9 @@ from typing import Any, get_args, get_type_hints
 
 import pytest
 
-from flankload.scene import Gear
+from flankload.scene import Gear, Scene
 from flankload.scene.table import RELIEF_EXPONENTS
-from tests.support.gear_scenes import one_line
+from tests.support.gear_scenes import changed, one_line
 
 DOUBLE = {
     "body_1__tip_relief_um": 20.0,
@@ -66,6 +66,19 @@ def test_contradicting_keys_get_one_line(
     changes: dict[str, Any], key: str, expected: str, found: str
 ) -> None:
     one_line(changes, key, expected, found)
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"tip_relief_um": 0},
+        {"root_relief_um": 0.0},
+        {"tip_relief_um": 0, "tip_relief_shape": "double_linear"},
+    ],
+)
+def test_a_relief_of_0_begins_nowhere(keys: dict[str, Any]) -> None:
+    """Regression: a study from 0 to 30 um needed a start for its first design."""
+    Scene.from_dict(changed(**{f"body_1__{key}": value for key, value in keys.items()}))
 
 
 @pytest.mark.parametrize("key", ["tip_relief_shape", "root_relief_shape", "end_relief_shape"])

@@ -21,6 +21,7 @@ KINDS_1 = (
     "'gear' or 'spline_shaft' or 'follower' or 'sprocket' or 'pulley' or 'mesh' or 'compliance'"
 )
 
+KINDS_2 = "'gear' or 'ring' or 'spline_hub' or 'cam' or 'chain' or 'belt' or 'mesh' or 'compliance'"
 TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+12"
 
 
@@ -78,15 +79,30 @@ TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+
             "nothing",
         ),
         (
-            {"body_2": ABSENT},
-            "body_2",
-            "a table",
+            {"body_2": ABSENT, "load": ABSENT},
+            "body_2.kind",
+            f"{KINDS_2} (also missing: load.torque_Nm)",
             "nothing",
         ),
         (
             {"pair": ABSENT},
-            "pair",
-            "a table",
+            "pair.face_width_mm",
+            "a number from 0.001 to 100000",
+            "nothing",
+        ),
+        (
+            {
+                "body_1__teeth": ABSENT,
+                "body_1__module_mm": ABSENT,
+                "body_2__tip_diameter_mm": ABSENT,
+                "pair": {},
+                "load": ABSENT,
+            },
+            "body_1.teeth",
+            (
+                "an integer from 3 to 10000 (also missing: module_mm, body_2.tip_diameter_mm, "
+                "pair.face_width_mm, load.torque_Nm)"
+            ),
             "nothing",
         ),
         (
@@ -261,6 +277,7 @@ TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+
                     "roller_diameter_mm": 8.5,
                     "wrap_angle_deg": 180,
                     "link_stiffness_N": 5e-324,
+                    "contact_stiffness_N_per_mm": 1e5,
                 }
             },
             "body_2.link_stiffness_N",

@@ -114,10 +114,23 @@ def test_errors_of_typed_pairs_name_the_key(changes: dict[str, Any], line: str) 
 
 
 def test_a_misspelt_keyword_is_refused_by_name() -> None:
-    with pytest.raises(TypeError, match="tooth"):
-        fl.Gear(**PINION, tooth=3)
-    with pytest.raises(TypeError, match="module_mm"):
+    with pytest.raises(TypeError) as caught:
+        fl.Gear(teth=3)
+    meant = "Gear: expected a known key (did you mean teeth?), found the unknown key 'teth'"
+    assert str(caught.value) == meant
+    with pytest.raises(TypeError, match=r"GearPair: .* \(did you mean torque_Nm\?\)"):
+        fl.GearPair(fl.Gear(**PINION), fl.Gear(**WHEEL), torque=3)
+
+
+def test_all_missing_keywords_are_named() -> None:
+    with pytest.raises(TypeError) as caught:
         fl.Gear(teeth=3)
+    missing = "module_mm, tip_diameter_mm, bore_diameter_mm"
+    assert str(caught.value) == f"Gear: expected {missing}, found nothing"
+    with pytest.raises(
+        TypeError, match="GearPair: expected face_width_mm, torque_Nm, found nothing"
+    ):
+        fl.GearPair(fl.Gear(**PINION), fl.Gear(**WHEEL))
 
 
 def test_the_number_of_positions_counts_as_set_even_at_its_default() -> None:

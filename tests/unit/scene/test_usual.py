@@ -84,7 +84,8 @@ def test_a_modification_too_large_for_module_or_width_is_asked_about(
     assert list(found) == [f"body_1.{key}"]
     assert "is that what you mean? (usual: " in found[f"body_1.{key}"]
     assert f" to {limit} " in found[f"body_1.{key}"]
-    larger = {"body_1__module_mm": 9.0, "body_1__tip_diameter_mm": 165, "pair__face_width_mm": 140}
+    larger = {f"body_{z}__module_mm": 9.0 for z in (1, 2)} | {"pair__face_width_mm": 140}
+    larger |= {f"body_{z}__tip_diameter_mm": 165 for z in (1, 2)}
     assert asked(**changes, **larger, load__torque_Nm=1e4) == {}
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from flankload.base.rotation import directions
 from flankload.bodies.plane import across
 from flankload.errors import SceneError
+from flankload.scene.form import fields_of
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
@@ -220,7 +221,7 @@ def basic_rack(
     """
     pressure_angle, module_mm = radians(spec.pressure_angle_deg), spec.module_mm
     dedendum_factor = spec.dedendum_factor
-    _check_tip(pressure_angle, dedendum_factor, spec.fillet_radius_factor, key)
+    _check_tip(spec, key)
     slant = tan(pressure_angle)
     rounding = spec.fillet_radius_factor * module_mm
     xi = -(dedendum_factor - profile_shift) * module_mm + rounding
@@ -256,17 +257,19 @@ def _protuberance(spec: Geometry | SplineShaft) -> tuple[float, float | None]:
     return amount - stock, radians(angle)
 
 
-def _check_tip(
-    pressure_angle_rad: float, dedendum_factor: float, fillet_radius_factor: float, key: str
-) -> None:
+def _check_tip(spec: Geometry | SplineShaft, key: str) -> None:
     """Check that the rack is not pointed and that its tip rounding fits."""
-    slant = tan(pressure_angle_rad)
+    angle, dedendum_factor = radians(spec.pressure_angle_deg), spec.dedendum_factor
+    slant = tan(angle)
     half_land = 0.25 * pi - dedendum_factor * slant
     if half_land <= 0.0:
         expected = f"less than {0.25 * pi / slant:.4f}, where the rack of this pressure angle "
         expected += "is pointed"
         refuse(f"{key}.dedendum_factor", expected, f"{dedendum_factor:g}")
-    largest = half_land * cos(pressure_angle_rad) / (1.0 - sin(pressure_angle_rad))
-    if fillet_radius_factor > largest:
-        expected = f"at most {largest:.6f}, the full rounding of a rack with this dedendum"
-        refuse(f"{key}.fillet_radius_factor", expected, f"{fillet_radius_factor:g}")
+    largest = half_land * cos(angle) / (1.0 - sin(angle))
+    name, factor = "fillet_radius_factor", spec.fillet_radius_factor
+    if factor > largest:
+        expected = f"at most {largest:.6f}, the full rounding of a rack with this dedendum and "
+        expected += f"pressure angle ({spec.pressure_angle_deg:g} deg)"
+        default = ", the default" if factor == fields_of(type(spec))[name].default else ""
+        refuse(f"{key}.{name}", expected, f"{factor:g}{default}")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
+from flankload.base.involute import involute_function, roll_of_involute_angle
 from flankload.bodies.bisection import sign_change
 from flankload.bodies.profile.basic_rack import BasicRack, basic_rack
 from flankload.bodies.profile.gear_tip import FormPoint, modifications_of
@@ -18,8 +19,6 @@ from flankload.bodies.profile.involute import (
     Involute,
     InvoluteFlank,
     Modifications,
-    involute_function,
-    roll_of_involute_angle,
 )
 from flankload.bodies.profile.tooth_profile import ToothProfile, profile_curve
 from flankload.bodies.profile.tooth_thickness import generating_shift

@@ -13,7 +13,7 @@ removed is a negative delta.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import atan, atan2, sqrt, tan
+from math import atan, atan2, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,25 +23,6 @@ from flankload.bodies.plane import across
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
-
-
-def involute_function(angle: float) -> float:
-    """Involute function: inv(angle) = tan(angle) - angle, rad."""
-    return tan(angle) - angle
-
-
-def roll_of_involute_angle(value: float) -> float:
-    """Roll parameter t >= 0 with t - atan(t) = value (inverse of the involute function)."""
-    roll = (3.0 * value) ** (1.0 / 3.0) if value < 1.8 else value + 1.5
-    for _ in range(60):
-        if roll == 0.0:
-            return 0.0
-        # Newton's method: d/dt (t - atan t) = t²/(1 + t²)
-        step = (roll - atan(roll) - value) * (1.0 + roll**2) / roll**2
-        roll -= step
-        if abs(step) <= 1e-15 * roll:
-            break
-    return roll
 
 
 @dataclass(frozen=True)

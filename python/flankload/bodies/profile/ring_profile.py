@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from flankload.base.involute import involute_function, roll_of_involute_angle
 from flankload.base.rotation import directions
 from flankload.bodies.bisection import sign_change
 from flankload.bodies.plane import circle
@@ -19,8 +20,6 @@ from flankload.bodies.profile.gear_tip import FormPoint, modifications_of
 from flankload.bodies.profile.involute import (
     Involute,
     InvoluteFlank,
-    involute_function,
-    roll_of_involute_angle,
 )
 from flankload.bodies.profile.tooth_profile import ToothProfile, profile_curve
 from flankload.bodies.profile.tooth_thickness import generating_shift

@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import acos, atan, cos, floor, pi, radians, sin, sqrt, tan
 from typing import TYPE_CHECKING, NamedTuple
 
-from flankload.bodies.profile.involute import involute_function, roll_of_involute_angle
+from flankload.base.involute import involute_function, roll_of_involute_angle
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:

@@ -19,6 +19,7 @@ from flankload.contact.flank_contact import FlankContact
 from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import no_compliance
 from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.mistakes import explained
 from flankload.mechanisms.flank_pair.positions import positions_of
 from flankload.mechanisms.parts import made_once
 from flankload.mechanisms.registry import require_flanks
@@ -130,6 +131,23 @@ def build_bodies(
     SceneError
         If a body cannot be made or the bodies cannot mesh; names file, key, expected and found.
     """
+    try:
+        return _paired(
+            scene, discretization=discretization, bodies=bodies, groups=groups, parts=parts
+        )
+    except SceneError as error:
+        raise explained(error, scene, _paired) from None
+
+
+def _paired(
+    scene: Scene,
+    *,
+    discretization: Discretization | None = None,
+    bodies: tuple[Body, Body] | None = None,
+    groups: tuple[int, int] = (1, 1),
+    parts: Parts | None = None,
+) -> BodyPair:
+    """As `build_bodies`, without a search for the mistake in an impossible scene."""
     discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
     one, two = bodies or bodies_of(scene, discretization, parts=parts)
     try:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.involute import involute_function
 from flankload.bodies.body import Roller
-from flankload.bodies.profile.involute import involute_function
 from flankload.bodies.profile.tooth_thickness import measurements
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.mechanisms.data_sheet import DataSheet, PathPoint, SheetRow
