@@ -64,7 +64,7 @@ BELT_POWERS: Mapping[str, Powers] = {"elements": {ELEMENTS: 0.75}}
 ELEMENTS_WORK: Powers = {ELEMENTS: -2.0, DEGREE: 2.0}
 STATES_WORK: Powers = {STRIPS: 1.0, SLICES: 2.0}
 #: The same of the seconds of a state: contacts are sought without cells.
-STATES_SECONDS: Powers = {STRIPS: 0.7, SLICES: 2.0}
+STATES_SECONDS: Powers = {STRIPS: 0.5, SLICES: 2.0}
 #: With finite influence coefficients: each two pairs have their own.
 FINITE_SECONDS: Powers = {STRIPS: 2.0}
 #: Order of the number of cells, and of the seconds of elements in their unknowns: between those of
