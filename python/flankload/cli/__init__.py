@@ -122,8 +122,15 @@ def _add(parser: Any, option: str, text: str, **options: Any) -> None:
     parser.add_argument(name, help=text, **(kinds | options))
 
 
+def _add_set(add: partial[None], words: str = "value of a key of the scene") -> None:
+    """Add the option that sets keys of the scene."""
+    text = f"{words}, by its path, as body_1.tip_relief_um=20 (nothing: no such key)"
+    add("--set KEY=VALUE", f"{text}; may be repeated", dest="settings", **REPEATED)
+
+
 def _add_run(commands: Any) -> None:
     add = _command(commands, "run", run, "solve a scene and print a table of the result")
+    _add_set(add)
     add("--json FILE", "write the result as JSON (- for stdout)")
     add("--csv FILE", "write the positions as CSV (- for stdout)")
     add(
@@ -168,10 +175,12 @@ def _add_report_and_plan(commands: Any) -> None:
     )
     add = _command(commands, "report", report, words)
     add("-o FILE", "page to write (- for stdout)", dest="output", required=True)
+    _add_set(add)
     add("--quiet", "print no progress and no file name")
 
     words = "print the effects that a run will include, with reason, cost and size"
     add = _command(commands, "plan", plan, words)
+    _add_set(add)
     add("--json", JSON_TABLE)
     add("--levels", "also try the model levels that are off")
     add("--dimension", "also try three dimensions of a plane scene")
@@ -179,11 +188,13 @@ def _add_report_and_plan(commands: Any) -> None:
 
 def _add_mesh_and_compliance(commands: Any) -> None:
     add = _command(commands, "mesh", mesh, "write the finite element meshes of both bodies")
+    _add_set(add)
     add("-o DIR", "output folder", dest="folder", required=True)
     add("--format", "default: msh", action="store", choices=("msh", "vtu", "inp"), default="msh")
 
     words = "write the flanks of both bodies and their compliance"
     add = _command(commands, "compliance", compliance, words)
+    _add_set(add)
     add("-o DIR", "output folder", dest="folder", required=True)
 
 
@@ -193,6 +204,7 @@ def _add_accuracy(commands: Any) -> None:
         "discretizations for errors of 1 %%, 0.1 %% and 0.01 %%"
     )
     add = _command(commands, "accuracy", accuracy, words)
+    _add_set(add)
     add("--budget S", "CPU seconds after which no further run starts; default: 60", default=60.0)
     add(
         "--quantities Q,…",
@@ -231,6 +243,7 @@ def _add_study(commands: Any) -> None:
 def _add_verify(commands: Any) -> None:
     words = "compare one position with a nonlinear finite element solution (CalculiX)"
     add = _command(commands, "verify", verify, words)
+    _add_set(add)
     add("--position K", "index of the position; default: 0", type=int, default=0)
     add("-o DIR", "folder that keeps input deck and output", dest="folder")
     add("--no-run", "only write the input deck")
@@ -288,17 +301,13 @@ def _add_scene(commands: Any) -> None:
         action="store",
         choices=("left", "right"),
     )
-    add(
-        "--set KEY=VALUE",
-        "value of a key of the scene, in place of that of the model; may be repeated",
-        dest="settings",
-        **REPEATED,
-    )
+    _add_set(add, "value of a key of the scene, in place of that of the model")
 
 
 def _add_check_and_schema(commands: Any) -> None:
     words = "validate a scene or a mesh file and print how it is interpreted"
-    _command(commands, "check", check, words, ("FILE", "scene (.toml) or mesh file"))
+    add = _command(commands, "check", check, words, ("FILE", "scene (.toml) or mesh file"))
+    _add_set(add)
 
     add = _command(commands, "schema", schema, "print the JSON schema of scene files", None)
     add("--paths", "print a line for each key instead: path, unit, range, meaning")

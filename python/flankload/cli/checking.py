@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
+from flankload.cli.outputs import refuse
+from flankload.cli.settings import settings_of
+
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Iterable
@@ -15,15 +18,20 @@ def check(arguments: Namespace) -> None:
     """Print the interpreted input; raise an error if it is invalid."""
     from flankload.meshes.io import is_mesh_name
 
-    (_check_mesh if is_mesh_name(arguments.file) else _check_scene)(arguments.file)
+    if not is_mesh_name(arguments.file):
+        _check_scene(arguments.file, arguments.settings)
+        return
+    if arguments.settings:
+        refuse("--set", "a scene, whose keys it sets", f"the mesh {arguments.file}")
+    _check_mesh(arguments.file)
 
 
-def _check_scene(path: Path) -> None:
+def _check_scene(path: Path, settings: Iterable[str]) -> None:
     from flankload.mechanisms.registry import mechanism_of
     from flankload.scene import read_scene
     from flankload.studies.tolerance import first_discretization, first_scene
 
-    scene = read_scene(path)
+    scene = read_scene(path, changes=settings_of(settings))
     picked = first_discretization(scene).tables()
     description = mechanism_of(scene).describe(first_scene(scene))
     print(f"{scene.name}: a valid scene")

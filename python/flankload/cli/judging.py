@@ -17,6 +17,7 @@ from flankload.cli.outputs import (
     write_text,
 )
 from flankload.cli.progress import Progress
+from flankload.cli.settings import scene_of
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -37,9 +38,7 @@ def accuracy(arguments: Namespace) -> None:
     if arguments.resume is not None:
         check_file("--resume", arguments.resume)
         places.append(Output("--resume", arguments.resume))
-    from flankload.scene import read_scene
-
-    scene = read_scene(arguments.scene)
+    scene = scene_of(arguments)
     check_apart(places, scene)
     from flankload.studies.accuracy import accuracy as study_of
 
@@ -70,10 +69,9 @@ def verify(arguments: Namespace) -> None:
     limit = arguments.time_limit
     if limit is not None and not (isfinite(limit) and limit > 0):
         refuse("--time-limit", "seconds > 0", f"{limit:g}")
-    from flankload.scene import read_scene
     from flankload.scene.effects import is_spatial
 
-    scene = read_scene(arguments.scene)
+    scene = scene_of(arguments)
     if arguments.dimension is not None:
         scene = scene.replace({"effects.dimension": arguments.dimension})
     fewest, elements = FEWEST_SOLID if is_spatial(scene).on else FEWEST, arguments.elements

@@ -16,6 +16,7 @@ from flankload.cli.result_files import (
     plot_options,
     write_files,
 )
+from flankload.cli.settings import scene_of
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -28,9 +29,7 @@ def run(arguments: Namespace) -> None:
     """Solve a scene; write and print the results."""
     options = plot_options(arguments)
     places = check_files(arguments, options["formats"])
-    from flankload.scene import read_scene
-
-    scene = read_scene(arguments.scene)
+    scene = scene_of(arguments)
     check_apart(places, scene)
     check_tables(arguments, scene)
     drawn = arguments.plot is not None or arguments.report is not None
@@ -62,9 +61,7 @@ def report(arguments: Namespace) -> None:
     """Solve a scene and write its report."""
     output: str = arguments.output
     places = check_outputs([("-o", output)])
-    from flankload.scene import read_scene
-
-    scene = read_scene(arguments.scene)
+    scene = scene_of(arguments)
     check_apart(places, scene)
     from flankload.report import scene_of_report
 
@@ -77,9 +74,7 @@ def report(arguments: Namespace) -> None:
 
 def plan(arguments: Namespace) -> None:
     """Print the effects of a run, their cost and their size."""
-    from flankload.scene import read_scene
-
-    scene = read_scene(arguments.scene)
+    scene = scene_of(arguments)
     from flankload.studies.plan import plan as plan_of
 
     found = plan_of(scene, levels=arguments.levels, dimension=arguments.dimension)

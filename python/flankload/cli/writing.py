@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import tomllib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flankload.cli.outputs import (
     STDOUT,
@@ -14,11 +13,11 @@ from flankload.cli.outputs import (
     say,
     write_text,
 )
+from flankload.cli.settings import scene_of, settings_of
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from argparse import Namespace
-    from collections.abc import Iterable
     from pathlib import Path
 
     from flankload.scene import Scene
@@ -30,7 +29,7 @@ def scene(arguments: Namespace) -> None:
     from flankload.exchange.rexs import Choices, read_model, scene_of_stage, stage_rows
     from flankload.mechanisms.registry import mechanism_of
 
-    settings = _settings(arguments.settings)
+    settings = settings_of(arguments.settings)
     if arguments.torque_Nm is not None:
         settings["load.torque_Nm"] = arguments.torque_Nm
     path: Path | None = arguments.output
@@ -56,27 +55,11 @@ def scene(arguments: Namespace) -> None:
         speak(line)
 
 
-def _settings(given: Iterable[str]) -> dict[str, Any]:
-    """Keys of a scene with their values, which are those of TOML or plain words."""
-    found: dict[str, Any] = {}
-    for text in given:
-        key, equals, value = text.partition("=")
-        if not (key and equals):
-            refuse("--set", "KEY=VALUE", text)
-        try:
-            found[key.strip()] = tomllib.loads(f"value = {value}")["value"]
-        except tomllib.TOMLDecodeError:
-            found[key.strip()] = value.strip()
-    return found
-
-
 def mesh(arguments: Namespace) -> None:
     """Write the meshes of both bodies at position zero."""
     folder: Path = arguments.folder
     check_outputs([], [("-o", folder, "both meshes", ())])
-    from flankload.scene import read_scene
-
-    scene = read_scene(arguments.scene)
+    scene = scene_of(arguments)
     bodies = (folder / f"body_{z}.{arguments.format}" for z in (1, 2))
     check_apart((Output("-o", path) for path in bodies), scene)
     from flankload.bodies.imported.body_file import write_body
@@ -100,9 +83,7 @@ def compliance(arguments: Namespace) -> None:
     """Write body_1.npz and body_2.npz; everything is computed before the first is written."""
     folder: Path = arguments.folder
     check_outputs([], [("-o", folder, "both files", ())])
-    from flankload.scene import read_scene
-
-    scene = read_scene(arguments.scene)
+    scene = scene_of(arguments)
     check_apart((Output("-o", folder / f"body_{z}.npz") for z in (1, 2)), scene)
     if not (scene.is_drive or scene.body_2.has_teeth):
         expected = "bodies with teeth: no scene could read the file of a cam"

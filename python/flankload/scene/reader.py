@@ -11,7 +11,9 @@ from typing import Any
 from flankload.base.arguments import refuse_argument, require
 from flankload.base.files import read_file
 from flankload.errors import SceneError, reason_of
+from flankload.scene.refusal import in_file
 from flankload.scene.scene import Scene
+from flankload.scene.tree import with_changes
 from flankload.scene.typed_pairs import AsScene
 
 #: Forms of a scene that the public functions accept.
@@ -43,13 +45,16 @@ def scene_of(given: object) -> Scene:
     return Scene.from_dict(given)
 
 
-def read_scene(path: str | PathLike[str]) -> Scene:
+def read_scene(path: str | PathLike[str], *, changes: Mapping[str, Any] | None = None) -> Scene:
     """Read a scene file.
 
     Parameters
     ----------
     path : path
         TOML file; paths of mesh files in it are relative to its folder.
+    changes : mapping of str to object, optional
+        Keys in place of those of the file, by path, as `Scene.replace` takes them. The file alone
+        need not be a valid scene.
 
     Returns
     -------
@@ -62,7 +67,9 @@ def read_scene(path: str | PathLike[str]) -> Scene:
     """
     require("path", path, "the path of a scene file", fits=isinstance(path, str | PathLike))
     path = Path(path)
-    return Scene.from_dict(read_tables(path, "a scene file"), file=path)
+    with in_file(path):
+        tree = with_changes(read_tables(path, "a scene file"), changes or {})
+    return Scene.from_dict(tree, file=path)
 
 
 def read_tables(path: Path, kind: str) -> dict[str, Any]:

@@ -129,7 +129,7 @@ def test_other_pairs_know_no_slack_strand() -> None:
         with pytest.raises(fl.SceneError, match="large_displacement: expected nothing, unless"):
             fl.Scene.from_dict(gear)
     del gear["effects"], gear["pair"]
-    with pytest.raises(fl.SceneError, match="pair.face_width_mm: expected a number"):
+    with pytest.raises(fl.SceneError, match=r"pair\.face_width_mm: expected a number"):
         fl.Scene.from_dict(gear)
 
 
