@@ -42,38 +42,38 @@ module flankload_status
         & status_type(status_degenerate, &
         & 'solved; degenerate: a pair has neither force nor gap'), &
         & status_type(status_not_unique, &
-        & 'solved; it is not certain that no other state exists'), &
-        & status_type(no_contact_state, 'no state of contact holds these loads'), &
-        & status_type(pivot_limit, 'the contact loop used up its pivots'), &
+        & 'solved; its uniqueness could not be proven'), &
+        & status_type(no_contact_state, 'no contact state is in equilibrium with these loads'), &
+        & status_type(pivot_limit, 'the contact loop reached its limit of pivots'), &
         & status_type(singular_contact, &
-        & 'no pair holds a motion, or the pairs in contact depend on each other'), &
-        & status_type(invalid_input, 'numbers that do not make a contact problem'), &
+        & 'no pair restrains a motion, or the pairs in contact are linearly dependent'), &
+        & status_type(invalid_input, 'numbers that do not define a contact problem'), &
         & status_type(invalid_scale, &
         & 'a diagonal or row scale that is not positive, or no lever for the torque'), &
-        & status_type(negative_force, 'the final state of the growing loop needs tension'), &
+        & status_type(negative_force, 'the final state of the growing loop needs a tensile force'), &
         & status_type(out_of_range, &
         & 'forces, gaps or motions beyond the range of the numbers in these units'), &
         & status_type(code_no_zone, &
         & 'no circle about O1 cuts two facing flanks: no flank can touch here'), &
         & status_type(code_too_many_zones, &
-        & 'more places of least gap than can be kept: the profiles are too wavy'), &
-        & status_type(code_unsettled_cells, 'the contact keeps reaching the end of its cells'), &
+        & 'more minima of the gap than can be stored: the profiles are too wavy'), &
+        & status_type(code_unsettled_cells, 'the contact reached the end of its cells repeatedly'), &
         & status_type(code_circle_misses, &
         & 'a circle about O1 misses the flank of body 2 inside the contact'), &
-        & status_type(code_no_room, 'no room any more for the pairs of this position'), &
+        & status_type(code_no_room, 'no space left for the pairs of this position'), &
         & status_type(code_stopped, 'stopped before it was solved'), &
         & status_type(code_conforms, &
         & 'lumped contact has no place of least gap where flanks conform'), &
         & status_type(code_unsettled_widths, &
         & 'the half-widths of the lumped contacts do not settle'), &
         & status_type(code_unsteady_points, &
-        & 'points not steadily outwards or inwards about O1, or a normal through O1'), &
+        & 'points whose distance from O1 is not monotonic, or a normal through O1'), &
         & status_type(code_forces_move, &
-        & 'finite forces and their influence numbers do not come to rest'), &
+        & 'the iteration of finite forces and influence coefficients did not converge'), &
         & status_type(code_only_ends, &
-        & 'flanks are nearest to each other at ends that are left out'), &
+        & 'flanks are nearest to each other at excluded ends'), &
         & status_type(code_not_in_slices, &
-        & 'slices: small forces on flanks with two ends')]
+        & 'slices require small forces and flanks with two ends')]
 
 contains
 

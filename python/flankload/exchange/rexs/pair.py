@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from flankload.exchange.rexs.source import Source, Stock
     from flankload.exchange.rexs.stages import Stage
 
-#: By so much may the distance of the gears' positions differ from the centre distance.
+#: Largest relative difference between the distance of the positions and the centre distance.
 SAME_DISTANCE = 1e-3
 #: Axial distances below this are rounding, mm.
 LEAST_OFFSET = 1e-6

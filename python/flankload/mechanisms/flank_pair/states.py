@@ -252,8 +252,8 @@ def incomplete_estimate_notes(pair: BodyPair, compliances: Compliances) -> tuple
         jumps = any(body.axial and body.axial.regions for body in pair.bodies)
         slower = ", slower where widths jump" * jumps
         note = (
-            "the error estimate does not contain the error of the degree of the displacements "
-            f"along the axis (accuracy.axial_degree{slower}) and of forces that turn at tip corners"
+            "not included in the estimated error: the polynomial degree along the axis "
+            f"(accuracy.axial_degree{slower}) and forces at tip corners"
         )
         return (note,)
     unknown = [
@@ -266,7 +266,7 @@ def incomplete_estimate_notes(pair: BodyPair, compliances: Compliances) -> tuple
     if not unknown:
         return ()
     note = (
-        "the error estimate does not contain what the elements behind the compliance of "
-        f"{' and '.join(unknown)} miss: its file does not tell"
+        "the error estimate omits the discretization error of the imported compliance of "
+        f"{' and '.join(unknown)}, which its file does not state"
     )
     return (note,)

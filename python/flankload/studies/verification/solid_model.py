@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 COARSE_PART = 5.0
 #: Growth of the sides per mm of distance, beside the contacts and far from them.
 GROWTH = 0.4
-#: Between these, in the loaded teeth and their roots, sides have this part of the flank's length
-#: and grow by this much per mm, up to so many lengths of the flank from the contacts.
+#: Middle zone (loaded teeth and their roots): edge length over flank length, growth per mm, distance
+#: from the contacts in flank lengths.
 MIDDLE_PART, MIDDLE_GROWTH, MIDDLE_REACH = 0.06, 0.12, 1.6
 #: Triangles have thin layers up to this distance from the contacts, as part of a flank's length.
 NEAR_PART = 0.6
@@ -43,9 +43,9 @@ NEAR_PART = 0.6
 TEETH_REACH, SAME_RADIUS = 3.0, 1e-6
 #: Flanks get a contact pair if their gap is below this multiple of the deflection.
 REACH = 1.5
-#: Layers over the common width per element on the half-width, and thick layers elsewhere.
+#: Layers over the common width per element on the half-width; number of thick layers elsewhere.
 LAYERS, THICK_LAYERS = 17.0, 2
-#: A contact line moves by at most so many elements across the flank within a layer.
+#: Largest movement of a contact line across the flank within a layer, in elements.
 ELEMENTS_PER_LAYER = 2.0
 
 
