@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.effect_size import Size
 
 #: The seconds of a run are within this factor of those predicted: 0.54 to 1.67 on the examples, in
-#: three rounds on a busy machine. The final number of adaptive positions is known to the same factor.
+#: three rounds on a busy machine. The final number of adaptive positions has the same factor.
 WITHIN, ADAPTIVE_WITHIN = 2.0, 2.0
 
 

@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 COARSE_PART = 5.0
 #: Growth of the sides per mm of distance, beside the contacts and far from them.
 GROWTH = 0.4
-#: Middle zone (loaded teeth and their roots): edge length over flank length, growth per mm, distance
-#: from the contacts in flank lengths.
+#: Middle zone (loaded teeth and their roots): edge length over flank length, growth per mm, and
+#: distance from the contacts in flank lengths.
 MIDDLE_PART, MIDDLE_GROWTH, MIDDLE_REACH = 0.06, 0.12, 1.6
 #: Triangles have thin layers up to this distance from the contacts, as part of a flank's length.
 NEAR_PART = 0.6
