@@ -50,14 +50,16 @@ module flankload_status
         & status_type(invalid_input, 'numbers that do not define a contact problem'), &
         & status_type(invalid_scale, &
         & 'a diagonal or row scale that is not positive, or no lever for the torque'), &
-        & status_type(negative_force, 'the final state of the growing loop needs a tensile force'), &
+        & status_type(negative_force, &
+        & 'the final state of the growing loop needs a tensile force'), &
         & status_type(out_of_range, &
         & 'forces, gaps or motions beyond the range of the numbers in these units'), &
         & status_type(code_no_zone, &
         & 'no circle about O1 cuts two facing flanks: no flank can touch here'), &
         & status_type(code_too_many_zones, &
         & 'more minima of the gap than can be stored: the profiles are too wavy'), &
-        & status_type(code_unsettled_cells, 'the contact reached the end of its cells repeatedly'), &
+        & status_type(code_unsettled_cells, &
+        & 'the contact reached the end of its cells repeatedly'), &
         & status_type(code_circle_misses, &
         & 'a circle about O1 misses the flank of body 2 inside the contact'), &
         & status_type(code_no_room, 'no space left for the pairs of this position'), &
