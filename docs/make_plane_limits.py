@@ -219,8 +219,8 @@ TEXT = """\
   to 15 times that of the helical pair.
 * Crowning and misalignment have no place in a plane model: its rotation is a third smaller, and its
   pressure and root stress are up to a fifth smaller.
-* K_Hβ is the largest line load of all flanks together over its mean; on a helical pair it includes
-  that two flanks share the load over a part of the width only. Bores are held over their width.
+* K_Hβ is the largest load over the face width, averaged over the mesh period, divided by its mean.
+  Bores are held over their width.
 * Contact is lumped in slices in three dimensions, and resolved by cells in the plane.
 """
 

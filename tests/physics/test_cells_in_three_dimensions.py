@@ -217,12 +217,8 @@ def test_a_contact_pattern_of_cells() -> None:
 def test_the_loaded_pair_shows_line_loads() -> None:
     """The cells of a slice are one band, with the line load of the slice."""
     cells = solve(HELICAL, **SLICED)
-    bands = next(
-        each
-        for axes in plot_loaded_pair(cells, 0).axes
-        for each in axes.collections
-        if isinstance(each, PolyCollection) and each.get_array() is not None
-    )
+    drawn = plot_loaded_pair(cells, 0).findobj(PolyCollection)
+    bands = next(each for each in drawn if each.get_array() is not None)
     loads = np.asarray(bands.get_array())
     wanted = cells.slice_line_load_N_per_mm[0]
     assert loads.size == (wanted > 0).sum()

@@ -85,7 +85,7 @@ def test_the_old_name_of_the_load_sharing_factor_is_accepted_with_a_warning() ->
 
 
 def test_estimated_errors_are_beside_the_factors_of_a_report() -> None:
-    estimate = {"face_load_factor": 0.02, "line_load_factor": 0.05, "line_load": 0.1}
+    estimate = {"face_load_factor": 0.02, "line_load_factor": 0.05, "peak_line_load": 0.1}
     found = replace(solved(), estimate=estimate)
     rows = {row.name: row for row in key_rows([found])}
     for name, error in (

@@ -12,7 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from flankload.analysis.load_factors import face_load_factor, line_load_factors
+from flankload.analysis.load_factors import (
+    face_load_factor,
+    largest_line_loads,
+    line_load_factors,
+)
 from flankload.analysis.tangent import LARGEST_KINK
 from flankload.base.rounding import TIE
 
@@ -24,7 +28,8 @@ if TYPE_CHECKING:
 #: Additional quantity if coast flanks can carry load.
 COAST = "coast_force"
 #: Additional quantities in three dimensions.
-LINE_LOAD, FACE_LOAD, LINE_FACTOR = "line_load", "face_load_factor", "line_load_factor"
+LINE_LOAD, PEAK_LINE = "line_load", "peak_line_load"
+FACE_LOAD, LINE_FACTOR = "face_load_factor", "line_load_factor"
 
 
 @dataclass(frozen=True)
@@ -79,9 +84,10 @@ NODES = Rule(0.5, 0.5, 0.5, 0.5)
 AXIAL = Rule(0.0, 1.0, 1.0, 1.0, 1.0)
 #: Half as many slices: 0.3 of the change of the rotation, 0.7 of that of peak pressures, at most 1.
 SLICES = Rule(0.0, 1.0, 1.0, 1.0, 1.0)
-#: Doubt of line loads and of load factors, relative to that of pressures. Line loads are largest
-#: where a contact ends, and change there with the first power of the slices' width.
-LINE_LOADS, LOAD_FACTORS = 1.5, 2.0
+#: Doubt of single line loads, and of the largest one and of load factors, relative to that of
+#: pressures. Line loads are largest where a contact ends, and change there with the first power of
+#: the slices' width.
+LINE_LOADS, LARGEST_LOADS = 1.5, 2.0
 #: Smoothed stresses give 0.5 to 1.0 of the error under pressures that the flank elements hardly
 #: resolve.
 ELEMENTS = Rule(-1.45, 1.0, 2.0, 1.0)
@@ -175,19 +181,20 @@ def remaining_errors(
 def _of_line_loads(
     rule: Rule, found: Sweep, base: Sweep, other: Sweep, weights: Floats
 ) -> dict[str, RemainingError]:
-    """Errors of the line loads, of the face load factor and of the line load factor."""
+    """Errors of single line loads, of the largest one, and of both load factors."""
     largest = float(np.max(_line_loads(found, found)))
     change = _line_loads(other, other) - _line_loads(base, other)
     change = change[..., _slices_around(found, other)]
     change = np.where(_slices(found).corner > 0, 0.0, change)
     errors = {LINE_LOAD: _at_each(_of_pressures(rule, LINE_LOADS), change, largest)}
-    for name, factor_of in (
+    for name, number_of in (
         (FACE_LOAD, lambda part: face_load_factor(part, weights)),
         (LINE_FACTOR, lambda part: float(line_load_factors(part).max())),
+        (PEAK_LINE, lambda part: float(largest_line_loads(part).max())),
     ):
-        one, two, three = (factor_of(part) for part in (found, base, other))
+        one, two, three = (number_of(part) for part in (found, base, other))
         change = np.array([three - two])
-        errors[name] = _at_each(_of_pressures(rule, LOAD_FACTORS), change, one)
+        errors[name] = _at_each(_of_pressures(rule, LARGEST_LOADS), change, one)
     return errors
 
 

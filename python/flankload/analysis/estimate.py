@@ -47,6 +47,7 @@ from flankload.analysis.error_rules import (
     MODES,
     MODES_WITH_IMAGES,
     NODES,
+    PEAK_LINE,
     SLICES,
     STRIPS,
     RemainingError,
@@ -79,7 +80,7 @@ OVERALL = (
     "stiffness_tangent",
 )
 #: … in three dimensions.
-OF_WIDTH = (LINE_LOAD, FACE_LOAD, LINE_FACTOR)
+OF_WIDTH = (LINE_LOAD, PEAK_LINE, FACE_LOAD, LINE_FACTOR)
 #: Number of omitted modes: their terms alternate in size, and in places one of two vanishes.
 MODES_DROPPED = 2
 #: Error of lumped contacts, with h/L the largest half-width over the length of the shorter flank:
@@ -100,6 +101,7 @@ SPREAD = {
     "load_share": 0.005,
     "peak_pressure": 0.01,
     LINE_LOAD: 0.08,
+    PEAK_LINE: 0.08,
     FACE_LOAD: 0.01,
     LINE_FACTOR: 0.01,
 }
@@ -109,6 +111,7 @@ LUMPED_IN_SLICES = {
     "transmission_error": 0.0025,
     "load_share": 0.006,
     LINE_LOAD: 0.08,
+    PEAK_LINE: 0.08,
     FACE_LOAD: 0.02,
     LINE_FACTOR: 0.05,
 }

@@ -1,4 +1,4 @@
-"""Load factors of a sweep in slices."""
+"""Line loads and load factors of a sweep in slices."""
 
 from __future__ import annotations
 
@@ -11,6 +11,13 @@ from flankload.result.slices import relative_line_loads, relative_mean_line_load
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.contact.sweep import Sweep
+
+
+def largest_line_loads(found: Sweep) -> Floats:
+    """(P,) Largest line load of any flank at each position, N/mm."""
+    slices = found.slices
+    assert slices is not None
+    return np.asarray((slices.force_N / np.diff(slices.edges_mm)).max(axis=(1, 2)))
 
 
 def line_load_factors(found: Sweep) -> Floats:

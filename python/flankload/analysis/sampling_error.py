@@ -17,10 +17,15 @@ import numpy as np
 from flankload.analysis.error_rules import (
     FACE_LOAD,
     LINE_FACTOR,
+    PEAK_LINE,
     RemainingError,
     mean_stiffness,
 )
-from flankload.analysis.load_factors import face_load_factor, line_load_factors
+from flankload.analysis.load_factors import (
+    face_load_factor,
+    largest_line_loads,
+    line_load_factors,
+)
 from flankload.result.position_order import order_of
 
 if TYPE_CHECKING:
@@ -50,18 +55,22 @@ HIDDEN, HIDDEN_ROTATION = 0.5, 0.06
 def of_positions(
     found: Sweep, window: Window, position_rad: Floats, *, adaptive: bool = False
 ) -> dict[str, RemainingError]:
-    """`between_positions`, in three dimensions also the errors of the load factors."""
+    """`between_positions`, in three dimensions also those of load factors and line load."""
     errors = between_positions(found, window, position_rad, adaptive=adaptive)
     if found.slices is not None and position_rad.size > 1:
-        factors = line_load_factors(found)
-        at = int(factors.argmax())
-        # beside a kink, the largest value may lie half the step to a neighbour above the sample
-        beside = [factors[at - 1], factors[(at + 1) % factors.size]]
-        errors[LINE_FACTOR] = RemainingError(0.0, 0.5 * float(1.0 - min(beside) / factors[at]))
+        errors[LINE_FACTOR] = _of_largest(line_load_factors(found))
+        errors[PEAK_LINE] = _of_largest(largest_line_loads(found))
         errors[FACE_LOAD] = _of_mean_load(found, window, position_rad)
         if found.slices.conforming:
             errors[FACE_LOAD] = errors[LINE_FACTOR]
     return errors
+
+
+def _of_largest(values: Floats) -> RemainingError:
+    """Error of the largest of the values: beside a kink it may lie half a step above the sample."""
+    at = int(values.argmax())
+    beside = min(values[at - 1], values[(at + 1) % values.size])
+    return RemainingError.relative(0.0, 0.5 * float(values[at] - beside), values[at])
 
 
 def _of_mean_load(found: Sweep, window: Window, position_rad: Floats) -> RemainingError:

@@ -105,7 +105,8 @@ def _command(
     file: tuple[str, str] | None = ("SCENE", "scene file (TOML)"),
 ) -> partial[None]:
     """Add a command that reads a file; return the function that adds its options."""
-    parser = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
+    escaped = text.replace("%", "%%")  # in the list of commands, not in the text of a single one
+    parser = commands.add_parser(name, help=escaped, description=f"{text[0].upper()}{text[1:]}.")
     if file is not None:
         key = "scene" if file[0] == "SCENE" else "file"
         parser.add_argument(key, metavar=file[0], type=Path, help=file[1])
@@ -201,15 +202,15 @@ def _add_mesh_and_compliance(commands: Any) -> None:
 def _add_accuracy(commands: Any) -> None:
     words = (
         "print error and CPU time for each discretization parameter, and the cheapest "
-        "discretizations for errors of 1 %%, 0.1 %% and 0.01 %%"
+        "discretizations for errors of 1 %, 0.1 % and 0.01 %"
     )
     add = _command(commands, "accuracy", accuracy, words)
     _add_set(add)
     add("--budget S", "CPU seconds after which no further run starts; default: 60", default=60.0)
     add(
         "--quantities Q,…",
-        "quantities to judge: transmission_error, load_share, peak_pressure, stiffness; "
-        "default: transmission_error,peak_pressure",
+        "quantities to judge: transmission_error, load_share, peak_pressure, stiffness, "
+        "face_load_factor; default: transmission_error,peak_pressure",
         default="transmission_error,peak_pressure",
     )
     add("--csv FILE", "write one line per run (- for stdout)")

@@ -124,18 +124,18 @@ def draw_line_load(axes: Axes, results: Results, *, position: int | None = None)
     mean = float(summed @ slices.width_mm / slices.width_mm.sum())
     dashes, words = (0, (4, 2)), f"mean {mean:.0f} N/mm"
     axes.axhline(mean, color=GREY, linewidth=1.0, linestyle=dashes, label=words)
-    title = f"at this position up to {slices.relative_line_load[p].max():.3f} times the mean"
+    title = f"at this position {slices.relative_line_load[p].max():.3f}"
     if result.position_rad.size > 1 and slices.directions is None:
         averaged = slices.weights @ slices.force_N.sum(axis=1) / slices.width_mm
         words = "all pairs, averaged over the mesh"
         axes.stairs(averaged, ends, color=GREY, linewidth=1.4, linestyle=(0, (1, 1)), label=words)
         factor = f"{slices.face_load_factor:.3f}{plus_minus(result, 'face_load_factor')}"
-        title = f"K_Hβ {factor} (load averaged over the mesh); {title}"
+        title += f", averaged over the mesh {factor} (K_Hβ)"
     axes.set_xlim(ends[0], ends[-1])
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("axial position z in mm")
     axes.set_ylabel("line load in N/mm")
-    legend_below(axes, ncols=2, title=title)
+    legend_below(axes, ncols=2, title=f"largest over mean: {title}")
 
 
 @picture(at_largest_line_load)
@@ -173,7 +173,7 @@ def draw_line_load_map(axes: Axes, results: Results) -> None:
     )
     label_way(axes, result)
     axes.set_ylabel("axial position z in mm")
-    most = f"{load.max():.0f}{plus_minus(result, 'line_load')}"
+    most = f"{load.max():.0f}{plus_minus(result, 'peak_line_load')}"
     axes.figure.colorbar(shown, ax=axes, label=f"line load in N/mm, up to {most}")
 
 

@@ -135,7 +135,7 @@ def _of_contact(results: Sequence[Result]) -> Iterator[Figure]:
     yield "largest pressure", "p_max", "MPa", pressure
     if results[0].engagement.has_pressures:
         key = "peak_line_load"
-        line_load = _entry(f"{key}_N_per_mm", ".1f", error="line_load", place=key, positive=True)
+        line_load = _entry(f"{key}_N_per_mm", ".1f", error=key, place=key, positive=True)
         yield "largest line load", "w_max", "N/mm", line_load
     else:
         force = _value(lambda one: float(one.site_force_N.max()), ".4g")

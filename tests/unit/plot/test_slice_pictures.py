@@ -121,14 +121,14 @@ def test_line_load_of_each_pair_and_of_all(result: fl.Result) -> None:
     averaged = lines["all pairs, averaged over the mesh"]
     np.testing.assert_allclose(averaged, load.sum(axis=1).mean(axis=0), rtol=1e-9)
     title = axes.get_legend().get_title().get_text()
-    assert f"K_Hβ {averaged.max() / averaged.mean():.3f} (" in title
-    assert f"up to {lines['all pairs'].max() / mean:.3f} times the mean" in title
+    factors = [f"{load.max() / load.mean():.3f}" for load in (lines["all pairs"], averaged)]
+    assert f"at this position {factors[0]}, averaged over the mesh {factors[1]} (K_Hβ)" in title
 
 
 def test_estimated_errors_are_beside_line_loads_and_their_factor(result: fl.Result) -> None:
-    known = replace(result, estimate={"face_load_factor": 0.0231, "line_load": 0.12})
+    known = replace(result, estimate={"face_load_factor": 0.0231, "peak_line_load": 0.12})
     title = plot_line_load(known).axes[0].get_legend().get_title().get_text()
-    assert f"K_Hβ {result.face_load_factor:.3f} ± 2.3 %" in title
+    assert f"{result.face_load_factor:.3f} ± 2.3 % (K_Hβ)" in title
     scale = plot_line_load_map(known).axes[1].get_ylabel()
     assert scale.endswith(f"up to {result.slice_line_load_N_per_mm.max():.0f} ± 12 %")
 
