@@ -3,7 +3,7 @@
 module flankload_contact_pairs
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: curve_length
-    use flankload_polar_geometry, only: angle_between, cross, turned
+    use flankload_polar_geometry, only: angle_between, cross, part_in_section, turned
     use flankload_circle_pair, only: facing_type, guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     use flankload_contact_reach, only: is_level
@@ -228,11 +228,13 @@ contains
         pairs%cell_1(i) = cell
         pairs%cell_2(i) = cell*abs(cross(pair%point_1, own(:, 1))/cross(pair%point_2, own(:, 2)))
         pairs%radius(i) = pair%radius
-        pairs%torque_lever(i) = lever_1*zone%cosine
+        ! the normal over the contact may have another lever, and so another inclination to the
+        ! section, than that at the least gap
+        pairs%torque_lever(i) = lever_1*part_in_section(zone%twist, lever_1)
         ! One lever for both bodies keeps K symmetric.
         pairs%lever(i) = zone%lever_share*lever_1 + (1.0_wp - zone%lever_share)*lever_2
         pairs%gap_angle(i) = pair%gap_angle - deviation/pairs%lever(i)
-        pairs%lever(i) = pairs%lever(i)*zone%cosine
+        pairs%lever(i) = pairs%lever(i)*part_in_section(zone%twist, pairs%lever(i))
         pairs%point(:, i) = pair%point_1
         pairs%normal(:, i) = normals(:, 1)
     end subroutine append_pair

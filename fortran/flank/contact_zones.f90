@@ -30,6 +30,8 @@ module flankload_contact_zones
         type(pair_type) :: nearest
         !> Lever arm of the contact normal about O1 [mm]
         real(wp) :: lever = 0.0_wp
+        !> Twist of the flanks [rad/mm]; 0 in plane problems
+        real(wp) :: twist = 0.0_wp
         !> Cosine of the angle between the normal and the transverse plane, and length of the
         !> contact line in the slice [mm]; both 1 in plane problems, whose forces are per face width
         real(wp) :: cosine = 1.0_wp, length = 1.0_wp

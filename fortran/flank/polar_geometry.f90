@@ -5,7 +5,7 @@ module flankload_polar_geometry
     implicit none
     private
 
-    public :: cross, angle_between, circle_meets_flank, turned
+    public :: cross, angle_between, circle_meets_flank, part_in_section, turned
 
     !> Limit of Newton steps; convergence is quadratic and takes 3 steps from a nearby point.
     integer, parameter :: newton_steps = 8
@@ -54,6 +54,21 @@ contains
 
         other = cos(angle)*vector + sin(angle)*[-vector(2), vector(1)]
     end function turned
+
+    !> Return the part of a unit normal that lies in the section of a helical flank.
+    !>
+    !> The flank contains the lines along which its points move with the helix, d/dz = twist e_z × P
+    !> + e_z: its normal is perpendicular to them, (n_t, -twist l)/sqrt(1 + (twist l)²) with the
+    !> lever l of the transverse normal n_t.
+    elemental function part_in_section(twist, lever) result(part)
+        !> Twist of the flank [rad/mm]
+        real(wp), intent(in) :: twist
+        !> Lever of the transverse normal [mm]
+        real(wp), intent(in) :: lever
+        real(wp) :: part
+
+        part = 1.0_wp/sqrt(1.0_wp + (twist*lever)**2)
+    end function part_in_section
 
     !> Find the intersection of a flank with a circle about O1 between two points of the flank.
     !>

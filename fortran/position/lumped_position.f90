@@ -215,8 +215,25 @@ contains
         call differentiate_levers(body_1, body_2, position, forces, system)
         call solve_pass(position, system, .false., forces, state, converged, error)
         if (allocated(error)) return
+        call balance(system%torque, system%places(system%of), state)
         call sum_up(position%zones(system%of), system%places(system%of), state)
     end subroutine finish
+
+    !> Add friction to the torque row of the pairs, and scale the forces so that they balance the
+    !> torque with these levers, which belong to the last evaluation of the contacts: forces have
+    !> changed since by no more than the tolerance.
+    pure subroutine balance(torque, places, state)
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> Lumped contacts, shape (n)
+        type(place_type), intent(in) :: places(:)
+        !> State
+        type(position_state), intent(inout) :: state
+
+        if (allocated(state%pairs%friction)) state%pairs%torque_lever = places%torque_lever &
+            & + state%pairs%friction*places%lever_along
+        state%forces = state%forces*(torque/dot_product(state%pairs%torque_lever, state%forces))
+    end subroutine balance
 
     !> Compute the derivatives of the levers with respect to the forces: the normal of a contact
     !> turns as the contact grows.
@@ -258,7 +275,7 @@ contains
         end do
     end subroutine differentiate_levers
 
-    !> Compute force, peak and loaded corner of each site, and add friction to the torque row.
+    !> Compute force, peak and loaded corner of each site.
     pure subroutine sum_up(zones, places, state)
         !> Zones considered, and their lumped contacts, shape (n)
         type(zone_type), intent(in) :: zones(:)
@@ -274,8 +291,6 @@ contains
         real(wp) :: beside
 
         do k = 1, size(zones)
-            if (allocated(state%pairs%friction)) state%pairs%torque_lever(k) = &
-                & places(k)%torque_lever + state%pairs%friction(k)*places(k)%lever_along
             associate (zone => zones(k), place => places(k))
                 site = zone%site
                 state%site_force(site) = state%site_force(site) + state%forces(k)

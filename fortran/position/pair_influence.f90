@@ -7,7 +7,7 @@ module flankload_pair_influence
     use flankload_contact_zones, only: zone_type
     use flankload_influence_coefficients, only: influence_matrix
     use flankload_lapack, only: set_product
-    use flankload_polar_geometry, only: cross
+    use flankload_polar_geometry, only: cross, part_in_section
     use flankload_position_zones, only: body_type
     use flankload_slice_coupling, only: segments_of, wrench_on
     use flankload_slice_field, only: middle_of
@@ -103,8 +103,8 @@ contains
             associate (zone => zones(pairs%zone(i)))
                 lever = cross(pairs%point(:, i), pairs%normal(:, i))
                 ! sign such that the lever about axis 1 is positive on all flanks
-                n = zone%cosine*[sign(1.0_wp, lever)*pairs%normal(:, i), &
-                    & -body_1%compliance%twist*abs(lever)]
+                n = part_in_section(zone%twist, lever)*[sign(1.0_wp, lever)*pairs%normal(:, i), &
+                    & -zone%twist*abs(lever)]
                 ! n is t rotated by +90 degrees
                 if (slides) n = [sign(1.0_wp, lever)*[pairs%normal(2, i), -pairs%normal(1, i)], &
                     & 0.0_wp]

@@ -9,6 +9,7 @@ module flankload_slice_coupling
     use flankload_contact_zones, only: zone_type
     use flankload_lumped_hertz, only: hertz_half_width, usual_half_width
     use flankload_near_field, only: new_image
+    use flankload_polar_geometry, only: part_in_section
     use flankload_position_zones, only: body_type, lever_share, position_type
     use flankload_slice_field, only: add_segment_field, flank_of, middle_of, segment_type, &
         & shaft_type, sliced_compliance, sliced_tangential, slices_type, tangential_field, width_of
@@ -69,8 +70,8 @@ contains
         n = size(position%zones)
         allocate (position%images(2, n))
         associate (zones => position%zones)
-            ! n = (cos b n_t, -twist l cos b) with the lever l of the transverse normal
-            zones%cosine = 1.0_wp/sqrt(1.0_wp + (body_1%compliance%twist*zones%lever)**2)
+            zones%twist = body_1%compliance%twist
+            zones%cosine = part_in_section(zones%twist, zones%lever)
             zones%length = width_of(body_1%slices, zones%site)/zones%cosine
             zones%lever = zones%lever*zones%cosine
             zones%curvature = zones%curvature*zones%cosine

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from flankload.errors import FlankloadError, SceneError
 from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.studies.tolerance import first_scene
+from tests.support.balance import imbalance
 from tests.support.finer_solutions import TooLongError, at_most
 from tests.support.spoiled_scenes import Tree, spoiled
 from tests.support.tally import Tally
@@ -19,9 +19,7 @@ from tests.support.tally import Tally
 #: A scene may ask for more than is worth waiting for: then it is no trial.
 MOST_CPU_S = 10.0
 #: Of the sum of the moments' sizes.
-BALANCE = 1e-9
-#: The same of slices, whose inclination to the section is that at the place of least gap.
-SLICE_BALANCE = 1e-5
+BALANCE = 1e-12
 #: One scene in so many is planned, too.
 PLANNED = 8
 #: The longest line that makes sense, but for names of files.
@@ -103,55 +101,6 @@ def faults_of(result: fl.Result) -> list[str]:
     if (np.abs(total[loaded] - 1) > BALANCE).any() or (total[~loaded] != 0).any():
         faults.append("load shares do not add up")
     off = imbalance(result)
-    if not off <= (BALANCE if result.slices is None else SLICE_BALANCE):
+    if not off <= BALANCE:
         faults.append(f"moments are off by {off:.2g}")
     return faults
-
-
-def imbalance(result: fl.Result) -> float:
-    """Largest sum of all moments on body 1 over the sum of their sizes.
-
-    The forces of a chain's rollers have directions of their own, which are not looked at.
-    """
-    torque = 1000 * result.torque_Nm
-    drive: Any = result.drive
-    if drive is not None:
-        if drive.name == "chain":
-            return 0.0
-        forces = np.column_stack([result.site_force_N, drive.land_friction_N])
-        parts = np.column_stack(
-            [forces * result.reference_radius_mm, -torque * np.ones(len(forces))]
-        )
-        sizes = np.maximum(np.abs(parts).sum(axis=1), np.finfo(float).tiny)
-        return float((np.abs(parts.sum(axis=1)) / sizes).max())
-    worst = 0.0
-    coast = () if result.coast is None else (result.coast.pair_tables,)
-    for tables in zip(result.pair_tables, *coast, strict=True):
-        moments = (
-            _moments(table, side, _twist(result))
-            for table, side in zip(tables, (1, -1), strict=False)
-        )
-        parts = np.concatenate([[-torque], *moments])
-        size = np.abs(parts).sum()
-        worst = max(worst, abs(parts.sum()) / size if size > 0 else 0.0)
-    return worst
-
-
-def _twist(result: fl.Result) -> float:
-    """Twist of body 1, rad/mm; 0 in a plane scene."""
-    slices = result.slices
-    return 0.0 if slices is None else slices.tangent_helix_base / result.reference_radius_mm
-
-
-def _moments(table: Any, side: int, twist: float) -> np.ndarray:
-    """Moments of normal and friction forces about the axis of body 1, N mm; side -1: coast flanks.
-
-    Arc length grows from root to tip on both sides of a tooth, friction is positive that way. On a
-    helix the normal of a flank leaves the plane of the section.
-    """
-    along = table.x_mm * table.normal_y - table.y_mm * table.normal_x
-    parts = [table.force_N * along / np.hypot(1.0, twist * along)]
-    if table.friction_force_N is not None:
-        across = table.x_mm * table.normal_x + table.y_mm * table.normal_y
-        parts.append(side * table.friction_force_N * across)
-    return np.concatenate(parts)

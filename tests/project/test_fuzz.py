@@ -10,6 +10,7 @@ import pytest
 import flankload as fl
 from tests.benchmarks import __main__ as benches
 from tests.benchmarks import _fuzz_meshes, _fuzz_scenes, _fuzz_writes, fuzz
+from tests.support.balance import imbalance
 from tests.support.made_up_result import made_up_result
 from tests.support.spoiled_scenes import bases, spoiled
 from tests.support.tally import Tally
@@ -62,7 +63,7 @@ def test_result_that_pulls_or_does_not_balance_is_wrong() -> None:
     force[0, 0] = -1.0
     assert "a force of -1 N" in _fuzz_scenes.faults_of(replace(result, site_force_N=force))
     # the forces of this result come from springs, not from its torque
-    assert _fuzz_scenes.imbalance(replace(result, torque_Nm=2 * result.torque_Nm)) > 1e-3
+    assert imbalance(replace(result, torque_Nm=2 * result.torque_Nm)) > 1e-3
 
 
 def test_seed_and_part_reach_the_fuzz(

@@ -97,11 +97,10 @@ def conforming_slices(contact: FlankContact) -> ConformingSlices:
 
 def _of_splines(contact: FlankContact) -> tuple[Pairing, Slices, CommonHeight, float]:
     """Pairing, slices, their common height and the lever arm of all normals."""
-    slices, base_mm = contact.slices, contact.bodies[0].base_radius_mm
+    slices = contact.slices
     assert slices is not None
     assert slices.conforming is not None
-    assert base_mm is not None
-    return contact.pairing, slices, slices.conforming, base_mm
+    return contact.pairing, slices, slices.conforming, slices.conforming.lever_mm
 
 
 def _gaps(contact: FlankContact) -> Floats:

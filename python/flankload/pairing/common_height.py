@@ -58,6 +58,12 @@ class CommonHeight:
         """Length of the common height along the profile."""
         return self.strip_mm * self.s_mm[0].size
 
+    @property
+    def lever_mm(self) -> float:
+        """Lever arm of the normals about the axis of the shaft: the base radius of the curve."""
+        (x, y), (normal_x, normal_y) = self.middle_mm, self.middle_normal
+        return float(x * normal_y - y * normal_x)
+
     def gap_mm(self, turn_rad: Floats, z_mm: Floats, spread: Floats) -> Floats:
         """Gap (S, J) by offset and tilt of the hub's axis, along the normals n of the shaft.
 

@@ -60,14 +60,21 @@ def corner_notes(pair: BodyPair, found: Sweep) -> Iterator[str]:
 
 
 def _places(found: Sweep, z: int) -> Iterator[tuple[int, float]]:
-    """Position, and place of the largest pressure, for contact on a corner of body z."""
+    """Position, and place of the largest pressure, for contact on a corner of body z.
+
+    In three dimensions, for each slice with such a contact.
+    """
     names = found.pairs.names
     place, force, cell = (names.index(name) for name in (f"s_{z + 1}", "force", "cell"))
-    for p, j in np.argwhere(found.site_corner == z + 1):
-        sites, table = found.pairs.at(int(p))
-        rows = table[sites == j]
-        if len(rows):
-            yield int(p), float(rows[np.argmax(rows[:, force] / rows[:, cell]), place])
+    corner = found.site_corner if found.slices is None else found.slices.corner
+    for p, *at in np.argwhere(corner == z + 1).tolist():
+        sites, table = found.pairs.at(p)
+        rows = sites == at[0]
+        if len(at) > 1:
+            rows &= found.pairs.slices_at(p) == at[1]
+        if rows.any():
+            loaded = table[rows]
+            yield p, float(loaded[np.argmax(loaded[:, force] / loaded[:, cell]), place])
 
 
 def _corner(body: Body, s: float) -> tuple[str, str]:

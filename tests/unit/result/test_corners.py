@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.gear_pair import ONE, TWO
 from tests.support.gear_scenes import changed
+from tests.support.helical_pairs import helical_pair, solved_helical
 from tests.support.paths import SCENES
 from tests.support.solving import solve
 
@@ -76,3 +79,24 @@ def test_meshes_name_no_key_that_they_do_not_have() -> None:
     assert len(said) == 2
     assert all("works on a sharp corner of its flank" in line for line in said)
     assert all(line.endswith("a rounding there avoids it") for line in said)
+
+
+def test_each_slice_names_its_corner() -> None:
+    """Regression: a flank with a kink in one slice and a tip in another named the one of the
+    slice with the larger pressure."""
+    keys: dict[str, Any] = {"shapes": ("kinks", "kinks"), "contact": "lumped"}
+    found = solved_helical("ring", 40.0, **keys)
+    curve = build_bodies(helical_pair("ring", 40.0, **keys)).body_2.curve
+    at = curve.breaks[curve.labels.index("relief")]
+    kinked = sum(
+        bool(
+            (np.abs(table.arc_length_2_mm - at) < 0.4 * table.cell_mm * 4 / np.pi)[
+                table.force_N > 0
+            ].any()
+        )
+        for table in found.pair_tables
+    )
+    assert kinked == 7
+    said = [line for line in found.warnings if "body_2 works on the kink" in line]
+    assert said
+    assert said[0].startswith("at 7 of 8 positions")
