@@ -52,8 +52,10 @@ def test_a_file_may_lack_what_is_set(tmp_path: Path, capsys: pytest.CaptureFixtu
     [
         (
             "load.torqe_Nm=3",
-            "FILE: load.torqe_Nm: expected a known key (did you mean torque_Nm?), found the "
-            "unknown key 'torqe_Nm'",
+            (
+                "FILE: load.torqe_Nm: expected a known key (did you mean torque_Nm?), found the "
+                "unknown key 'torqe_Nm'"
+            ),
         ),
         (
             "body_1.teeth=six",
